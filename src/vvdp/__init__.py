@@ -1,0 +1,3 @@
+"""vvdp: virtually variable displacement pumps and other digital hydraulics."""
+
+__version__ = "0.1.0"

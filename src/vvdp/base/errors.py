@@ -1,0 +1,43 @@
+"""Everything that vvdp refuses, as exceptions that a person can act on."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+class VvdpError(Exception):
+    """Base of all errors that are the user's to mend; the command line prints them without a traceback."""
+
+
+class ParameterError(VvdpError, ValueError):
+    """A value lies outside what its kind allows, or contradicts another value."""
+
+
+class RunError(VvdpError, RuntimeError):
+    """A simulation could not be carried to its end."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing wrong with a file: where it is, the key as the user wrote it, and what was expected."""
+
+    place: str
+    line: int
+    key: str
+    message: str
+
+    def __str__(self) -> str:
+        where = f"{self.place}:{self.line}" if self.line else self.place
+        return f"{where}: {self.key}: {self.message}" if self.key else f"{where}: {self.message}"
+
+
+class ConfigError(VvdpError, ValueError):
+    """A file or an option cannot be used; carries every fault that was found, not only the first."""
+
+    def __init__(self, faults: list[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in faults))
+
+
+def unusable(path: Path | str, message: str) -> ConfigError:
+    """A `ConfigError` about a file as a whole."""
+    return ConfigError([Fault(str(path), 0, "", message)])

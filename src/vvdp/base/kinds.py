@@ -1,0 +1,150 @@
+"""The kinds of quantity: SI unit, plausible range, and how a person writes one.
+
+A range says "plausible for hydraulics at all", not "right for this valve"; it is there to stop a slipped decimal or a
+forgotten conversion. `scale` is the size below which differences of a *state* of this kind no longer matter: the
+simulation's absolute tolerance is the relative one times it.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, TypeAlias
+
+from vvdp.base.signal import Signal
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Unit and plausible range of a quantity.
+
+    `units` lists the only units that a person may write, where conversion by dimension would be wrong or misleading.
+    `accumulates` marks a state that grows for as long as a run lasts (an angle, an energy): its error is judged
+    against `scale` alone.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    example: str
+    scale: float = 1.0
+    accumulates: bool = False
+    units: tuple[str, ...] = ()
+
+    @property
+    def shown(self) -> str:
+        """The unit in which a person is shown the value."""
+        return self.example.partition(" ")[2]
+
+    def fault(self, value: float) -> str | None:
+        """What is wrong with `value` [SI], or None."""
+        if self.low <= value <= self.high:  # False for nan too
+            return None
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if not math.isfinite(value):
+            return f"{value:g} is not a finite number; expected a {self.name}, for example {self.example!r}"
+        return f"{value:g}{unit} is outside {self.low:g} to {self.high:g}{unit} for a {self.name}"
+
+
+SPEED_UNITS = ("rpm", "rev/s", "rad/s", "deg/s")
+
+PRESSURE_LEVEL = Kind("pressure level", "Pa", 0.0, 1e9, "100 bar", scale=1e5)
+PRESSURE_DIFFERENCE = Kind("pressure difference", "Pa", 0.0, 1e9, "5 bar", scale=1e5)
+FLOW = Kind("volume flow", "m^3/s", -1.0, 1.0, "40 lpm", scale=1e-5)
+VOLUME = Kind("volume", "m^3", 0.0, 1.0, "12.7 cc", scale=1e-5)
+AREA = Kind("area", "m^2", 0.0, 1.0, "36.5 mm^2", scale=1e-6)
+LENGTH = Kind("length", "m", 0.0, 100.0, "12.7 mm", scale=1e-3)
+POSITION = Kind("position", "m", -10.0, 10.0, "10 mm", scale=1e-3)
+CLEARANCE = Kind("clearance", "m", 1e-7, 1e-3, "12.7 um")
+VELOCITY = Kind("velocity", "m/s", -100.0, 100.0, "0.1 m/s", scale=1e-2)
+MASS = Kind("mass", "kg", 0.0, 1e6, "0.5 kg")
+INERTIA = Kind("moment of inertia", "kg*m^2", 1e-9, 1e3, "4e-5 kg*m^2")
+FORCE = Kind("force", "N", -1e8, 1e8, "1000 N")
+STIFFNESS = Kind("stiffness", "N/m", 0.0, 1e12, "2.6 kN/m")
+VISCOUS_FRICTION = Kind("viscous friction coefficient", "N*s/m", 0.0, 1e8, "2000 N*s/m")
+ANGLE = Kind("angle", "rad", -1e9, 1e9, "90 deg", accumulates=True, units=("rad", "deg", "rev"))
+SPEED = Kind("rotational speed", "rad/s", -1e5, 1e5, "1800 rpm", units=SPEED_UNITS)
+FREQUENCY = Kind("frequency", "Hz", 0.0, 1e6, "72 Hz", units=("Hz", "kHz", "1/s"))
+TIME = Kind("time", "s", 0.0, 1e6, "10 ms")
+TEMPERATURE = Kind("temperature", "K", 223.15, 423.15, "40 degC", units=("degC", "K", "degF"))
+DENSITY = Kind("density", "kg/m^3", 500.0, 2000.0, "876 kg/m^3")
+KINEMATIC_VISCOSITY = Kind("kinematic viscosity", "m^2/s", 1e-7, 1e-1, "44.2 cSt")
+DYNAMIC_VISCOSITY = Kind("dynamic viscosity", "Pa*s", 1e-4, 1e2, "0.0387 Pa*s")
+THERMAL_EXPANSION = Kind("thermal expansion coefficient", "1/K", 0.0, 1e-2, "7e-4 1/K")
+# Far above any real oil on purpose: limit studies make the oil stiff to recover volume-counting formulas.
+BULK_MODULUS = Kind("bulk modulus", "Pa", 1e6, 1e13, "1.4 GPa")
+COMPLIANCE = Kind("elastic compliance", "1/Pa", 0.0, 1e-6, "3e-10 1/Pa")
+CONDUCTANCE = Kind("laminar conductance", "m^3/(s*Pa)", 0.0, 1e-6, "2e-12 m^3/(s*Pa)")
+DISPLACEMENT = Kind("displacement", "m^3/rad", 0.0, 1e-2, "22.8 cc/rev", units=("cc/rev", "cm^3/rev", "m^3/rad"))
+DISCHARGE_COEFFICIENT = Kind("discharge coefficient", "1", 0.3, 1.0, "0.61")
+AIR_FRACTION = Kind("volume fraction of free air", "1", 0.0, 0.5, "1 %")
+POLYTROPIC = Kind("polytropic exponent", "1", 1.0, 1.7, "1.4")
+FRACTION = Kind("fraction", "1", 0.0, 1.0, "0.5", scale=1e-2)
+DUTY_RATIO = Kind("duty ratio", "1", -1.0, 2.0, "0.5")
+COUNT = Kind("count", "1", 0.0, 1e6, "3")
+RATIO = Kind("ratio", "1", 0.0, 1e6, "1.0")
+POWER = Kind("power", "W", 0.0, 1e9, "5.6 kW")
+ENERGY = Kind("energy", "J", -1e12, 1e12, "10 J", scale=1.0, accumulates=True)
+TANK_VOLUME = Kind("volume at tank conditions", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)
+TORQUE = Kind("torque", "N*m", -1e6, 1e6, "1.5 N*m")
+FLOW_COEFFICIENT = Kind("flow coefficient", "m^3/(s*Pa^0.5)", 0.0, 1e-2, "1.2e-7 m^3/(s*Pa^0.5)")
+ENERGY_DENSITY = Kind("energy per volume", "J/m^3", -1e12, 1e12, "10 MJ/m^3", scale=1e5)
+PRESSURE_TIME = Kind("pressure over time", "Pa*s", -1e15, 1e15, "1 bar*s", accumulates=True)
+DURATION = Kind("duration", "s", -1e9, 1e9, "1 s", accumulates=True)
+COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
+
+Scalar: TypeAlias = float
+"""A float in formulas. Arrays of one shape and CasADi symbols pass through the same text."""
+
+Pressure = Annotated[float, PRESSURE_LEVEL]
+PressureDifference = Annotated[float, PRESSURE_DIFFERENCE]
+Flow = Annotated[float, FLOW]
+Volume = Annotated[float, VOLUME]
+Area = Annotated[float, AREA]
+Length = Annotated[float, LENGTH]
+Position = Annotated[float, POSITION]
+Clearance = Annotated[float, CLEARANCE]
+Velocity = Annotated[float, VELOCITY]
+Mass = Annotated[float, MASS]
+Inertia = Annotated[float, INERTIA]
+Force = Annotated[float, FORCE]
+Stiffness = Annotated[float, STIFFNESS]
+ViscousFriction = Annotated[float, VISCOUS_FRICTION]
+Angle = Annotated[float, ANGLE]
+Speed = Annotated[float, SPEED]
+Frequency = Annotated[float, FREQUENCY]
+Time = Annotated[float, TIME]
+Temperature = Annotated[float, TEMPERATURE]
+Density = Annotated[float, DENSITY]
+KinematicViscosity = Annotated[float, KINEMATIC_VISCOSITY]
+DynamicViscosity = Annotated[float, DYNAMIC_VISCOSITY]
+ThermalExpansion = Annotated[float, THERMAL_EXPANSION]
+BulkModulus = Annotated[float, BULK_MODULUS]
+Compliance = Annotated[float, COMPLIANCE]
+Conductance = Annotated[float, CONDUCTANCE]
+Displacement = Annotated[float, DISPLACEMENT]
+DischargeCoefficient = Annotated[float, DISCHARGE_COEFFICIENT]
+AirFraction = Annotated[float, AIR_FRACTION]
+Polytropic = Annotated[float, POLYTROPIC]
+Fraction = Annotated[float, FRACTION]
+DutyRatio = Annotated[float, DUTY_RATIO]
+Count = Annotated[float, COUNT]
+Ratio = Annotated[float, RATIO]
+Power = Annotated[float, POWER]
+Energy = Annotated[float, ENERGY]
+TankVolume = Annotated[float, TANK_VOLUME]
+Torque = Annotated[float, TORQUE]
+FlowCoefficient = Annotated[float, FLOW_COEFFICIENT]
+EnergyDensity = Annotated[float, ENERGY_DENSITY]
+PressureTime = Annotated[float, PRESSURE_TIME]
+Duration = Annotated[float, DURATION]
+Coupling = Annotated[float, COUPLING]
+
+PressureSignal = Annotated[Signal, PRESSURE_LEVEL]
+FlowSignal = Annotated[Signal, FLOW]
+AreaSignal = Annotated[Signal, AREA]
+PositionSignal = Annotated[Signal, POSITION]
+ForceSignal = Annotated[Signal, FORCE]
+SpeedSignal = Annotated[Signal, SPEED]
+TemperatureSignal = Annotated[Signal, TEMPERATURE]
+FractionSignal = Annotated[Signal, FRACTION]
+DutySignal = Annotated[Signal, DUTY_RATIO]

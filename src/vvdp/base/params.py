@@ -1,0 +1,49 @@
+"""Parameter classes: frozen, keyword-only, every field of a kind, every value checked when it is made."""
+
+import dataclasses
+from functools import cache
+from typing import Any, dataclass_transform, get_type_hints
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Kind
+from vvdp.base.signal import Signal
+
+
+@cache
+def field_kinds(cls: type) -> dict[str, Kind | None]:
+    """The kind of every annotated field of a class or NamedTuple; None for a nested one."""
+    hints = get_type_hints(cls, include_extras=True)
+    return {
+        name: next((k for k in getattr(hint, "__metadata__", ()) if isinstance(k, Kind)), None)
+        for name, hint in hints.items()
+    }
+
+
+@cache
+def field_types(cls: type) -> dict[str, Any]:
+    """The plain type of every annotated field of a class."""
+    return get_type_hints(cls)
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+class Params:
+    """Base of every parameter class. A subclass is made a frozen, keyword-only dataclass by being written down.
+
+    Raises `ParameterError` when a value lies outside the range of its kind.
+    """
+
+    def __init_subclass__(cls) -> None:
+        dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+
+    def __post_init__(self) -> None:
+        for name, kind in field_kinds(type(self)).items():
+            if kind is None:
+                continue
+            value = getattr(self, name)
+            for bound in value.extremes if isinstance(value, Signal) else (float(value),):
+                if fault := kind.fault(bound):
+                    raise ParameterError(f"{type(self).__name__}.{name}: {fault}")
+        self.check()
+
+    def check(self) -> None:
+        """Refuse values that contradict each other; a subclass overrides this where it has something to say."""

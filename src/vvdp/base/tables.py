@@ -1,0 +1,242 @@
+"""Parameter tables: TOML in which every value has a unit, a source and a status.
+
+    [pump]
+    displacement = { value = "22.8 cc/rev", status = "published", source = "wang2017", where = "section 2.2.2" }
+    speed = "1800 rpm"                       # a bare value is the user's own: status "given"
+
+All faults of a file are collected and reported together, each with its line.
+"""
+
+import dataclasses
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from vvdp.base import signal as signals
+from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
+from vvdp.base.kinds import TIME, FREQUENCY, ANGLE, Kind
+from vvdp.base.params import Params, field_kinds, field_types
+from vvdp.base.signal import Signal
+from vvdp.base.units import displayed, parsed
+
+STATUSES = ("measured", "published", "derived", "assumed", "given")
+ORIGIN = ("status", "source", "where", "note")
+LARGEST_FILE = 1_000_000
+
+T = TypeVar("T", bound=Params)
+
+
+@dataclasses.dataclass(frozen=True)
+class Sourced:
+    """One value of a table with its origin, as reports print it."""
+
+    table: str
+    key: str
+    value: float | Signal
+    kind: Kind
+    status: str
+    source: str
+    where: str
+    note: str
+
+    @property
+    def displayed(self) -> str:
+        """The value as a person reads it."""
+        if isinstance(self.value, float):
+            return displayed(self.value, self.kind)
+        return described(self.value, self.kind)
+
+
+@dataclasses.dataclass(frozen=True)
+class Table:
+    """The parsed content of a file (or of several joined), and where each key stands."""
+
+    place: str
+    content: Mapping[str, Any]
+    lines: Mapping[str, int]
+
+
+def read_table(path: Path) -> Table:
+    """The content of a TOML file. Raises ConfigError where the file cannot be read as one."""
+    try:
+        if path.is_dir():
+            raise unusable(path, "is a directory; expected a system file (TOML)")
+        if path.stat().st_size > LARGEST_FILE:
+            raise unusable(path, f"has {path.stat().st_size} bytes; a system file has at most {LARGEST_FILE}")
+        text = path.read_bytes().decode("utf-8")
+    except FileNotFoundError:
+        raise unusable(path, "no such file") from None
+    except OSError as problem:
+        raise unusable(path, f"cannot be read ({problem.strerror})") from None
+    except UnicodeDecodeError as problem:
+        raise unusable(path, f"is not UTF-8 text (byte {problem.start})") from None
+    return parsed_table(text, str(path))
+
+
+def parsed_table(text: str, place: str) -> Table:
+    """The content of TOML `text`; `place` names it in messages. Raises ConfigError."""
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        line = re.search(r"line (\d+)", str(problem))
+        raise ConfigError([Fault(place, int(line[1]) if line else 0, "", f"is not valid TOML: {problem}")]) from None
+    if not content:
+        raise unusable(place, "is empty; `vvdp new NAME --from prototype` writes a file to start from")
+    return Table(place, content, dict(_lines(text)))
+
+
+def _lines(text: str) -> Iterator[tuple[str, int]]:
+    """Dotted key and line number of every assignment and header; tomllib itself keeps no positions."""
+    header = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if match := re.match(r"\s*\[\s*([^\[\]]+?)\s*\]", line):
+            header = match[1]
+            yield header, number
+        elif match := re.match(r"\s*([A-Za-z0-9_.\-]+)\s*=", line):
+            yield f"{header}.{match[1]}" if header else match[1], number
+
+
+def with_settings(table: Table, settings: list[str]) -> Table:
+    """`table` with values replaced as on the command line: `pump.speed=1200 rpm`.
+
+    A value in braces is read as TOML (`pump.speed={step=["1200 rpm", "1800 rpm"], at="0.5 s"}`).
+    """
+    content = {key: dict(value) if isinstance(value, dict) else value for key, value in table.content.items()}
+    lines = dict(table.lines)
+    faults = []
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        key, text = key.strip(), text.strip()
+        parts = key.split(".")
+        if not equals or len(parts) != 2 or not all(parts) or not text:
+            faults.append(Fault("--set", 0, setting, 'expected table.key="value with unit"'))
+            continue
+        if text.startswith(("{", "[")):
+            try:
+                value = tomllib.loads(f"value = {text}")["value"]
+            except tomllib.TOMLDecodeError as problem:
+                faults.append(Fault("--set", 0, key, f"is not valid TOML: {problem}"))
+                continue
+        else:
+            value = text.strip("\"'")
+        inner = content.setdefault(parts[0], {})
+        if not isinstance(inner, dict):
+            faults.append(Fault("--set", 0, key, f"{parts[0]!r} is not a table"))
+            continue
+        inner[parts[1]] = value
+        lines[key] = 0
+    if faults:
+        raise ConfigError(faults)
+    return Table(table.place, content, lines)
+
+
+def build(cls: type[T], table: Mapping[str, Any], name: str, origin: Table, faults: list[Fault]) -> tuple[T | None, list[Sourced]]:
+    """The parameters of `cls` from one TOML table called `name`, and the origin of each value.
+
+    Faults are appended to `faults`; the parameters are None when there are any.
+    """
+    kinds, known = field_kinds(cls), field_types(cls)
+    before = len(faults)
+    for key in table:
+        if key not in kinds:
+            near = _nearest(key, list(kinds))
+            faults.append(_fault(origin, f"{name}.{key}", f"unknown key{near}"))
+    values: dict[str, Any] = {}
+    rows: list[Sourced] = []
+    for key, kind in kinds.items():
+        if key not in table:
+            example = f', for example "{kind.example}"' if kind else ""
+            faults.append(_fault(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
+            continue
+        if kind is None:
+            raise TypeError(f"{cls.__name__}.{key} has no kind")
+        row = _sourced(table[key], name, key, kind, known[key] is Signal, origin, faults)
+        if row is not None:
+            rows.append(row)
+            values[key] = row.value
+    if len(faults) > before:
+        return None, rows
+    try:
+        return cls(**values), rows
+    except ParameterError as problem:
+        faults.append(_fault(origin, name, str(problem)))
+        return None, rows
+
+
+def _sourced(entry: Any, name: str, key: str, kind: Kind, timed: bool, origin: Table, faults: list[Fault]) -> Sourced | None:
+    path = f"{name}.{key}"
+    fields = dict(entry) if isinstance(entry, Mapping) else {"value": entry}
+    text = {word: str(fields.pop(word, "")) for word in ORIGIN}
+    status = text["status"] or "given"
+    if status not in STATUSES:
+        faults.append(_fault(origin, path, f"status {status!r}; expected one of {', '.join(STATUSES)}"))
+        return None
+    try:
+        value: float | Signal
+        if timed:
+            value = _signal(fields, kind)
+        elif set(fields) == {"value"}:
+            value = parsed(fields["value"], kind)
+        else:
+            other = ", ".join(sorted(set(fields) - {"value"})) or "no value"
+            raise ParameterError(f"{other}; expected a value that does not change, for example {kind.example!r}")
+    except ParameterError as problem:
+        faults.append(_fault(origin, path, str(problem)))
+        return None
+    return Sourced(name, key, value, kind, status, text["source"], text["where"], text["note"])
+
+
+def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
+    """The signal that a TOML entry describes: `value`, `step`, `ramp`, `sine` or `table` with the words that go with it."""
+    match fields:
+        case {"value": value, **rest} if not rest:
+            return signals.constant(parsed(value, kind))
+        case {"step": [before, after], "at": at, **rest} if not rest:
+            return signals.step(parsed(before, kind), parsed(after, kind), parsed(at, TIME))
+        case {"ramp": [before, after], "from": begin, "to": end, **rest} if not rest:
+            t0, t1 = parsed(begin, TIME), parsed(end, TIME)
+            if t1 < t0:
+                raise ParameterError(f"the ramp ends at {t1:g} s, before it begins at {t0:g} s")
+            return signals.ramp(parsed(before, kind), parsed(after, kind), t0, t1)
+        case {"sine": mean, "amplitude": amplitude, "frequency": frequency, **rest} if set(rest) <= {"phase"}:
+            base = parsed(mean, kind)
+            # An amplitude is a difference: read it as a shift of the mean so that gauge and offset units cancel.
+            zero = parsed("0 " + str(amplitude).lstrip("+-0123456789.eE "), kind)
+            swing = parsed(amplitude, kind) - zero
+            return signals.sine(base, swing, parsed(frequency, FREQUENCY), parsed(rest.get("phase", "0 rad"), ANGLE))
+        case {"table": [*points], **rest} if not rest and points and all(isinstance(p, list) and len(p) == 2 for p in points):
+            times = [parsed(t, TIME) for t, _ in points]
+            try:
+                return signals.table(times, [parsed(v, kind) for _, v in points])
+            except ValueError as problem:
+                raise ParameterError(str(problem)) from None
+    raise ParameterError(
+        f"{', '.join(fields) or 'nothing'} given; expected {kind.example!r}, or one of {{step = [a, b], at = t}}, "
+        "{ramp = [a, b], from = t, to = t}, {sine = mean, amplitude = a, frequency = f}, {table = [[t, a], ...]}"
+    )
+
+
+def described(value: Signal, kind: Kind) -> str:
+    """A signal as a person reads it."""
+    if value.is_constant:
+        return displayed(value.base, kind)
+    low, high = value.extremes
+    corners = sorted({*value.start, *(a + d for a, d in zip(value.start, value.duration, strict=True))})
+    parts = [f"between {displayed(low, kind)} and {displayed(high, kind)}"]
+    if corners:
+        parts.append("corners at " + ", ".join(f"{t:g} s" for t in corners[:6]) + (" ..." if len(corners) > 6 else ""))
+    parts += [f"sine of {f:g} Hz" for f in value.frequency]
+    return ", ".join(parts)
+
+
+def _fault(origin: Table, path: str, message: str, key: str = "") -> Fault:
+    return Fault(origin.place, origin.lines.get(path, 0), key or path, message)
+
+
+def _nearest(word: str, known: list[str]) -> str:
+    import difflib
+
+    close = difflib.get_close_matches(word, known, 1)
+    return f"; did you mean {close[0]!r}?" if close else f"; expected one of {', '.join(sorted(known))}"

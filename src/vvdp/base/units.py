@@ -1,0 +1,105 @@
+"""The border: text with a unit to SI and back. Nowhere else does a unit other than SI exist.
+
+Pint does the arithmetic of units. What it would convert silently and wrongly for this field is refused here:
+a speed is never a frequency, a gauge level is never a difference, a bare number never has a unit guessed for it.
+"""
+
+import re
+from functools import cache
+from typing import Any
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+
+ATMOSPHERE = 101325.0
+"""Standard atmosphere [Pa]: what a gauge pressure in a file is counted from."""
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*\Z", re.DOTALL)
+_GAUGE_SUFFIX = {"barg": "bar", "psig": "psi"}
+_ABSOLUTE_SUFFIX = {"bara": "bar", "psia": "psi"}
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry = pint.UnitRegistry(autoconvert_offset_to_baseunit=False)
+    for definition in ("lpm = liter / minute", "gpm = gallon / minute", "rev = 2 * pi * radian", "cc = centimeter ** 3"):
+        registry.define(definition)
+    return registry
+
+
+def _unit(text: str) -> Any:
+    """Pint's unit for what a person wrote (`mm2` and `m^3/s` as well as `mm**2`)."""
+    return _registry().parse_units(re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text).replace("^", "**"))
+
+
+def parsed(text: object, kind: Kind) -> float:
+    """SI value of `text`, a number with a unit of `kind`, range checked. Pressure levels come out absolute [Pa].
+
+    A plain pressure unit (`bar`, `psi`, `MPa`) on a level is gauge; `bara` and `psia` are absolute.
+    Raises ParameterError with what was expected.
+    """
+    if isinstance(text, bool) or not isinstance(text, int | float | str):
+        raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}")
+    if isinstance(text, str) and len(text) > 200:
+        raise ParameterError(f"a text of {len(text)} characters is not a {kind.name}; write for example {kind.example!r}")
+    match = _NUMBER.match(text) if isinstance(text, str) else _NUMBER.match(repr(float(text)))
+    if not match:
+        raise ParameterError(f"{text!r} is not a number with a unit; write for example {kind.example!r}")
+    number, unit = float(match[1]), match[2]
+    value = _converted(number, unit, text, kind)
+    if fault := kind.fault(value):
+        raise ParameterError(f"{text!r} = {fault}" if unit else fault)
+    return value
+
+
+def _converted(number: float, unit: str, text: object, kind: Kind) -> float:
+    if kind.unit == "SI":
+        if unit != "SI":
+            raise ParameterError(f"{text!r}: write the number with the word SI, for example {kind.example!r}")
+        return number
+    if not unit:
+        if kind.unit == "1":
+            return number
+        raise ParameterError(f"{text!r} has no unit; a {kind.name} is written for example {kind.example!r}")
+    gauge = kind is PRESSURE_LEVEL and unit not in _ABSOLUTE_SUFFIX
+    if unit in _GAUGE_SUFFIX or unit in _ABSOLUTE_SUFFIX:
+        if kind is not PRESSURE_LEVEL:
+            raise ParameterError(f"{text!r}: a {kind.name} has no {unit!r}; write for example {kind.example!r}")
+        unit = {**_GAUGE_SUFFIX, **_ABSOLUTE_SUFFIX}[unit]
+    if kind.units and unit not in kind.units:
+        hint = _speed_hint(number, unit) if "rpm" in kind.units else ""
+        raise ParameterError(f"{text!r} is not a {kind.name}; {hint}use one of {', '.join(kind.units)}")
+    import pint
+
+    try:
+        value = float(_registry().Quantity(number, _unit(unit)).to(kind.unit if kind.unit != "1" else "").magnitude)
+    except pint.DimensionalityError:
+        raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}") from None
+    except Exception:  # pint raises many unrelated types on malformed unit text
+        raise ParameterError(f"{text!r}: unknown unit {unit!r}; write for example {kind.example!r}") from None
+    return value + ATMOSPHERE if gauge else value
+
+
+def _speed_hint(number: float, unit: str) -> str:
+    if unit in ("Hz", "1/s"):
+        return f"write {number * 60:g} rpm or {number:g} rev/s; "
+    return ""
+
+
+def displayed(value: float, kind: Kind) -> str:
+    """`value` [SI] as a person reads it, with its unit; a pressure level both gauge and absolute."""
+    if kind.unit in ("1", "SI"):
+        return f"{value:.6g}" + (" SI" if kind.unit == "SI" else "")
+    if kind is PRESSURE_LEVEL:
+        return f"{(value - ATMOSPHERE) / 1e5:.6g} bar ({value / 1e5:.6g} bara)"
+    shown = kind.shown
+    return f"{in_unit(value, kind, shown):.6g} {shown}"
+
+
+def in_unit(value: float, kind: Kind, unit: str) -> float:
+    """`value` [SI of `kind`] expressed in `unit`; a pressure level is not shifted to gauge."""
+    if unit in ("", "1"):
+        return value
+    return float(_registry().Quantity(value, _unit(kind.unit)).to(_unit(unit)).magnitude)

@@ -1,0 +1,152 @@
+"""Oil with free air under pressure: how it yields, and the energy that it carries and stores.
+
+Every volume here is per volume of the same fluid at the reference pressure. All laws follow from one function, the
+specific-volume ratio, so mass and energy books that use them close exactly.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import BulkModulus, EnergyDensity, Ratio
+from vvdp.base.select import maximum, select
+from vvdp.fluid.oil import Oil, density
+
+RAREFIED = 0.01
+"""Share of the reference pressure below which the gas law is not followed."""
+NODES, WEIGHTS = (tuple(map(float, 0.5 * column)) for column in np.polynomial.legendre.leggauss(16))
+
+
+class FluidState(NamedTuple):
+    """What a passage or a chamber needs to know of the fluid at one pressure."""
+
+    volume_ratio: Ratio
+    bulk_modulus: BulkModulus
+    enthalpy: EnergyDensity
+
+
+def fluid_state(pressure: float, oil: Oil) -> FluidState:
+    """Specific-volume ratio [1], bulk modulus [Pa] and enthalpy per tank volume [J/m3] at one pressure.
+
+    With x = P/P0, a = phi x^(-1/n) and l = (1 - phi) e^(-(P - P0)/b):
+    nu = a + l,  1/beta = (a/(n P) + l/b)/nu = -nu'/nu,
+    h = phi P0 (x^k - 1)/k + b (1 - phi - l), k = 1 - 1/n (phi P0 ln x at n = 1), so that dh = nu dP and h(P0) = 0.
+    Below P0/100 the air expands along its tangent, which keeps the relations and allows any trial pressure.
+    pressure: P, absolute [Pa].
+
+    Source  cho2002, bulk modulus; enthalpy ours, docs/models/fluid.md
+    """
+    P, P0 = pressure, oil.reference_pressure
+    n, phi, b = oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
+    Pg = maximum(P, RAREFIED * P0)
+    below = Pg - P
+    k = (n - 1.0) / n
+    L = np.log(Pg / P0)
+    e = np.expm1(k * L)
+    a = phi * (1.0 + e) * P0 / Pg
+    slope = a / (n * Pg)
+    m = np.expm1((P0 - P) / b)
+    l = (1.0 - phi) * (1.0 + m)
+    nu = a + slope * below + l
+    air_enthalpy = phi * P0 * select(k > 0.0, e / select(k > 0.0, k, 1.0), L) - below * (a + 0.5 * slope * below)
+    return FluidState(nu, nu / (slope + l / b), air_enthalpy - (1.0 - phi) * b * m)
+
+
+def specific_volume_ratio(pressure: float, oil: Oil) -> float:
+    """Volume of a mass of fluid over its volume at the reference pressure, nu [1].  pressure: absolute [Pa].
+
+    nu = phi (P/P0)^(-1/n) + (1 - phi) e^(-(P - P0)/b)
+
+    Source  cho2002, bulk modulus
+    """
+    return fluid_state(pressure, oil).volume_ratio
+
+
+def bulk_modulus(pressure: float, oil: Oil) -> float:
+    """Bulk modulus of the fluid, beta = -nu/nu' [Pa].  pressure: absolute [Pa].
+
+    beta = (a + l)/(a/(n P) + l/b), a and l the volume of air and of oil per volume at the reference pressure.
+
+    Source  cho2002, bulk modulus
+    """
+    return fluid_state(pressure, oil).bulk_modulus
+
+
+def enthalpy(pressure: float, oil: Oil) -> float:
+    """Enthalpy per volume at the reference pressure, h = int nu dP [J/m3].  pressure: absolute [Pa].
+
+    Source  ours, docs/models/fluid.md
+    """
+    return fluid_state(pressure, oil).enthalpy
+
+
+def strain_energy(pressure: float, oil: Oil) -> float:
+    """Energy stored against the reference pressure, per volume at that pressure [J/m3].
+
+    w = h - (P - P0) nu = int (P' - P0) (-dnu).  pressure: P, absolute [Pa].
+
+    Source  wang2017, eq. 5.11; closed form ours, docs/models/fluid.md
+    """
+    state = fluid_state(pressure, oil)
+    return state.enthalpy - (pressure - oil.reference_pressure) * state.volume_ratio
+
+
+def mean_bulk_modulus(pressure: float, oil: Oil) -> float:
+    """The constant bulk modulus that stores as much in a rigid chamber filled from the reference pressure [Pa].
+
+    (P - P0)^2 / (2 W), W = int_P0^P (P' - P0)/beta(P') dP', by 16 Gauss points in ln P; at P0 it is beta(P0).
+    pressure: P, absolute [Pa], held at P0/100 below it.
+
+    Source  wang2017, eq. 2.10 (W), eq. 5.19; ours, docs/models/fluid.md
+    """
+    P0 = oil.reference_pressure
+    L = np.log(maximum(pressure, RAREFIED * P0) / P0)
+    span = np.expm1(L)
+    at_reference = abs(span) < 1e-12
+    rate = select(at_reference, 1.0, L / select(at_reference, 1.0, span))
+    total = 0.0
+    for i in range(16):
+        s = 0.5 + NODES[i]
+        x = np.exp(s * L)
+        t = select(at_reference, s, np.expm1(s * L) / select(at_reference, 1.0, span))
+        total = total + WEIGHTS[i] * t * x * rate / bulk_modulus(x * P0, oil)
+    return 0.5 / total
+
+
+def fluid_density(pressure: float, temperature: float, oil: Oil) -> float:
+    """Density of the fluid under pressure, rho(T)/nu(P) [kg/m3].  pressure: absolute [Pa]; temperature: [K].
+
+    Source  wang2017, eq. 5.8
+    """
+    return density(temperature, oil) / fluid_state(pressure, oil).volume_ratio
+
+
+def compression_energy_per_volume(pressure: float, from_pressure: float, oil: Oil) -> float:
+    """Energy stored by going from one pressure to another, per volume at the final one, W_V [J/m3].
+
+    W_V = int_Pd^P (nu(P')/nu(P) - 1) dP'. With d = P - Pd, y = Pd/P, k = 1 - 1/n (-ln y for the fraction at n = 1):
+    nu W_V = l (b (e^(d/b) - 1) - d) + a (P (1 - y^k)/k - d), exact for small d too.
+    pressure: P; from_pressure: Pd, both absolute [Pa], held at P0/100 below it.
+
+    Source  wang2017, eq. 5.22; closed form ours, docs/models/fluid.md
+    """
+    P0, n, phi, b = oil.reference_pressure, oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
+    P = maximum(pressure, RAREFIED * P0)
+    d = P - maximum(from_pressure, RAREFIED * P0)
+    k = (n - 1.0) / n
+    L = np.log1p(-d / P)
+    a = phi * (P0 / P) ** (1.0 / n)
+    l = (1.0 - phi) * np.exp((P0 - P) / b)
+    expansion = P * select(k > 0.0, -np.expm1(k * L) / select(k > 0.0, k, 1.0), -L)
+    energy: float = (l * (b * np.expm1(d / b) - d) + a * (expansion - d)) / (a + l)
+    return energy
+
+
+def compression_energy_per_mass(pressure: float, from_pressure: float, temperature: float, oil: Oil) -> float:
+    """Energy stored by going from one pressure to another, per mass, W_m = W_V/rho(P) [J/kg].
+
+    pressure, from_pressure: absolute [Pa]; temperature: [K].
+
+    Source  wang2017, eq. 5.14
+    """
+    return compression_energy_per_volume(pressure, from_pressure, oil) / fluid_density(pressure, temperature, oil)

@@ -1,0 +1,1 @@
+"""Components between the oil and the circuit: orifices, volumes, pumps, valves, lines, cylinders, drives."""

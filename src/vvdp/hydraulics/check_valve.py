@@ -1,0 +1,80 @@
+"""Check valve: opens with the drop in its direction, stays open against it by a given share."""
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
+from vvdp.base.params import Params
+from vvdp.base.select import clip, select
+from vvdp.hydraulics.flow import rated_root
+
+
+class CheckValve(Params):
+    """Leaves its seat at `cracking_pressure`, is fully open at `rated_drop` and passes `rated_flow` there.
+
+    `reverse_opening` is the share that stays open against the direction: 0 tight, 1 none fitted (open both ways).
+    `opening_time` > 0: the poppet follows with that time constant; 0: at once.
+    """
+
+    cracking_pressure: PressureDifference
+    rated_flow: Flow
+    rated_drop: PressureDifference
+    reverse_opening: Fraction
+    opening_time: Time
+
+    def check(self) -> None:
+        if self.rated_drop <= self.cracking_pressure:
+            raise ParameterError(
+                f"CheckValve.rated_drop: {self.rated_drop:g} Pa does not exceed "
+                f"the cracking pressure {self.cracking_pressure:g} Pa"
+            )
+        if self.rated_flow <= 0.0:
+            raise ParameterError(f"CheckValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
+
+
+def check_opening(pressure_drop: float, check: CheckValve) -> float:
+    """Static opening of a check valve [1], from `reverse_opening` below its cracking pressure to 1 at its rated drop.
+
+    In series with another resistance it multiplies that one's area.
+
+    pressure_drop  in the direction of the valve [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    lift: float = clip(
+        (pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure), 0.0, 1.0
+    )
+    return check.reverse_opening + (1.0 - check.reverse_opening) * lift
+
+
+def check_opening_rate(pressure_drop: float, opening: float, check: CheckValve) -> float:
+    """Rate of the opening of a check valve [1/s]: (y_static(dp) - y)/tau, and 0 without an opening time.
+
+    pressure_drop  in the direction of the valve [Pa]
+    opening        y [1]
+
+    Source  ours, docs/models/components.md
+    """
+    tau = check.opening_time
+    lag = (check_opening(pressure_drop, check) - opening) / select(tau > 0.0, tau, 1.0)
+    rate: float = select(tau > 0.0, lag, 0.0)
+    return rate
+
+
+def check_flow(pressure_drop: float, check: CheckValve) -> float:
+    """Volume flow of a check valve that follows its drop at once [m^3/s].
+
+    pressure_drop  in the direction of the valve [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    return poppet_flow(pressure_drop, check_opening(pressure_drop, check), check)
+
+
+def poppet_flow(pressure_drop: float, opening: float, check: CheckValve) -> float:
+    """Volume flow of a check valve at a given opening of its poppet [m^3/s]: Q_r y root(dp)/root(rated drop).
+
+    pressure_drop  in the direction of the valve [Pa]
+    opening        y [1]
+
+    Source  ours, docs/models/components.md
+    """
+    return check.rated_flow * opening * rated_root(pressure_drop, check.rated_drop)

@@ -1,0 +1,73 @@
+"""Four-way directional valve with closed centre: pressure to one side of a cylinder, the other side to the return."""
+
+from typing import NamedTuple
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import FlowCoefficient, Fraction, PressureDifference, Time
+from vvdp.base.params import Params
+from vvdp.base.select import clip
+from vvdp.hydraulics.flow import signed_root
+
+
+class DirectionalValve(Params):
+    """`conductance` of each edge fully open; `overlap` is the share of the stroke, either way, with all edges closed.
+
+    `lag` is the time constant with which the position, -1 to 1, follows its command.
+    """
+
+    conductance: FlowCoefficient
+    overlap: Fraction
+    transition_pressure: PressureDifference
+    lag: Time
+
+    def check(self) -> None:
+        if self.overlap >= 1.0:
+            raise ParameterError("DirectionalValve.overlap: 1; the valve would never open")
+        if self.transition_pressure <= 0.0:
+            raise ParameterError("DirectionalValve.transition_pressure: 0 Pa; the flow law needs one above zero")
+        if self.lag <= 0.0:
+            raise ParameterError("DirectionalValve.lag: 0 s; expected a time above zero")
+
+
+class EdgeOpenings(NamedTuple):
+    """Openings of the edges: `forward` supply to A and B to return, `backward` supply to B and A to return."""
+
+    forward: Fraction
+    backward: Fraction
+
+
+def position_rate(command: float, position: float, valve: DirectionalValve) -> float:
+    """Rate of the position of a directional valve [1/s]: (command - y)/lag, the command held between -1 and 1.
+
+    command   wanted position [1]
+    position  y, now [1]
+
+    Source  ours, docs/models/components.md
+    """
+    wanted: float = clip(command, -1.0, 1.0)
+    return (wanted - position) / valve.lag
+
+
+def edge_openings(position: float, valve: DirectionalValve) -> EdgeOpenings:
+    """Openings of the forward and backward edges [1]: (|y| - lap)/(1 - lap) on the side of y, 0 inside the overlap.
+
+    position  y, from -1 to 1 [1]
+
+    Source  ours, docs/models/components.md
+    """
+    lap = valve.overlap
+    return EdgeOpenings(
+        clip((position - lap) / (1.0 - lap), 0.0, 1.0),
+        clip((-position - lap) / (1.0 - lap), 0.0, 1.0),
+    )
+
+
+def edge_flow(pressure_drop: float, opening: float, valve: DirectionalValve) -> float:
+    """Volume flow over one edge of a directional valve [m^3/s]: K y root(dp), signed like the drop.
+
+    pressure_drop  first-named side less the second [Pa]
+    opening        of the edge, 0 to 1 [1]
+
+    Source  ours, docs/models/components.md
+    """
+    return valve.conductance * opening * signed_root(pressure_drop, valve.transition_pressure)

@@ -1,0 +1,61 @@
+"""What every passage between two volumes shares: the root law near zero drop, tank volumes, and the power it loses."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Flow, Power
+from vvdp.base.select import select
+from vvdp.fluid.mixture import FluidState
+
+LAMINAR_SHARE = 0.01
+"""Share of its rated drop below which the flow of a rated valve turns from root to straight line."""
+
+
+class Passage(NamedTuple):
+    """What goes through a passage: `flow` in tank volumes per second, signed, and the power `loss` it turns to heat."""
+
+    flow: Flow
+    loss: Power
+
+
+def passage(flow: float, upstream: FluidState, downstream: FluidState) -> Passage:
+    """Flow [tank volumes, m^3/s] and loss [W] of an actual volume flow between two volumes.
+
+    q = flow / nu(side it comes from), loss = q (h_up - h_down); never negative while the flow runs down the pressure.
+
+    flow        actual, at the pressure of the side it comes from; positive from upstream to downstream [m^3/s]
+    upstream    oil on the first-named side
+    downstream  oil on the second-named side
+
+    Source  ours, docs/models/components.md
+    """
+    q = flow / select(flow > 0.0, upstream.volume_ratio, downstream.volume_ratio)
+    return Passage(q, q * (upstream.enthalpy - downstream.enthalpy))
+
+
+def signed_root(pressure_drop: float, transition_pressure: float) -> float:
+    """Root of a pressure drop with its sign [Pa^0.5], a straight line through zero.
+
+    dp / (dp^2 + eps^2)^(1/4): within (eps/dp)^2/4 of the root for dp >> eps, dp/sqrt(eps) for dp << eps.
+
+    pressure_drop        dp, either sign [Pa]
+    transition_pressure  eps, greater than zero [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    dp, eps = pressure_drop, transition_pressure
+    # Two square roots are several times faster than a power.
+    root: float = np.sqrt(np.sqrt(dp * dp + eps * eps))
+    return dp / root
+
+
+def rated_root(pressure_drop: float, rated_drop: float) -> float:
+    """Flow of a rated resistance as a ratio of its rated flow [1]: signed root, exactly 1 at the rated drop.
+
+    pressure_drop  either sign [Pa]
+    rated_drop     greater than zero [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    return signed_root(pressure_drop / rated_drop, LAMINAR_SHARE) / signed_root(1.0, LAMINAR_SHARE)

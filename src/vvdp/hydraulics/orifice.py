@@ -1,0 +1,47 @@
+"""Sharp-edged orifice: turbulent, with a laminar transition around zero drop."""
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import DischargeCoefficient, PressureDifference
+from vvdp.base.params import Params
+from vvdp.hydraulics.flow import signed_root
+
+
+class Orifice(Params):
+    """What an orifice of any area has: the flow turns linear in the drop below about `transition_pressure`."""
+
+    discharge_coefficient: DischargeCoefficient
+    transition_pressure: PressureDifference
+
+    def check(self) -> None:
+        if self.transition_pressure <= 0.0:
+            raise ParameterError("Orifice.transition_pressure: 0 Pa; the flow law needs a drop greater than zero")
+
+
+def orifice_flow(area: float, pressure_drop: float, density: float, orifice: Orifice) -> float:
+    """Volume flow through an orifice [m^3/s], signed like the drop.
+
+    Cd A sqrt(2/rho) dp / (dp^2 + eps^2)^(1/4)
+
+    area           open area [m^2]
+    pressure_drop  first-named side less the second [Pa]
+    density        of the oil [kg/m^3]
+
+    Source  merritt1967, ch. 3 (root law); transition: ours, docs/models/components.md
+    """
+    cd, eps = orifice.discharge_coefficient, orifice.transition_pressure
+    coefficient: float = cd * area * np.sqrt(2.0 / density)
+    return coefficient * signed_root(pressure_drop, eps)
+
+
+def orifice_area_for(flow: float, pressure_drop: float, density: float, orifice: Orifice) -> float:
+    """Area [m^2] through which an orifice passes a given flow at a given drop; the inverse of `orifice_flow`.
+
+    flow           [m^3/s], of the sign of the drop
+    pressure_drop  other than zero [Pa]
+    density        of the oil [kg/m^3]
+
+    Source  ours, docs/models/components.md
+    """
+    return flow / orifice_flow(1.0, pressure_drop, density, orifice)

@@ -1,0 +1,70 @@
+"""Fixed displacement pump with flow ripple, leakage and friction."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Conductance, Count, Displacement, Flow, Fraction, Torque
+from vvdp.base.params import Params
+from vvdp.fluid.mixture import FluidState
+
+
+class Pump(Params):
+    """A pump; its flow swings by `ripple_amplitude` of the mean, `ripple_count` times per revolution.
+
+    `friction_torque` is what the shaft takes beyond the hydraulic torque, whatever the pressure and speed.
+    """
+
+    displacement: Displacement
+    leakage_conductance: Conductance
+    ripple_amplitude: Fraction
+    ripple_count: Count
+    friction_torque: Torque
+
+
+class PumpFlow(NamedTuple):
+    """`ideal`: what the pump displaces, in tank volumes per second. `leakage`: actual flow at the outlet pressure."""
+
+    ideal: Flow
+    leakage: Flow
+
+
+def pump_flow(shaft_angle: float, shaft_speed: float, pressure_drop: float, pump: Pump) -> PumpFlow:
+    """Flow that a pump displaces [tank volumes, m^3/s] and what leaks back at the outlet pressure [m^3/s].
+
+    ideal = D omega (1 + r sin(z theta)), leakage = G dp. The pump fills at tank pressure, so what it displaces is
+    counted there and does not depend on the pressure it is pushed against.
+
+    shaft_angle    theta [rad]
+    shaft_speed    omega [rad/s]
+    pressure_drop  outlet less tank [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    ripple = 1.0 + pump.ripple_amplitude * np.sin(pump.ripple_count * shaft_angle)
+    return PumpFlow(pump.displacement * shaft_speed * ripple, pump.leakage_conductance * pressure_drop)
+
+
+def pump_friction_power(shaft_speed: float, pump: Pump) -> float:
+    """Power that the friction of a pump turns to heat [W]: T_f |omega|.
+
+    shaft_speed  omega [rad/s]
+
+    Source  ours, docs/models/components.md
+    """
+    return pump.friction_torque * abs(shaft_speed)
+
+
+def shaft_power(ideal_flow: float, shaft_speed: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
+    """Power that the shaft of a pump takes [W]: hydraulic and friction, q (h_out - h_in) + T_f |omega|.
+
+    Leakage costs no extra here: it has been displaced, and loses its power on the way back to the tank.
+
+    ideal_flow   q, displaced [tank volumes, m^3/s]
+    shaft_speed  omega [rad/s]
+    inlet        oil where the pump fills, the tank
+    outlet       oil where it delivers
+
+    Source  ours, docs/models/components.md
+    """
+    return ideal_flow * (outlet.enthalpy - inlet.enthalpy) + pump_friction_power(shaft_speed, pump)

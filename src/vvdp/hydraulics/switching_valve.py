@@ -1,0 +1,133 @@
+"""Three-way switching valve on a pulse train: one pressure port that a spool joins to a first or a second port."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Area, Fraction, Frequency, Length, Position, Ratio, Velocity
+from vvdp.base.params import Params
+from vvdp.base.select import clip, select
+
+STOP_DAMPING = 50.0
+"""Rate at which an end stop takes the spool's speed, over the natural angular frequency: an impact without rebound."""
+
+
+class SwitchingValve(Params):
+    """Spool of second order between the positions 0 (second port open) and `stroke` (first port open).
+
+    The areas grow in proportion from where the lands part to `full_area` at the end of the stroke. `lap` is how far
+    the spool travels either way from its centre before a port opens; negative (underlap): both are open around it.
+    """
+
+    natural_frequency: Frequency
+    damping_ratio: Ratio
+    stroke: Length
+    lap: Position
+    full_area: Area
+
+    def check(self) -> None:
+        if self.natural_frequency <= 0.0:
+            raise ParameterError("SwitchingValve.natural_frequency: 0 Hz; expected one above zero")
+        if self.stroke <= 0.0:
+            raise ParameterError("SwitchingValve.stroke: 0 m; expected a length above zero")
+        if abs(self.lap) >= 0.5 * self.stroke:
+            raise ParameterError(
+                f"SwitchingValve.lap: {self.lap:g} m is not within half the stroke, {0.5 * self.stroke:g} m, either way"
+            )
+
+
+class SpoolState(NamedTuple):
+    """Position from the second port's end of the stroke, and velocity."""
+
+    position: Position
+    velocity: Velocity
+
+
+class PortAreas(NamedTuple):
+    """Areas from the pressure port to the first and to the second port."""
+
+    first: Area
+    second: Area
+
+
+class PulseTrain(Params):
+    """Pulses of value 1 that begin at 0, 1/f, 2/f ... and last for the duty ratio of the period."""
+
+    frequency: Frequency
+    duty_ratio: Fraction
+
+    def check(self) -> None:
+        if self.frequency <= 0.0:
+            raise ParameterError("PulseTrain.frequency: 0 Hz; expected one above zero")
+
+
+def spool_rate(command: float, spool: SpoolState, valve: SwitchingValve) -> SpoolState:
+    """Rates of position [m/s] and velocity [m/s^2] of a switching spool.
+
+    x'' = omega^2 (u stroke - x) - 2 zeta omega x'. An end of the stroke holds the position and takes the outward
+    velocity within 1/(50 omega), so that the spool does not rebound and leaves as soon as it is called back.
+
+    command  u: 0 to the second port, 1 to the first [1]
+    spool    position and velocity
+
+    Source  ours, docs/models/components.md
+    """
+    x, v = spool
+    omega, zeta = 2.0 * np.pi * valve.natural_frequency, valve.damping_ratio
+    outward = select(x >= valve.stroke, select(v > 0.0, 1.0, 0.0), 0.0) + select(
+        x <= 0.0, select(v < 0.0, 1.0, 0.0), 0.0
+    )
+    acceleration = omega**2 * (command * valve.stroke - x) - 2.0 * zeta * omega * v
+    return SpoolState((1.0 - outward) * v, acceleration - outward * STOP_DAMPING * omega * v)
+
+
+def port_areas(position: float, valve: SwitchingValve) -> PortAreas:
+    """Areas of the two ports [m^2]: A (±(x - c) - lap)/(c - lap) between 0 and A, with the centre c = stroke/2.
+
+    position  x [m]
+
+    Source  ours, docs/models/components.md
+    """
+    c, A = 0.5 * valve.stroke, valve.full_area
+    travel = c - valve.lap
+    return PortAreas(
+        A * clip((position - c - valve.lap) / travel, 0.0, 1.0),
+        A * clip((c - position - valve.lap) / travel, 0.0, 1.0),
+    )
+
+
+def pulse_train(t: float, train: PulseTrain) -> float:
+    """Command of a pulse train [1]: 1 from k/f up to (k + d)/f, else 0; at an edge, the value after it.
+
+    The edges are the floating-point numbers nearest to k/f and (k + d)/f, the same that `pulse_stop` gives.
+
+    t  time [s]
+
+    Source  ours, docs/models/components.md
+    """
+    k = _cycle(t, train)
+    value: float = select(t < (k + train.duty_ratio) / train.frequency, 1.0, 0.0)
+    return value
+
+
+def pulse_stop(t: float, train: PulseTrain) -> float:
+    """The next time [s] after `t` at which a pulse train rises or falls; infinity where it never does.
+
+    t  time [s]
+
+    Source  ours, docs/models/components.md
+    """
+    k, f, d = _cycle(t, train), train.frequency, train.duty_ratio
+    fall = (k + d) / f
+    stop: float = select(d * (1.0 - d) > 0.0, select(t < fall, fall, (k + 1.0) / f), np.inf)
+    return stop
+
+
+def _cycle(t: float, train: PulseTrain) -> float:
+    """Number k of the cycle with k/f <= t < (k + 1)/f, where t f alone may round over an edge."""
+    f = train.frequency
+    k = np.floor(t * f)
+    k = select(t < k / f, k - 1.0, k)
+    cycle: float = select(t >= (k + 1.0) / f, k + 1.0, k)
+    return cycle

@@ -1,0 +1,184 @@
+"""Oil under one pressure: chamber, elastic hose and gas accumulator in any combination, and what they store."""
+
+import numpy as np
+
+from vvdp.base.books import Stored
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
+from vvdp.base.params import Params
+from vvdp.base.select import maximum, select
+from vvdp.fluid.mixture import FluidState, fluid_state
+from vvdp.fluid.oil import Oil
+
+
+class Vessel(Params):
+    """Everything at one pressure: oil at the reference pressure, 1/B of its elastic walls, gas behind a bladder.
+
+    `hose_compliance` 0 is rigid; `gas_volume` 0 is without accumulator, whose other two values are then unused.
+    `precharge_pressure` is absolute, and `gas_volume` is the volume at that pressure.
+    """
+
+    oil_volume: Volume
+    hose_compliance: Compliance
+    gas_volume: Volume
+    precharge_pressure: Pressure
+    gas_exponent: Polytropic
+
+    def check(self) -> None:
+        if self.oil_volume <= 0.0:
+            raise ParameterError("Vessel.oil_volume: 0 m^3; below precharge nothing else would hold the pressure")
+        if self.gas_volume > 0.0 and self.precharge_pressure <= 0.0:
+            raise ParameterError(
+                f"Vessel.precharge_pressure: 0 Pa with {self.gas_volume:g} m^3 of gas; expected an absolute pressure"
+            )
+
+
+def pressure_rate(
+    net_flow: float,
+    volume_rate: float,
+    pressure: float,
+    fluid: FluidState,
+    vessel: Vessel,
+    reference_pressure: float,
+    swept_volume: float = 0.0,
+) -> float:
+    """Rate of the pressure in a vessel [Pa/s].
+
+    P' = (nu sum(q) - dV/dt) / (V/beta + dV_hose/dP + dV_gas/dP), V the oil held at this pressure
+
+    net_flow            sum of the flows in [tank volumes, m^3/s]
+    volume_rate         dV/dt of a moving wall, the rate of `swept_volume` [m^3/s]
+    pressure            absolute [Pa]
+    reference_pressure  of the oil, absolute [Pa]
+    swept_volume        what a moving wall adds to the vessel [m^3]
+
+    Source  ours, docs/models/components.md
+    """
+    gas = gas_volume(pressure, vessel)
+    V = oil_beside(gas, pressure, vessel, reference_pressure) + swept_volume
+    capacity = V / fluid.bulk_modulus + capacity_beside(gas, pressure, vessel)
+    return (fluid.volume_ratio * net_flow - volume_rate) / capacity
+
+
+def closed_volume_rate(net_flow: float, volume_rate: float, volume: float, fluid: FluidState) -> float:
+    """Rate of the pressure in a rigid volume without gas [Pa/s]: P' = beta/V (nu sum(q) - dV/dt).
+
+    net_flow     sum of the flows in [tank volumes, m^3/s]
+    volume_rate  dV/dt of a moving wall [m^3/s]
+    volume       of oil, now [m^3]
+
+    Source  ours, docs/models/components.md
+    """
+    return fluid.bulk_modulus / volume * (fluid.volume_ratio * net_flow - volume_rate)
+
+
+def stored(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0) -> Stored:
+    """Energy [J] and tank volumes [m^3] in a vessel, both 0 resp. V0 + swept at the reference pressure without gas.
+
+    energy = V w/nu + V0 (P - ref)^2 / (2 B) + gas, volume = V/nu, with w the strain energy per tank volume;
+    the gas stores nothing below its precharge.
+
+    pressure      absolute [Pa]
+    swept_volume  what a moving wall adds to the vessel [m^3]
+
+    Source  ours, docs/models/components.md
+    """
+    excess = pressure - oil.reference_pressure
+    oil_inside = closed_volume_stored(pressure, oil_held(pressure, vessel, oil.reference_pressure) + swept_volume, oil)
+    hose = 0.5 * vessel.oil_volume * vessel.hose_compliance * excess**2
+    return Stored(oil_inside.energy + hose + gas_energy(pressure, vessel, oil.reference_pressure), oil_inside.volume)
+
+
+def closed_volume_stored(pressure: float, volume: float, oil: Oil) -> Stored:
+    """Energy [J] and tank volumes [m^3] of the oil in a rigid volume: V w/nu and V/nu.
+
+    pressure  absolute [Pa]
+    volume    of oil, now [m^3]
+
+    Source  ours, docs/models/components.md
+    """
+    fluid = fluid_state(pressure, oil)
+    tank_volumes = volume / fluid.volume_ratio
+    strain = fluid.enthalpy - (pressure - oil.reference_pressure) * fluid.volume_ratio
+    return Stored(tank_volumes * strain, tank_volumes)
+
+
+def oil_held(pressure: float, vessel: Vessel, reference_pressure: float) -> float:
+    """Volume of oil in a vessel at its pressure [m^3]: V0 (1 + (P - ref)/B) + Vg0 - Vg(P).
+
+    pressure            absolute [Pa]
+    reference_pressure  at which the hose is unstretched, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    return oil_beside(gas_volume(pressure, vessel), pressure, vessel, reference_pressure)
+
+
+def oil_beside(gas: float, pressure: float, vessel: Vessel, reference_pressure: float) -> float:
+    """Volume of oil in a vessel whose gas takes a known volume [m^3]; see `oil_held`.
+
+    gas                 its volume now [m^3]
+    pressure            absolute [Pa]
+    reference_pressure  at which the hose is unstretched, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    hose = vessel.oil_volume * (1.0 + vessel.hose_compliance * (pressure - reference_pressure))
+    return hose + vessel.gas_volume - gas
+
+
+def wall_capacity(pressure: float, vessel: Vessel) -> float:
+    """Room that a vessel's hose and gas give per pressure [m^3/Pa]: V0/B - dVg/dP, jumping up at the precharge.
+
+    pressure  absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    return capacity_beside(gas_volume(pressure, vessel), pressure, vessel)
+
+
+def capacity_beside(gas: float, pressure: float, vessel: Vessel) -> float:
+    """Room that a vessel whose gas takes a known volume gives per pressure [m^3/Pa]; see `wall_capacity`.
+
+    gas       its volume now [m^3]
+    pressure  absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    p0 = vessel.precharge_pressure
+    slope = gas / (vessel.gas_exponent * select(pressure > p0, pressure, 1.0))
+    yielding: float = select(pressure > p0, slope, 0.0)
+    return vessel.oil_volume * vessel.hose_compliance + yielding
+
+
+def gas_volume(pressure: float, vessel: Vessel) -> float:
+    """Volume of the gas in a vessel [m^3]: Vg0 (p0/P)^(1/k) above the precharge p0, Vg0 below.
+
+    pressure  absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    expansion: float = _compression(pressure, vessel) ** (-1.0 / vessel.gas_exponent)
+    return vessel.gas_volume * expansion
+
+
+def gas_energy(pressure: float, vessel: Vessel, reference_pressure: float) -> float:
+    """Energy that the oil has put into the gas of a vessel against the reference pressure [J].
+
+    (P Vg - p0 Vg0)/(k - 1) - ref (Vg0 - Vg); for k = 1 its limit p0 Vg0 ln(P/p0) - ref (Vg0 - Vg)
+
+    pressure            absolute [Pa]
+    reference_pressure  outside, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    k, p0, Vg0 = vessel.gas_exponent, vessel.precharge_pressure, vessel.gas_volume
+    L = np.log(_compression(pressure, vessel))
+    growth: float = select(k > 1.0, np.expm1((k - 1.0) / k * L) / select(k > 1.0, k - 1.0, 1.0), L)
+    return p0 * Vg0 * growth - reference_pressure * (Vg0 - gas_volume(pressure, vessel))
+
+
+def _compression(pressure: float, vessel: Vessel) -> float:
+    p0 = vessel.precharge_pressure
+    ratio: float = maximum(pressure / select(p0 > 0.0, p0, 1.0), 1.0)
+    return ratio

@@ -1,0 +1,280 @@
+"""Joins a model (plain Python functions) to the compiled loop.
+
+The functions that the model reaches are found, their code and constants hashed, and a small module
+`<cache>/<hash>/linked.py` written whose functions take flat vectors. Numba compiles and caches that module; because
+the hash is in the folder's name, a changed formula anywhere is never served from an old cache.
+"""
+
+import dataclasses
+import hashlib
+import importlib.util
+import os
+import platform
+import sys
+import types
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import RunError
+from vvdp.base.select import select
+from vvdp.base.signal import changes_stop, changes_value, sines_value
+from vvdp.simulation.model import Case, Model
+from vvdp.simulation.values import flat, leaves, names, rebuilt
+
+Functions = dict[str, tuple[types.FunctionType, list[Any]]]
+
+
+class Linked(NamedTuple):
+    """A compiled model: first-class functions over flat vectors, and the hash of their text."""
+
+    rates: Any
+    sample: Any
+    mark: Any
+    stop: Any
+    digest: str
+
+
+def default_cache() -> Path:
+    """Where compiled code is kept: `VVDP_CACHE`, else the user's cache folder."""
+    if place := os.environ.get("VVDP_CACHE"):
+        return Path(place)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "vvdp"
+
+
+def reachable(function: Callable[..., Any], found: Functions) -> Functions:
+    """Every plain function that `function` calls by name, and every constant these use, added to `found`."""
+    if not isinstance(function, types.FunctionType):
+        raise RunError(f"{function!r} is not a plain function; circuits and programs are module-level functions")
+    key = f"{function.__module__}.{function.__qualname__}.{id(function)}"
+    if key in found:
+        return found
+    if function.__closure__:
+        raise RunError(f"{function.__qualname__} closes over variables; hand values over in params instead")
+    constants: list[Any] = [function.__defaults__]
+    found[key] = (function, constants)
+    for name in sorted(_names_used(function.__code__)):
+        value = function.__globals__.get(name)
+        if isinstance(value, types.FunctionType):
+            reachable(value, found)
+        elif isinstance(value, type) and hasattr(value, "_fields"):
+            constants.append((name, value._fields))
+        elif isinstance(value, np.ndarray):
+            constants.append((name, value.tobytes(), value.shape))
+        elif isinstance(value, int | float | str | tuple):
+            constants.append((name, repr(value)))
+        elif isinstance(value, types.ModuleType) and value.__name__.partition(".")[0] not in ("numpy", "math"):
+            for attribute in sorted(_names_used(function.__code__)):
+                inner = getattr(value, attribute, None)
+                if isinstance(inner, types.FunctionType):
+                    reachable(inner, found)
+    return found
+
+
+def _names_used(code: types.CodeType) -> set[str]:
+    inner = [_names_used(c) for c in code.co_consts if isinstance(c, types.CodeType)]
+    return set(code.co_names).union(*inner)
+
+
+def _text(code: types.CodeType) -> str:
+    """What a function does, without where it stands: bytecode, constants and names."""
+    constants = [_text(c) if isinstance(c, types.CodeType) else repr(c) for c in code.co_consts[1 if code.co_consts and isinstance(code.co_consts[0], str) else 0 :]]
+    return repr((code.co_code, constants, code.co_names, code.co_varnames))
+
+
+def tried(model: Model, case: Case) -> None:
+    """Runs the model's functions once in plain Python. Raises RunError where their values do not fit together."""
+    rates, _ = model.circuit(0.0, case.state, case.command, case.params)
+    _same_fields("the rates of the circuit", rates, "its state", case.state)
+    memory, command = model.program(0.0, case.memory, case.state, case.settings)
+    _same_fields("the memory that the program returns", memory, "the memory it is given", case.memory)
+    _same_fields("the command that the program returns", command, "the command of the circuit", case.command)
+    for path, _, kind in leaves(case.state):
+        if kind is None and not path.startswith("books."):
+            raise RunError(f"state {path!r} has no kind; annotate it, for example `{path.rpartition('.')[2]}: Pressure`")
+    unsound = [path for path, value, _ in leaves(rates) if not np.isfinite(value)]
+    if unsound:
+        raise RunError(f"the circuit returns no finite rate at the start for {', '.join(unsound)}")
+    if hasattr(case.state, "books"):
+        if names(case.state)[-1] != "books":
+            raise RunError("books must be the last field of the state")
+        blank = rebuilt(case.state.books, iter(lambda: np.nan, None))
+        again, _ = model.circuit(0.0, case.state._replace(books=blank), case.command, case.params)
+        if not np.array_equal(flat(rates), flat(again)):
+            raise RunError("the circuit reads its own books; they may only be written")
+
+
+def _same_fields(what: str, value: Any, other: str, expected: Any) -> None:
+    found, wanted = [path for path, _, _ in leaves(value)], [path for path, _, _ in leaves(expected)]
+    if found != wanted or flat(value).size != flat(expected).size:
+        odd = sorted(set(found) ^ set(wanted)) or [f"{flat(value).size} numbers against {flat(expected).size}"]
+        raise RunError(f"{what} and {other} differ in {', '.join(odd)}")
+
+
+def quiet(message: str) -> None:
+    """Says nothing: the default listener."""
+
+
+def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Linked:
+    """The compiled form of `model` for values of the shape of `case`; `say` hears when something must be compiled.
+
+    Raises RunError where the functions and values do not fit together.
+    """
+    import numba
+
+    tried(model, case)
+    classes = _Classes()
+    source = _source(model, case, classes)
+    functions: Functions = {}
+    for function in model.functions:
+        reachable(function, functions)
+    digest = hashlib.sha256(source.encode())
+    for function, constants in sorted(functions.values(), key=lambda entry: (entry[0].__module__, entry[0].__qualname__)):
+        digest.update(f"{function.__module__}.{function.__qualname__} {_text(function.__code__)} {constants!r}".encode())
+    digest.update(f"{platform.python_version()} {np.__version__} {numba.__version__}".encode())
+    name = digest.hexdigest()[:16]
+    module = sys.modules.get(f"vvdp_linked_{name}")
+    if module is None:
+        _make_compilable(functions)
+        module = _loaded(name, source, classes, model, cache or default_cache(), say)
+    return Linked(module.rates, module.sample, module.mark, module.stop, name)
+
+
+class _Classes:
+    """Names under which the linked module knows the classes of a case's values."""
+
+    def __init__(self) -> None:
+        self.names: dict[type, str] = {}
+
+    def name(self, cls: type) -> str:
+        return self.names.setdefault(cls, f"T{len(self.names)}_{cls.__name__}")
+
+    def tuples(self) -> Iterator[tuple[str, type]]:
+        return ((name, cls) for cls, name in self.names.items() if not dataclasses.is_dataclass(cls))
+
+    def records(self) -> Iterator[tuple[str, type]]:
+        return ((name, cls) for cls, name in self.names.items() if dataclasses.is_dataclass(cls))
+
+
+def _built(value: Any, vector: str, position: int, classes: _Classes) -> tuple[str, int]:
+    """Source that rebuilds `value` from a flat vector, and the position after it."""
+    if inner := names(value):
+        parts = []
+        for name in inner:
+            text, position = _built(getattr(value, name), vector, position, classes)
+            parts.append(text)
+        return f"{classes.name(type(value))}({', '.join(parts)})", position
+    if isinstance(value, tuple):  # not a slice: compiled code counts references to arrays wherever they are handed on
+        end = position + len(value)
+        return f"({''.join(f'{vector}[{i}], ' for i in range(position, end))})", end
+    if np.ndim(value):
+        end = position + int(np.size(value))
+        shape = f".reshape({np.shape(value)})" if np.ndim(value) > 1 else ""
+        return f"{vector}[{position}:{end}]{shape}", end
+    return f"{vector}[{position}]", position + 1
+
+
+def _written(value: Any, path: str, vector: str, position: int, lines: list[str]) -> int:
+    """Adds to `lines` the source that writes `value` to a flat vector; returns the position after it."""
+    if inner := names(value):
+        for name in inner:
+            position = _written(getattr(value, name), f"{path}.{name}", vector, position, lines)
+        return position
+    if np.ndim(value):
+        end = position + int(np.size(value))
+        lines.append(f"    {vector}[{position}:{end}] = {path}.ravel()")
+        return end
+    lines.append(f"    {vector}[{position}] = {path}")
+    return position + 1
+
+
+def _source(model: Model, case: Case, classes: _Classes) -> str:
+    state, params = _built(case.state, "y", 0, classes)[0], _built(case.params, "p", 0, classes)[0]
+    command, memory = _built(case.command, "u", 0, classes)[0], _built(case.memory, "m", 0, classes)[0]
+    settings = _built(case.settings, "z", 0, classes)[0]
+    compiled = "@njit({}, cache=True, error_model='numpy')"
+    lines = [compiled.format("FLAT"), "def rates(t, y, u, p, dy):"]
+    lines.append(f"    value, outputs = circuit(t, {state}, {command}, {params})")
+    _written(case.state, "value", "dy", 0, lines)
+    lines += ["", "", compiled.format("FLAT"), "def sample(t, m, y, z, u):"]
+    lines.append(f"    memory, command = program(t, {memory}, {state}, {settings})")
+    _written(case.memory, "memory", "m", 0, lines)
+    _written(case.command, "command", "u", 0, lines)
+    lines += ["", "", compiled.format("float64(float64, float64[::1], float64[::1])"), "def mark(t, y, p):"]
+    lines.append(f"    return float(event(t, {state}, {params}))")
+    lines += ["", "", compiled.format("float64(float64, float64[::1])"), "def stop(t, p):"]
+    lines.append(f"    return float(jump(t, {params}))")
+    # A parameter class is a plain record to compiled code: formulas only read its fields.
+    records = [f"{name} = namedtuple({name!r}, {names(cls)!r})" for name, cls in classes.records()]
+    head = ["from collections import namedtuple", "", "from numba import float64, njit, void", "", *records]
+    return "\n".join([*head, "", "FLAT = void(float64, *[float64[::1]] * 4)", "", "", *lines]) + "\n"
+
+
+def _loaded(name: str, source: str, classes: _Classes, model: Model, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
+    folder = cache / name
+    path = folder / "linked.py"
+    try:
+        if not path.exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            temporary = folder / f"{os.getpid()}.tmp"
+            temporary.write_text(source)
+            temporary.replace(path)
+    except OSError as problem:
+        raise RunError(f"compiled code cannot be kept in {cache} ({problem.strerror}); set VVDP_CACHE") from None
+    spec = importlib.util.spec_from_file_location(f"vvdp_linked_{name}", path)
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    module.__dict__.update(dict(classes.tuples()))
+    module.__dict__.update(circuit=model.circuit, program=model.program, event=model.mark, jump=model.stop)
+    if not any(folder.rglob("*.nbi")):
+        say("compiling the circuit (once for each circuit, a few seconds)")
+    sys.modules[spec.name] = module  # before it runs: Numba's cache looks its functions' module up by name
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[spec.name]
+        raise
+    return module
+
+
+def _select_form(condition: Any, a: Any, b: Any) -> Any:
+    return lambda condition, a, b: a if condition else b
+
+
+# Compiled code cannot index a tuple of nothing, even in a loop that never runs.
+def _changes_form(t: Any, start: Any, duration: Any, change: Any) -> Any:
+    return changes_value if len(start) else lambda t, start, duration, change: 0.0
+
+
+def _sines_form(t: Any, amplitude: Any, frequency: Any, phase: Any) -> Any:
+    return sines_value if len(amplitude) else lambda t, amplitude, frequency, phase: 0.0
+
+
+def _stop_form(t: Any, start: Any, duration: Any) -> Any:
+    return changes_stop if len(start) else lambda t, start, duration: np.inf
+
+
+COMPILED_FORMS: dict[Callable[..., Any], Callable[..., Any]] = {
+    select: _select_form,
+    changes_value: _changes_form,
+    sines_value: _sines_form,
+    changes_stop: _stop_form,
+}
+"""Functions whose compiled text differs from their Python text, and how it is chosen from the argument types."""
+
+_registered: set[types.FunctionType] = set()
+
+
+def _make_compilable(functions: Functions) -> None:
+    from numba.extending import overload, register_jitable
+
+    for function, _ in functions.values():
+        if function in _registered:
+            continue
+        _registered.add(function)
+        if function in COMPILED_FORMS:
+            overload(function, strict=False)(COMPILED_FORMS[function])
+        else:
+            register_jitable(error_model="numpy")(function)

@@ -1,0 +1,331 @@
+"""The compiled loop: one for all circuits. Flat vectors in, and pointers to the linked functions.
+
+It is compiled once per installation and cached. What a run has reached is in `clock` (and in the vectors that it
+changes in place), so a run can be handed back at any step and taken up again with the same result to the last bit.
+"""
+
+import numpy as np
+from numba import float64, int64, njit, prange, types
+
+from vvdp.numerics.tableaus import RODAS4_A, RODAS4_B, RODAS4_C, RODAS4_D, RODAS4_GAMMA, TSIT5_A, TSIT5_C, TSIT5_E
+
+VECTOR = float64[::1]
+MATRIX = float64[:, ::1]
+FLAT = types.void(float64, VECTOR, VECTOR, VECTOR, VECTOR)
+RATES = types.FunctionType(FLAT)
+SAMPLE = types.FunctionType(FLAT)
+MARK = types.FunctionType(float64(float64, VECTOR, VECTOR))
+STOP = types.FunctionType(float64(float64, VECTOR))
+
+# What `run` returns.
+DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL = 0, 1, 2, 3, 4
+
+# Places in `clock`.
+TIME, STEP, SAMPLES, STEPS, REJECTED, EVALUATIONS, RECORDS, MARKS, STORED, METHOD = range(10)
+WINDOW_TIME, WINDOW_COST, OTHER_COST, TRIAL, REVIEW, SWITCHES = range(10, 16)
+CLOCK = 16
+
+EXPLICIT, STIFF = 0.0, 1.0
+AUTOMATIC, ONLY_EXPLICIT, ONLY_STIFF = 0, 1, 2
+
+# The automatic choice: an explicit window that costs more than this many evaluations per sample period is worth a
+# trial of the stiff method; a window ends after so many periods or so many evaluations, whichever comes first.
+TRIAL_COST = 900.0
+WINDOW_PERIODS = 20.0
+WINDOW_EVALUATIONS = 40000.0
+REVIEW_WINDOWS = 20.0
+
+
+@njit(cache=True, error_model="numpy")
+def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error):
+    """Tsitouras 5(4) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], error estimate in `error`.
+
+    Only the first `active` states feed back on the rates and are judged; the books behind them are needed at the end.
+    """
+    n = y.size
+    for i in range(1, 7):
+        for m in range(n if i == 6 else active):
+            a = 0.0
+            for l in range(i):
+                a += TSIT5_A[i, l] * k[l, m]
+            trial[m] = y[m] + step * a
+        rates(t_right if TSIT5_C[i] == 1.0 else t + TSIT5_C[i] * step, trial, command, params, k[i])
+    for m in range(active):
+        e = 0.0
+        for l in range(7):
+            e += TSIT5_E[l] * k[l, m]
+        error[m] = step * e
+    return 6.0
+
+
+@njit(cache=True, error_model="numpy")
+def factorised(matrix, pivots):
+    """LU factors of `matrix` in place with partial pivoting."""
+    n = pivots.size
+    for c in range(n):
+        best = c
+        for r in range(c + 1, n):
+            if abs(matrix[r, c]) > abs(matrix[best, c]):
+                best = r
+        pivots[c] = best
+        if best != c:
+            for m in range(n):
+                matrix[c, m], matrix[best, m] = matrix[best, m], matrix[c, m]
+        for r in range(c + 1, n):
+            if matrix[r, c] != 0.0:
+                f = matrix[r, c] / matrix[c, c]
+                matrix[r, c] = f
+                for m in range(c + 1, n):
+                    matrix[r, m] -= f * matrix[c, m]
+
+
+@njit(cache=True, error_model="numpy")
+def solved(matrix, pivots, x):
+    """Solution in place of `matrix` x = x, `matrix` as left by `factorised`."""
+    n = pivots.size
+    for c in range(n):
+        p = int(pivots[c])
+        x[c], x[p] = x[p], x[c]
+        for r in range(c + 1, n):
+            x[r] -= matrix[r, c] * x[c]
+    for c in range(n - 1, -1, -1):
+        for m in range(c + 1, n):
+            x[c] -= matrix[c, m] * x[m]
+        x[c] /= matrix[c, c]
+
+
+@njit(cache=True, error_model="numpy")
+def stiff_step(rates, t, step, t_right, y, command, params, active, scale, k, trial, error, jacobian, matrix, pivots):
+    """Rodas 4(3) from (t, y) with k[0] = f(t, y); as `explicit_step`.
+
+    The Jacobian is by forward differences, one evaluation per active state; the books are pure integrals and are
+    eliminated by hand.
+    """
+    n, na = y.size, active
+    u, slope, shifted, reduced = np.zeros((6, n)), np.zeros(n), np.zeros(n), np.zeros(na)
+    trial[:] = y
+    for c in range(na):
+        delta = 1.5e-8 * max(abs(y[c]), scale[c])
+        trial[c] = y[c] + delta
+        delta = trial[c] - y[c]
+        rates(t, trial, command, params, shifted)
+        for m in range(n):
+            jacobian[m, c] = (shifted[m] - k[0, m]) / delta
+        trial[c] = y[c]
+    # A difference in time taken towards the inside of the step never straddles a stop.
+    dt = 1e-3 * step
+    rates(t + dt, y, command, params, shifted)
+    for m in range(n):
+        slope[m] = (shifted[m] - k[0, m]) / dt
+    g = 1.0 / (RODAS4_GAMMA * step)
+    for r in range(na):
+        for c in range(na):
+            matrix[r, c] = -jacobian[r, c]
+        matrix[r, r] += g
+    factorised(matrix, pivots)
+    shifted[:] = k[0]
+    for i in range(6):
+        if i == 5:
+            for m in range(n):
+                trial[m] += u[4, m]
+        elif i > 0:
+            for m in range(n):
+                a = 0.0
+                for l in range(i):
+                    a += RODAS4_A[i, l] * u[l, m]
+                trial[m] = y[m] + a
+        if i > 0:
+            rates(t_right if RODAS4_C[i] == 1.0 else t + RODAS4_C[i] * step, trial, command, params, shifted)
+        for m in range(n):
+            a = shifted[m] + step * RODAS4_D[i] * slope[m]
+            for l in range(i):
+                a += RODAS4_B[i, l] / step * u[l, m]
+            u[i, m] = a
+        for c in range(na):
+            reduced[c] = u[i, c]
+        solved(matrix, pivots, reduced)
+        for m in range(n):
+            a = u[i, m]
+            for c in range(na):
+                a += jacobian[m, c] * reduced[c]
+            u[i, m] = a / g
+        for c in range(na):
+            u[i, c] = reduced[c]
+    for m in range(n):
+        trial[m] += u[5, m]
+        error[m] = u[5, m]
+    rates(t_right, trial, command, params, k[6])
+    return 8.0 + 1.5 * na
+
+
+@njit(cache=True, error_model="numpy")
+def between(s, step, y, trial, k, middle):
+    """State at the fraction `s` of an accepted step, by the cubic through both ends and their rates, into `middle`."""
+    a, b = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s)
+    c, d = step * s * (1.0 - s) ** 2, -step * s * s * (1.0 - s)
+    for m in range(y.size):
+        middle[m] = y[m] * a + trial[m] * b + c * k[0, m] + d * k[6, m]
+
+
+@njit(cache=True, error_model="numpy")
+def chosen_method(t, period, clock):
+    """Reviews the automatic choice of method: tries the other one when the present one is dear, keeps the cheaper."""
+    elapsed, spent = t - clock[WINDOW_TIME], clock[EVALUATIONS] - clock[WINDOW_COST]
+    if elapsed < WINDOW_PERIODS * period and spent < WINDOW_EVALUATIONS:
+        return
+    cost = spent / elapsed * period
+    clock[WINDOW_TIME], clock[WINDOW_COST] = t, clock[EVALUATIONS]
+    if clock[TRIAL] == 1.0:
+        clock[TRIAL] = 0.0
+        clock[REVIEW] = REVIEW_WINDOWS
+        if cost > clock[OTHER_COST]:
+            clock[METHOD] = STIFF - clock[METHOD]
+        else:
+            clock[SWITCHES] += 1.0
+        return
+    clock[REVIEW] -= 1.0
+    if clock[REVIEW] <= 0.0 and (clock[METHOD] == STIFF or cost > TRIAL_COST):
+        clock[TRIAL], clock[OTHER_COST] = 1.0, cost
+        clock[METHOD] = STIFF - clock[METHOD]
+
+
+RUN = int64(
+    RATES, SAMPLE, MARK, STOP,
+    VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR,
+    int64, float64, float64, float64, int64, float64, int64,
+    VECTOR, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR, VECTOR,
+)  # fmt: skip
+
+
+@njit(RUN, cache=True, error_model="numpy")
+def run(
+    rates, sample, mark, stop,
+    y, command, memory, params, settings, atol, rtol, scale, clock,
+    active, period, t_end, marks_from, method, budget, overwrite,
+    record_times, record, record_command, mark_times, mark_states, low, high,
+):  # fmt: skip
+    """Carries a run on from where `clock` stands, to `t_end` or until `budget` evaluations are spent.
+
+    Every step ends at the latest on the next sample (multiples of `period`, where `sample` may change `command`) and
+    on the next time that `stop` names; rates at a step's right end are taken just before that instant. States at
+    `record_times` go to `record`, at each change of the floor of `mark` (from `marks_from` on) to `mark_states`; when
+    that is full the run is handed back, or with `overwrite` the last row is kept up to date.
+    """
+    n = y.size
+    trial, error, middle, k = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((7, n))
+    jacobian, matrix, pivots = np.zeros((n, active)), np.zeros((active, active)), np.zeros(active)
+    t, h = clock[TIME], clock[STEP]
+    enough = clock[EVALUATIONS] + budget
+    rates(t, y, command, params, k[0])
+    g0 = mark(t, y, params)
+    t_stop = stop(t, params)
+    t_sample = min((clock[SAMPLES] + 1.0) * period, t_end)
+    while t < t_end:
+        if clock[EVALUATIONS] >= enough:
+            return PAUSED
+        if overwrite == 0 and clock[STORED] + 16.0 > mark_times.size:
+            return MARKS_FULL
+        t_next = min(t_sample, t_stop)
+        last = t + h * (1.0 + 1e-9) >= t_next
+        step = t_next - t if last else h
+        t_right = np.nextafter(t_next, -np.inf) if last else t + step
+        if clock[METHOD] == STIFF:
+            cost = stiff_step(
+                rates, t, step, t_right, y, command, params, active, scale, k, trial, error, jacobian, matrix, pivots
+            )
+            exponent = -0.25
+        else:
+            cost = explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error)
+            exponent = -0.2
+        clock[EVALUATIONS] += cost
+        clock[STEPS] += 1.0
+        size, finite = 0.0, True
+        for m in range(active):
+            e = abs(error[m]) / (atol[m] + rtol[m] * max(abs(y[m]), abs(trial[m])))
+            finite = finite and e < 1e300
+            size += e * e
+        size = np.sqrt(size / active)
+        if not finite or size > 1.0:
+            clock[REJECTED] += 1.0
+            h = step * (max(0.2, 0.9 * size**exponent) if finite else 0.1)
+            clock[STEP] = h
+            if h < 1e-14 * max(t, period):
+                return STEP_TOO_SMALL if finite else NOT_FINITE
+            continue
+        t_new = t_next if last else t + step
+        g1 = mark(t_new, trial, params)
+        change = np.floor(g1) - np.floor(g0)
+        for i in range(int(abs(change))):
+            goal = np.floor(g0) + 1.0 + i if change > 0.0 else np.floor(g0) - i
+            lo, hi = 0.0, 1.0
+            for _ in range(50):
+                s = 0.5 * (lo + hi)
+                between(s, step, y, trial, k, middle)
+                if (mark(t + s * step, middle, params) < goal) == (g0 < goal):
+                    lo = s
+                else:
+                    hi = s
+            clock[MARKS] += 1.0
+            if t + hi * step >= marks_from:
+                row = min(int(clock[STORED]), mark_times.size - 1)
+                between(hi, step, y, trial, k, mark_states[row])
+                mark_times[row] = t + hi * step
+                clock[STORED] = row + 1.0
+        row = int(clock[RECORDS])
+        while row < record_times.size and record_times[row] <= t_new:
+            between((record_times[row] - t) / step, step, y, trial, k, record[row])
+            record_command[row, :] = command
+            row += 1
+        clock[RECORDS] = row
+        for m in range(n):
+            low[m] = min(low[m], trial[m])
+            high[m] = max(high[m], trial[m])
+        t, g0 = t_new, g1
+        y[:] = trial
+        grown = step * min(5.0, max(0.2, 0.9 * (size + 1e-12) ** exponent))
+        h = max(h, grown) if last else grown
+        if last:
+            if t >= t_sample:
+                clock[SAMPLES] += 1.0
+                t_sample = min((clock[SAMPLES] + 1.0) * period, t_end)
+                sample(t, memory, y, settings, command)
+            t_stop = stop(t, params)
+            rates(t, y, command, params, k[0])
+        else:
+            k[0, :] = k[6]
+        clock[TIME], clock[STEP] = t, h
+        if method == AUTOMATIC:
+            chosen_method(t, period, clock)
+    return DONE
+
+
+BATCH = types.void(
+    RATES, SAMPLE, MARK, STOP,
+    MATRIX, MATRIX, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR,
+    int64, float64, float64, float64, float64, int64,
+    MATRIX, float64[:, :, ::1], MATRIX, MATRIX, MATRIX, int64[::1],
+)  # fmt: skip
+
+
+@njit(BATCH, cache=True, error_model="numpy", parallel=True)
+def batch(
+    rates, sample, mark, stop,
+    y, command, memory, params, settings, atol, rtol, scale,
+    active, period, t_end, marks_from, step, method,
+    mark_times, mark_states, low, high, clocks, status,
+):  # fmt: skip
+    """Runs one case per row of `params` and `y` (`y` and `command` changed in place), all cores; of the marks keeps the first and the last."""
+    for case in prange(params.shape[0]):
+        n = y.shape[1]
+        own_memory = memory.copy()
+        low[case, :] = y[case]
+        high[case, :] = y[case]
+        clocks[case, STEP] = step
+        clocks[case, METHOD] = STIFF if method == ONLY_STIFF else EXPLICIT
+        status[case] = run(
+            rates, sample, mark, stop,
+            y[case], command[case], own_memory, params[case], settings[case], atol, rtol, scale, clocks[case],
+            active, period, t_end, marks_from, method, 1e300, 1,
+            np.zeros(0), np.zeros((0, n)), np.zeros((0, command.shape[1])), mark_times[case], mark_states[case],
+            low[case], high[case],
+        )  # fmt: skip

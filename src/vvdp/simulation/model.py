@@ -1,0 +1,58 @@
+"""What is simulated: a circuit and the functions that belong to it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.books import Nothing
+
+
+def no_program(t: float, memory: Any, measured: Any, settings: Any) -> tuple[Any, Any]:
+    """The program of a system without sensors and controllers: nothing remembered, nothing commanded."""
+    return memory, Nothing(0.0)
+
+
+def no_mark(t: float, state: Any, params: Any) -> float:
+    """The mark of a system without events."""
+    return 0.0
+
+
+def no_stop(t: float, params: Any) -> float:
+    """The next jump of a system without jumps: never."""
+    return np.inf
+
+
+@dataclass(frozen=True)
+class Model:
+    """Plain functions that say how a system behaves.
+
+    circuit(t, state, command, params) -> (rates, outputs)    rates have the NamedTuple of the state
+    stored(state, params) -> Stored                           what the books' balance needs; None leaves it unchecked
+    program(t, memory, measured, settings) -> (memory, command)   called at every sample, `measured` is the state
+    mark(t, state, params) -> float                           an event wherever its floor changes
+    stop(t, params) -> float                                  the next time after t at which the rates jump
+    """
+
+    circuit: Callable[..., Any]
+    stored: Callable[..., Any] | None = None
+    program: Callable[..., Any] = no_program
+    mark: Callable[..., Any] = no_mark
+    stop: Callable[..., Any] = no_stop
+
+    @property
+    def functions(self) -> tuple[Callable[..., Any], ...]:
+        """The functions that run in the compiled loop."""
+        return self.circuit, self.program, self.mark, self.stop
+
+
+@dataclass(frozen=True)
+class Case:
+    """The values that a model runs with."""
+
+    state: Any
+    params: Any
+    command: Any = Nothing()
+    memory: Any = Nothing()
+    settings: Any = Nothing()

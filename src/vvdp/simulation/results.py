@@ -1,0 +1,171 @@
+"""The result directory: what a run leaves on disk, and reading it back.
+
+    system.toml     the system as it was resolved
+    result.h5       times, states, outputs, marks; every dataset with `units` and `long_name`
+    summary.json    the numbers that the run comes to
+    meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
+
+Everything is written to a temporary folder beside and renamed at the end, so a directory is whole or absent.
+"""
+
+import json
+import os
+import platform
+import shutil
+import tempfile
+from collections.abc import Mapping
+from contextlib import contextmanager
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import vvdp
+from vvdp.base.errors import unusable
+from vvdp.base.kinds import Kind
+from vvdp.base.params import field_kinds
+from vvdp.numerics.tableaus import Array
+from vvdp.simulation.run import Run
+from vvdp.simulation.values import leaves
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Series:
+    """A recorded quantity: values over `Results.times`, SI unit, and what it is."""
+
+    values: Array
+    unit: str
+    long_name: str
+
+
+@dataclass(frozen=True)
+class Results:
+    """A result directory read back."""
+
+    directory: Path
+    system: str
+    summary: Mapping[str, Any]
+    meta: Mapping[str, Any]
+    times: Array  # (rows,)
+    states: Mapping[str, Series]
+    outputs: Mapping[str, Series]
+    mark_times: Array  # (marks,)
+
+
+@contextmanager
+def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
+    """A temporary folder that becomes `directory` when the block ends well, and vanishes when it does not.
+
+    Raises ConfigError before anything is run where `directory` exists (without `force`) or cannot be written.
+    """
+    if directory.exists() and not force:
+        raise unusable(directory, "already exists; choose another directory or use --force")
+    if directory.exists() and not directory.is_dir():
+        raise unusable(directory, "is not a directory")
+    try:
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+    except OSError as problem:
+        raise unusable(directory, f"cannot be written ({problem.strerror})") from None
+    try:
+        yield temporary
+        temporary.chmod(0o755)
+        if directory.exists():
+            shutil.rmtree(directory)
+        temporary.replace(directory)
+    except BaseException:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise
+
+
+def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, Any], more: Mapping[str, Any]) -> None:
+    """Writes a run into `folder`: the text of the resolved `system`, its `summary`, and `more` for meta.json."""
+    import h5py
+    import numba
+
+    (folder / "system.toml").write_text(system, encoding="utf-8")
+    _write_json(folder / "summary.json", summary)
+    meta = {
+        "format": FORMAT,
+        "vvdp": vvdp.__version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "numba": numba.__version__,
+        "equations": run.digest,
+        "relative_tolerance": run.stepping.relative_tolerance,
+        "sample_period_s": run.stepping.sample_period,
+        "until_s": run.stepping.until,
+        "finished": run.finished,
+        "seconds": run.seconds,
+        **more,
+    }
+    _write_json(folder / "meta.json", meta)
+    temporary = folder / "result.h5.tmp"
+    with h5py.File(temporary, "w") as file:
+        _dataset(file, "time", run.times, "s", "time")
+        for column, (path, _, kind) in enumerate(leaves(run.case.state)):
+            _dataset(file, f"states/{path}", run.states[:, column], *_described(path, kind))
+        outputs = run.outputs
+        for name, kind in field_kinds(type(outputs)).items():
+            _dataset(file, f"outputs/{name}", getattr(outputs, name), *_described(name, kind))
+        _dataset(file, "marks/time", run.mark_times, "s", "time of each mark")
+        for column, (path, _, kind) in enumerate(leaves(run.case.state)):
+            _dataset(file, f"marks/states/{path}", run.mark_states[:, column], *_described(path, kind))
+    os.replace(temporary, folder / "result.h5")
+
+
+def _described(path: str, kind: Kind | None) -> tuple[str, str]:
+    words = path.removeprefix("books.").replace(".", ", ").replace("_", " ")
+    unit = kind.unit if kind else "1"
+    if kind and kind.name == "pressure level":
+        words += " (absolute)"
+    return unit, words
+
+
+def _dataset(file: Any, name: str, values: Array, unit: str, long_name: str) -> None:
+    options = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if values.size > 1000 else {}
+    dataset = file.create_dataset(name.replace(".", "/"), data=values, **options)
+    dataset.attrs["units"] = unit
+    dataset.attrs["long_name"] = long_name
+
+
+def _write_json(path: Path, content: Mapping[str, Any]) -> None:
+    path.write_text(json.dumps(dict(content), indent=1) + "\n", encoding="utf-8")
+
+
+def read_results(directory: Path) -> Results:
+    """The content of a result directory. Raises ConfigError where it is none, or from another format."""
+    import h5py
+
+    if not directory.is_dir():
+        raise unusable(directory, "is not a directory" if directory.exists() else "no such directory")
+    missing = [n for n in ("system.toml", "result.h5", "summary.json", "meta.json") if not (directory / n).is_file()]
+    if missing:
+        raise unusable(directory, f"is not a result directory: {', '.join(missing)} missing")
+    try:
+        meta = json.loads((directory / "meta.json").read_text("utf-8"))
+        summary = json.loads((directory / "summary.json").read_text("utf-8"))
+        with h5py.File(directory / "result.h5", "r") as file:
+            states, outputs = _series(file["states"]), _series(file["outputs"])
+            times, marks = file["time"][:], file["marks/time"][:]
+    except (OSError, KeyError, ValueError) as problem:
+        raise unusable(directory, f"is damaged: {problem}") from None
+    if meta.get("format") != FORMAT:
+        raise unusable(directory, f"was written in format {meta.get('format')}; this version reads format {FORMAT}")
+    text = (directory / "system.toml").read_text("utf-8")
+    return Results(directory, text, summary, meta, times, states, outputs, marks)
+
+
+def _series(group: Any, path: str = "") -> dict[str, Series]:
+    found: dict[str, Series] = {}
+    for name, item in group.items():
+        full = f"{path}.{name}" if path else name
+        if hasattr(item, "shape"):
+            found[full] = Series(item[:], str(item.attrs["units"]), str(item.attrs["long_name"]))
+        else:
+            found |= _series(item, full)
+    return found

@@ -1,0 +1,58 @@
+"""Nested values (NamedTuples, parameter classes, signals, arrays) to flat vectors and back."""
+
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.kinds import Kind
+from vvdp.base.params import field_kinds
+from vvdp.numerics.tableaus import Array
+
+
+def names(value: Any) -> tuple[str, ...]:
+    """Field names of a NamedTuple or dataclass; none for a number or an array."""
+    if dataclasses.is_dataclass(value):
+        return tuple(f.name for f in dataclasses.fields(value))
+    return tuple(getattr(value, "_fields", ()))
+
+
+def flat(value: Any) -> Array:
+    """All numbers of a nested value, depth first, shape (n,)."""
+    if names(value):
+        return np.concatenate([np.zeros(0), *(flat(getattr(value, name)) for name in names(value))])
+    return np.ravel(np.asarray(value, float)).astype(float)
+
+
+def leaves(value: Any, path: str = "", kind: Kind | None = None) -> Iterator[tuple[str, Any, Kind | None]]:
+    """Dotted path, value and kind of every leaf, in the order of `flat`."""
+    inner = names(value)
+    if not inner:
+        yield path, value, kind
+        return
+    kinds = field_kinds(type(value))
+    for name in inner:
+        yield from leaves(getattr(value, name), f"{path}.{name}" if path else name, kinds.get(name))
+
+
+def rebuilt(example: Any, numbers: Iterator[Any]) -> Any:
+    """A value of the shape of `example` with its leaves taken from `numbers`: floats, or whole columns of a record."""
+    inner = names(example)
+    if inner:
+        members = {name: rebuilt(getattr(example, name), numbers) for name in inner}
+        return type(example)(**members)
+    if np.ndim(example):
+        shape = np.shape(example)
+        return np.array([next(numbers) for _ in range(int(np.prod(shape)))]).reshape(shape)
+    return next(numbers)
+
+
+def as_value(example: Any, vector: Array) -> Any:
+    """`vector` in the shape of `example`, floats at the leaves."""
+    return rebuilt(example, iter([float(x) for x in vector]))
+
+
+def as_series(example: Any, rows: Array) -> Any:
+    """The columns of `rows`, shape (times, n), in the shape of `example`: an array over time at each leaf."""
+    return rebuilt(example, iter(rows.T))

@@ -1,0 +1,1 @@
+"""Systems: a circuit with its values, read from a file."""

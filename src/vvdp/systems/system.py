@@ -1,0 +1,187 @@
+"""Reading a system: from a shipped name or a file to checked values, a model and a case."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.kinds import Ratio, Time
+from vvdp.base.params import Params
+from vvdp.base.tables import Sourced, Table, build, parsed_table, read_table, with_settings
+from vvdp.base.units import parsed
+from vvdp.base.kinds import TIME
+from vvdp.circuits.supply import Operation
+from vvdp.simulation.model import Case, Model
+from vvdp.simulation.run import Method, Stepping
+from vvdp.systems.benches import BENCHES, Bench
+
+HEADINGS = ("title", "circuit")
+
+
+class RunTable(Params):
+    """The [run] table: how long, how exactly, what is recorded, from when on means are taken."""
+
+    until: Time
+    average_from: Time
+    relative_tolerance: Ratio
+    sample_period: Time
+    record_interval: Time
+    window: Time
+    window_interval: Time
+
+    def check(self) -> None:
+        if not self.average_from < self.until:
+            raise ParameterError(f"average_from {self.average_from:g} s; expected less than until = {self.until:g} s")
+
+
+@dataclass(frozen=True)
+class System:
+    """A system ready to run: its model and values, and where each value comes from."""
+
+    name: str
+    title: str
+    circuit: str
+    model: Model
+    case: Case
+    stepping: Stepping
+    average_from: float
+    tables: Mapping[str, Any]
+    rows: tuple[Sourced, ...]
+    content: Mapping[str, Any]
+
+    @property
+    def assumed(self) -> tuple[Sourced, ...]:
+        """The values that are merely assumed."""
+        return tuple(row for row in self.rows if row.status == "assumed")
+
+
+def shipped() -> dict[str, str]:
+    """Names of the shipped systems and their texts."""
+    folder = resources.files("vvdp.systems") / "data"
+    return {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in sorted(folder.iterdir(), key=lambda f: f.name)}
+
+
+def source_text(name: str) -> str:
+    """The text of a system, by shipped name or path. Raises ConfigError where there is none."""
+    texts = shipped()
+    if name in texts:
+        return texts[name]
+    read_table(Path(name))
+    return Path(name).read_text("utf-8")
+
+
+def system_table(name: str) -> Table:
+    """The parsed text of a system, by shipped name or path. Raises ConfigError where there is none."""
+    texts = shipped()
+    if name in texts:
+        return parsed_table(texts[name], f"{name}.toml")
+    path = Path(name)
+    if not path.exists() and path.suffix != ".toml":
+        known = ", ".join(texts)
+        raise ConfigError([Fault(name, 0, "", f"neither a shipped system ({known}) nor a file")])
+    return read_table(path)
+
+
+def load_system(name: str, settings: Sequence[str] = (), until: str | None = None) -> System:
+    """The system called `name` (shipped, or the path of a file), with `settings` of the form table.key=value.
+
+    Raises ConfigError naming every fault at once: file, line, key, value, and what was expected.
+    """
+    table = system_table(name)
+    if settings:
+        table = with_settings(table, list(settings))
+    if until is not None:
+        table = _lasting(table, until)
+    return built_system(table, Path(name).stem)
+
+
+def _lasting(table: Table, until: str) -> Table:
+    """`table` with a run of `until`; means are then taken from the same share of the run as before."""
+    try:
+        seconds = parsed(until, TIME)
+    except ParameterError as problem:
+        raise ConfigError([Fault("--until", 0, "", str(problem))]) from None
+    run = dict(table.content.get("run", {}))
+    try:
+        share = parsed(run.get("average_from"), TIME) / parsed(run.get("until"), TIME)
+    except (ParameterError, ZeroDivisionError):
+        share = 0.5
+    run |= {"until": f"{seconds!r} s", "average_from": f"{share * seconds!r} s"}
+    return Table(table.place, {**table.content, "run": run}, table.lines)
+
+
+def built_system(table: Table, name: str) -> System:
+    """The system that a parsed table describes. Raises ConfigError with all its faults."""
+    faults: list[Fault] = []
+    bench = _bench(table, faults)
+    classes: dict[str, type[Params]] = {**bench.tables, "run": RunTable} if bench else {}
+    content = dict(table.content)
+    run = dict(content["run"]) if isinstance(content.get("run"), Mapping) else {}
+    method = _method(run.pop("method", "automatic"), table, faults)
+    content["run"] = run
+    if isinstance(content.get("operation"), Mapping) and "axial_position" in content["operation"]:
+        if "duty_ratio" in content["operation"]:
+            line = table.lines.get("operation.axial_position", 0)
+            message = "contradicts operation.duty_ratio; give one of the two"
+            faults.append(Fault(table.place, line, "operation.axial_position", message))
+        classes["operation"] = Operation
+        content["operation"] = {k: v for k, v in content["operation"].items() if k != "duty_ratio"}
+    if bench:
+        for key in content:
+            if key not in classes and key not in HEADINGS:
+                message = f"unknown table; expected {', '.join(classes)}"
+                faults.append(Fault(table.place, table.lines.get(key, 0), key, message))
+    values: dict[str, Any] = {}
+    rows: list[Sourced] = []
+    for key, cls in classes.items():
+        part = content.get(key)
+        if not isinstance(part, Mapping):
+            what = "missing table" if part is None else f"{part!r} is not a table"
+            faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
+            continue
+        values[key], found = build(cls, part, key, table, faults)
+        rows += found
+    case = stepping = None
+    if not faults and bench:
+        try:
+            case = bench.case(values)
+            r = values["run"]
+            stepping = Stepping(
+                until=r.until,
+                relative_tolerance=r.relative_tolerance,
+                sample_period=r.sample_period,
+                record_interval=r.record_interval,
+                window=r.window,
+                window_interval=r.window_interval,
+                method=method,
+            )
+        except ParameterError as problem:
+            faults.append(Fault(table.place, 0, "", str(problem)))
+    if faults or bench is None or case is None or stepping is None:
+        raise ConfigError(faults)
+    title = str(table.content.get("title", name))
+    kept = {k: v for k, v in table.content.items() if k not in HEADINGS}
+    circuit = str(table.content["circuit"])
+    return System(
+        name, title, circuit, bench.model, case, stepping, values["run"].average_from, values, tuple(rows), kept
+    )
+
+
+def _bench(table: Table, faults: list[Fault]) -> Bench | None:
+    circuit = table.content.get("circuit")
+    if isinstance(circuit, str) and circuit in BENCHES:
+        return BENCHES[circuit]
+    what = "missing" if circuit is None else f"{circuit!r} is not a circuit"
+    faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"{what}; expected {', '.join(BENCHES)}"))
+    return None
+
+
+def _method(word: object, table: Table, faults: list[Fault]) -> Method:
+    names = {method.name.lower(): method for method in Method}
+    if isinstance(word, str) and word in names:
+        return names[word]
+    line = table.lines.get("run.method", 0)
+    faults.append(Fault(table.place, line, "run.method", f"{word!r}; expected one of {', '.join(names)}"))
+    return Method.AUTOMATIC

@@ -1,0 +1,174 @@
+"""Flow, loss and speed of the valve averaged over a PWM period, without its dynamics.
+
+Quasi-steady: a relief valve without lag, constant pressures at load and tank, stiff oil. Holds at any duty ratio; the
+inlet pressure is found by bisection at each of many angles, so these functions are for maps and tables, not for the
+simulation's loop. See docs/models/rotary-valve.md, "Flow map".
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Flow, Power, Pressure
+from vvdp.base.select import maximum, minimum, select
+from vvdp.valve.branch import BranchFlow, branch_flow
+from vvdp.valve.geometry import Openings, port_openings
+from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.torque import spool_torque
+
+ANGLES = 1000
+BISECTIONS = 50
+
+
+class Cycle(NamedTuple):
+    """Half a PWM period, the other half being its mirror image, as arrays over equally spaced angles."""
+
+    openings: Openings
+    inlet_pressure: Any  # Pa, absolute
+    load: BranchFlow
+    tank: BranchFlow
+    relief_flow: Any  # m^3/s
+
+
+class CycleMean(NamedTuple):
+    """Means over a PWM period: flows to load, tank and over the relief valve, inlet pressure, and power lost."""
+
+    load_flow: Flow
+    tank_flow: Flow
+    relief_flow: Flow
+    inlet_pressure: Pressure
+    loss: Power
+
+
+def quasi_steady_cycle(
+    duty_ratio: float,
+    load_pressure: float,
+    relief_pressure: float,
+    relief_override: float,
+    tank_pressure: float,
+    flow: float,
+    density: float,
+    valve: RotaryValve,
+) -> Cycle:
+    """State of the valve at equally spaced angles over half a PWM period.
+
+    At each angle the inlet pressure is the one at which both branches and the relief valve together take the pump
+    flow.
+
+    duty_ratio                                     axial position over helix length, any value [1]
+    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
+    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
+    flow                                           of the pump [m^3/s]
+    density                                        [kg/m^3]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    angle: Any = np.pi / valve.sections * (np.arange(ANGLES) + 0.5) / ANGLES
+    openings = port_openings(angle, duty_ratio * valve.helix_length, valve)
+    low: Any = np.full(ANGLES, minimum(load_pressure, tank_pressure))
+    high: Any = np.full(ANGLES, relief_pressure + relief_override)
+    # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
+    relief_conductance = select(relief_override > 0.0, flow / select(relief_override > 0.0, relief_override, 1.0), 0.0)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        load = branch_flow(middle - load_pressure, openings.load, density, valve)
+        tank = branch_flow(middle - tank_pressure, openings.tank, density, valve)
+        relief = relief_conductance * maximum(middle - relief_pressure, 0.0)
+        short = load.flow + tank.flow + relief < flow
+        low, high = select(short, middle, low), select(short, high, middle)
+    load = branch_flow(high - load_pressure, openings.load, density, valve)
+    tank = branch_flow(high - tank_pressure, openings.tank, density, valve)
+    return Cycle(openings, high, load, tank, maximum(flow - load.flow - tank.flow, 0.0))
+
+
+def quasi_steady_mean(
+    duty_ratio: float,
+    load_pressure: float,
+    relief_pressure: float,
+    relief_override: float,
+    tank_pressure: float,
+    flow: float,
+    density: float,
+    valve: RotaryValve,
+) -> CycleMean:
+    """Mean flows, inlet pressure and power lost over a PWM period [m^3/s, Pa, W].
+
+    The loss is the pump's power less the load's, both against the tank.
+
+    duty_ratio                                     axial position over helix length, any value [1]
+    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
+    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
+    flow                                           of the pump [m^3/s]
+    density                                        [kg/m^3]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    cycle = quasi_steady_cycle(
+        duty_ratio, load_pressure, relief_pressure, relief_override, tank_pressure, flow, density, valve
+    )
+    load_flow, inlet = float(np.mean(cycle.load.flow)), float(np.mean(cycle.inlet_pressure))
+    loss = flow * (inlet - tank_pressure) - load_flow * (load_pressure - tank_pressure)
+    return CycleMean(load_flow, float(np.mean(cycle.tank.flow)), float(np.mean(cycle.relief_flow)), inlet, loss)
+
+
+def mean_load_flow(
+    duty_ratio: float,
+    load_pressure: float,
+    relief_pressure: float,
+    relief_override: float,
+    tank_pressure: float,
+    flow: float,
+    density: float,
+    valve: RotaryValve,
+) -> float:
+    """Mean flow to the load over a PWM period [m^3/s].
+
+    duty_ratio                                     axial position over helix length, any value [1]
+    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
+    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
+    flow                                           of the pump [m^3/s]
+    density                                        [kg/m^3]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return quasi_steady_mean(
+        duty_ratio, load_pressure, relief_pressure, relief_override, tank_pressure, flow, density, valve
+    ).load_flow
+
+
+def averaged_spool_speed(
+    duty_ratio: float,
+    load_pressure: float,
+    relief_pressure: float,
+    relief_override: float,
+    tank_pressure: float,
+    flow: float,
+    density: float,
+    viscosity: float,
+    valve: RotaryValve,
+) -> float:
+    """Speed at which the torques balance on average over a PWM period, ports partly open included [rad/s].
+
+    The torque is linear in the speed, so its means at two speeds give the balance. The speed's own ripple within a
+    period is left out.
+
+    duty_ratio                                     axial position over helix length, any value [1]
+    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
+    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
+    flow                                           of the pump [m^3/s]
+    density                                        [kg/m^3]
+    viscosity                                      dynamic [Pa s]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    cycle = quasi_steady_cycle(
+        duty_ratio, load_pressure, relief_pressure, relief_override, tank_pressure, flow, density, valve
+    )
+    at_rest = _mean_net_torque(cycle, 0.0, density, viscosity, valve)
+    turning = _mean_net_torque(cycle, 1.0, density, viscosity, valve)
+    return at_rest / (at_rest - turning)
+
+
+def _mean_net_torque(cycle: Cycle, spool_speed: float, density: float, viscosity: float, valve: RotaryValve) -> float:
+    torque = spool_torque(cycle.load, cycle.tank, cycle.openings, spool_speed, density, viscosity, valve)
+    return float(np.mean(torque.turbine - torque.friction))

@@ -1,0 +1,145 @@
+"""How far the nozzles look into the load and the tank pockets of the spool, from its angle and its axial position.
+
+Derived in docs/models/rotary-valve.md, "Port openings".
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Count, Fraction, Length
+from vvdp.base.select import clip
+from vvdp.valve.rotary import RotaryValve
+
+
+class Openings(NamedTuple):
+    """Open fraction of the nozzle area towards the load and towards the tank."""
+
+    load: Fraction
+    tank: Fraction
+
+
+class PortShape(NamedTuple):
+    """All that the openings depend on besides the spool's angle and position; widths in pitches."""
+
+    sections: Count
+    helix_length: Length
+    nozzle_width: Fraction
+    barrier_width: Fraction
+
+
+def port_shape(valve: RotaryValve) -> PortShape:
+    """The shape of the ports, for many calls of `shape_openings`.
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    ramp = nozzle_width(valve) / pitch(valve)
+    return PortShape(valve.sections, valve.helix_length, ramp, valve.lap_ratio * ramp)
+
+
+def pitch(valve: RotaryValve) -> float:
+    """Arc of one section on the spool surface [m]: 2 pi R / N.
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return 2.0 * np.pi * valve.spool_radius / valve.sections
+
+
+def helix_slope(valve: RotaryValve) -> float:
+    """Axial rise of a barrier over its circumferential run, tan(alpha) = 2 L / pitch [1].
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return 2.0 * valve.helix_length / pitch(valve)
+
+
+def nozzle_width(valve: RotaryValve) -> float:
+    """Circumferential diagonal of one rhombic nozzle, d_c = sqrt(2 A_1 / tan(alpha)) with A_1 = A_in / N [m].
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    width: float = np.sqrt(2.0 * valve.nozzle_area / (valve.sections * helix_slope(valve)))
+    return width
+
+
+def nozzle_length(valve: RotaryValve) -> float:
+    """Axial diagonal of one rhombic nozzle, d_a = d_c tan(alpha) [m].
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return nozzle_width(valve) * helix_slope(valve)
+
+
+def nozzle_hydraulic_diameter(valve: RotaryValve) -> float:
+    """Four times the area of one nozzle over its perimeter [m].
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    side: float = 0.5 * np.sqrt(nozzle_width(valve) ** 2.0 + nozzle_length(valve) ** 2.0)
+    return valve.nozzle_area / valve.sections / side
+
+
+def barrier_width(valve: RotaryValve) -> float:
+    """Circumferential width of a barrier, lap ratio times nozzle width [m].
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return valve.lap_ratio * nozzle_width(valve)
+
+
+def transition_fraction(valve: RotaryValve) -> float:
+    """Part of a PWM period that one transition takes, kappa = (d_c + b) / pitch [1].
+
+    Source  ours, docs/models/rotary-valve.md; tu2012 gives 2.8 ms at 100 Hz
+    """
+    return (nozzle_width(valve) + barrier_width(valve)) / pitch(valve)
+
+
+def wedge_opening(distance: float, half_width: float, ramp: float) -> float:
+    """Fraction of a nozzle that lies inside any of a row of wedges, one per pitch [1].
+
+    a = u d + n (1 - d), each factor the fraction of the nozzle past one edge: u and d the near wedge's own edges,
+    n the first edge of the next wedge; exact while the nozzle is narrower than the pitch.
+
+    distance    of the nozzle's centre from the middle of the nearest wedge, 0 to 1/2 [pitches]
+    half_width  of a wedge at the height of the nozzle's centre, may be negative [pitches]
+    ramp        nozzle width [pitches]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    entered: float = clip(0.5 + (half_width + distance) / ramp, 0.0, 1.0)
+    remaining: float = clip(0.5 + (half_width - distance) / ramp, 0.0, 1.0)
+    following: float = clip(0.5 + (half_width + distance - 1.0) / ramp, 0.0, 1.0)
+    return entered * remaining + following * (1.0 - remaining)
+
+
+def port_openings(spool_angle: float, axial_position: float, valve: RotaryValve) -> Openings:
+    """Open fractions of the nozzles towards load and tank [1].
+
+    The load pocket is a wedge whose apex line passes the nozzle at angle 0, 2 pi/N, ...; at axial position x it is
+    x/L of the pitch wide between the centre lines of its barriers.
+
+    spool_angle     any number of turns [rad]
+    axial_position  0 is duty ratio 0, helix_length is duty ratio 1; any value [m]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return shape_openings(spool_angle, axial_position, port_shape(valve))
+
+
+def shape_openings(spool_angle: float, axial_position: float, shape: PortShape) -> Openings:
+    """Open fractions of the nozzles towards load and tank [1]; see `port_openings`.
+
+    spool_angle     any number of turns [rad]
+    axial_position  any value [m]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    turn = shape.sections * spool_angle / (2.0 * np.pi)
+    distance = abs(turn - np.floor(turn + 0.5))
+    ramp = shape.nozzle_width
+    half_duty = 0.5 * axial_position / shape.helix_length
+    half_barrier = 0.5 * shape.barrier_width
+    load = wedge_opening(distance, half_duty - half_barrier, ramp)
+    tank = 1.0 - wedge_opening(distance, half_duty + half_barrier, ramp)
+    return Openings(load, tank)

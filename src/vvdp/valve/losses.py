@@ -1,0 +1,271 @@
+"""Losses of the valve in closed form, and where the formulas stop to hold.
+
+Derived in docs/models/rotary-valve.md, "Losses". They count volumes: with a compressible oil expect differences of the
+size of its volume change.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Flow, Fraction, Power
+from vvdp.base.select import maximum, select
+from vvdp.fluid.mixture import compression_energy_per_volume
+from vvdp.fluid.oil import Oil
+from vvdp.valve.branch import BranchDrops, turbulent_drops
+from vvdp.valve.geometry import barrier_width, nozzle_width, pitch, transition_fraction
+from vvdp.valve.leakage import leakage_conductance
+from vvdp.valve.rotary import RotaryValve
+
+
+class PortRamp(NamedTuple):
+    """What happens while one port opens or closes: the open fraction below which the relief valve is open, the flow
+    through the port until then and the drop in excess of the fully open valve, both averaged over the ramp.
+
+    The flow is counted in parts of the pump flow.
+    """
+
+    relief_opening: float  # 1
+    relieved_port_flow: float  # 1
+    excess_drop: float  # Pa
+
+
+class TransitionLoss(NamedTuple):
+    """Mean power lost in the transitions, mean flow that the load misses, mean flow over the relief valve, and the open
+    fractions of the load and the tank port below which the relief valve is open."""
+
+    loss: Power
+    load_flow_lost: Flow
+    relief_flow: Flow
+    load_relief_opening: Fraction
+    tank_relief_opening: Fraction
+
+
+def full_open_drop(flow: float, density: float, valve: RotaryValve) -> BranchDrops:
+    """Pressure drops of the fully open valve [Pa].
+
+    flow     [m^3/s]
+    density  [kg/m^3]
+
+    Source  wang2017, eqs. 2.3 to 2.5
+    """
+    return turbulent_drops(flow, 1.0, density, valve)
+
+
+def full_open_loss(flow: float, density: float, valve: RotaryValve) -> float:
+    """Power throttled by the fully open valve, Q times its drop [W].
+
+    flow     [m^3/s]
+    density  [kg/m^3]
+
+    Source  wang2017, eqs. 2.3 to 2.5
+    """
+    drops = full_open_drop(flow, density, valve)
+    return flow * (drops.nozzle + drops.centre_section + drops.outlet_turbine)
+
+
+def port_ramp(port_pressure: float, relief_pressure: float, tank_pressure: float, full_drops: BranchDrops) -> PortRamp:
+    """Averages over the open fraction while one port opens from 0 to 1 [1, 1, Pa].
+
+    With n the nozzle's and r the other drop at full flow and H = P_R - P_S: the relief valve is open below
+    a* = sqrt(n / (H - r)), until then the port passes int_0^a* q da = sqrt(H) (sqrt(n + r a*^2) - sqrt(n)) / r, and
+    the excess drop is n (1/a* - 2 + a*) + Qv H + (a* - Qv) (P_R - P_T) - a* (n + r). a* is held at 1.
+
+    port_pressure, relief_pressure, tank_pressure  P_S, P_R, P_T, absolute [Pa]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    n, r = full_drops.nozzle, full_drops.centre_section + full_drops.outlet_turbine
+    H = maximum(relief_pressure - port_pressure, 0.0)
+    a = np.sqrt(n / maximum(H - r, n))
+    # (sqrt(n + r a^2) - sqrt(n)) / r without the cancellation
+    Qv = np.sqrt(H) * a * a / (np.sqrt(n + r * a * a) + np.sqrt(n))
+    excess = n * (1.0 / a - 2.0 + a) + Qv * H + (a - Qv) * (relief_pressure - tank_pressure) - a * (n + r)
+    return PortRamp(a, Qv, excess)
+
+
+def transition_loss(
+    flow: float,
+    load_pressure: float,
+    relief_pressure: float,
+    tank_pressure: float,
+    density: float,
+    valve: RotaryValve,
+) -> TransitionLoss:
+    """Mean power lost while ports open and close, beyond the loss of the fully open valve, and its flows [W, m^3/s, 1].
+
+    L = (2 d_c / pitch) Q (E_load + E_tank) + 2 max(b - d_c, 0) / pitch Q (P_R - P_T - dP_open), E from `port_ramp`,
+    for an ideal relief valve, constant load pressure and stiff oil. It does not depend on the spool speed, nor on the
+    duty ratio while that lies between kappa and 1 - kappa; `range_warnings` tells where it holds.
+
+    flow                                           of the pump, > 0 [m^3/s]
+    load_pressure, relief_pressure, tank_pressure  absolute [Pa]
+    density                                        [kg/m^3]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    Q, P_R, P_T = flow, relief_pressure, tank_pressure
+    drops = full_open_drop(flow, density, valve)
+    load = port_ramp(load_pressure, P_R, P_T, drops)
+    tank = port_ramp(P_T, P_R, P_T, drops)
+    ramps = 2.0 * nozzle_width(valve) / pitch(valve)
+    blocked = 2.0 * maximum(barrier_width(valve) - nozzle_width(valve), 0.0) / pitch(valve)
+    open_drop = drops.nozzle + drops.centre_section + drops.outlet_turbine
+    load_lost = ramps * (load.relief_opening - load.relieved_port_flow)
+    tank_lost = ramps * (tank.relief_opening - tank.relieved_port_flow)
+    return TransitionLoss(
+        Q * (ramps * (load.excess_drop + tank.excess_drop) + blocked * (P_R - P_T - open_drop)),
+        Q * (load_lost + 0.5 * blocked),
+        Q * (load_lost + tank_lost + blocked),
+        load.relief_opening,
+        tank.relief_opening,
+    )
+
+
+def closed_form_load_flow(
+    duty_ratio: float,
+    flow: float,
+    load_pressure: float,
+    relief_pressure: float,
+    tank_pressure: float,
+    density: float,
+    valve: RotaryValve,
+) -> float:
+    """Mean flow to the load, Q d_0 less what the transitions send over the relief valve [m^3/s].
+
+    duty_ratio                                     d_0, between kappa and 1 - kappa [1]
+    flow                                           of the pump, > 0 [m^3/s]
+    load_pressure, relief_pressure, tank_pressure  absolute [Pa]
+    density                                        [kg/m^3]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    lost = transition_loss(flow, load_pressure, relief_pressure, tank_pressure, density, valve).load_flow_lost
+    return flow * duty_ratio - lost
+
+
+def compressibility_loss(pwm_frequency: float, volume: float, pressure: float, tank_pressure: float, oil: Oil) -> float:
+    """Nominal power lost by filling and emptying the inlet volume once per PWM period, f V W_V [W].
+
+    W_V is the energy that oil with air stores per volume; with a constant modulus it is P^2 / (2 beta). Between none
+    and twice of it is lost in fact, see `compression_regime`.
+
+    pwm_frequency            [Hz]
+    volume                   [m^3]
+    pressure, tank_pressure  absolute [Pa]
+
+    Source  wang2017, eq. 2.10, with the frequency counted once and the energy of oil with air
+    """
+    return pwm_frequency * volume * compression_energy_per_volume(pressure, tank_pressure, oil)
+
+
+def compression_regime(
+    pwm_frequency: float, volume: float, pressure_rise: float, mean_bulk_modulus: float, flow: float, valve: RotaryValve
+) -> float:
+    """Time that filling the inlet volume takes over the time that a port takes to open [1].
+
+    Lambda = (V P / (beta Q)) / (d_c / (pitch f)). Far below 1 the filling uses flow that would go over the relief valve
+    anyway and costs almost nothing; above 3 it costs once to twice the nominal loss.
+
+    pwm_frequency                     [Hz]
+    volume                            [m^3]
+    pressure_rise, mean_bulk_modulus  [Pa]
+    flow                              of the pump, > 0 [m^3/s]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    filling = volume * pressure_rise / (mean_bulk_modulus * flow)
+    return filling * pwm_frequency * pitch(valve) / nozzle_width(valve)
+
+
+def leakage_loss(pressure_difference: float, viscosity: float, valve: RotaryValve) -> float:
+    """Power lost by leakage from the load region, G dP^2 [W]. That region is always under load pressure.
+
+    pressure_difference  of load over tank [Pa]
+    viscosity            dynamic [Pa s]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return leakage_conductance(viscosity, valve) * pressure_difference * pressure_difference
+
+
+def friction_loss(spool_speed: float, friction_coefficient: float) -> float:
+    """Power of the viscous friction on the spool, k_f omega^2 [W]. The flow's drop already contains it.
+
+    spool_speed           [rad/s]
+    friction_coefficient  [N m s]
+
+    Source  wang2017, eq. 2.9
+    """
+    return friction_coefficient * spool_speed * spool_speed
+
+
+def range_warnings(
+    duty_ratio: float,
+    flow: float,
+    load_pressure: float,
+    relief_pressure: float,
+    tank_pressure: float,
+    density: float,
+    valve: RotaryValve,
+) -> tuple[str, ...]:
+    """What puts the closed form of the transition loss in doubt at an operating point, in sentences; empty if nothing.
+
+    duty_ratio                                     [1]
+    flow                                           [m^3/s]
+    load_pressure, relief_pressure, tank_pressure  absolute [Pa]
+    density                                        [kg/m^3]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    found = []
+    kappa = transition_fraction(valve)
+    if not kappa <= duty_ratio <= 1.0 - kappa:
+        port = "load" if duty_ratio < kappa else "tank"
+        found.append(
+            f"duty ratio {duty_ratio:.3g} lies outside {kappa:.3g} to {1.0 - kappa:.3g}: the {port} port is never "
+            f"fully open, and the closed form of the transition loss does not hold"
+        )
+    open_drop = full_open_loss(flow, density, valve) / flow
+    needed = load_pressure - tank_pressure + open_drop
+    setting = relief_pressure - tank_pressure
+    if setting <= needed:
+        found.append(
+            f"the relief setting of {1e-5 * setting:.4g} bar does not exceed the {1e-5 * needed:.4g} bar that the load "
+            f"and the open valve need: the relief valve is open even with the load port fully open"
+        )
+    width, barrier = nozzle_width(valve), barrier_width(valve)
+    # 1e-9: zero lap written as a width ratio may round to either side
+    if barrier < width * (1.0 - 1e-9):
+        found.append(
+            f"the barriers ({1e3 * barrier:.3g} mm) are narrower than the nozzles ({1e3 * width:.3g} mm): load and "
+            f"tank are joined for part of every transition, and the closed form of the transition loss is too high"
+        )
+    return tuple(found)
+
+
+def best_relief_pressure(
+    flow: float, load_pressure: float, tank_pressure: float, density: float, valve: RotaryValve
+) -> float:
+    """Relief pressure with the least transition loss, absolute [Pa].
+
+    A lower one sends more of the load's flow over the relief valve, a higher one costs more per volume sent over it.
+    Golden section between the pressure that the open valve needs and four times as far above the load.
+
+    flow                          of the pump, > 0 [m^3/s]
+    load_pressure, tank_pressure  absolute [Pa]
+    density                       [kg/m^3]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    open_drop = full_open_loss(flow, density, valve) / flow
+    low = load_pressure + open_drop
+    high = low + 3.0 * open_drop + (load_pressure - tank_pressure)
+    shrink = 0.5 * (5.0**0.5 - 1.0)
+    for _ in range(60):
+        left, right = high - shrink * (high - low), low + shrink * (high - low)
+        at_left = transition_loss(flow, load_pressure, left, tank_pressure, density, valve).loss
+        at_right = transition_loss(flow, load_pressure, right, tank_pressure, density, valve).loss
+        falling = at_left > at_right
+        low, high = select(falling, left, low), select(falling, high, right)
+    return 0.5 * (low + high)

@@ -1,0 +1,102 @@
+"""Parameters of the rotary valve."""
+
+from typing import Annotated
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import (
+    Area,
+    Clearance,
+    Count,
+    DischargeCoefficient,
+    Fraction,
+    Kind,
+    Length,
+    Mass,
+    PressureDifference,
+    Ratio,
+)
+from vvdp.base.params import Params
+
+CentreCoefficient = Annotated[float, Kind("centre section coefficient", "SI", 1e-12, 1.0, "1.45e-6 SI", units=("SI",))]
+# Flows lean towards orifices here; `branch_flow` is accurate in this range only.
+FlowExponent = Annotated[float, Kind("flow exponent", "1", 1.7, 2.0, "1.91")]
+DiameterExponent = Annotated[float, Kind("diameter exponent", "1", 2.0, 4.0, "3.22")]
+QuadraticResistance = Annotated[float, Kind("quadratic flow resistance", "Pa*s^2/m^6", 0.0, 1e18, "2e10 Pa*s^2/m^6")]
+
+
+class RotaryValve(Params):
+    """Rotary spool with zig-zag barriers, fed by `sections` rhombic nozzles and left through two outlet turbines.
+
+    `nozzle_area` is the area of all nozzles together and `outlet_area` that of one whole outlet turbine;
+    `outlet_effective_area` is the one that gives its torque. `centre_coefficient` goes with flow in m^3/s, diameter
+    in m and drop in Pa. `lap_ratio` is barrier width over nozzle width: 1 is zero lap, more is overlap.
+    `jet_exponent` says how far a closing port concentrates the jet: 0 not at all, 1 as the opening.
+    `helix_length` is the axial travel that takes the duty ratio from 0 to 1. `rail_coefficient` is the drop of the
+    outlet rail over flow squared. Below about `transition_pressure` the drop goes over from quadratic to linear.
+    """
+
+    spool_radius: Length
+    sections: Count
+    nozzle_area: Area
+    nozzle_discharge_coefficient: DischargeCoefficient
+    centre_coefficient: CentreCoefficient
+    centre_flow_exponent: FlowExponent
+    centre_diameter_exponent: DiameterExponent
+    outlet_area: Area
+    outlet_discharge_coefficient: DischargeCoefficient
+    outlet_effective_area: Area
+    rail_coefficient: QuadraticResistance
+    inlet_radius: Length
+    outlet_radius: Length
+    helix_length: Length
+    lap_ratio: Ratio
+    radial_clearance: Clearance
+    friction_area: Area
+    spool_mass: Mass
+    jet_exponent: Fraction
+    land_length: Length
+    eccentricity: Fraction
+    transition_pressure: PressureDifference
+
+    def check(self) -> None:
+        """Refuse a valve that cannot be made."""
+        for name in (
+            "spool_radius",
+            "sections",
+            "nozzle_area",
+            "outlet_area",
+            "outlet_effective_area",
+            "helix_length",
+            "lap_ratio",
+            "friction_area",
+            "spool_mass",
+            "land_length",
+            "transition_pressure",
+        ):
+            if not getattr(self, name) > 0.0:
+                raise ParameterError(f"RotaryValve.{name} must be greater than zero")
+        if self.sections != round(self.sections):
+            raise ParameterError(f"RotaryValve.sections = {self.sections:g}; expected a whole number")
+        if self.radial_clearance > 0.1 * self.spool_radius:
+            raise ParameterError(
+                f"RotaryValve.radial_clearance = {1e6 * self.radial_clearance:g} um is more than a tenth of the "
+                f"spool radius, {1e3 * self.spool_radius:g} mm"
+            )
+        for name in ("inlet_radius", "outlet_radius"):
+            if getattr(self, name) > self.spool_radius:
+                raise ParameterError(
+                    f"RotaryValve.{name} = {1e3 * getattr(self, name):g} mm is larger than the spool radius, "
+                    f"{1e3 * self.spool_radius:g} mm"
+                )
+        pitch = 2.0 * np.pi * self.spool_radius / self.sections
+        # One nozzle is the rhombus of area d_c d_a / 2 whose sides follow the helices, d_a / d_c = 2 L / pitch.
+        width = np.sqrt(self.nozzle_area * pitch / (self.sections * self.helix_length))
+        barrier = self.lap_ratio * width
+        if width + barrier > pitch:
+            raise ParameterError(
+                f"RotaryValve: nozzle width {1e3 * width:.3g} mm and barrier width {1e3 * barrier:.3g} mm do not fit "
+                f"into the pitch of {1e3 * pitch:.3g} mm; make the nozzle area or the lap ratio smaller, or the "
+                f"helix longer"
+            )

@@ -1,0 +1,58 @@
+import pytest
+
+from vvdp.valve.operating_point import nozzle_reynolds_number, operating_point
+
+BAR, T = 1e5, 101325.0
+
+
+def point(valve, oil, **changes):
+    given = {
+        "flow": 40.0 / 6e4,
+        "temperature": 313.15,
+        "duty_ratio": 0.5,
+        "load_pressure": 100.0 * BAR + T,
+        "relief_pressure": 120.0 * BAR + T,
+        "inlet_volume": 12.7e-6,
+        "oil": oil,
+        "valve": valve,
+    }
+    return operating_point(**(given | changes))
+
+
+def test_nozzle_reynolds_number(prototype):
+    # 876 * 18.265 m/s * 3.3392e-3 / 0.0387 = 1380.5
+    assert nozzle_reynolds_number(40.0 / 6e4, 876.0, 0.0387, prototype) == pytest.approx(1380.5, rel=1e-4)
+
+
+def test_prototype_at_its_design_point(prototype, vg46):
+    found = point(prototype, vg46)
+    assert found.total_drop == pytest.approx(6.6765e5, rel=1e-4)
+    assert found.inlet_torque == pytest.approx(0.13547, rel=1e-4)
+    assert found.inlet_torque + found.outlet_torque == pytest.approx(found.friction_torque, rel=1e-12)
+    assert found.full_open_pwm_frequency == pytest.approx(72.0, abs=0.05)
+    assert found.averaged_pwm_frequency == pytest.approx(63.1, rel=1e-3)
+    assert found.transition_fraction == pytest.approx(0.3001, abs=1e-4)
+    assert found.full_open_loss == pytest.approx(445.1, rel=5e-4)
+    assert found.transition_loss == pytest.approx(1333.2, rel=5e-4)
+    assert found.leakage_loss == pytest.approx(26.3, rel=5e-3)
+    # 38.1 W at 72 Hz, here at the frequency at which the valve switches
+    assert found.compressibility_loss == pytest.approx(38.1 * 63.1 / 72.0, rel=5e-3)
+    assert found.friction_loss == pytest.approx(30.35, rel=1e-3)
+    assert found.cycle.loss == pytest.approx(1778.4, rel=1e-3)
+
+
+def test_total_leaves_out_what_the_drop_already_contains(prototype, vg46):
+    found = point(prototype, vg46)
+    parts = found.full_open_loss + found.transition_loss + found.leakage_loss + found.compressibility_loss
+    assert found.total_loss == pytest.approx(parts, rel=1e-14)
+
+
+def test_warnings_tell_of_laminar_nozzles_and_of_the_range(prototype, vg46):
+    (reynolds,) = point(prototype, vg46).warnings
+    assert "1381" in reynolds
+    assert point(prototype, vg46, temperature=353.15).warnings == ()
+    assert any("duty ratio 0.1" in warning for warning in point(prototype, vg46, duty_ratio=0.1).warnings)
+
+
+def test_warm_oil_spins_faster(prototype, vg46):
+    assert point(prototype, vg46, temperature=323.15).full_open_pwm_frequency == pytest.approx(106.3, abs=0.1)
