@@ -9,6 +9,7 @@ All faults of a file are collected and reported together, each with its line.
 
 import dataclasses
 import re
+import stat
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -19,11 +20,13 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import TIME, FREQUENCY, ANGLE, Kind
 from vvdp.base.params import Params, field_kinds, field_types
 from vvdp.base.signal import Signal
-from vvdp.base.units import displayed, parsed
+from vvdp.base.units import displayed, parsed, parsed_difference
 
 STATUSES = ("measured", "published", "derived", "assumed", "given")
 ORIGIN = ("status", "source", "where", "note")
 LARGEST_FILE = 1_000_000
+SET_BY_OPTION = 0
+"""The line of a key that no file holds, but the command line."""
 
 T = TypeVar("T", bound=Params)
 
@@ -63,6 +66,8 @@ def read_table(path: Path) -> Table:
     try:
         if path.is_dir():
             raise unusable(path, "is a directory; expected a system file (TOML)")
+        if not stat.S_ISREG(path.stat().st_mode):  # a device or pipe may never end
+            raise unusable(path, "is not a regular file; expected a system file (TOML)")
         if path.stat().st_size > LARGEST_FILE:
             raise unusable(path, f"has {path.stat().st_size} bytes; a system file has at most {LARGEST_FILE}")
         text = path.read_bytes().decode("utf-8")
@@ -82,6 +87,8 @@ def parsed_table(text: str, place: str) -> Table:
     except tomllib.TOMLDecodeError as problem:
         line = re.search(r"line (\d+)", str(problem))
         raise ConfigError([Fault(place, int(line[1]) if line else 0, "", f"is not valid TOML: {problem}")]) from None
+    except (ValueError, RecursionError) as problem:  # thousands of digits or of brackets
+        raise unusable(place, f"is not valid TOML: {problem}") from None
     if not content:
         raise unusable(place, "is empty; `vvdp new NAME --from prototype` writes a file to start from")
     return Table(place, content, dict(_lines(text)))
@@ -94,8 +101,9 @@ def _lines(text: str) -> Iterator[tuple[str, int]]:
         if match := re.match(r"\s*\[\s*([^\[\]]+?)\s*\]", line):
             header = match[1]
             yield header, number
-        elif match := re.match(r"\s*([A-Za-z0-9_.\-]+)\s*=", line):
-            yield f"{header}.{match[1]}" if header else match[1], number
+        elif match := re.match(r"\s*([A-Za-z0-9_.\-]+|\"[^\"]+\")\s*=", line):
+            key = match[1].strip('"')
+            yield f"{header}.{key}" if header else key, number
 
 
 def with_settings(table: Table, settings: list[str]) -> Table:
@@ -116,7 +124,7 @@ def with_settings(table: Table, settings: list[str]) -> Table:
         if text.startswith(("{", "[")):
             try:
                 value = tomllib.loads(f"value = {text}")["value"]
-            except tomllib.TOMLDecodeError as problem:
+            except (ValueError, RecursionError) as problem:
                 faults.append(Fault("--set", 0, key, f"is not valid TOML: {problem}"))
                 continue
         else:
@@ -126,7 +134,7 @@ def with_settings(table: Table, settings: list[str]) -> Table:
             faults.append(Fault("--set", 0, key, f"{parts[0]!r} is not a table"))
             continue
         inner[parts[1]] = value
-        lines[key] = 0
+        lines[key] = SET_BY_OPTION
     if faults:
         raise ConfigError(faults)
     return Table(table.place, content, lines)
@@ -141,7 +149,7 @@ def build(cls: type[T], table: Mapping[str, Any], name: str, origin: Table, faul
     before = len(faults)
     for key in table:
         if key not in kinds:
-            near = _nearest(key, list(kinds))
+            near = nearest(key, list(kinds))
             faults.append(_fault(origin, f"{name}.{key}", f"unknown key{near}"))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
@@ -201,11 +209,8 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
                 raise ParameterError(f"the ramp ends at {t1:g} s, before it begins at {t0:g} s")
             return signals.ramp(parsed(before, kind), parsed(after, kind), t0, t1)
         case {"sine": mean, "amplitude": amplitude, "frequency": frequency, **rest} if set(rest) <= {"phase"}:
-            base = parsed(mean, kind)
-            # An amplitude is a difference: read it as a shift of the mean so that gauge and offset units cancel.
-            zero = parsed("0 " + str(amplitude).lstrip("+-0123456789.eE "), kind)
-            swing = parsed(amplitude, kind) - zero
-            return signals.sine(base, swing, parsed(frequency, FREQUENCY), parsed(rest.get("phase", "0 rad"), ANGLE))
+            phase = parsed(rest.get("phase", "0 rad"), ANGLE)
+            return signals.sine(parsed(mean, kind), parsed_difference(amplitude, kind), parsed(frequency, FREQUENCY), phase)
         case {"table": [*points], **rest} if not rest and points and all(isinstance(p, list) and len(p) == 2 for p in points):
             times = [parsed(t, TIME) for t, _ in points]
             try:
@@ -232,10 +237,12 @@ def described(value: Signal, kind: Kind) -> str:
 
 
 def _fault(origin: Table, path: str, message: str, key: str = "") -> Fault:
-    return Fault(origin.place, origin.lines.get(path, 0), key or path, message)
+    line = origin.lines.get(path)
+    return Fault("--set" if line == SET_BY_OPTION else origin.place, line or 0, key or path, message)
 
 
-def _nearest(word: str, known: list[str]) -> str:
+def nearest(word: str, known: list[str]) -> str:
+    """The end of a message about an unknown `word`: what was perhaps meant, or all that is `known`."""
     import difflib
 
     close = difflib.get_close_matches(word, known, 1)

@@ -4,6 +4,7 @@ Pint does the arithmetic of units. What it would convert silently and wrongly fo
 a speed is never a frequency, a gauge level is never a difference, a bare number never has a unit guessed for it.
 """
 
+import math
 import re
 from functools import cache
 from typing import Any
@@ -17,6 +18,9 @@ ATMOSPHERE = 101325.0
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*\Z", re.DOTALL)
 _GAUGE_SUFFIX = {"barg": "bar", "psig": "psi"}
 _ABSOLUTE_SUFFIX = {"bara": "bar", "psia": "psi"}
+_OFFSET_UNITS = {"degC": "delta_degC", "degF": "delta_degF"}
+# Names, products, quotients, and one small power on a name. Pint alone would work out `m^9^9^9` for hours.
+_UNIT_TEXT = re.compile(r"(?:[^\W\d]|[%°*/()\s1]|(?<=[^\W\d])(?:\^|\*\*)[-+]?\d\d?(?:\.\d+)?)+")
 
 
 @cache
@@ -31,7 +35,10 @@ def _registry() -> Any:
 
 def _unit(text: str) -> Any:
     """Pint's unit for what a person wrote (`mm2` and `m^3/s` as well as `mm**2`)."""
-    return _registry().parse_units(re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text).replace("^", "**"))
+    powers = re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text)
+    if not _UNIT_TEXT.fullmatch(powers):
+        raise ValueError(f"{text!r} is not a unit")
+    return _registry().parse_units(powers.replace("^", "**"))
 
 
 def parsed(text: object, kind: Kind) -> float:
@@ -40,21 +47,48 @@ def parsed(text: object, kind: Kind) -> float:
     A plain pressure unit (`bar`, `psi`, `MPa`) on a level is gauge; `bara` and `psia` are absolute.
     Raises ParameterError with what was expected.
     """
-    if isinstance(text, bool) or not isinstance(text, int | float | str):
-        raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}")
-    if isinstance(text, str) and len(text) > 200:
-        raise ParameterError(f"a text of {len(text)} characters is not a {kind.name}; write for example {kind.example!r}")
-    match = _NUMBER.match(text) if isinstance(text, str) else _NUMBER.match(repr(float(text)))
-    if not match:
-        raise ParameterError(f"{text!r} is not a number with a unit; write for example {kind.example!r}")
-    number, unit = float(match[1]), match[2]
+    number, unit = _split(text, kind)
     value = _converted(number, unit, text, kind)
     if fault := kind.fault(value):
         raise ParameterError(f"{text!r} = {fault}" if unit else fault)
     return value
 
 
-def _converted(number: float, unit: str, text: object, kind: Kind) -> float:
+def parsed_difference(text: object, kind: Kind) -> float:
+    """SI value of `text` as a difference of two values of `kind`: `5 bar` is 5e5 Pa, and `5 degC` is 5 K.
+
+    The plausible range of the kind is one of levels and is not checked. Raises ParameterError.
+    """
+    number, unit = _split(text, kind)
+    value = _converted(number, unit, text, kind, level=False)
+    if not math.isfinite(value):
+        raise ParameterError(f"{text!r} is not finite; write for example {kind.example!r}")
+    return value
+
+
+def number_and_unit(text: object) -> tuple[float, str]:
+    """The number and the unit of a written value, as they stand. Raises ParameterError."""
+    match = _NUMBER.match(text) if isinstance(text, str) and len(text) <= 200 else None
+    if not match or not math.isfinite(float(match[1])):
+        raise ParameterError(f"{text!r} is not a number with a unit, in quotes")
+    return float(match[1]), match[2]
+
+
+def _split(text: object, kind: Kind) -> tuple[float, str]:
+    if isinstance(text, bool) or not isinstance(text, int | float | str):
+        raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}")
+    if isinstance(text, str) and len(text) > 200:
+        raise ParameterError(f"a text of {len(text)} characters is not a {kind.name}; write for example {kind.example!r}")
+    try:
+        match = _NUMBER.match(text if isinstance(text, str) else repr(float(text)))
+    except OverflowError:
+        raise ParameterError(f"the number is too large for a {kind.name}; write for example {kind.example!r}") from None
+    if not match:
+        raise ParameterError(f"{text!r} is not a number with a unit; write for example {kind.example!r}")
+    return float(match[1]), match[2]
+
+
+def _converted(number: float, unit: str, text: object, kind: Kind, level: bool = True) -> float:
     if kind.unit == "SI":
         if unit != "SI":
             raise ParameterError(f"{text!r}: write the number with the word SI, for example {kind.example!r}")
@@ -63,7 +97,7 @@ def _converted(number: float, unit: str, text: object, kind: Kind) -> float:
         if kind.unit == "1":
             return number
         raise ParameterError(f"{text!r} has no unit; a {kind.name} is written for example {kind.example!r}")
-    gauge = kind is PRESSURE_LEVEL and unit not in _ABSOLUTE_SUFFIX
+    gauge = level and kind is PRESSURE_LEVEL and unit not in _ABSOLUTE_SUFFIX
     if unit in _GAUGE_SUFFIX or unit in _ABSOLUTE_SUFFIX:
         if kind is not PRESSURE_LEVEL:
             raise ParameterError(f"{text!r}: a {kind.name} has no {unit!r}; write for example {kind.example!r}")
@@ -71,6 +105,8 @@ def _converted(number: float, unit: str, text: object, kind: Kind) -> float:
     if kind.units and unit not in kind.units:
         hint = _speed_hint(number, unit) if "rpm" in kind.units else ""
         raise ParameterError(f"{text!r} is not a {kind.name}; {hint}use one of {', '.join(kind.units)}")
+    if not level:
+        unit = _OFFSET_UNITS.get(unit, unit)
     import pint
 
     try:

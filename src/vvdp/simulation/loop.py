@@ -22,8 +22,8 @@ DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL = 0, 1, 2, 3, 4
 
 # Places in `clock`.
 TIME, STEP, SAMPLES, STEPS, REJECTED, EVALUATIONS, RECORDS, MARKS, STORED, METHOD = range(10)
-WINDOW_TIME, WINDOW_COST, OTHER_COST, TRIAL, REVIEW, SWITCHES = range(10, 16)
-CLOCK = 16
+WINDOW_TIME, WINDOW_COST, OTHER_COST, TRIAL, REVIEW, SWITCHES, REFUSED = range(10, 17)
+CLOCK = 17
 
 EXPLICIT, STIFF = 0.0, 1.0
 AUTOMATIC, ONLY_EXPLICIT, ONLY_STIFF = 0, 1, 2
@@ -168,6 +168,18 @@ def between(s, step, y, trial, k, middle):
 
 
 @njit(cache=True, error_model="numpy")
+def turning_value(a, b, rise, fall):
+    """Where the cubic from `a` to `b` turns round, its slopes at the ends `rise` and `fall` of opposite sign."""
+    c2, c3 = 3.0 * (b - a) - 2.0 * rise - fall, rise + fall - 2.0 * (b - a)
+    root = np.sqrt(c2 * c2 - 3.0 * c3 * rise)
+    q = -c2 - root if c2 > 0.0 else root - c2
+    s = rise / q
+    if not 0.0 <= s <= 1.0:
+        s = q / (3.0 * c3)
+    return a + s * (rise + s * (c2 + s * c3))
+
+
+@njit(cache=True, error_model="numpy")
 def chosen_method(t, period, clock):
     """Reviews the automatic choice of method: tries the other one when the present one is dear, keeps the cheaper."""
     elapsed, spent = t - clock[WINDOW_TIME], clock[EVALUATIONS] - clock[WINDOW_COST]
@@ -223,8 +235,6 @@ def run(
     while t < t_end:
         if clock[EVALUATIONS] >= enough:
             return PAUSED
-        if overwrite == 0 and clock[STORED] + 16.0 > mark_times.size:
-            return MARKS_FULL
         t_next = min(t_sample, t_stop)
         last = t + h * (1.0 + 1e-9) >= t_next
         step = t_next - t if last else h
@@ -247,6 +257,7 @@ def run(
         size = np.sqrt(size / active)
         if not finite or size > 1.0:
             clock[REJECTED] += 1.0
+            clock[REFUSED] = 1.0
             h = step * (max(0.2, 0.9 * size**exponent) if finite else 0.1)
             clock[STEP] = h
             if h < 1e-14 * max(t, period):
@@ -255,6 +266,11 @@ def run(
         t_new = t_next if last else t + step
         g1 = mark(t_new, trial, params)
         change = np.floor(g1) - np.floor(g0)
+        if overwrite == 0 and clock[STORED] + abs(change) > mark_times.size:
+            # The step is taken again when there is room, however many marks it passes.
+            clock[EVALUATIONS] -= cost
+            clock[STEPS] -= 1.0
+            return MARKS_FULL
         for i in range(int(abs(change))):
             goal = np.floor(g0) + 1.0 + i if change > 0.0 else np.floor(g0) - i
             lo, hi = 0.0, 1.0
@@ -280,10 +296,16 @@ def run(
         for m in range(n):
             low[m] = min(low[m], trial[m])
             high[m] = max(high[m], trial[m])
+            if k[0, m] * k[6, m] < 0.0:
+                turn = turning_value(y[m], trial[m], step * k[0, m], step * k[6, m])
+                low[m] = min(low[m], turn)
+                high[m] = max(high[m], turn)
         t, g0 = t_new, g1
         y[:] = trial
-        grown = step * min(5.0, max(0.2, 0.9 * (size + 1e-12) ** exponent))
+        # A step that was refused once stands before a kink: growing at once would only have the next one refused.
+        grown = step * min(1.0 if clock[REFUSED] else 5.0, max(0.2, 0.9 * (size + 1e-12) ** exponent))
         h = max(h, grown) if last else grown
+        clock[REFUSED] = 0.0
         if last:
             if t >= t_sample:
                 clock[SAMPLES] += 1.0

@@ -54,23 +54,24 @@ class Results:
     states: Mapping[str, Series]
     outputs: Mapping[str, Series]
     mark_times: Array  # (marks,)
+    mark_states: Mapping[str, Series]
 
 
 @contextmanager
 def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
     """A temporary folder that becomes `directory` when the block ends well, and vanishes when it does not.
 
-    Raises ConfigError before anything is run where `directory` exists (without `force`) or cannot be written.
+    Raises ConfigError before anything is run where `directory` exists (without `force`), holds something else than
+    results (even with it), or cannot be written.
     """
-    if directory.exists() and not force:
-        raise unusable(directory, "already exists; choose another directory or use --force")
-    if directory.exists() and not directory.is_dir():
-        raise unusable(directory, "is not a directory")
+    named, directory = directory, Path(os.path.realpath(directory))
     try:
+        if directory.exists():
+            _refuse_to_replace(named, force)
         directory.parent.mkdir(parents=True, exist_ok=True)
         temporary = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
     except OSError as problem:
-        raise unusable(directory, f"cannot be written ({problem.strerror})") from None
+        raise unusable(named, f"cannot be written ({problem.strerror}: {problem.filename})") from None
     try:
         yield temporary
         temporary.chmod(0o755)
@@ -80,6 +81,15 @@ def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
     except BaseException:
         shutil.rmtree(temporary, ignore_errors=True)
         raise
+
+
+def _refuse_to_replace(directory: Path, force: bool) -> None:
+    if not force:
+        raise unusable(directory, "already exists; choose another directory or use --force")
+    if not directory.is_dir():
+        raise unusable(directory, "is not a directory")
+    if any(directory.iterdir()) and not (directory / "meta.json").is_file():
+        raise unusable(directory, "holds something else than results; choose another directory")
 
 
 def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, Any], more: Mapping[str, Any]) -> None:
@@ -151,13 +161,14 @@ def read_results(directory: Path) -> Results:
         summary = json.loads((directory / "summary.json").read_text("utf-8"))
         with h5py.File(directory / "result.h5", "r") as file:
             states, outputs = _series(file["states"]), _series(file["outputs"])
+            mark_states = _series(file["marks/states"])
             times, marks = file["time"][:], file["marks/time"][:]
     except (OSError, KeyError, ValueError) as problem:
         raise unusable(directory, f"is damaged: {problem}") from None
     if meta.get("format") != FORMAT:
         raise unusable(directory, f"was written in format {meta.get('format')}; this version reads format {FORMAT}")
     text = (directory / "system.toml").read_text("utf-8")
-    return Results(directory, text, summary, meta, times, states, outputs, marks)
+    return Results(directory, text, summary, meta, times, states, outputs, marks, mark_states)
 
 
 def _series(group: Any, path: str = "") -> dict[str, Series]:

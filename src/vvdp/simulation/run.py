@@ -19,6 +19,7 @@ from vvdp.simulation.values import as_series, as_value, flat, leaves
 
 PORTION = 2e6
 """Evaluations between two looks at the keyboard: about a second."""
+MOST_MARKS = 1e6
 
 
 class Method(Enum):
@@ -158,7 +159,7 @@ def simulate(
     the states concerned.
     """
     ready = prepared(model, case, stepping.relative_tolerance, cache, say)
-    loop = _loop(say)
+    loop = compiled_loop(say)
     n, record_times = ready.state.size, stepping.record_times
     y, command, memory = ready.state.copy(), ready.command.copy(), ready.memory.copy()
     clock = np.zeros(loop.CLOCK)
@@ -178,10 +179,12 @@ def simulate(
                 *(record_times, record, record_command, mark_times, mark_states, low, high),
             )
             if status == loop.MARKS_FULL:
+                if mark_times.size > MOST_MARKS:
+                    raise RunError(f"more than {mark_times.size} marks until t = {clock[loop.TIME]:.6g} s; does the mark jump?")
                 mark_times = np.concatenate([mark_times, np.zeros_like(mark_times)])
                 mark_states = np.concatenate([mark_states, np.zeros_like(mark_states)])
             elif status in (loop.NOT_FINITE, loop.STEP_TOO_SMALL):
-                raise RunError(_failure(case, clock[loop.TIME], y, status == loop.NOT_FINITE))
+                raise RunError(failure(case, clock[loop.TIME], y, status == loop.NOT_FINITE))
             if progress:
                 progress(float(clock[loop.TIME]))
     except KeyboardInterrupt:
@@ -212,17 +215,22 @@ def simulate(
     )
 
 
-def _loop(say: Callable[[str], None]) -> Any:
+def is_loop_compiled() -> bool:
+    """Whether the compiled loop is kept from an earlier run."""
+    return any((Path(__file__).parent / "__pycache__").glob("loop.run-*.nbi"))
+
+
+def compiled_loop(say: Callable[[str], None]) -> Any:
     """The compiled loop; Numba is loaded here, and only here."""
-    here = Path(__file__).parent
-    if not any((here / "__pycache__").glob("loop.run-*.nbi")):
+    if not is_loop_compiled():
         say("compiling the simulation loop (once for each installation, about half a minute)")
     from vvdp.simulation import loop
 
     return loop
 
 
-def _failure(case: Case, reached: float, state: Array, infinite: bool) -> str:
+def failure(case: Case, reached: float, state: Array, infinite: bool) -> str:
+    """Why a case could not be carried past the time `reached` [s], with its state there, shape (n,)."""
     values = ", ".join(f"{path} = {x:.4g}" for (path, _, _), x in zip(leaves(case.state), state, strict=False) if not path.startswith("books."))
     why = "a rate is no longer finite (a pressure at absolute zero?)" if infinite else "the step has become too small"
     return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"

@@ -1,54 +1,44 @@
 """What a run comes to: means over whole PWM periods, losses by component, extremes, balances, in plain numbers."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-
 import numpy as np
 
 from vvdp.base.signal import signal_value
 from vvdp.fluid.oil import density
-from vvdp.numerics.tableaus import Array
-from vvdp.simulation.balance import balance
+from vvdp.simulation.balance import balance_between
+from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.system import System
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.operating_point import OperatingPoint, operating_point
 
-SETTLED = 1e-3
-"""Change of the mean PWM frequency between the halves of the averaging window above which a run is not settled."""
-
 Summary = dict[str, float | bool]
 
+ANALYTIC = (
+    "analytic_pwm_frequency_Hz",
+    "analytic_pwm_frequency_full_open_Hz",
+    "analytic_loss_full_open_W",
+    "analytic_loss_transition_W",
+    "analytic_loss_leakage_W",
+    "analytic_loss_compressibility_W",
+    "analytic_loss_total_W",
+    "analytic_load_flow_m3_s",
+)
+"""Keys of the analytic results, in the order of `analytic_summary`."""
 
-@dataclass(frozen=True)
-class Window:
-    """The part of a run over which means are taken: whole PWM periods where there are any."""
-
-    begin: float
-    end: float
-    first: Array
-    last: Array
-    periods: int
-    settled: bool
+UNITS = {
+    "_m3_s": "m^3/s",
+    "_rad_s": "rad/s",
+    "_Pa": "Pa gauge",
+    "_Hz": "Hz",
+    "_W": "W",
+    "_s": "s",
+}
 
 
-def averaging_window(run: Run, average_from: float) -> Window:
-    """From the first mark after `average_from` [s] to the last; without two marks, the plain time.
-
-    A run that was stopped before `average_from` is averaged over its second half.
-    """
-    begin = average_from if run.end > average_from else 0.5 * run.end
-    inside = np.flatnonzero(run.mark_times >= begin)
-    if inside.size < 2:
-        row = min(int(np.searchsorted(run.times, begin)), run.times.size - 1)
-        return Window(float(run.times[row]), run.end, run.states[row], run.final, 0, False)
-    i, j = int(inside[0]), int(inside[-1])
-    t, middle = run.mark_times, (i + j) // 2
-    early = (middle - i) / (t[middle] - t[i]) if middle > i else np.nan
-    late = (j - middle) / (t[j] - t[middle])
-    settled = bool(abs(late / early - 1.0) < SETTLED)
-    return Window(float(t[i]), float(t[j]), run.mark_states[i], run.mark_states[j], j - i, settled)
+def summary_unit(key: str) -> str:
+    """The unit that a key of a summary ends with, `1` where there is none."""
+    return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "1")
 
 
 def analytic_point(system: System, load_pressure: float) -> OperatingPoint:
@@ -73,13 +63,19 @@ def summary(system: System, run: Run) -> Summary:
     Flows are counted in tank volumes; pressures are gauge, against the oil's reference pressure; the keys are
     described in docs/keys.md.
     """
-    window = averaging_window(run, system.average_from)
+    simulated = simulated_summary(outcome(run, system.average_from), system)
+    return simulated | analytic_summary(simulated, system)
+
+
+def simulated_summary(run: Outcome, system: System) -> Summary:
+    """The part of a summary that the simulation alone gives, of a recorded run or of a case in a batch."""
+    window = run.window
     span = window.end - window.begin
     mean = as_value(run.case.state.books, (window.last - window.first)[-flat(run.case.state.books).size :] / span)
     supply, totals = run.case.params.supply, mean.totals
     reference = supply.oil.reference_pressure
     spent = {path.rpartition(".")[2]: float(value) for path, value, _ in leaves(mean.spent)}
-    books, valve_power = balance(run), mean.spent.valve
+    books, valve_power = balance_between(run.model, run.case, flat(run.case.state), run.final), mean.spent.valve
     drops = valve_power.nozzle + valve_power.centre_section + valve_power.outlet_turbine
     temperature = signal_value(0.0, supply.operation.oil_temperature)
     rho = density(temperature, supply.oil)
@@ -137,7 +133,13 @@ def summary(system: System, run: Run) -> Summary:
             "mass_residual": books.mass_residual,
             "trusted": books.is_trusted,
         }
-    found |= dict(_analytic(system, totals.load_pressure)) | dict(_effort(run))
+    found |= {
+        "steps": float(run.steps),
+        "rejected_steps": float(run.rejected),
+        "evaluations": float(run.evaluations),
+        "stiff_method": run.stiff,
+        "wall_time_s": run.seconds,
+    }
     return {key: bool(value) if isinstance(value, bool | np.bool_) else float(value) for key, value in found.items()}
 
 
@@ -145,25 +147,25 @@ def _ratio(a: float, b: float) -> float:
     return a / b if b else 0.0
 
 
-def _analytic(system: System, load_pressure: float) -> Iterator[tuple[str, float]]:
-    """The analytic losses at the mean load pressure, beside the simulated ones."""
+def analytic_summary(simulated: Summary, system: System) -> Summary:
+    """The analytic results at the mean load pressure, to stand beside the `simulated` ones; none without flow or load.
+
+    They take as long to work out as a short run.
+    """
     supply = system.case.params.supply
-    if signal_value(0.0, supply.operation.pump_speed) <= 0.0 or load_pressure <= supply.oil.reference_pressure:
-        return
+    load_pressure = simulated["mean_load_pressure_Pa"] + supply.oil.reference_pressure
+    pump_flow = supply.pump.displacement * signal_value(0.0, supply.operation.pump_speed)
+    if pump_flow <= 0.0 or load_pressure <= supply.oil.reference_pressure:
+        return {}
     point = analytic_point(system, load_pressure)
-    yield "analytic_pwm_frequency_Hz", point.averaged_pwm_frequency
-    yield "analytic_pwm_frequency_full_open_Hz", point.full_open_pwm_frequency
-    yield "analytic_loss_full_open_W", point.full_open_loss
-    yield "analytic_loss_transition_W", point.transition_loss
-    yield "analytic_loss_leakage_W", point.leakage_loss
-    yield "analytic_loss_compressibility_W", point.compressibility_loss
-    yield "analytic_loss_total_W", point.total_loss
-    yield "analytic_load_flow_m3_s", point.cycle.load_flow
-
-
-def _effort(run: Run) -> Iterator[tuple[str, float | bool]]:
-    yield "steps", float(run.steps)
-    yield "rejected_steps", float(run.rejected)
-    yield "evaluations", float(run.evaluations)
-    yield "stiff_method", run.stiff
-    yield "wall_time_s", run.seconds
+    values = (
+        point.averaged_pwm_frequency,
+        point.full_open_pwm_frequency,
+        point.full_open_loss,
+        point.transition_loss,
+        point.leakage_loss,
+        point.compressibility_loss,
+        point.total_loss,
+        point.cycle.load_flow,
+    )
+    return {key: float(value) for key, value in zip(ANALYTIC, values, strict=True)}

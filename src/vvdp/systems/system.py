@@ -1,6 +1,9 @@
-"""Reading a system: from a shipped name or a file to checked values, a model and a case."""
+"""Reading a system: from a shipped name or a file to checked values, a model and a case; and writing it out again."""
 
-from collections.abc import Mapping, Sequence
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -9,7 +12,7 @@ from typing import Any
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
-from vvdp.base.tables import Sourced, Table, build, parsed_table, read_table, with_settings
+from vvdp.base.tables import ORIGIN, Sourced, Table, build, parsed_table, read_table, with_settings
 from vvdp.base.units import parsed
 from vvdp.base.kinds import TIME
 from vvdp.circuits.supply import Operation
@@ -78,7 +81,7 @@ def system_table(name: str) -> Table:
     if name in texts:
         return parsed_table(texts[name], f"{name}.toml")
     path = Path(name)
-    if not path.exists() and path.suffix != ".toml":
+    if not os.path.lexists(path) and path.suffix != ".toml":
         known = ", ".join(texts)
         raise ConfigError([Fault(name, 0, "", f"neither a shipped system ({known}) nor a file")])
     return read_table(path)
@@ -93,23 +96,27 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
     if settings:
         table = with_settings(table, list(settings))
     if until is not None:
-        table = _lasting(table, until)
+        table = lasting(table, until)
     return built_system(table, Path(name).stem)
 
 
-def _lasting(table: Table, until: str) -> Table:
+def lasting(table: Table, until: str) -> Table:
     """`table` with a run of `until`; means are then taken from the same share of the run as before."""
     try:
         seconds = parsed(until, TIME)
     except ParameterError as problem:
         raise ConfigError([Fault("--until", 0, "", str(problem))]) from None
-    run = dict(table.content.get("run", {}))
+    if not seconds > 0.0:
+        raise ConfigError([Fault("--until", 0, "", f"{until!r}; expected more than 0 s")])
+    run = table.content.get("run", {})
+    if not isinstance(run, Mapping):
+        return table
     try:
         share = parsed(run.get("average_from"), TIME) / parsed(run.get("until"), TIME)
     except (ParameterError, ZeroDivisionError):
         share = 0.5
-    run |= {"until": f"{seconds!r} s", "average_from": f"{share * seconds!r} s"}
-    return Table(table.place, {**table.content, "run": run}, table.lines)
+    lasting = {**run, "until": f"{seconds!r} s", "average_from": f"{share * seconds!r} s"}
+    return Table(table.place, {**table.content, "run": lasting}, table.lines)
 
 
 def built_system(table: Table, name: str) -> System:
@@ -118,9 +125,10 @@ def built_system(table: Table, name: str) -> System:
     bench = _bench(table, faults)
     classes: dict[str, type[Params]] = {**bench.tables, "run": RunTable} if bench else {}
     content = dict(table.content)
-    run = dict(content["run"]) if isinstance(content.get("run"), Mapping) else {}
-    method = _method(run.pop("method", "automatic"), table, faults)
-    content["run"] = run
+    method = Method.AUTOMATIC
+    if isinstance(content.get("run"), Mapping):
+        content["run"] = run = dict(content["run"])
+        method = _method(run.pop("method", "automatic"), table, faults)
     if isinstance(content.get("operation"), Mapping) and "axial_position" in content["operation"]:
         if "duty_ratio" in content["operation"]:
             line = table.lines.get("operation.axial_position", 0)
@@ -167,6 +175,47 @@ def built_system(table: Table, name: str) -> System:
     return System(
         name, title, circuit, bench.model, case, stepping, values["run"].average_from, values, tuple(rows), kept
     )
+
+
+def resolved_text(system: System) -> str:
+    """The system as TOML that loads to the same case: every entry with its origin, settings included."""
+    return "\n".join(_resolved_lines(system)) + "\n"
+
+
+def _resolved_lines(system: System) -> Iterator[str]:
+    origin = {(row.table, row.key): row for row in system.rows}
+    yield f"title = {_toml(system.title)}"
+    yield f"circuit = {_toml(system.circuit)}"
+    for name, part in system.content.items():
+        yield ""
+        yield f"[{_toml_key(name)}]"
+        for key, entry in part.items():
+            row = origin.get((name, key))
+            if row is None:
+                continue
+            given = dict(entry) if isinstance(entry, Mapping) else {"value": entry}
+            value = {word: content for word, content in given.items() if word not in ORIGIN}
+            words = {word: getattr(row, word) for word in ORIGIN if getattr(row, word)}
+            yield f"{_toml_key(key)} = {_toml(value | words)}"
+        if name == "run":
+            yield f"method = {_toml(system.stepping.method.name.lower())}"
+
+
+def _toml_key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _toml(key)
+
+
+def _toml(value: Any) -> str:
+    """One TOML value: text, number, list or inline table."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_toml_key(key)} = {_toml(content)}" for key, content in value.items()) + " }"
+    return "[" + ", ".join(_toml(content) for content in value) + "]"
 
 
 def _bench(table: Table, faults: list[Fault]) -> Bench | None:

@@ -1,0 +1,5 @@
+"""`python -m vvdp` is `vvdp`."""
+
+from vvdp.cli.main import main
+
+main()

@@ -1,0 +1,46 @@
+"""`vvdp new`."""
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vvdp.cli.options import Force
+
+_TITLE_LINE = re.compile(r"""^[ \t]*title[ \t]*=[ \t]*(?:"(?:[^"\\\n]|\\.)+"|'[^'\n]+')""", re.MULTILINE)
+
+
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new system; NAME.toml is written.")],
+    source: Annotated[str, typer.Option("--from", metavar="SYSTEM", help="A shipped system or a TOML file.")],
+    force: Force = False,
+) -> None:
+    """Write a system file of your own, a commented copy of another."""
+    from vvdp.base.errors import unusable
+    from vvdp.systems.system import load_system, source_text
+
+    load_system(source)  # a copy of something broken helps nobody
+    path = Path(name if name.endswith(".toml") else f"{name}.toml")
+    if not path.stem.isprintable() or path.name == ".toml":
+        raise unusable(path, "is no name for a system; use letters, digits and hyphens")
+    text = _titled(source_text(source), path.stem)
+    try:
+        with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        raise unusable(path, "already exists; choose another name or use --force") from None
+    except OSError as problem:
+        raise unusable(path, f"cannot be written ({problem.strerror})") from None
+    typer.echo(f"{path} written; run it with: vvdp run {path}")
+
+
+def _titled(text: str, title: str) -> str:
+    """`text` of a system with another title; unchanged where its title takes several lines."""
+    from vvdp.base.tables import parsed_table
+
+    quoted = title.replace("\\", "\\\\").replace('"', '\\"')
+    line = f'title = "{quoted}"'
+    if "title" not in parsed_table(text, title).content:
+        return f"{line}\n{text}"
+    return re.sub(_TITLE_LINE, lambda _: line, text, count=1)

@@ -1,0 +1,188 @@
+"""`vvdp run`."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vvdp.cli.options import AsJson, Force, Settings, SystemName
+
+if TYPE_CHECKING:
+    from vvdp.simulation.run import Run
+    from vvdp.systems.system import System
+
+NOT_TRUSTED = 3
+INTERRUPTED = 130
+LINE_INTERVAL = 2.0
+"""Seconds between two lines on a stderr that is no terminal."""
+
+
+def run(
+    system: SystemName,
+    settings: Settings = None,
+    until: Annotated[
+        str | None, typer.Option("--until", metavar="TIME", help='Simulated time, for example "2 s".')
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Where to write; by default results/SYSTEM-DATE-TIME."),
+    ] = None,
+    force: Force = False,
+    json: AsJson = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
+) -> None:
+    """Simulate a system; write its results and a report.
+
+    Ctrl-C ends the simulation early and keeps what was reached.
+    """
+    from vvdp.cli.screen import plain, print_json, say
+    from vvdp.simulation.results import result_directory, write_results
+    from vvdp.simulation.run import simulate
+    from vvdp.systems.summary import summary
+    from vvdp.systems.system import load_system, resolved_text
+
+    loaded = load_system(system, settings or (), until)
+    directory = out if out is not None else _default_directory(loaded.name)
+    with result_directory(directory, force=force) as folder:
+        with _listener(loaded.stepping.until) as progress:
+            done = simulate(loaded.model, loaded.case, loaded.stepping, progress=progress, say=say)
+        if not done.end > 0.0:
+            raise KeyboardInterrupt  # nothing to keep
+        if not done.finished:
+            say(f"interrupted at t = {done.end:.6g} s; writing what was reached")
+        found = summary(loaded, done)
+        more = _origin(loaded, found, settings or [])
+        write_results(folder, done, system=resolved_text(loaded), summary=plain(found), more=plain(more))
+    if json:
+        print_json({"system": loaded.name, **found, "out": str(directory)})
+    else:
+        _print(loaded, done, found)
+        typer.echo(f"results: {directory}")
+    if not no_report:
+        from vvdp.report.report import write_report
+
+        report = write_report(directory)
+        if not json:
+            typer.echo(f"report: {report}")
+    if not found.get("trusted", True):
+        say("not trusted: the books of this run do not balance; see energy_residual and mass_residual")
+    if not done.finished:
+        raise typer.Exit(INTERRUPTED)
+    if not found.get("trusted", True):
+        raise typer.Exit(NOT_TRUSTED)
+
+
+def _default_directory(name: str) -> Path:
+    """A directory under `results` that does not exist yet."""
+    stem = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    directory, number = Path("results", stem), 1
+    while directory.exists():
+        number += 1
+        directory = Path("results", f"{stem}-{number}")
+    return directory
+
+
+def _origin(system: "System", found: dict[str, Any], settings: list[str]) -> dict[str, Any]:
+    """What meta.json says of a run besides what the simulation knows."""
+    return {
+        "system": system.name,
+        "title": system.title,
+        "circuit": system.circuit,
+        "settings": settings,
+        "assumed_values": len(system.assumed),
+        "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+        **{key: found[key] for key in ("energy_residual", "mass_residual", "trusted") if key in found},
+    }
+
+
+@contextmanager
+def _listener(until: float) -> Iterator[Callable[[float], None]]:
+    """What hears the time reached [s]: a bar on a terminal, now and then a line elsewhere; both on stderr."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if not screen.is_terminal:
+        last = time.monotonic()
+
+        def line(reached: float) -> None:
+            nonlocal last
+            if reached < until and time.monotonic() - last >= LINE_INTERVAL:
+                last = time.monotonic()
+                say(f"t = {reached:.4g} s of {until:.4g} s")
+
+        yield line
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    words = TextColumn("t = {task.completed:.3f} s of {task.total:g} s")
+    with Progress(words, BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
+        task = bar.add_task("", total=until)
+        yield lambda reached: bar.update(task, completed=reached)
+
+
+# What a person is shown: label, key, key of the closed form, name of the unit.
+SHOWN = (
+    ("PWM frequency", "pwm_frequency_Hz", "analytic_pwm_frequency_Hz", "Hz"),
+    ("pump flow", "mean_pump_flow_m3_s", "", "lpm"),
+    ("flow to the load", "mean_load_flow_m3_s", "analytic_load_flow_m3_s", "lpm"),
+    ("flow to the tank", "mean_tank_flow_m3_s", "", "lpm"),
+    ("flow over the relief valve", "mean_relief_flow_m3_s", "", "lpm"),
+    ("leakage of the valve", "mean_leakage_flow_m3_s", "", "lpm"),
+    ("inlet pressure, mean", "mean_inlet_pressure_Pa", "", "bar"),
+    ("inlet pressure, lowest", "inlet_pressure_min_Pa", "", "bar"),
+    ("inlet pressure, highest", "inlet_pressure_max_Pa", "", "bar"),
+    ("load pressure, mean", "mean_load_pressure_Pa", "", "bar"),
+    ("load pressure, lowest", "load_pressure_min_Pa", "", "bar"),
+    ("load pressure, highest", "load_pressure_max_Pa", "", "bar"),
+    ("input power", "input_power_W", "", "W"),
+    ("load power", "load_power_W", "", "W"),
+    ("efficiency", "efficiency", "", ""),
+    ("loss, fully open valve", "loss_full_open_W", "analytic_loss_full_open_W", "W"),
+    ("loss, transitions", "loss_transition_W", "analytic_loss_transition_W", "W"),
+    ("loss, compressibility", "", "analytic_loss_compressibility_W", "W"),
+    ("loss, leakage of the valve", "loss_valve_leakage_W", "analytic_loss_leakage_W", "W"),
+    ("loss, total", "loss_total_W", "analytic_loss_total_W", "W"),
+)
+
+
+def _print(system: "System", done: "Run", found: dict[str, Any]) -> None:
+    from vvdp.cli.screen import amount, console, grid, warn
+    from vvdp.simulation.balance import LIMIT
+
+    out = console()
+    out.print(system.title, soft_wrap=True)
+    begin, end = found["averaged_from_s"], found["averaged_to_s"]
+    out.print(f"means over {found['averaged_periods']:g} PWM periods, {begin:.4g} s to {end:.4g} s; pressures gauge")
+    table = grid("quantity", "simulated", "closed form", "unit", right=("simulated", "closed form"))
+    for label, key, analytic, unit in SHOWN:
+        cells = [amount(found[k], unit) if k in found else "" for k in (key, analytic)]
+        if any(cells):
+            table.add_row(label, *cells, unit)
+    out.print(table)
+    if "trusted" in found:
+        out.print(
+            f"balances: energy {found['energy_residual']:.1e}, oil {found['mass_residual']:.1e} of the throughput "
+            f"(limit {LIMIT:.0e})"
+        )
+    out.print(f"{done.steps} steps in {done.seconds:.2f} s; {len(system.assumed)} values of the system are assumed")
+    for text in _warnings(found):
+        warn(text)
+
+
+def _warnings(found: dict[str, Any]) -> Iterator[str]:
+    if not found.get("trusted", True):
+        yield "not trusted: the balances are above the limit"
+    if not found["finished"]:
+        yield f"the run was interrupted at {found['duration_s']:.6g} s"
+    if found["averaged_periods"] < 1:
+        yield "no whole PWM period lies in the averaging window: the means are over plain time"
+    elif not found["settled"]:
+        yield "the PWM frequency has not settled within the averaging window: run longer"
+    if found["cavitation"]:
+        yield "the inlet pressure falls below the cavitation limit"
+    if found["motor_overloaded"]:
+        power, rated = found["input_power_W"], found["motor_rated_power_W"]
+        yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"

@@ -1,0 +1,221 @@
+"""`vvdp valve`."""
+
+from itertools import product
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vvdp.cli.options import AsJson, Settings, SystemName
+
+if TYPE_CHECKING:
+    from vvdp.base.kinds import Kind
+    from vvdp.systems.system import System
+
+Row = dict[str, Any]
+
+
+def valve(
+    system: SystemName,
+    flow: Annotated[
+        list[str] | None,
+        typer.Option("--flow", metavar="FLOW", help='Pump flow, for example "40 lpm"; may be repeated.'),
+    ] = None,
+    temperature: Annotated[
+        list[str] | None,
+        typer.Option("--temperature", metavar="TEMP", help='Oil temperature, as "40 degC"; may be repeated.'),
+    ] = None,
+    settings: Settings = None,
+    json: AsJson = False,
+) -> None:
+    """Show the valve's drops, torques, speeds and losses.
+
+    They come from closed forms, without a simulation. Flow and temperature are those at the start of the run unless
+    given; several give one row for each pair. The load pressure is the prescribed one, or where the load makes its
+    own, the initial one.
+    """
+    from vvdp.base.kinds import FLOW, TEMPERATURE
+    from vvdp.base.signal import signal_value
+    from vvdp.cli.screen import print_json
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(system, settings or ())
+    supply = loaded.case.params.supply
+    pump_flow = supply.pump.displacement * signal_value(0.0, supply.operation.pump_speed)
+    oil_temperature = float(signal_value(0.0, supply.operation.oil_temperature))
+    flows = _flows(flow, FLOW, float(pump_flow))
+    temperatures = _values("--temperature", temperature, TEMPERATURE) or [oil_temperature]
+    rows = [_row(loaded, q, t) for q, t in product(flows, temperatures)]
+    if json:
+        rows = [{**row, "warnings": "; ".join(row["warnings"])} for row in rows]
+        columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
+        print_json({"system": loaded.name, **columns})
+    elif len(rows) == 1:
+        _print_one(loaded, rows[0])
+    else:
+        _print_several(loaded, rows)
+
+
+def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
+    """The SI values of an option. Raises ConfigError with all that is wrong with them."""
+    from vvdp.base.errors import ConfigError, Fault, ParameterError
+    from vvdp.base.units import parsed
+
+    values, faults = [], []
+    for text in texts or ():
+        try:
+            values.append(parsed(text, kind))
+        except ParameterError as problem:
+            faults.append(Fault(option, 0, "", str(problem)))
+    if faults:
+        raise ConfigError(faults)
+    return values
+
+
+def _flows(texts: list[str] | None, kind: "Kind", pump_flow: float) -> list[float]:
+    from vvdp.base.errors import ConfigError, Fault
+
+    flows = _values("--flow", texts, kind)
+    faults = [
+        Fault("--flow", 0, "", f"{text!r}; expected a flow greater than zero")
+        for text, value in zip(texts or (), flows, strict=True)
+        if not value > 0.0
+    ]
+    if not flows and not pump_flow > 0.0:
+        faults = [Fault("--flow", 0, "", "the pump delivers nothing at the start of the run; give a flow")]
+    if faults:
+        raise ConfigError(faults)
+    return flows or [pump_flow]
+
+
+def load_pressure(system: "System") -> tuple[float, str]:
+    """The load pressure [Pa, absolute] that closed forms are evaluated at, and which one it is."""
+    from vvdp.systems.benches import load_pressure_at
+
+    prescribed = load_pressure_at(system.case, 0.0)
+    if prescribed is not None:
+        return prescribed, "prescribed"
+    return float(system.case.state.load_pressure), "the initial one; the load makes its own"
+
+
+def _row(system: "System", flow: float, temperature: float) -> Row:
+    """Everything that docs/keys.md describes for `vvdp valve`."""
+    from vvdp.base.errors import ParameterError
+    from vvdp.base.signal import signal_value
+    from vvdp.valve.operating_point import operating_point
+
+    supply = system.case.params.supply
+    reference, load = supply.oil.reference_pressure, load_pressure(system)[0]
+    duty_ratio = float(signal_value(0.0, supply.operation.axial_position) / supply.valve.helix_length)
+    relief = supply.relief_valve.cracking_pressure
+    try:
+        point = operating_point(
+            flow, temperature, duty_ratio, load, relief, supply.inlet.volume, supply.oil, supply.valve
+        )
+    except ArithmeticError as problem:
+        raise ParameterError(f"{system.name}: the closed forms have no value here ({problem})") from None
+    numbers = {
+        "flow_m3_s": flow,
+        "temperature_K": temperature,
+        "duty_ratio": duty_ratio,
+        "load_pressure_Pa": load - reference,
+        "relief_pressure_Pa": relief - reference,
+        "pressure_drop_nozzle_Pa": point.nozzle_drop,
+        "pressure_drop_centre_section_Pa": point.centre_drop,
+        "pressure_drop_outlet_turbine_Pa": point.outlet_drop,
+        "pressure_drop_total_Pa": point.total_drop,
+        "torque_inlet_N_m": point.inlet_torque,
+        "torque_outlet_N_m": point.outlet_torque,
+        "torque_friction_N_m": point.friction_torque,
+        "spool_speed_rad_s": point.spool_speed,
+        "pwm_frequency_Hz": point.full_open_pwm_frequency,
+        "pwm_frequency_averaged_Hz": point.averaged_pwm_frequency,
+        "transition_fraction": point.transition_fraction,
+        "loss_full_open_W": point.full_open_loss,
+        "loss_transition_W": point.transition_loss,
+        "loss_compressibility_W": point.compressibility_loss,
+        "loss_leakage_W": point.leakage_loss,
+        "loss_total_W": point.total_loss,
+        "spool_friction_power_W": point.friction_loss,
+        "compression_regime": point.compression_regime,
+        "nozzle_reynolds_number": point.nozzle_reynolds_number,
+        "mean_load_flow_m3_s": point.cycle.load_flow,
+    }
+    return {key: float(value) for key, value in numbers.items()} | {"warnings": point.warnings}
+
+
+# What a person is shown: label, key, name of the unit.
+SHOWN = (
+    ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", "bar"),
+    ("pressure drop, centre section", "pressure_drop_centre_section_Pa", "bar"),
+    ("pressure drop, outlet turbine", "pressure_drop_outlet_turbine_Pa", "bar"),
+    ("pressure drop, total", "pressure_drop_total_Pa", "bar"),
+    ("torque, inlet turbine", "torque_inlet_N_m", "N*m"),
+    ("torque, outlet turbine", "torque_outlet_N_m", "N*m"),
+    ("torque, friction", "torque_friction_N_m", "N*m"),
+    ("spool speed, fully open", "spool_speed_rad_s", "rpm"),
+    ("PWM frequency, fully open", "pwm_frequency_Hz", "Hz"),
+    ("PWM frequency, averaged", "pwm_frequency_averaged_Hz", "Hz"),
+    ("transition fraction", "transition_fraction", ""),
+    ("loss, fully open", "loss_full_open_W", "W"),
+    ("loss, transition", "loss_transition_W", "W"),
+    ("loss, compressibility", "loss_compressibility_W", "W"),
+    ("loss, leakage", "loss_leakage_W", "W"),
+    ("loss, total", "loss_total_W", "W"),
+    ("spool friction, part of fully open", "spool_friction_power_W", "W"),
+    ("Reynolds number of the nozzles", "nozzle_reynolds_number", ""),
+    ("mean flow to the load", "mean_load_flow_m3_s", "lpm"),
+)
+COLUMNS = (
+    ("flow [lpm]", "flow_m3_s", "lpm"),
+    ("oil [degC]", "temperature_K", "degC"),
+    ("nozzle [bar]", "pressure_drop_nozzle_Pa", "bar"),
+    ("centre [bar]", "pressure_drop_centre_section_Pa", "bar"),
+    ("outlet [bar]", "pressure_drop_outlet_turbine_Pa", "bar"),
+    ("total [bar]", "pressure_drop_total_Pa", "bar"),
+    ("PWM open [Hz]", "pwm_frequency_Hz", "Hz"),
+    ("PWM mean [Hz]", "pwm_frequency_averaged_Hz", "Hz"),
+    ("open [W]", "loss_full_open_W", "W"),
+    ("transition [W]", "loss_transition_W", "W"),
+    ("compr. [W]", "loss_compressibility_W", "W"),
+    ("leakage [W]", "loss_leakage_W", "W"),
+    ("total [W]", "loss_total_W", "W"),
+)
+
+
+def _head(system: "System", row: Row) -> str:
+    from vvdp.cli.screen import amount
+
+    which = load_pressure(system)[1]
+    return (
+        f"{system.title}\n"
+        f"duty ratio {row['duty_ratio']:.4g}, load pressure {amount(row['load_pressure_Pa'], 'bar')} bar ({which}), "
+        f"relief valve {amount(row['relief_pressure_Pa'], 'bar')} bar"
+    )
+
+
+def _print_one(system: "System", row: Row) -> None:
+    from vvdp.cli.screen import amount, console, grid, warn
+
+    out = console()
+    out.print(_head(system, row), soft_wrap=True)
+    out.print(f"flow {amount(row['flow_m3_s'], 'lpm')} lpm, oil {amount(row['temperature_K'], 'degC')} degC")
+    table = grid("quantity", "value", "unit", right=("value",))
+    for label, key, unit in SHOWN:
+        table.add_row(label, amount(row[key], unit), unit)
+    out.print(table)
+    for text in row["warnings"]:
+        warn(text)
+
+
+def _print_several(system: "System", rows: list[Row]) -> None:
+    from vvdp.cli.screen import amount, console, grid, warn
+
+    out = console()
+    out.print(_head(system, rows[0]), soft_wrap=True)
+    table = grid(*(label for label, _, _ in COLUMNS), right=tuple(label for label, _, _ in COLUMNS))
+    for row in rows:
+        table.add_row(*(amount(row[key], unit) for _, key, unit in COLUMNS))
+    out.print(table)
+    for row in rows:
+        for text in row["warnings"]:
+            warn(f"{amount(row['flow_m3_s'], 'lpm')} lpm, {amount(row['temperature_K'], 'degC')} degC: {text}")

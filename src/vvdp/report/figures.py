@@ -1,0 +1,336 @@
+"""The figures of a report. Each is drawn from a result directory alone, and drawn again it has the same bytes."""
+
+import io
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vvdp.numerics.spectrum import amplitude_spectrum
+from vvdp.numerics.tableaus import Array
+from vvdp.report.losses import causes, components
+from vvdp.report.reading import BAR, LPM, Detail, Reading
+from vvdp.report.wording import fixed, number, percent, plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INLET, LOAD, TANK, RELIEF, INK, FAINT = "#d9730d", "#0b3c6f", "#6aaed6", "#5a5a5a", "#1b1f24", "#c9ced4"
+"""Colours that keep apart for the colour-blind; their lightness differs for print in grey."""
+
+STYLE: Mapping[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.edgecolor": "#6b747d",
+    "axes.linewidth": 0.7,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": "#e6e9ec",
+    "grid.linewidth": 0.6,
+    "xtick.color": "#4b545d",
+    "ytick.color": "#4b545d",
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "legend.handlelength": 2.4,
+    "legend.borderaxespad": 0.0,
+    "lines.linewidth": 1.3,
+    "svg.fonttype": "path",
+}
+PAGE_WIDTH = 7.1
+DOTS = 160
+SHORTEST_SPECTRUM = 64
+"""Fewest samples from which a spectrum is drawn."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure with the name of its files and the words below it."""
+
+    name: str
+    caption: str
+    svg: str
+    png: bytes
+
+
+def figures(reading: Reading) -> Iterator[Drawn]:
+    """All figures that this run gives."""
+    detail = reading.detail()
+    what = _detail_words(reading, detail)
+    yield _drawn("cycle-time", f"Pressures, flows and open areas over time. {what}", 4.45, _cycle(reading, detail, False))
+    if detail.periods:
+        caption = (
+            f"The same over the spool's angle within a PWM period; the last {_periods(detail.periods)} lie on top of "
+            "each other where the run repeats itself. Load and tank port are open in turn."
+        )
+        yield _drawn("cycle-angle", caption, 4.45, _cycle(reading, detail, True))
+    yield _drawn("run", _run_caption(reading), 3.5, lambda figure: _run(figure, reading))
+    yield _drawn("speed", _speed_caption(reading), _speed_height(reading), lambda figure: _speed(figure, reading))
+    yield _drawn("losses", _loss_caption(reading), 3.0, lambda figure: _losses(figure, reading))
+    ripple = _ripple(reading)
+    if ripple is not None:
+        yield _drawn("spectrum", ripple[2], 2.4, lambda figure: _spectrum(figure, reading, ripple[0], ripple[1]))
+
+
+def _drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], None]) -> Drawn:
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context({**STYLE, "svg.hashsalt": name}):
+        figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        draw(figure)
+        svg, png = io.StringIO(), io.BytesIO()
+        figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
+        figure.savefig(png, format="png", dpi=DOTS, metadata={"Software": None})
+    return Drawn(name, caption, svg.getvalue(), png.getvalue())
+
+
+def _periods(count: int) -> str:
+    return "PWM period" if count == 1 else f"{count} PWM periods"
+
+
+def _legend(axes: "Axes", columns: int) -> None:
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=columns)
+
+
+def _detail_words(reading: Reading, detail: Detail) -> str:
+    interval = f"{plain(1e6 * detail.interval, 4)} µs"
+    if detail.periods >= 3:
+        words = "The last three whole PWM periods of the run"
+    elif detail.periods:
+        words = f"Only {_periods(detail.periods)} passed in the finely recorded part of the run; shown is what there is"
+    else:
+        words = "No whole PWM period passed in the finely recorded part of the run; shown is its last piece"
+    coarse = "" if reading.is_fine else "; the run ended before its finely recorded part, so details are missing"
+    return f"{words}, recorded every {interval}{coarse}."
+
+
+def _cycle(reading: Reading, detail: Detail, over_angle: bool) -> Callable[["Figure"], None]:
+    rows = detail.rows
+    pitch = 360.0 / reading.supply.valve.sections
+    x = 1e3 * reading.results.times[rows]
+    breaks: Array = np.zeros(0, int)
+    if over_angle:
+        x = np.mod(np.degrees(reading.state("supply.spool.angle")[rows]), pitch)
+        breaks = np.flatnonzero(np.abs(np.diff(x)) > 0.5 * pitch) + 1
+
+    def line(axes: "Axes", values: Array, colour: str, style: str, name: str, width: float = 1.3) -> None:
+        apart = np.insert(values[rows], breaks, np.nan)
+        axes.plot(np.insert(x, breaks, np.nan), apart, color=colour, linestyle=style, linewidth=width, label=name)
+
+    def draw(figure: "Figure") -> None:
+        pressures, flows, areas = figure.subplots(3, 1, sharex=True, height_ratios=[1.15, 1.15, 0.8])
+        line(pressures, (reading.state("supply.inlet_pressure") - reading.reference) / BAR, INLET, "-", "inlet")
+        line(pressures, (reading.output("load_pressure") - reading.reference) / BAR, LOAD, "-", "load", 1.7)
+        pressures.set_ylabel("pressure [bar]")
+        pressures.set_ylim(bottom=min(0.0, pressures.get_ylim()[0]))
+        _legend(pressures, 2)
+        for name, colour, style, words in (
+            ("pump_flow", FAINT, "-", "pump"),
+            ("load_flow", LOAD, "-", "to load"),
+            ("tank_flow", TANK, "-", "to tank"),
+            ("relief_flow", RELIEF, "--", "relief valve"),
+        ):
+            line(flows, reading.output(name) / LPM, colour, style, words, 2.4 if name == "pump_flow" else 1.3)
+        flows.set_ylabel("flow [lpm]")
+        _legend(flows, 4)
+        area = 1e6 * reading.supply.valve.nozzle_area
+        line(areas, area * reading.output("load_opening"), LOAD, "-", "load port")
+        line(areas, area * reading.output("tank_opening"), TANK, "-", "tank port")
+        areas.set_ylabel("open area [mm²]")
+        areas.set_xlabel("spool angle within the PWM period [°]" if over_angle else "time [ms]")
+        _legend(areas, 2)
+        if over_angle:
+            areas.set_xlim(0.0, pitch)
+            areas.set_xticks(np.linspace(0.0, pitch, 9))
+        else:
+            areas.set_xlim(x[0], x[-1])
+            for axes in (pressures, flows, areas):
+                for mark in detail.marks:
+                    axes.axvline(1e3 * mark, color="#9aa3ac", linewidth=0.7, linestyle=(0, (1, 2)), zorder=0.5)
+        figure.align_ylabels()
+
+    return draw
+
+
+def _run_caption(reading: Reading) -> str:
+    t, begin = reading.results.times, reading.fine_from()
+    low, high = (fixed(reading.number(f"inlet_pressure_{end}_Pa") / BAR, 1) for end in ("min", "max"))
+    between = "within each PWM period" if reading.results.mark_times.size >= 2 else "within each sixtieth of the run"
+    first = reading.system.stepping.record_interval if begin or not reading.is_fine else reading.fine_interval
+    coarse = f"{plain(1e3 * first, 4)} ms"
+    fine = f" and every {plain(1e6 * reading.fine_interval, 4)} µs from {plain(float(t[begin]), 4)} s on" if begin else ""
+    mean = "Load flow: mean of each PWM period." if reading.results.mark_times.size >= 2 else "Load flow: as recorded."
+    return (
+        f"The whole run. Band: smallest and largest recorded inlet pressure {between}. Rows are recorded every "
+        f"{coarse}{fine}, so peaks between them are not in the band; over every step of the run the inlet pressure "
+        f"went from {low} to {high} bar. {mean}"
+    )
+
+
+def _run(figure: "Figure", reading: Reading) -> None:
+    pressures, flows = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1.0])
+    t, marks = reading.results.times, reading.results.mark_times
+    middle, low, high = reading.period_extremes((reading.state("supply.inlet_pressure") - reading.reference) / BAR)
+    pressures.fill_between(middle, low, high, facecolor="#f7dcc0", edgecolor="#efbd8c", linewidth=0.8, label="inlet, band")
+    load = (reading.output("load_pressure") - reading.reference) / BAR
+    if marks.size >= 2:
+        centre = 0.5 * (marks[:-1] + marks[1:])
+        inlet = reading.period_means("books.totals.inlet_pressure") - reading.reference
+        pressures.plot(centre, inlet / BAR, color=INLET, linestyle="--", label="inlet, mean of each period")
+        flows.plot(centre, _delivered(reading) / LPM, color=LOAD, marker=".", markersize=3.0)
+    else:
+        flows.plot(t, reading.output("load_flow") / LPM, color=LOAD)
+    pressures.plot(t, load, color=LOAD, linewidth=1.1, label="load")
+    pressures.set_ylabel("pressure [bar]")
+    pressures.set_ylim(bottom=min(0.0, float(np.min(low))))
+    flows.set_ylabel("load flow [lpm]")
+    bottom, top = flows.get_ylim()
+    flows.set_ylim(min(0.0, bottom), top + 0.12 * (top - min(0.0, bottom)))
+    flows.set_xlabel("time [s]")
+    flows.set_xlim(t[0], t[-1])
+    _legend(pressures, 3)
+    figure.align_ylabels()
+
+
+def _delivered(reading: Reading) -> Array:
+    """Mean flow that the load receives in each PWM period [m^3/s]."""
+    return reading.period_means("books.totals.load_flow")
+
+
+def _speed_caption(reading: Reading) -> str:
+    words = "The spool's speed as PWM frequency (scale on the left) and in rpm (scale on the right)."
+    if "analytic_pwm_frequency_Hz" in reading.results.summary:
+        both = [number(reading.number(f"analytic_pwm_frequency_{end}"), 3) for end in ("full_open_Hz", "Hz")]
+        words += f" Lines: analytic value of the fully open valve, {both[0]} Hz, and averaged over the period, {both[1]} Hz."
+        if reading.supply.spool_drive.coupling > 0.0:
+            words += " They are those of a spool that nothing drives but the flow."
+    return words
+
+
+def _speed_height(reading: Reading) -> float:
+    return 2.3 if reading.duty_ratio.is_constant else 3.3
+
+
+def _speed(figure: "Figure", reading: Reading) -> None:
+    steady = reading.duty_ratio.is_constant
+    panels = [figure.subplots(1, 1)] if steady else list(figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0]))
+    axes, t, marks = panels[0], reading.results.times, reading.results.mark_times
+    sections = reading.supply.valve.sections
+    axes.plot(t, reading.state("supply.spool.speed") * sections / (2 * np.pi), color=TANK, linewidth=0.9, label="at each instant")
+    if marks.size >= 2:
+        axes.plot(0.5 * (marks[:-1] + marks[1:]), 1.0 / np.diff(marks), color=LOAD, linewidth=1.6, label="mean of each period")
+    for key, style, name in (("full_open_Hz", (0, (1, 1.5)), "analytic, fully open"), ("Hz", "--", "analytic, averaged")):
+        if (value := reading.number(f"analytic_pwm_frequency_{key}")) == value:
+            axes.axhline(value, color=INLET, linestyle=style, linewidth=1.2, label=name)
+    axes.set_ylabel("PWM frequency [Hz]")
+    rpm = axes.secondary_yaxis("right", functions=(lambda f: 60.0 * f / sections, lambda n: n * sections / 60.0))
+    rpm.set_ylabel("spool speed [rpm]")
+    rpm.spines["right"].set_visible(True)
+    _legend(axes, 4)
+    if not steady:
+        axial = np.array([reading.start(reading.duty_ratio)]) if t.size == 0 else _signal_series(reading, t)
+        panels[1].plot(t, axial, color=INK)
+        panels[1].set_ylabel("duty ratio [1]")
+        panels[1].margins(y=0.15)
+    panels[-1].set_xlabel("time [s]")
+    panels[-1].set_xlim(t[0], t[-1])
+    figure.align_ylabels(panels)
+
+
+def _signal_series(reading: Reading, times: Array) -> Array:
+    from vvdp.base.signal import signal_value
+
+    return np.asarray(signal_value(times, reading.duty_ratio)) + np.zeros_like(times)  # type: ignore[arg-type]
+
+
+def _loss_caption(reading: Reading) -> str:
+    words = "Mean losses over the averaging window. Left: where the simulated power is lost."
+    if any(np.isfinite(c.analytic) for c in causes(reading)):
+        return words + " Right: by cause, beside the analytic formulas."
+    return words + " Right: by cause; there is no analytic value at this operating point."
+
+
+def _losses(figure: "Figure", reading: Reading) -> None:
+    left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.0])
+    power = reading.number("input_power_W") + reading.number("spool_motor_power_W")
+    parts = sorted((c for c in components(reading) if c.simulated > 0.0), key=lambda c: c.simulated)
+    _bars(left, [c.name for c in parts], [c.simulated for c in parts], [0.0] * len(parts), 0.62, LOAD, "", power)
+    left.set_title("by component, simulated", loc="left")
+    shared = [c for c in causes(reading) if c.simulated > 0.0 or c.analytic > 0.0][::-1]
+    names = [c.name for c in shared]
+    compared = any(np.isfinite(c.analytic) for c in shared)
+    shift = 0.19 if compared else 0.0
+    _bars(right, names, [c.simulated for c in shared], [shift] * len(shared), 0.34, LOAD, "simulated", power)
+    if compared:
+        _bars(right, names, [c.analytic for c in shared], [-shift] * len(shared), 0.34, INLET, "analytic", power)
+    right.set_title("by cause", loc="left")
+    for axes in (left, right):
+        axes.set_xlabel("loss [W]")
+        axes.grid(axis="y", visible=False)
+        axes.tick_params(axis="y", length=0)
+        axes.set_xlim(0.0, 1.42 * max(axes.get_xlim()[1] / 1.05, 1e-3))
+    if compared:
+        right.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, handlelength=1.0, columnspacing=1.2)
+
+
+def _bars(
+    axes: "Axes", names: Sequence[str], powers: Sequence[float], shift: Sequence[float], height: float, colour: str, label: str, whole: float
+) -> None:
+    places = np.arange(len(names)) + np.asarray(shift)
+    bars = axes.barh(places, np.nan_to_num(powers), height=height, color=colour, label=label)
+    shown = [f"{fixed(p, 0 if p >= 100 else 1)} W" + (f", {percent(p / whole)}" if whole > 0 else "") for p in powers]
+    axes.bar_label(bars, [s if np.isfinite(p) else "" for s, p in zip(shown, powers, strict=True)], padding=3, fontsize=7.0, color=INK)
+    axes.set_yticks(range(len(names)), names)
+
+
+def _ripple(reading: Reading) -> tuple[Array, Array, str] | None:
+    """Frequencies and amplitudes [Hz, bar] of the load pressure, or of the inlet's where the load is held; a caption."""
+    part = reading.fine()
+    if part.rows.size < SHORTEST_SPECTRUM or not reading.is_fine:
+        return None
+    path, name = ("load_pressure", "load") if reading.has_load_line else ("supply.inlet_pressure", "inlet")
+    t = reading.results.times[part.rows]
+    samples = int((t[-1] - t[0]) / part.interval)
+    even = t[0] + part.interval * np.arange(samples)
+    found = amplitude_spectrum(np.interp(even, t, reading.state(path)[part.rows] / BAR), part.interval)
+    over = f"{_periods(part.periods)}" if part.periods else "the finely recorded part"
+    words = (
+        f"Amplitudes of the {name} pressure over {over} ({fixed(1e3 * (t[-1] - t[0]), 0)} ms, Hann window, lines "
+        f"{number(float(found.frequencies[1]), 3)} Hz apart)."
+    )
+    if part.periods:
+        words += " Dotted: multiples of the PWM frequency; the numbers are the amplitudes there."
+    return found.frequencies, found.amplitudes, words
+
+
+def _spectrum(figure: "Figure", reading: Reading, frequencies: Array, amplitudes: Array) -> None:
+    axes = figure.subplots(1, 1)
+    part = reading.fine()
+    base = part.periods / (part.marks[-1] - part.marks[0]) if part.periods else 0.0
+    highest = min(float(frequencies[-1]), 10.6 * base if base else 1000.0)
+    inside = (frequencies <= highest) & (frequencies > 0.0)
+    top = float(np.max(amplitudes[inside], initial=1e-9))
+    axes.vlines(frequencies[inside], 0.0, amplitudes[inside], color=LOAD, linewidth=1.4)
+    axes.set_ylim(0.0, 1.16 * top)
+    axes.set_xlim(0.0, highest)
+    for k in range(1, int(highest / base) + 1 if base else 0):
+        axes.axvline(k * base, color="#9aa3ac", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.5)
+        size = float(np.max(amplitudes[np.abs(frequencies - k * base) <= 1.5 * frequencies[1]], initial=0.0))
+        axes.annotate(
+            number(size, 2), (k * base, size), (0, 3), textcoords="offset points", ha="center", fontsize=7.0, color=INK,
+            bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"},
+        )  # fmt: skip
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel("amplitude [bar]")

@@ -1,0 +1,43 @@
+"""Pieces of HTML. Whatever comes from a user's file passes through `text`."""
+
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+
+
+def text(value: object) -> str:
+    """`value` with the characters that HTML reserves made harmless."""
+    return escape(str(value), quote=True)
+
+
+def table(head: Sequence[str], rows: Iterable[str], numeric: Sequence[int] = ()) -> str:
+    """A table with `rows` made by `row` or `group`; the columns `numeric` are aligned right."""
+    cells = "".join(f"<th{' class=n' if i in numeric else ''}>{name}</th>" for i, name in enumerate(head))
+    return f"<table>\n<thead><tr>{cells}</tr></thead>\n<tbody>\n" + "\n".join(rows) + "\n</tbody>\n</table>"
+
+
+def row(cells: Sequence[str], classes: Sequence[str] = (), kind: str = "") -> str:
+    """A row of ready HTML cells, each with a class where `classes` names one."""
+    named = [*classes, *[""] * (len(cells) - len(classes))]
+    inner = "".join(f'<td class="{c}">{cell}</td>' if c else f"<td>{cell}</td>" for cell, c in zip(cells, named, strict=True))
+    return f'<tr class="{kind}">{inner}</tr>' if kind else f"<tr>{inner}</tr>"
+
+
+def group(name: str, columns: int) -> str:
+    """A row that names the rows below it."""
+    return f'<tr class="group"><th colspan="{columns}">{name}</th></tr>'
+
+
+def inline_svg(svg: str, name: str) -> str:
+    """An SVG file as an element of a page, its identifiers made its own by `name`."""
+    body = svg[svg.index("<svg") :]
+    known = set(re.findall(r'\bid="([^"]+)"', body))
+    body = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', body)
+    body = re.sub(r"url\(#([^)]+)\)", rf"url(#{name}-\1)", body)
+    body = re.sub(r'href="#([^"]+)"', lambda m: f'href="#{name}-{m[1]}"' if m[1] in known else m[0], body)
+    return re.sub(r"<metadata>.*?</metadata>\s*", "", body, flags=re.DOTALL)
+
+
+def figure(svg: str, name: str, number: int, caption: str) -> str:
+    """A numbered figure with its caption, already HTML."""
+    return f'<figure id="figure-{name}">\n{inline_svg(svg, name)}<figcaption><b>Figure {number}.</b> {caption}</figcaption>\n</figure>'

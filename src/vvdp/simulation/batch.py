@@ -1,0 +1,239 @@
+"""Many cases of one model at once, on all cores; nothing is recorded but what a summary needs."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from vvdp.base.errors import ParameterError
+from vvdp.numerics.tableaus import Array
+from vvdp.simulation.link import quiet
+from vvdp.simulation.model import Case, Model
+from vvdp.simulation.outcome import Outcome, marked_window
+from vvdp.simulation.run import Prepared, Stepping, compiled_loop, failure, prepared
+from vvdp.simulation.values import flat, leaves
+
+MARKS_MEMORY = 2**28
+"""Bytes for the marks of a batch; cases with more marks than there is room for are run a second time."""
+
+
+@dataclass(frozen=True)
+class BatchRun:
+    """What a batch has left: a row for every case, columns in the order of the state.
+
+    Marks are those from `marks_from` on; a case without any has NaN for their times and states. `reasons` says why a
+    case could not be carried to the end, None where it was; the row of such a case holds what it had reached.
+    """
+
+    model: Model
+    cases: tuple[Case, ...]
+    stepping: Stepping
+    final: Array  # (cases, n)
+    low: Array  # (cases, n) over every step
+    high: Array  # (cases, n)
+    marks: npt.NDArray[np.int64]  # (cases,)
+    mark_times: Array  # (cases, 3) of the first, the middle and the last mark
+    first_marks: Array  # (cases, n) states at the first mark
+    last_marks: Array  # (cases, n)
+    end: Array  # (cases,)
+    steps: npt.NDArray[np.int64]  # (cases,) and so are the counts below
+    rejected: npt.NDArray[np.int64]
+    evaluations: npt.NDArray[np.int64]
+    samples: npt.NDArray[np.int64]
+    switches: npt.NDArray[np.int64]
+    stiff: npt.NDArray[np.bool_]
+    reasons: tuple[str | None, ...]
+    seconds: float
+    digest: str
+
+    def outcome(self, case: int) -> Outcome | None:
+        """What the summary of a case is worked out from.
+
+        None where it failed or has fewer than two marks: means then begin at a recorded time, and a batch has none.
+        """
+        if self.reasons[case] or self.marks[case] < 2:
+            return None
+        begin, middle, end = (float(t) for t in self.mark_times[case])
+        return Outcome(
+            model=self.model,
+            case=self.cases[case],
+            window=marked_window(
+                (begin, middle, end), self.first_marks[case], self.last_marks[case], int(self.marks[case])
+            ),
+            final=self.final[case],
+            low=self.low[case],
+            high=self.high[case],
+            end=float(self.end[case]),
+            steps=int(self.steps[case]),
+            rejected=int(self.rejected[case]),
+            evaluations=int(self.evaluations[case]),
+            stiff=bool(self.stiff[case]),
+            seconds=self.seconds / len(self.cases),
+            finished=True,
+        )
+
+
+def simulate_batch(
+    model: Model,
+    cases: Sequence[Case],
+    stepping: Stepping,
+    marks_from: float,
+    *,
+    cores: int | None = None,
+    say: Callable[[str], None] = quiet,
+    cache: Path | None = None,
+) -> BatchRun:
+    """All `cases` run to `stepping.until`, to the last bit as `simulate` runs them; marks count from `marks_from` [s].
+
+    A case that fails is reported in the result and stops no other. Raises ParameterError where the cases are not of
+    one shape, or `cores` (all, unless said) is not a number of them.
+    """
+    if not cases:
+        raise ParameterError("no cases; expected at least one")
+    for number, case in enumerate(cases[1:], 1):
+        if difference := _difference(case_shape(case), case_shape(cases[0])):
+            raise ParameterError(f"case {number} is not of the shape of case 0: {difference}; run them in batches apart")
+    began = time.perf_counter()
+    ready = prepared(model, cases[0], stepping.relative_tolerance, cache, say)
+    loop = compiled_loop(say)
+    rows = int(np.clip(_places(ready, len(cases)), 16, 4096))
+    part = _carried(loop, ready, cases, stepping, marks_from, rows, cores)
+    crowded = np.flatnonzero(part.clocks[:, loop.STORED] >= rows)  # their middle mark has been written over
+    if crowded.size:
+        room = int(part.clocks[crowded, loop.MARKS].max()) + 1
+        at_once = max(1, _places(ready, room))
+        for some in np.split(crowded, range(at_once, crowded.size, at_once)):
+            again = _carried(loop, ready, [cases[row] for row in some], stepping, marks_from, room, cores)
+            for whole, piece in zip(part, again, strict=True):
+                whole[some] = piece
+    clocks = part.clocks
+    counts = {
+        name: clocks[:, place].astype(np.int64)
+        for name, place in (
+            ("marks", loop.STORED),
+            ("steps", loop.STEPS),
+            ("rejected", loop.REJECTED),
+            ("evaluations", loop.EVALUATIONS),
+            ("samples", loop.SAMPLES),
+            ("switches", loop.SWITCHES),
+        )
+    }
+    reasons = tuple(
+        None if status == loop.DONE else failure(case, clock[loop.TIME], state, status == loop.NOT_FINITE)
+        for case, clock, state, status in zip(cases, clocks, part.final, part.status, strict=True)
+    )
+    return BatchRun(
+        model=model,
+        cases=tuple(cases),
+        stepping=stepping,
+        final=part.final,
+        low=part.low,
+        high=part.high,
+        mark_times=part.mark_times,
+        first_marks=part.first_marks,
+        last_marks=part.last_marks,
+        end=clocks[:, loop.TIME].copy(),
+        stiff=clocks[:, loop.METHOD] == loop.STIFF,
+        reasons=reasons,
+        seconds=time.perf_counter() - began,
+        digest=ready.linked.digest,
+        **counts,
+    )
+
+
+def _places(ready: Prepared, others: int) -> int:
+    """How many states fit into the memory for marks for each of `others`."""
+    return MARKS_MEMORY // (8 * ready.state.size * others)
+
+
+class _Carried(NamedTuple):
+    final: Array
+    low: Array
+    high: Array
+    clocks: Array
+    status: npt.NDArray[np.int64]
+    mark_times: Array
+    first_marks: Array
+    last_marks: Array
+
+
+def _carried(
+    loop: Any,
+    ready: Prepared,
+    cases: Sequence[Case],
+    stepping: Stepping,
+    marks_from: float,
+    rows: int,
+    cores: int | None,
+) -> _Carried:
+    count, n = len(cases), ready.state.size
+    final, command, params, settings = (
+        np.array([flat(getattr(case, part)) for case in cases]).reshape(count, -1)
+        for part in ("state", "command", "params", "settings")
+    )
+    low, high, clocks, status = (
+        np.zeros((count, n)),
+        np.zeros((count, n)),
+        np.zeros((count, loop.CLOCK)),
+        np.zeros(count, np.int64),
+    )
+    times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
+    with _threads(cores):
+        loop.batch(
+            *ready.linked[:-1],
+            *(final, command, ready.memory, params, settings, ready.atol, ready.rtol, ready.scale),
+            *(ready.active, stepping.sample_period, stepping.until, marks_from),
+            *(1e-3 * stepping.sample_period, stepping.method.value),
+            *(times, states, low, high, clocks, status),
+        )
+    marks = clocks[:, loop.STORED].astype(np.int64)
+    row, last = np.arange(count), np.clip(marks - 1, 0, rows - 1)
+    mark_times = np.stack([times[:, 0], times[row, last // 2], times[row, last]], axis=1)
+    first, latest = states[:, 0].copy(), states[row, last]
+    for found in (mark_times, first, latest):
+        found[marks == 0] = np.nan
+    return _Carried(final, low, high, clocks, status, mark_times, first, latest)
+
+
+def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
+    """What must be the same in all cases of a batch: the names of the values, their sizes, and the memory at the start.
+
+    A constant and a step, say, are signals of different shapes.
+    """
+    parts = ("state", "params", "command", "memory", "settings")
+    sizes = ((f"{part}.{path}", np.size(value)) for part in parts for path, value, _ in leaves(getattr(case, part)))
+    return (*sizes, ("the memory at the start", flat(case.memory).tobytes()))
+
+
+def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, object], ...]) -> str | None:
+    if shape == other:
+        return None
+    mine, others = dict(shape), dict(other)
+    name = next(name for name in (*mine, *others) if mine.get(name) != others.get(name))
+    if isinstance(mine.get(name), bytes):
+        return f"{name} has other numbers"
+    return f"{name} has {mine.get(name, 'no')} numbers against {others.get(name, 'none')}"
+
+
+@contextmanager
+def _threads(cores: int | None) -> Iterator[None]:
+    """The number of threads that compiled loops use within the block."""
+    import numba
+
+    most = int(numba.config.NUMBA_NUM_THREADS)
+    if cores is not None and not 1 <= cores <= most:
+        raise ParameterError(f"{cores} cores; expected 1 to {most}")
+    before = numba.get_num_threads()
+    numba.set_num_threads(cores or most)
+    # One case at a time: neighbours differ in effort, and a thread that is done takes the next.
+    chunk = numba.set_parallel_chunksize(1)
+    try:
+        yield
+    finally:
+        numba.set_parallel_chunksize(chunk)
+        numba.set_num_threads(before)

@@ -1,0 +1,1 @@
+"""Studies: many cases of one system, run in batches on all cores, kept on disk and resumed."""

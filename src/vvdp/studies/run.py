@@ -1,0 +1,276 @@
+"""Runs a study: the cases that are missing, in compiled batches on all cores, each batch kept as soon as it is done."""
+
+import hashlib
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+
+import vvdp
+from vvdp.base.errors import ConfigError, Fault, RunError
+from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+from vvdp.base.signal import Signal
+from vvdp.base.tables import Table, described, nearest, parsed_table, with_settings
+from vvdp.simulation.batch import case_shape, simulate_batch
+from vvdp.simulation.link import link, quiet
+from vvdp.simulation.outcome import Outcome, Window, outcome
+from vvdp.simulation.run import simulate
+from vvdp.simulation.values import flat, leaves
+from vvdp.studies.results import Column, Failure, StudyResults
+from vvdp.studies.store import Finished, finished_cases, opened_store, write_finished
+from vvdp.studies.study import Settings, Study
+from vvdp.systems.summary import ANALYTIC, analytic_summary, simulated_summary, summary_unit
+from vvdp.systems.system import System, built_system, lasting, load_system, resolved_text
+
+BATCH_SECONDS = 4.0
+"""What a batch should take: no more than that is lost when the machine is switched off."""
+
+FIRST_BATCH, LARGEST_BATCH = 16, 1000
+"""Cases in the first batch, which shows how long they take, and in any at most."""
+
+
+def silent(done: int, total: int) -> None:
+    """Says nothing: the default listener to progress."""
+
+
+@dataclass(frozen=True)
+class _Planned:
+    """A case of a study that fits its system: its key, what may share a batch with it, and its inputs."""
+
+    number: int
+    settings: Settings
+    key: str
+    group: str
+    inputs: Mapping[str, tuple[float | str, str]]
+
+
+def run_study(
+    study: Study,
+    directory: Path | str,
+    *,
+    cores: int | None = None,
+    progress: Callable[[int, int], None] = silent,
+    say: Callable[[str], None] = quiet,
+    cache: Path | None = None,
+) -> StudyResults:
+    """The results of all cases of `study`; those that `directory` already has are not run again.
+
+    A case is known by its resolved values, stepping, equations and the version of vvdp: where one of these has
+    changed, it is run anew. Every batch is kept when it is done, and `progress` hears of it (cases done, of all).
+    Ctrl-C ends the study after the batch at hand; running it again goes on from there.
+
+    Raises ConfigError, before anything is run, with every setting that does not fit, every unknown output, and a
+    directory that cannot be used.
+    """
+    began = time.perf_counter()
+    directory = Path(directory)
+    base = _base(study)
+    planned = _plan(study, base, cache, say)
+    _check_outputs(study, base)
+    describing = {"vvdp": vvdp.__version__, "system": resolved_text(base), "cases": len(planned)}
+    finished = opened_store(directory, describing)
+    pending = list({case.key: case for case in planned if case.key not in finished}.values())
+    pending.sort(key=lambda case: case.group)
+    if len(pending) < len(planned):
+        say(f"{len(planned) - len(pending)} of {len(planned)} cases are finished already")
+    progress(len(planned) - len(pending), len(planned))
+    ran, size = 0, FIRST_BATCH
+    with _interrupts_held() as interrupted:
+        while pending and not interrupted.is_set():
+            batch = [case for case in pending[:size] if case.group == pending[0].group]
+            batch_began = time.perf_counter()
+            done = _run_batch(base, batch, cores, cache, say)
+            write_finished(directory, done)
+            finished |= {case.key: case for case in done}
+            ran, pending = ran + len(batch), pending[len(batch) :]
+            size = int(np.clip(BATCH_SECONDS * len(batch) / (time.perf_counter() - batch_began), FIRST_BATCH, LARGEST_BATCH))
+            progress(len(planned) - len(pending), len(planned))
+    return _results(study, base, directory, planned, finished, ran, time.perf_counter() - began)
+
+
+def read_study(study: Study, directory: Path | str, *, cache: Path | None = None) -> StudyResults:
+    """What `directory` has of `study`, without running anything."""
+    base = _base(study)
+    planned = _plan(study, base, cache, quiet)
+    _check_outputs(study, base)
+    return _results(study, base, Path(directory), planned, finished_cases(Path(directory)), 0, 0.0)
+
+
+def _base(study: Study) -> System:
+    if isinstance(study.system, str):
+        return load_system(study.system, study.settings, study.until)
+    if not study.settings and study.until is None:
+        return study.system
+    table = with_settings(parsed_table(resolved_text(study.system), study.system.name), list(study.settings))
+    return built_system(table if study.until is None else lasting(table, study.until), study.system.name)
+
+
+def _table(base: System) -> Table:
+    return Table(base.name, {"title": base.title, "circuit": base.circuit, **base.content}, {})
+
+
+def _built(table: Table, settings: Settings, name: str) -> System:
+    """The system of one case."""
+    texts = [f"{key}={value}" for key, value in settings.items() if not isinstance(value, Mapping)]
+    varied = with_settings(table, texts)
+    content = dict(varied.content)
+    for key, value in settings.items():
+        if isinstance(value, Mapping):
+            part, _, entry = key.partition(".")
+            content[part] = {**content.get(part, {}), entry: dict(value)}
+    return built_system(Table(varied.place, content, varied.lines), name)
+
+
+def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], None]) -> list[_Planned]:
+    """Every case, checked. Raises ConfigError with the faults of all of them, each said once."""
+    table, digests = _table(base), dict[str, str]()
+    planned: list[_Planned] = []
+    refused: dict[tuple[str, str], list[int]] = {}
+    cases = study.cases
+    if not cases:
+        raise ConfigError([Fault("study", 0, "", "has no cases; expected values to vary")])
+    for number, settings in enumerate(cases):
+        try:
+            system = _built(table, settings, base.name)
+        except ConfigError as problem:
+            for fault in problem.faults:
+                refused.setdefault((fault.key, fault.message), []).append(number)
+            continue
+        shape = hashlib.sha256(repr(case_shape(system.case)).encode()).hexdigest()
+        if shape not in digests:
+            try:
+                digests[shape] = link(system.model, system.case, cache, say).digest
+            except RunError as problem:
+                refused.setdefault(("", str(problem)), []).append(number)
+                continue
+        stepping = (repr(system.stepping), repr(system.average_from))
+        group = " ".join((shape, *stepping))
+        planned.append(_Planned(number, settings, _key(system, digests[shape], stepping), group, _inputs(system, settings)))
+    if refused:
+        raise ConfigError([Fault(_places(numbers), 0, *what) for what, numbers in refused.items()])
+    return planned
+
+
+def _places(numbers: list[int]) -> str:
+    others = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
+    return f"case {numbers[0]}{others}"
+
+
+def _key(system: System, digest: str, stepping: tuple[str, ...]) -> str:
+    """What a case is known by: every resolved number, and everything else that its results depend on."""
+    found = hashlib.sha256(repr((vvdp.__version__, digest, system.circuit, stepping)).encode())
+    case = system.case
+    for part in (case.state, case.params, case.command, case.memory, case.settings, *system.tables.values()):
+        found.update(repr([path for path, _, _ in leaves(part)]).encode())
+        found.update(flat(part).tobytes())
+    return found.hexdigest()
+
+
+def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, str]]:
+    """Value [SI] and unit of what a case sets; text for a value that changes over time or is none."""
+    rows = {f"{row.table}.{row.key}": row for row in system.rows}
+    return {key: _input(rows[key].value, rows[key].kind) if key in rows else (str(settings[key]), "1") for key in settings}
+
+
+def _input(value: float | Signal, kind: Kind) -> tuple[float | str, str]:
+    if isinstance(value, Signal) and not value.is_constant:
+        return described(value, kind), "1"
+    unit = "Pa absolute" if kind is PRESSURE_LEVEL else kind.unit
+    return (value.base if isinstance(value, Signal) else value), unit
+
+
+def _check_outputs(study: Study, base: System) -> None:
+    """Refuses outputs that no summary of `base` has."""
+    state = flat(base.case.state)
+    window = Window(0.0, 1.0, state, state, 1, True)
+    still = Outcome(base.model, base.case, window, state, state, state, 1.0, 0, 0, 0, False, 0.0, True)
+    known = [*simulated_summary(still, base), *ANALYTIC]
+    unknown = [name for name in study.outputs if name not in known]
+    if unknown:
+        raise ConfigError([Fault("study", 0, name, f"no such output{nearest(name, known)}") for name in unknown])
+
+
+def _run_batch(
+    base: System, batch: Sequence[_Planned], cores: int | None, cache: Path | None, say: Callable[[str], None]
+) -> list[Finished]:
+    table = _table(base)
+    systems = [_built(table, case.settings, base.name) for case in batch]
+    one = systems[0]
+    cases = [system.case for system in systems]
+    run = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=cores, say=say, cache=cache)
+    done: list[Finished] = []
+    for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):
+        reason, found = run.reasons[number], run.outcome(number)
+        if reason is None and found is None:  # no whole period: means are taken from a recorded time on
+            found = outcome(simulate(system.model, system.case, system.stepping, cache=cache), system.average_from)
+        summary = simulated_summary(found, system) if found else {}
+        done.append(Finished(planned.key, planned.settings, reason, summary))
+    return done
+
+
+def _results(
+    study: Study,
+    base: System,
+    directory: Path,
+    planned: Sequence[_Planned],
+    finished: Mapping[str, Finished],
+    ran: int,
+    seconds: float,
+) -> StudyResults:
+    analytic = any(name in ANALYTIC for name in study.outputs)
+    table = _table(base)
+    rows: list[Mapping[str, float | bool]] = []
+    failures: list[Failure] = []
+    for case in planned:
+        done = finished.get(case.key)
+        if done and done.failure:
+            failures.append(Failure(case.number, case.settings, done.failure))
+        row = done.summary if done else {}
+        if row and analytic:
+            row = {**row, **analytic_summary(dict(row), _built(table, case.settings, base.name))}
+        rows.append(row)
+    names = list(dict.fromkeys(key for case in planned for key in case.inputs))
+    unset = _inputs(base, dict.fromkeys(names, ""))
+    return StudyResults(
+        directory=directory,
+        inputs={name: _column([case.inputs.get(name, unset[name]) for case in planned]) for name in names},
+        outputs={
+            name: Column(np.array([float(row.get(name, np.nan)) for row in rows]), summary_unit(name))
+            for name in study.outputs
+        },
+        failures=tuple(failures),
+        missing=tuple(case.number for case in planned if case.key not in finished),
+        ran=ran,
+        seconds=seconds,
+    )
+
+
+def _column(values: Sequence[tuple[float | str, str]]) -> Column:
+    numbers = [value for value, _ in values if not isinstance(value, str)]
+    if len(numbers) == len(values):
+        return Column(np.array(numbers, float), values[0][1])
+    return Column(np.array([value if isinstance(value, str) else f"{value:g} {unit}" for value, unit in values]), "1")
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[threading.Event]:
+    """Within the block Ctrl-C only sets the event that is handed out, so that what was computed is still written."""
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield asked
+        return
+
+    def hold(number: int, frame: FrameType | None) -> None:
+        asked.set()
+
+    before = signal.signal(signal.SIGINT, hold)
+    try:
+        yield asked
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,259 @@
+"""What a study is: a system, what is varied in it, and which results are wanted; from Python or from a file.
+
+    system = "prototype"                      # a shipped system, or a file beside this one
+    until = "0.5 s"                           # optional, as are [settings] and the title
+    outputs = ["efficiency", "mean_load_flow_m3_s"]
+
+    [settings]                                # the same in all cases
+    "operation.pump_speed" = "1500 rpm"
+
+    [grid]                                    # every combination
+    "operation.duty_ratio" = ["0.3", "0.5", "0.7"]
+    "oil.air_fraction" = ["0.5 %", "2 %"]
+
+    [random]                                  # instead of the grid, or at each of its points
+    count = 20
+    seed = 1
+    [random.spreads]
+    "valve.radial_clearance" = { normal = "12.7 um", deviation = "0.5 um" }
+    "oil.liquid_bulk_modulus" = { uniform = ["1.2 GPa", "1.6 GPa"] }
+
+    [[cases]]                                 # instead of both: each case written out
+    "operation.duty_ratio" = "0.3"
+"""
+
+import hashlib
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from statistics import NormalDist
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.tables import Table, read_table
+from vvdp.base.units import number_and_unit
+from vvdp.systems.system import System, shipped
+
+Settings: TypeAlias = Mapping[str, Any]
+"""Values by `table.key`, each as a system file has it: text with a unit, a number, or a signal's mapping."""
+
+DEVIATIONS = 3.0
+"""Where a normal spread ends on either side."""
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """Any value between two, alike; both with the same unit."""
+
+    low: str
+    high: str
+
+    def drawn(self, share: float) -> str:
+        """The value below which the share `share` of all draws lies."""
+        (low, unit), (high, other) = number_and_unit(self.low), number_and_unit(self.high)
+        if unit != other or not low <= high:
+            raise ParameterError(f"uniform between {self.low!r} and {self.high!r}; expected one unit, the lower first")
+        return f"{low + share * (high - low)!r} {unit}".strip()
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Values around a mean with a standard deviation of the same unit, none further than three deviations away."""
+
+    mean: str
+    deviation: str
+
+    def drawn(self, share: float) -> str:
+        """The value below which the share `share` of all draws lies."""
+        (mean, unit), (deviation, other) = number_and_unit(self.mean), number_and_unit(self.deviation)
+        if unit != other or not deviation >= 0.0:
+            raise ParameterError(f"normal around {self.mean!r} by {self.deviation!r}; expected one unit, the second not below 0")
+        normal = NormalDist()
+        tail = normal.cdf(-DEVIATIONS)
+        return f"{mean + deviation * normal.inv_cdf(tail + share * (1.0 - 2.0 * tail))!r} {unit}".strip()
+
+
+@dataclass(frozen=True)
+class Random:
+    """`count` draws of every spread, the same ones at each point of `grid`.
+
+    A draw depends on seed, name and number alone: more draws or another spread beside leave the earlier ones as they
+    were, so that their cases need not be run again.
+    """
+
+    spreads: Mapping[str, Uniform | Normal]
+    count: int
+    seed: int
+    grid: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+
+    def draw(self, number: int) -> dict[str, str]:
+        """The settings of one draw."""
+        return {name: spread.drawn(self._share(name, number)) for name, spread in self.spreads.items()}
+
+    def _share(self, name: str, number: int) -> float:
+        word = int.from_bytes(hashlib.sha256(name.encode()).digest()[:8])
+        return float(np.random.default_rng([self.seed, number, word]).random())
+
+
+Variations: TypeAlias = Mapping[str, Sequence[Any]] | Sequence[Settings] | Random
+"""A full grid (values by `table.key`), each case written out, or random draws."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A system, by name or as loaded, with `settings` for all cases, what is varied, and which results are wanted.
+
+    `outputs` are keys of a run's summary. `until` changes the length of the runs as it does for a single one.
+    """
+
+    system: str | System
+    variations: Variations
+    outputs: Sequence[str]
+    settings: Sequence[str] = ()
+    until: str | None = None
+
+    @property
+    def cases(self) -> list[Settings]:
+        """What each case changes, in order: the last name of a grid changes fastest, draws faster still."""
+        if isinstance(self.variations, Random):
+            draws = [self.variations.draw(number) for number in range(self.variations.count)]
+            return [{**point, **draw} for point in _points(self.variations.grid) for draw in draws]
+        if isinstance(self.variations, Mapping):
+            return _points(self.variations)
+        return list(self.variations)
+
+
+def _points(grid: Mapping[str, Sequence[Any]]) -> list[Settings]:
+    return [dict(zip(grid, point, strict=True)) for point in itertools.product(*grid.values())]
+
+
+def load_study(path: Path | str) -> Study:
+    """The study that a file describes. Raises ConfigError with all its faults."""
+    path = Path(path)
+    table = read_table(path)
+    content, faults = table.content, _Faults(table)
+    for key in content:
+        if key not in ("title", "system", "until", "outputs", "settings", "grid", "random", "cases"):
+            faults.add(key, "unknown key; expected title, system, until, outputs, settings, grid, random or cases")
+    system = content.get("system")
+    if not isinstance(system, str) or not system:
+        faults.add("system", f"{system!r}; expected the name of a shipped system or of a file")
+        system = ""
+    if system not in shipped() and (beside := path.parent / system).is_file():
+        system = str(beside)
+    until = content.get("until")
+    if until is not None and not isinstance(until, str):
+        faults.add("until", f'{until!r}; expected a time, for example "0.5 s"')
+    outputs = content.get("outputs")
+    if not isinstance(outputs, list) or not outputs or not all(isinstance(word, str) for word in outputs):
+        faults.add("outputs", f'{outputs!r}; expected a list of keys of a summary, for example ["efficiency"]')
+    settings = _flattened(content, "settings", faults)
+    grid = _flattened(content, "grid", faults)
+    for key, values in grid.items():
+        if not isinstance(values, list) or not values:
+            faults.add(f"grid.{key}", f"{values!r}; expected a list of values")
+    for key, value in settings.items():
+        if isinstance(value, list | bool):
+            faults.add(f"settings.{key}", f"{value!r}; expected a value")
+    random = _random(content["random"], grid, faults) if "random" in content else None
+    cases = content.get("cases")
+    if cases is not None:
+        if not isinstance(cases, list) or not cases or not all(isinstance(case, dict) and case for case in cases):
+            faults.add("cases", "expected tables [[cases]], each with the values of one case")
+            cases = [{}]
+        if "grid" in content or "random" in content:
+            faults.add("cases", "contradicts grid and random; write the cases out or have them made")
+        cases = [_joined(case) for case in cases]
+    elif not grid and random is None:
+        faults.add("", "nothing is varied; expected [grid], [random] or [[cases]]")
+    faults.refuse()
+    variations: Variations = cases if cases is not None else random if random is not None else grid
+    common = {key: value for key, value in settings.items() if isinstance(value, Mapping)}
+    if common:  # a signal: every case carries it, in the form of the file
+        made = Study(system, variations, ()).cases
+        variations = [{**common, **case} for case in made]
+    written = [f"{key}={value}" for key, value in settings.items() if key not in common]
+    return Study(system, variations, tuple(outputs or ()), tuple(written), until)
+
+
+class _Faults:
+    """The faults of a study file, each with its line."""
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+        self.found: list[Fault] = []
+
+    def add(self, key: str, message: str) -> None:
+        """Notes a fault; the line is that of the key, or of the table that it stands in."""
+        lines, words = self.table.lines, key.split(".")
+        shorter = (".".join(words[:count]) for count in range(len(words), 0, -1))
+        line = next((lines[part] for part in shorter if part in lines), 0)
+        self.found.append(Fault(self.table.place, line, key, message))
+
+    def refuse(self) -> None:
+        """Raises ConfigError where anything is wrong."""
+        if self.found:
+            raise ConfigError(self.found)
+
+
+def _joined(table: Mapping[str, Any]) -> dict[str, Any]:
+    """`table` with `operation.duty_ratio = ...`, which TOML nests, under the same name as when it is quoted."""
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        if "." not in key and isinstance(value, Mapping):
+            found |= {f"{key}.{inner}": content for inner, content in value.items()}
+        else:
+            found[key] = value
+    return found
+
+
+def _flattened(content: Mapping[str, Any], name: str, faults: _Faults) -> dict[str, Any]:
+    table = content.get(name, {})
+    if not isinstance(table, Mapping) or (name in content and not table):
+        faults.add(name, f"{table!r}; expected a table of values by table.key")
+        return {}
+    found = _joined(table)
+    for key in found:
+        if key.count(".") != 1:
+            faults.add(f"{name}.{key}", 'expected a key of the form "table.key"')
+    return found
+
+
+def _random(table: Any, grid: Mapping[str, Any], faults: _Faults) -> Random | None:
+    if not isinstance(table, Mapping):
+        faults.add("random", f"{table!r}; expected a table with count, seed and spreads")
+        return None
+    for key in table:
+        if key not in ("count", "seed", "spreads"):
+            faults.add(f"random.{key}", "unknown key; expected count, seed or spreads")
+    count, seed = table.get("count"), table.get("seed")
+    if type(count) is not int or not 1 <= count <= 1_000_000:
+        faults.add("random.count", f"{count!r}; expected a whole number from 1 to 1000000")
+        count = 1
+    if type(seed) is not int or seed < 0:
+        faults.add("random.seed", f"{seed!r}; expected a whole number, not negative")
+        seed = 0
+    spreads: dict[str, Uniform | Normal] = {}
+    for key, words in _flattened(table, "spreads", faults).items():
+        if key in grid:
+            faults.add(f"spreads.{key}", "stands in the grid as well")
+        match words:
+            case {"uniform": [str(low), str(high)], **rest} if not rest:
+                spread: Uniform | Normal = Uniform(low, high)
+            case {"normal": str(mean), "deviation": str(deviation), **rest} if not rest:
+                spread = Normal(mean, deviation)
+            case _:
+                message = f"{words!r}; expected {{ uniform = [a, b] }} or {{ normal = mean, deviation = s }}, with units"
+                faults.add(f"random.spreads.{key}", message)
+                continue
+        try:
+            spread.drawn(0.5)
+        except ParameterError as problem:
+            faults.add(f"random.spreads.{key}", str(problem))
+        spreads[key] = spread
+    if not spreads:
+        faults.add("random.spreads", "missing; expected the spread of at least one value")
+    return Random(spreads, count, seed, grid)

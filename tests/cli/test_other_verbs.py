@@ -1,0 +1,164 @@
+"""`vvdp list`, `show`, `new`, `check` and `--version`."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import vvdp as package
+from vvdp.systems.system import load_system, shipped
+
+
+def test_version_and_bare_call(vvdp):
+    assert vvdp("--version").out == f"vvdp {package.__version__}\n"
+    bare = vvdp()
+    assert "Commands:" in bare.out + bare.err
+
+
+def test_help_of_every_verb_says_what_it_does(vvdp):
+    for verb in ("run", "valve", "list", "show", "new", "report", "check"):
+        assert vvdp(verb, "--help").code == 0
+    first_lines = vvdp("--help").out
+    assert "..." not in first_lines.partition("Commands:")[2]
+
+
+def test_list_names_shipped_systems_and_those_in_the_folder(vvdp, here):
+    assert "Systems in this folder" not in vvdp("list").out
+    vvdp("new", "mine", "--from", "prototype")
+    (here / "pyproject.toml").write_text("[project]\nname = 'x'\n")
+    (here / "broken.toml").write_text("[")
+    (here / "folder.toml").mkdir()
+    listed = vvdp("list")
+    assert listed.code == 0
+    for name, text in shipped().items():
+        assert name in listed.out
+        assert text.partition('title = "')[2].partition('"')[0] in listed.out
+    assert "mine.toml" in listed.out
+    for other in ("pyproject", "broken", "folder.toml"):
+        assert other not in listed.out
+
+
+@pytest.mark.parametrize("name", list(shipped()))
+def test_show_names_every_value_with_its_origin(vvdp, name):
+    shown, system = vvdp("show", name), load_system(name)
+    assert shown.code == 0
+    for row in system.rows:
+        line = next(line for line in shown.out.splitlines() if row.displayed in line and line.split()[0] == row.key)
+        assert row.status in line
+        assert row.note in line
+    assert f"{len(system.assumed)} of {len(system.rows)} values are assumed" in shown.out
+    for row in system.assumed:
+        assert f"{row.table}.{row.key}" in shown.out.splitlines()[-1]
+
+
+def test_pressure_levels_are_shown_both_ways(vvdp):
+    assert "120 bar (121.013 bara)" in vvdp("show", "prototype").out
+
+
+def test_show_as_json(vvdp):
+    found = json.loads(vvdp("show", "prototype", "--json", "--set", "relief_valve.cracking_pressure=130 bar").out)
+    entry = found["parameters"]["relief_valve.cracking_pressure"]
+    assert entry["value"] == pytest.approx(130e5 + 101325.0)
+    assert entry["unit"] == "Pa"
+    assert entry["status"] == "given"
+    assert set(found["assumed"]) == {key for key, e in found["parameters"].items() if e["status"] == "assumed"}
+
+
+def test_show_of_a_value_that_changes(vvdp):
+    step = 'operation.pump_speed={step = ["1200 rpm", "1800 rpm"], at = "0.5 s"}'
+    found = json.loads(vvdp("show", "prototype", "--json", "--set", step).out)["parameters"]["operation.pump_speed"]
+    assert found["value"] is None
+    assert found["low"] == pytest.approx(125.66370614)
+    assert found["high"] == pytest.approx(188.49555922)
+
+
+def test_new_copies_with_comments_and_another_title(vvdp, here):
+    answer = vvdp("new", "mine", "--from", "prototype")
+    assert answer.out == "mine.toml written; run it with: vvdp run mine.toml\n"
+    source, text = shipped()["prototype"].splitlines(), (here / "mine.toml").read_text().splitlines()
+    assert [line for line in text if line not in source] == ['title = "mine"']
+    assert len(text) == len(source)
+    assert load_system("mine.toml").case == load_system("prototype").case
+
+
+def test_new_from_a_file(vvdp, here):
+    vvdp("new", "first", "--from", "prototype-constant-load")
+    assert vvdp("new", "second.toml", "--from", "first.toml").code == 0
+    assert load_system("second.toml").title == "second"
+
+
+@pytest.mark.parametrize("name", ['with "quotes"', "back\\slash", "Kölbchen 3"])
+def test_new_with_an_odd_name(vvdp, here, name):
+    assert vvdp("new", name, "--from", "prototype").code == 0
+    assert load_system(f"{name}.toml").title == name
+
+
+def test_new_overwrites_only_when_told(vvdp, here):
+    (here / "mine.toml").write_text("precious")
+    refused = vvdp("new", "mine", "--from", "prototype")
+    assert refused.code == 2
+    assert "already exists" in refused.err
+    assert (here / "mine.toml").read_text() == "precious"
+    assert vvdp("new", "mine", "--from", "prototype", "--force").code == 0
+    assert load_system("mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("name", "source"),
+    [
+        ("nowhere/mine", "prototype"),
+        ("mine", "protoype"),
+        ("mine", "broken.toml"),
+        ("", "prototype"),
+        ("a\nb", "prototype"),
+    ],
+)
+def test_new_refuses(vvdp, here, name, source):
+    (here / "broken.toml").write_text("circuit = 3\n")
+    refused = vvdp("new", name, "--from", source)
+    assert refused.code == 2
+    assert refused.err
+    assert [p.name for p in here.iterdir()] == ["broken.toml"]
+
+
+def test_a_title_over_several_lines_stays(vvdp, here):
+    text = (
+        shipped()["prototype"].replace('title = "', 'title = """\nlong ').replace('load"\ncircuit', 'load"""\ncircuit')
+    )
+    (here / "long.toml").write_text(text)
+    assert vvdp("new", "mine", "--from", "long.toml").code == 0
+    assert load_system("mine.toml").title == load_system("long.toml").title
+
+
+def test_check_tells_what_is_there(vvdp, tmp_path, monkeypatch):
+    monkeypatch.setenv("VVDP_CACHE", str(tmp_path / "cache"))
+    answer = vvdp("check")
+    assert answer.code == 0, answer.err
+    assert f"{tmp_path / 'cache'} (writable)" in answer.out
+    for part in (
+        "python",
+        "numba",
+        "casadi (optional)",
+        "chromium (optional)",
+        "openfoam (optional)",
+        "slurm (optional)",
+    ):
+        assert part in answer.out
+
+
+def test_check_fails_where_the_cache_cannot_be_written(vvdp, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("VVDP_CACHE", str(tmp_path / "file" / "cache"))
+    answer = vvdp("check")
+    assert answer.code == 1
+    assert "not writable" in answer.out
+
+
+def test_check_finds_programs_on_the_path(vvdp, tmp_path, monkeypatch):
+    program = Path(tmp_path, "simpleFoam")
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    found = vvdp("check").out
+    assert str(program) in found
+    assert "not found" in next(line for line in found.splitlines() if "slurm" in line)

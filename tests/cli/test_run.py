@@ -1,0 +1,166 @@
+"""`vvdp run`: what it writes, prints and answers. Runs are short; the physics is tested elsewhere."""
+
+import dataclasses
+import json
+
+import pytest
+
+from vvdp.base.errors import RunError
+from vvdp.simulation.results import read_results
+from vvdp.systems import summary as summaries
+from vvdp.systems.system import load_system
+
+SHORT = ("--until", "0.06 s", "--no-report")
+
+
+def test_what_is_written_and_printed(vvdp, here):
+    answer = vvdp("run", "prototype", *SHORT, "--set", "operation.duty_ratio=0.4", "--out", "deep/down")
+    assert answer.code == 0, answer.err
+    assert "results: deep/down" in answer.out
+    assert "PWM frequency" in answer.out
+    kept = read_results(here / "deep" / "down")
+    assert kept.times[-1] == pytest.approx(0.06)
+    assert kept.meta["settings"] == ["operation.duty_ratio=0.4"]
+    assert kept.meta["system"] == "prototype"
+    assert load_system(str(here / "deep" / "down" / "system.toml")).stepping.until == pytest.approx(0.06)
+    assert not [p for p in (here / "deep").iterdir() if p.name.startswith(".")]
+
+
+def test_resolved_system_gives_the_same_run(vvdp, here):
+    first = vvdp("run", "prototype", *SHORT, "--set", "operation.duty_ratio=0.4", "--out", "first", "--json")
+    again = vvdp("run", "first/system.toml", "--no-report", "--out", "again", "--json")
+    same = [json.loads(answer.out) for answer in (first, again)]
+    for content in same:
+        for word in ("system", "out", "wall_time_s"):
+            content.pop(word)
+    assert same[0] == same[1]
+
+
+def test_json_is_one_flat_object_and_the_summary_kept(vvdp, here):
+    answer = vvdp("run", "prototype-constant-load", *SHORT, "--json", "--out", "out")
+    found = json.loads(answer.out)
+    assert all(isinstance(value, float | bool) for key, value in found.items() if key not in ("system", "out"))
+    assert found.pop("system") == "prototype-constant-load"
+    assert found.pop("out") == "out"
+    assert read_results(here / "out").summary == found
+
+
+def test_a_number_that_is_none_becomes_null(vvdp, here, monkeypatch):
+    whole = summaries.summary
+    monkeypatch.setattr(summaries, "summary", lambda *both: whole(*both) | {"efficiency": float("nan")})
+    answer = vvdp("run", "prototype", *SHORT, "--json", "--out", "out")
+    assert json.loads(answer.out)["efficiency"] is None
+    assert json.loads((here / "out" / "summary.json").read_text())["efficiency"] is None
+    assert " - " in vvdp("run", "prototype", *SHORT, "--out", "other").out
+
+
+def test_untrusted_results_are_kept_and_told(vvdp, here, monkeypatch):
+    whole = summaries.summary
+    monkeypatch.setattr(summaries, "summary", lambda *both: whole(*both) | {"energy_residual": 2e-6, "trusted": False})
+    answer = vvdp("run", "prototype", *SHORT, "--out", "out")
+    assert answer.code == 3
+    assert "not trusted" in answer.err
+    assert "warning: not trusted" in answer.out
+    assert "2.0e-06" in answer.out
+    kept = read_results(here / "out")
+    assert kept.summary["trusted"] is False
+    assert kept.meta["trusted"] is False
+    assert vvdp("run", "prototype", *SHORT, "--out", "out2", "--json").code == 3
+
+
+def test_a_run_that_fails_leaves_nothing(vvdp, here):
+    # a speed at which the step vanishes
+    answer = vvdp("run", "prototype", *SHORT, "--set", "operation.pump_speed=-1e5 rad/s", "--out", "out")
+    assert answer.code == 1
+    assert answer.err.splitlines()[-1].startswith("the run cannot go on at t = ")
+    assert not list(here.iterdir())
+
+
+def test_an_interrupt_keeps_what_was_reached(vvdp, here, monkeypatch):
+    import vvdp.simulation.run as running
+
+    whole = running.simulate
+
+    def stopped(model, case, stepping, **others):
+        return dataclasses.replace(whole(model, case, stepping, **others), finished=False)
+
+    monkeypatch.setattr(running, "simulate", stopped)
+    answer = vvdp("run", "prototype", *SHORT, "--out", "out")
+    assert answer.code == 130
+    assert "warning: the run was interrupted" in answer.out
+    assert read_results(here / "out").summary["finished"] is False
+
+
+def test_an_interrupt_before_anything_was_reached_leaves_nothing(vvdp, here, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vvdp.simulation.run.simulate", stopped)
+    assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 130
+    assert not list(here.iterdir())
+
+
+def test_a_full_disk_is_told_in_a_line(vvdp, here, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("vvdp.simulation.results.write_results", full)
+    answer = vvdp("run", "prototype", *SHORT, "--out", "out")
+    assert answer.code == 1
+    assert answer.err.splitlines() == ["vvdp: [Errno 28] No space left on device"]
+    assert not list(here.iterdir())
+
+
+def test_the_output_is_checked_before_the_run(vvdp, here, monkeypatch):
+    def never(*_, **__):
+        raise RunError("was run")
+
+    monkeypatch.setattr("vvdp.simulation.run.simulate", never)
+    (here / "out").mkdir()
+    assert "already exists" in vvdp("run", "prototype", "--out", "out").err
+
+
+def test_force_replaces_results_and_only_those(vvdp, here):
+    assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 0
+    (here / "out" / "stale").write_text("")
+    assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 2
+    assert (here / "out" / "stale").exists()
+    assert vvdp("run", "prototype", *SHORT, "--out", "out", "--force").code == 0
+    assert not (here / "out" / "stale").exists()
+
+
+def test_default_directories_do_not_collide(vvdp, here):
+    outs = {json.loads(vvdp("run", "prototype", *SHORT, "--json").out)["out"] for _ in range(3)}
+    assert len(outs) == 3
+    assert all(name.startswith("results/prototype-") for name in outs)
+    assert {str(p.relative_to(here)) for p in (here / "results").iterdir()} == outs
+
+
+def test_warnings_of_a_run(vvdp, here):
+    brief = vvdp("run", "prototype", "--until", "0.01 s", "--no-report", "--out", "a")
+    assert "warning: no whole PWM period" in brief.out
+    weak = vvdp("run", "prototype", *SHORT, "--out", "c", "--set", "motor.rated_power=1 kW")
+    assert "exceeds the motor's 1000 W" in weak.out
+    assert (
+        "warning: the inlet pressure falls below"
+        in vvdp("run", "prototype", *SHORT, "--out", "b", "--set", "limits.cavitation_pressure=10 bar").out
+    )
+
+
+def test_a_pump_that_delivers_nothing_has_no_closed_form(vvdp, here):
+    answer = vvdp("run", "prototype", *SHORT, "--json", "--set", "pump.displacement=0 cc/rev", "--out", "out")
+    assert answer.code == 0, answer.err
+    assert not [key for key in json.loads(answer.out) if key.startswith("analytic")]
+
+
+def test_report_of_a_run_and_again(vvdp, here):
+    answer = vvdp("run", "prototype", "--until", "0.06 s", "--out", "out")
+    assert answer.code == 0, answer.err
+    line = next(line for line in answer.out.splitlines() if line.startswith("report: "))
+    path = here / line.removeprefix("report: ")
+    assert path.is_file()
+    path.unlink()
+    again = vvdp("report", "out")
+    assert again.code == 0
+    assert path.is_file()
+    assert again.out.strip() == line.removeprefix("report: ")

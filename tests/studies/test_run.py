@@ -1,0 +1,231 @@
+"""Running a study: columns, resuming, being killed, changed inputs, failures."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.simulation.run import simulate
+from vvdp.studies import run as running
+from vvdp.studies.results import Failure
+from vvdp.studies.run import read_study, run_study
+from vvdp.studies.study import Random, Study, Uniform
+from vvdp.systems.summary import summary
+from vvdp.systems.system import load_system
+
+GRID = {"operation.duty_ratio": ["0.4", "0.6"], "relief_valve.cracking_pressure": ["110 bar", "120 bar"]}
+OUTPUTS = ("efficiency", "mean_load_flow_m3_s", "analytic_loss_total_W", "trusted")
+STUDY = Study("prototype", GRID, OUTPUTS, until="0.1 s")
+FAILING = {"operation.pump_speed": "-1800 rpm", "oil.air_fraction": "0", "check_valve.reverse_opening": "0"}
+
+
+def test_columns_are_those_of_single_runs(tmp_path: Path) -> None:
+    heard: list[tuple[int, int]] = []
+    found = run_study(STUDY, tmp_path / "s", progress=lambda done, of: heard.append((done, of)))
+    assert heard == [(0, 4), (4, 4)]
+    assert found.finished and found.ran == 4 and not found.failures
+    duty, pressure = found.inputs.values()
+    assert duty.values.tolist() == [0.4, 0.4, 0.6, 0.6] and duty.unit == "1"
+    assert pressure.values.tolist() == [11101325.0, 12101325.0] * 2 and pressure.unit == "Pa absolute"
+    assert [column.unit for column in found.outputs.values()] == ["1", "m^3/s", "W", "1"]
+    settings = [f"{key}={value}" for key, value in STUDY.cases[2].items()]
+    system = load_system("prototype", settings, until="0.1 s")
+    alone = summary(system, simulate(system.model, system.case, system.stepping))
+    assert {name: column.values[2] for name, column in found.outputs.items()} == {name: alone[name] for name in OUTPUTS}
+
+
+def test_a_study_is_resumed_and_grows_without_running_anything_twice(tmp_path: Path) -> None:
+    first = run_study(STUDY, tmp_path)
+    again = run_study(STUDY, tmp_path)
+    assert (first.ran, again.ran) == (4, 0)
+    grown = Study("prototype", {**GRID, "operation.duty_ratio": ["0.4", "0.5", "0.6"]}, ("load_power_W",), until="0.1 s")
+    assert read_study(grown, tmp_path).missing == (2, 3)
+    third = run_study(grown, tmp_path)
+    assert third.ran == 2 and third.finished
+    for name, column in first.outputs.items():
+        assert np.array_equal(column.values, again.outputs[name].values)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        Study("prototype", GRID, OUTPUTS, until="0.11 s"),
+        Study("prototype", GRID, OUTPUTS, ("oil.density=870 kg/m^3",), until="0.1 s"),
+        Study("prototype", GRID, OUTPUTS, ("run.relative_tolerance=1e-6",), until="0.1 s"),
+        Study("prototype", GRID, OUTPUTS, ("motor.rated_power=5 kW",), until="0.1 s"),
+        Study("prototype", GRID, OUTPUTS, ("run.method=stiff",), until="0.1 s"),
+    ],
+)
+def test_whatever_changes_the_result_is_run_anew(changed: Study, tmp_path: Path) -> None:
+    run_study(STUDY, tmp_path)
+    assert len(read_study(changed, tmp_path).missing) == 4
+
+
+def test_the_same_value_in_other_words_is_the_same_case(tmp_path: Path) -> None:
+    run_study(STUDY, tmp_path)
+    grid = {"operation.duty_ratio": [0.4, "60 %"], "relief_valve.cracking_pressure": ["11 MPa", "121.01325 bara"]}
+    assert read_study(Study("prototype", grid, OUTPUTS, until="100 ms"), tmp_path).finished
+    loaded = load_system("prototype", until="0.1 s")
+    assert read_study(Study(loaded, GRID, OUTPUTS), tmp_path).finished
+
+
+def test_a_newer_version_or_other_equations_run_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run_study(STUDY, tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr("vvdp.__version__", "99")
+        assert len(read_study(STUDY, tmp_path).missing) == 4
+    monkeypatch.setattr(running, "link", lambda *case: SimpleNamespace(digest="other equations"))
+    assert len(read_study(STUDY, tmp_path).missing) == 4
+
+
+def test_seeds_are_reproducible(tmp_path: Path) -> None:
+    random = Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 3, 5)
+    one = run_study(Study("prototype", random, ("efficiency",), until="50 ms"), tmp_path / "one")
+    two = run_study(Study("prototype", random, ("efficiency",), until="50 ms"), tmp_path / "two", cores=1)
+    for first, second in ((one.inputs, two.inputs), (one.outputs, two.outputs)):
+        for name in first:
+            assert np.array_equal(first[name].values, second[name].values)
+    assert len(set(one.outputs["efficiency"].values)) == 3
+
+
+def test_failing_cases_are_listed_and_not_tried_again(tmp_path: Path) -> None:
+    cases = [{"operation.duty_ratio": "0.4"}, FAILING, {"operation.duty_ratio": "0.6"}]
+    study = Study("prototype", cases, ("efficiency",), until="0.1 s")
+    found = run_study(study, tmp_path)
+    (failure,) = found.failures
+    assert failure.case == 1 and failure.settings == FAILING and "cannot go on at t = 0.0" in failure.reason
+    assert np.isnan(found.outputs["efficiency"].values).tolist() == [False, True, False]
+    # What a case leaves alone stands in its row with the value of the system.
+    assert found.inputs["operation.duty_ratio"].values.tolist() == [0.4, 0.5, 0.6]
+    assert run_study(study, tmp_path).ran == 0
+    found.write_csv(tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open() as file:
+        head, *rows = csv.reader(file)
+    assert head[:2] == ["case", "operation.duty_ratio [1]"] and head[-2:] == ["efficiency [1]", "failure"]
+    assert "operation.pump_speed [rad/s]" in head
+    assert [float(row[1]) for row in rows] == [0.4, 0.5, 0.6]
+    assert float(rows[0][-2]) == found.outputs["efficiency"].values[0]
+    assert rows[1][-2:] == ["", failure.reason]
+
+
+def test_signals_and_constants_may_be_mixed(tmp_path: Path) -> None:
+    step = {"step": ["0.4", "0.6"], "at": "50 ms"}
+    cases = [{"operation.duty_ratio": "0.5"}, {"operation.duty_ratio": step}, {"operation.duty_ratio": "0.6"}]
+    found = run_study(Study("prototype", cases, ("efficiency",), until="0.1 s"), tmp_path)
+    assert found.finished and np.isfinite(found.outputs["efficiency"].values).all()
+    assert found.inputs["operation.duty_ratio"].values.tolist() == [
+        "0.5 1",
+        "between 0.4 and 0.6, corners at 0.05 s",
+        "0.6 1",
+    ]
+
+
+def test_a_case_without_whole_periods_gives_what_a_single_run_gives(tmp_path: Path) -> None:
+    found = run_study(Study("prototype", [{"operation.duty_ratio": "0.5"}], ("efficiency", "averaged_periods"), until="10 ms"), tmp_path)
+    system = load_system("prototype", ["operation.duty_ratio=0.5"], until="10 ms")
+    alone = summary(system, simulate(system.model, system.case, system.stepping))
+    assert found.outputs["averaged_periods"].values.tolist() == [0.0]
+    assert found.outputs["efficiency"].values.tolist() == [alone["efficiency"]]
+
+
+def test_everything_wrong_is_told_before_anything_is_run(tmp_path: Path) -> None:
+    grid = {"operation.duty_ratio": ["0.3", "0,5"], "oil.air_friction": ["1 %"]}
+    with pytest.raises(ConfigError) as caught:
+        run_study(Study("prototype", grid, ("efficiency",)), tmp_path / "s")
+    assert [(fault.place, fault.key) for fault in caught.value.faults] == [
+        ("case 0 and 1 more", "oil.air_friction"),
+        ("case 1", "operation.duty_ratio"),
+    ]
+    with pytest.raises(ConfigError, match="eficiency: no such output; did you mean 'efficiency'"):
+        run_study(Study("prototype", GRID, ("eficiency",)), tmp_path / "s")
+    with pytest.raises(ConfigError, match="no cases"):
+        run_study(Study("prototype", {"operation.duty_ratio": []}, ("efficiency",)), tmp_path / "s")
+    assert not (tmp_path / "s").exists()
+
+
+def test_a_directory_with_something_else_or_damaged_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ConfigError, match="holds something else than a study"):
+        run_study(STUDY, tmp_path)
+    run_study(STUDY, tmp_path / "s")
+    (tmp_path / "s" / ".cases-1.json.77.tmp").write_text('{"half')  # what a kill may leave
+    assert run_study(STUDY, tmp_path / "s").ran == 0
+    (path,) = (tmp_path / "s").glob("cases-*.json")
+    path.write_text(path.read_text()[:-100])
+    with pytest.raises(ConfigError, match="is damaged .*; remove it to have its cases run again"):
+        run_study(STUDY, tmp_path / "s")
+    path.write_text(json.dumps({"format": 99, "cases": []}))
+    with pytest.raises(ConfigError, match="written in format 99"):
+        run_study(STUDY, tmp_path / "s")
+
+
+LONG = """
+import sys
+from vvdp.studies.run import run_study
+from vvdp.studies.study import Random, Study, Uniform
+random = Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 120, 5)
+run_study(Study("prototype", random, ("efficiency",), until="0.3 s"), sys.argv[1])
+print("end")
+"""
+
+
+@pytest.fixture
+def begun(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
+    """A study of 120 cases in a process of its own that has finished its first batch, and its directory."""
+    directory = tmp_path / "long"
+    path = os.pathsep.join(sys.path)
+    process = subprocess.Popen(
+        [sys.executable, "-c", LONG, str(directory)],
+        env={**os.environ, "PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        until = time.monotonic() + 120.0
+        while not list(directory.glob("cases-*.json")) and process.poll() is None and time.monotonic() < until:
+            time.sleep(0.002)
+        yield process, directory
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def kept(directory: Path) -> int:
+    return sum(len(json.loads(path.read_text())["cases"]) for path in directory.glob("cases-*.json"))
+
+
+def long_study() -> Study:
+    return Study("prototype", Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 120, 5), ("efficiency",), until="0.3 s")
+
+
+def test_kill_9_loses_nothing_that_was_finished(begun: tuple[subprocess.Popen[str], Path]) -> None:
+    process, directory = begun
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    before = kept(directory)
+    assert 16 <= before < 120
+    found = run_study(long_study(), directory)
+    assert found.ran == 120 - before and found.finished
+    assert np.isfinite(found.outputs["efficiency"].values).all()
+
+
+def test_ctrl_c_keeps_the_batch_at_hand(begun: tuple[subprocess.Popen[str], Path]) -> None:
+    process, directory = begun
+    before = kept(directory)
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert process.returncode == 0 and out == "end\n", errors
+    assert before <= kept(directory) <= 120
+    found = read_study(long_study(), directory)
+    assert len(found.missing) == 120 - kept(directory)
