@@ -84,7 +84,7 @@ def by_hand() -> tuple[float, float, float, float]:
                 dense_output=True,
             )
             assert found.success
-            # The highest point of a solver's steps lies below the peak between them: look there with its own polynomial.
+            # The highest of a solver's steps lies below the peak between them: look there with its own polynomial.
             near = int(found.y[0].argmax())
             around = np.linspace(found.t[max(near - 1, 0)], found.t[min(near + 1, found.t.size - 1)], 2001)
             highest = max(highest, found.sol(around)[0].max())

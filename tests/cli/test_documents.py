@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -48,3 +49,38 @@ def test_every_verb_is_in_the_guide():
     guide = (DOCUMENTS / "command-line.md").read_text("utf-8")
     for verb in ("run", "valve", "list", "show", "new", "report", "check"):
         assert f"## `vvdp {verb}`" in guide
+
+
+def example(command: str) -> list[str]:
+    """The lines that the guide shows after `command`, without what it leaves out."""
+    guide = (DOCUMENTS / "command-line.md").read_text("utf-8")
+    shown = re.split(r"\n(?=[^ \n])", guide.partition(f"    $ {command}\n")[2], maxsplit=1)[0]
+    lines = [line.strip() for line in shown.splitlines()]
+    return [line for line in lines if line and "..." not in line]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        'vvdp valve prototype --flow "40 lpm" --temperature "40 degC"',
+        "vvdp show prototype",
+        "vvdp new my-pump --from prototype",
+        "vvdp list",
+    ],
+)
+def test_the_examples_of_the_guide_are_real(vvdp, here, command):
+    if command == "vvdp list":
+        vvdp("new", "my-pump", "--from", "prototype")
+    said = [line.strip() for line in vvdp(*shlex.split(command)[1:]).out.splitlines()]
+    lines = example(command)
+    assert lines
+    assert [line for line in lines if line not in said] == []
+
+
+def test_the_run_of_the_guide_shows_what_a_run_shows(vvdp, here):
+    answer = vvdp("run", "prototype", "--until", "0.05 s", "--no-report", "--out", "out")
+    labels = {line.strip().partition("  ")[0] for line in answer.out.splitlines()}
+    lines = example("vvdp run prototype --set operation.duty_ratio=0.4 --out results/duty-0.4")
+    quantities = [line.partition("  ")[0] for line in lines if "  " in line]
+    assert len(quantities) > 15
+    assert set(quantities) <= labels

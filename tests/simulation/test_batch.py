@@ -92,7 +92,7 @@ def test_a_case_without_two_marks_has_no_outcome(systems: list[System]) -> None:
 def test_cases_of_other_shapes_are_refused_with_the_place(systems: list[System]) -> None:
     one = systems[0]
     stepped = load_system("prototype", ['operation.duty_ratio={step=["0.4","0.6"],at="50 ms"}'], until="0.12 s")
-    message = r"case 1 is not of the shape of case 0: params\.supply\.operation\.axial_position\.start has 1 numbers against 0"
+    message = r"case 1 is not of .* case 0: params\.supply\.operation\.axial_position\.start has 1 numbers against 0"
     with pytest.raises(ParameterError, match=message):
         simulate_batch(one.model, [one.case, stepped.case], one.stepping, 0.05)
     other = load_system("prototype-constant-load", until="0.12 s")

@@ -339,5 +339,3 @@ def test_mark_that_jumps_is_refused_instead_of_filling_the_memory():
     stepping = Stepping(until=1.0, sample_period=0.1, record_interval=1.0, window_interval=1.0)
     with pytest.raises(RunError, match="marks"):
         simulate(Model(sound, mark=jumping), CASE, stepping)
-
-

@@ -67,7 +67,9 @@ def test_integral_of_a_prescribed_signal_is_exact(name, method):
     the tolerance.
     """
     signal, expected = SIGNALS[name]
-    run = simulate(FILLED, Case(Level(0.0), Given(inflow=signal)), stepping(1.0, relative_tolerance=1e-6, method=method))
+    run = simulate(
+        FILLED, Case(Level(0.0), Given(inflow=signal)), stepping(1.0, relative_tolerance=1e-6, method=method)
+    )
     allowed = 2e-6 if signal.amplitude else 1e-12
     assert run.final[0] == pytest.approx(expected, abs=allowed)
 
@@ -344,8 +346,6 @@ def test_stiff_follower_of_a_smooth_curve(method):
     assert run.final[0] == pytest.approx(np.cos(3.0), abs=1e-7)
 
 
-
-
 @pytest.mark.parametrize(
     ("values", "told"),
     [
@@ -367,5 +367,3 @@ def test_record_times_are_increasing_and_end_with_the_run():
     assert times[0] == 0.0
     assert times[-1] == 0.3
     assert times.size == pytest.approx(300 + 1 + 2500 - 50, abs=2)
-
-

@@ -17,7 +17,6 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.simulation.run import simulate
 from vvdp.studies import run as running
-from vvdp.studies.results import Failure
 from vvdp.studies.run import read_study, run_study
 from vvdp.studies.study import Random, Study, Uniform
 from vvdp.systems.summary import summary
@@ -48,7 +47,8 @@ def test_a_study_is_resumed_and_grows_without_running_anything_twice(tmp_path: P
     first = run_study(STUDY, tmp_path)
     again = run_study(STUDY, tmp_path)
     assert (first.ran, again.ran) == (4, 0)
-    grown = Study("prototype", {**GRID, "operation.duty_ratio": ["0.4", "0.5", "0.6"]}, ("load_power_W",), until="0.1 s")
+    more = {**GRID, "operation.duty_ratio": ["0.4", "0.5", "0.6"]}
+    grown = Study("prototype", more, ("load_power_W",), until="0.1 s")
     assert read_study(grown, tmp_path).missing == (2, 3)
     third = run_study(grown, tmp_path)
     assert third.ran == 2 and third.finished
@@ -84,7 +84,7 @@ def test_a_newer_version_or_other_equations_run_anew(tmp_path: Path, monkeypatch
     with monkeypatch.context() as patch:
         patch.setattr("vvdp.__version__", "99")
         assert len(read_study(STUDY, tmp_path).missing) == 4
-    monkeypatch.setattr(running, "link", lambda *case: SimpleNamespace(digest="other equations"))
+    monkeypatch.setattr(running, "link", lambda *_: SimpleNamespace(digest="other equations"))
     assert len(read_study(STUDY, tmp_path).missing) == 4
 
 
@@ -131,7 +131,9 @@ def test_signals_and_constants_may_be_mixed(tmp_path: Path) -> None:
 
 
 def test_a_case_without_whole_periods_gives_what_a_single_run_gives(tmp_path: Path) -> None:
-    found = run_study(Study("prototype", [{"operation.duty_ratio": "0.5"}], ("efficiency", "averaged_periods"), until="10 ms"), tmp_path)
+    outputs = ("efficiency", "averaged_periods")
+    study = Study("prototype", [{"operation.duty_ratio": "0.5"}], outputs, until="10 ms")
+    found = run_study(study, tmp_path)
     system = load_system("prototype", ["operation.duty_ratio=0.5"], until="10 ms")
     alone = summary(system, simulate(system.model, system.case, system.stepping))
     assert found.outputs["averaged_periods"].values.tolist() == [0.0]
@@ -162,7 +164,7 @@ def test_a_directory_with_something_else_or_damaged_is_refused(tmp_path: Path) -
     assert run_study(STUDY, tmp_path / "s").ran == 0
     (path,) = (tmp_path / "s").glob("cases-*.json")
     path.write_text(path.read_text()[:-100])
-    with pytest.raises(ConfigError, match="is damaged .*; remove it to have its cases run again"):
+    with pytest.raises(ConfigError, match=r"is damaged .*; remove it to have its cases run again"):
         run_study(STUDY, tmp_path / "s")
     path.write_text(json.dumps({"format": 99, "cases": []}))
     with pytest.raises(ConfigError, match="written in format 99"):
@@ -206,7 +208,8 @@ def kept(directory: Path) -> int:
 
 
 def long_study() -> Study:
-    return Study("prototype", Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 120, 5), ("efficiency",), until="0.3 s")
+    random = Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 120, 5)
+    return Study("prototype", random, ("efficiency",), until="0.3 s")
 
 
 def test_kill_9_loses_nothing_that_was_finished(begun: tuple[subprocess.Popen[str], Path]) -> None:

@@ -74,7 +74,9 @@ THERMAL_EXPANSION = Kind("thermal expansion coefficient", "1/K", 0.0, 1e-2, "7e-
 BULK_MODULUS = Kind("bulk modulus", "Pa", 1e6, 1e13, "1.4 GPa")
 COMPLIANCE = Kind("elastic compliance", "1/Pa", 0.0, 1e-6, "3e-10 1/Pa")
 CONDUCTANCE = Kind("laminar conductance", "m^3/(s*Pa)", 0.0, 1e-6, "2e-12 m^3/(s*Pa)")
-DISPLACEMENT = Kind("displacement", "m^3/rad", 0.0, 1e-2, "22.8 cc/rev", units=("cc/rev", "cm^3/rev", "m^3/rad"))
+DISPLACEMENT = Kind(
+    "displacement", "m^3/rad", 0.0, 1e-2, "22.8 cc/rev", units=("cc/rev", "cm^3/rev", "in^3/rev", "m^3/rad")
+)
 DISCHARGE_COEFFICIENT = Kind("discharge coefficient", "1", 0.3, 1.0, "0.61")
 AIR_FRACTION = Kind("volume fraction of free air", "1", 0.0, 0.5, "1 %")
 POLYTROPIC = Kind("polytropic exponent", "1", 1.0, 1.7, "1.4")

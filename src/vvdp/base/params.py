@@ -9,9 +9,13 @@ from vvdp.base.kinds import Kind
 from vvdp.base.signal import Signal
 
 
-@cache
 def field_kinds(cls: type) -> dict[str, Kind | None]:
     """The kind of every annotated field of a class or NamedTuple; None for a nested one."""
+    return _field_kinds(cls)
+
+
+@cache
+def _field_kinds(cls: type) -> dict[str, Kind | None]:
     hints = get_type_hints(cls, include_extras=True)
     return {
         name: next((k for k in getattr(hint, "__metadata__", ()) if isinstance(k, Kind)), None)
@@ -19,9 +23,13 @@ def field_kinds(cls: type) -> dict[str, Kind | None]:
     }
 
 
-@cache
 def field_types(cls: type) -> dict[str, Any]:
     """The plain type of every annotated field of a class."""
+    return _field_types(cls)
+
+
+@cache
+def _field_types(cls: type) -> dict[str, Any]:
     return get_type_hints(cls)
 
 

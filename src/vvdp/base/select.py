@@ -3,30 +3,34 @@
 `vvdp.simulation.link` replaces `select` by a plain conditional in compiled code.
 """
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 
-def select(condition: Any, a: Any, b: Any) -> Any:
+def select(condition: Any, a: float, b: float) -> float:
     """`a` where `condition` holds, else `b`. Both are evaluated, so both must be finite."""
     if type(condition).__module__.startswith("casadi"):
         import casadi
 
-        return casadi.if_else(condition, a, b)
-    return np.where(condition, a, b) if np.ndim(condition) else (a if condition else b)
+        chosen: Any = casadi.if_else(condition, a, b)
+    elif np.ndim(condition):
+        chosen = np.where(condition, a, b)
+    else:
+        chosen = a if condition else b
+    return cast(float, chosen)
 
 
-def minimum(a: Any, b: Any) -> Any:
+def minimum(a: float, b: float) -> float:
     """The smaller of `a` and `b`."""
     return select(a < b, a, b)
 
 
-def maximum(a: Any, b: Any) -> Any:
+def maximum(a: float, b: float) -> float:
     """The larger of `a` and `b`."""
     return select(a > b, a, b)
 
 
-def clip(value: Any, low: Any, high: Any) -> Any:
+def clip(value: float, low: float, high: float) -> float:
     """`value`, held between `low` and `high`."""
     return minimum(maximum(value, low), high)

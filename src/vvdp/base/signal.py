@@ -29,15 +29,12 @@ class Signal:
     @property
     def extremes(self) -> tuple[float, float]:
         """Bounds of the value: exact without sines, safe with them."""
+        changes = list(zip(self.start, self.duration, self.change, strict=True))
         corners = [self.base]
-        for t in (*self.start, *(a + d for a, d in zip(self.start, self.duration, strict=True))):
-            corners.append(
-                self.base
-                + sum(
-                    c * (1.0 if t >= a + d else max(0.0, (t - a) / d) if d > 0 else 0.0)
-                    for a, d, c in zip(self.start, self.duration, self.change, strict=True)
-                )
-            )
+        for t in {end for a, d, _ in changes for end in (a, a + d)}:
+            gone = [c * (1.0 if t >= a + d else max(0.0, (t - a) / d) if d > 0.0 else 0.0) for a, d, c in changes]
+            jumps = [c for a, d, c in changes if d == 0.0 and a == t]
+            corners += [self.base + sum(gone), self.base + sum(gone) - sum(jumps)]  # at t, and just before
         swing = math.fsum(abs(a) for a in self.amplitude)
         return min(corners) - swing, max(corners) + swing
 
@@ -68,7 +65,7 @@ def sine(mean: float, amplitude: float, frequency: float, phase: float = 0.0) ->
 
 
 def table(times: Sequence[float], values: Sequence[float]) -> Signal:
-    """Straight lines through the points (`times` [s], increasing, and `values`), held before the first and after the last.
+    """Straight lines through points (`times` [s], increasing, and `values`), held before the first and after the last.
 
     Two points at the same time make a jump. Raises ValueError when the times go backwards.
     """
@@ -78,7 +75,11 @@ def table(times: Sequence[float], values: Sequence[float]) -> Signal:
     if any(t1 < t0 for (t0, _), (t1, _) in pairs):
         raise ValueError("the times of a table must not go backwards")
     kept = [(t0, t1 - t0, v1 - v0) for (t0, v0), (t1, v1) in pairs if v1 != v0]
-    return Signal(float(values[0]), *(tuple(column) for column in zip(*kept, strict=True))) if kept else constant(values[0])
+    return (
+        Signal(float(values[0]), *(tuple(column) for column in zip(*kept, strict=True)))
+        if kept
+        else constant(values[0])
+    )
 
 
 def signal_value(t: float, signal: Signal) -> float:
@@ -87,9 +88,7 @@ def signal_value(t: float, signal: Signal) -> float:
     return signal.base + changed + sines_value(t, signal.amplitude, signal.frequency, signal.phase)
 
 
-def changes_value(
-    t: float, start: tuple[float, ...], duration: tuple[float, ...], change: tuple[float, ...]
-) -> float:
+def changes_value(t: float, start: tuple[float, ...], duration: tuple[float, ...], change: tuple[float, ...]) -> float:
     """Sum of what the changes of a signal have come to at time `t` [s]."""
     value = 0.0
     for i in range(len(start)):

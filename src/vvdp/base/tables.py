@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from vvdp.base import signal as signals
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
-from vvdp.base.kinds import TIME, FREQUENCY, ANGLE, Kind
+from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
 from vvdp.base.params import Params, field_kinds, field_types
 from vvdp.base.signal import Signal
 from vvdp.base.units import displayed, parsed, parsed_difference
@@ -140,7 +140,9 @@ def with_settings(table: Table, settings: list[str]) -> Table:
     return Table(table.place, content, lines)
 
 
-def build(cls: type[T], table: Mapping[str, Any], name: str, origin: Table, faults: list[Fault]) -> tuple[T | None, list[Sourced]]:
+def build(
+    cls: type[T], table: Mapping[str, Any], name: str, origin: Table, faults: list[Fault]
+) -> tuple[T | None, list[Sourced]]:
     """The parameters of `cls` from one TOML table called `name`, and the origin of each value.
 
     Faults are appended to `faults`; the parameters are None when there are any.
@@ -173,7 +175,9 @@ def build(cls: type[T], table: Mapping[str, Any], name: str, origin: Table, faul
         return None, rows
 
 
-def _sourced(entry: Any, name: str, key: str, kind: Kind, timed: bool, origin: Table, faults: list[Fault]) -> Sourced | None:
+def _sourced(
+    entry: Any, name: str, key: str, kind: Kind, timed: bool, origin: Table, faults: list[Fault]
+) -> Sourced | None:
     path = f"{name}.{key}"
     fields = dict(entry) if isinstance(entry, Mapping) else {"value": entry}
     text = {word: str(fields.pop(word, "")) for word in ORIGIN}
@@ -197,7 +201,7 @@ def _sourced(entry: Any, name: str, key: str, kind: Kind, timed: bool, origin: T
 
 
 def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
-    """The signal that a TOML entry describes: `value`, `step`, `ramp`, `sine` or `table` with the words that go with it."""
+    """The signal of a TOML entry: `value`, `step`, `ramp`, `sine` or `table` with the words that go with it."""
     match fields:
         case {"value": value, **rest} if not rest:
             return signals.constant(parsed(value, kind))
@@ -210,8 +214,12 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
             return signals.ramp(parsed(before, kind), parsed(after, kind), t0, t1)
         case {"sine": mean, "amplitude": amplitude, "frequency": frequency, **rest} if set(rest) <= {"phase"}:
             phase = parsed(rest.get("phase", "0 rad"), ANGLE)
-            return signals.sine(parsed(mean, kind), parsed_difference(amplitude, kind), parsed(frequency, FREQUENCY), phase)
-        case {"table": [*points], **rest} if not rest and points and all(isinstance(p, list) and len(p) == 2 for p in points):
+            return signals.sine(
+                parsed(mean, kind), parsed_difference(amplitude, kind), parsed(frequency, FREQUENCY), phase
+            )
+        case {"table": [_, *_] as points, **rest} if not rest and all(
+            isinstance(p, list) and len(p) == 2 for p in points
+        ):
             times = [parsed(t, TIME) for t, _ in points]
             try:
                 return signals.table(times, [parsed(v, kind) for _, v in points])

@@ -6,7 +6,7 @@ a speed is never a frequency, a gauge level is never a difference, a bare number
 
 import math
 import re
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from vvdp.base.errors import ParameterError
@@ -27,8 +27,8 @@ _UNIT_TEXT = re.compile(r"(?:[^\W\d]|[%°*/()\s1]|(?<=[^\W\d])(?:\^|\*\*)[-+]?\d
 def _registry() -> Any:
     import pint
 
-    registry = pint.UnitRegistry(autoconvert_offset_to_baseunit=False)
-    for definition in ("lpm = liter / minute", "gpm = gallon / minute", "rev = 2 * pi * radian", "cc = centimeter ** 3"):
+    registry: Any = pint.UnitRegistry(autoconvert_offset_to_baseunit=False)
+    for definition in ("lpm = liter / minute", "gpm = gallon / minute", "rev = 2 * pi * radian"):
         registry.define(definition)
     return registry
 
@@ -78,7 +78,9 @@ def _split(text: object, kind: Kind) -> tuple[float, str]:
     if isinstance(text, bool) or not isinstance(text, int | float | str):
         raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}")
     if isinstance(text, str) and len(text) > 200:
-        raise ParameterError(f"a text of {len(text)} characters is not a {kind.name}; write for example {kind.example!r}")
+        raise ParameterError(
+            f"a text of {len(text)} characters is not a {kind.name}; write for example {kind.example!r}"
+        )
     try:
         match = _NUMBER.match(text if isinstance(text, str) else repr(float(text)))
     except OverflowError:
@@ -105,17 +107,27 @@ def _converted(number: float, unit: str, text: object, kind: Kind, level: bool =
     if kind.units and unit not in kind.units:
         hint = _speed_hint(number, unit) if "rpm" in kind.units else ""
         raise ParameterError(f"{text!r} is not a {kind.name}; {hint}use one of {', '.join(kind.units)}")
+    if (
+        kind.unit == "1" and unit != "%"
+    ):  # an angle, a decibel or turns per minute times minutes have no dimension either
+        raise ParameterError(f"{text!r} is not a {kind.name}; write a plain number or %, for example {kind.example!r}")
     if not level:
         unit = _OFFSET_UNITS.get(unit, unit)
     import pint
 
     try:
-        value = float(_registry().Quantity(number, _unit(unit)).to(kind.unit if kind.unit != "1" else "").magnitude)
+        value = _in_si(number, unit, kind.unit if kind.unit != "1" else "")
     except pint.DimensionalityError:
         raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}") from None
     except Exception:  # pint raises many unrelated types on malformed unit text
         raise ParameterError(f"{text!r}: unknown unit {unit!r}; write for example {kind.example!r}") from None
     return value + ATMOSPHERE if gauge else value
+
+
+@lru_cache(maxsize=10_000)
+def _in_si(number: float, unit: str, si: str) -> float:
+    """Kept, since the cases of a study read the same values over and over."""
+    return float(_registry().Quantity(number, _unit(unit)).to(si).magnitude)
 
 
 def _speed_hint(number: float, unit: str) -> str:

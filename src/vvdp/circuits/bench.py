@@ -18,8 +18,18 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 from vvdp.base.select import minimum
 from vvdp.base.signal import signal_stop, signal_value
-from vvdp.circuits.supply import Conditions, Supplied, Supply, SupplyParams, SupplyState, ValveSpent, pwm_periods, supply, supply_stop
-from vvdp.fluid.mixture import fluid_state
+from vvdp.circuits.supply import (
+    Conditions,
+    Supplied,
+    Supply,
+    SupplyParams,
+    SupplyState,
+    ValveSpent,
+    pwm_periods,
+    supply,
+    supply_stop,
+)
+from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.orifice import Orifice, orifice_flow
 from vvdp.hydraulics.volume import Vessel, closed_volume_stored, pressure_rate, stored
@@ -72,6 +82,12 @@ def bench_outputs(flows: Supply, load_pressure: float) -> BenchOutputs:
         tank_opening=flows.openings.tank,
         input_power=flows.supplied.pump_shaft,
     )
+
+
+def net_supplied(flows: Supply, given_out: float, tank: FluidState) -> Supplied:
+    """What comes in, less the energy of the oil `given_out` [tank volumes per second], which ends in the tank."""
+    s = flows.supplied
+    return Supplied(s.pump_shaft, s.spool_motor, s.tank_oil - tank.enthalpy * given_out)
 
 
 def totals(flows: Supply, inlet_pressure: float, load_pressure: float) -> Totals:
@@ -127,14 +143,15 @@ def orifice_bench(
         u.tank,
     )
     into_line = flows.load_flow - flows.leakage - load.flow
+    given_out = flows.pump_leakage + flows.relief_flow + flows.tank_flow + flows.leakage + load.flow
     rates = OrificeBenchState(
         supply=flows.rates,
         load_pressure=pressure_rate(into_line, 0.0, s.load_pressure, line, p.load_line, oil.reference_pressure),
         books=Books(
-            supplied=flows.supplied,
+            supplied=net_supplied(flows, given_out, u.tank),
             spent=Spent(flows.spent, load.loss),
             taken_in=flows.pump_flow,
-            given_out=flows.pump_leakage + flows.relief_flow + flows.tank_flow + flows.leakage + load.flow,
+            given_out=given_out,
             totals=totals(flows, s.supply.inlet_pressure, s.load_pressure),
         ),
     )
@@ -186,13 +203,14 @@ def source_bench(
     source = fluid_state(load_pressure, p.supply.oil)
     flows = supply(t, s.supply, u, load_pressure, source, p.supply)
     load_power = (flows.load_flow - flows.leakage) * (source.enthalpy - u.tank.enthalpy)
+    given_out = flows.pump_leakage + flows.relief_flow + flows.tank_flow + flows.load_flow
     rates = SourceBenchState(
         supply=flows.rates,
         books=Books(
-            supplied=flows.supplied,
+            supplied=net_supplied(flows, given_out, u.tank),
             spent=Spent(flows.spent, load_power),
             taken_in=flows.pump_flow,
-            given_out=flows.pump_leakage + flows.relief_flow + flows.tank_flow + flows.load_flow,
+            given_out=given_out,
             totals=totals(flows, s.supply.inlet_pressure, load_pressure),
         ),
     )

@@ -20,13 +20,13 @@ from vvdp.base.kinds import (
     Volume,
 )
 from vvdp.base.params import Params
-from vvdp.base.select import minimum
+from vvdp.base.select import minimum, select
 from vvdp.base.signal import signal_stop, signal_value
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
-from vvdp.hydraulics.check_valve import CheckValve, check_opening
+from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_opening_rate
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.pump import Pump, pump_friction_power, pump_flow, shaft_power
+from vvdp.hydraulics.pump import Pump, pump_flow, pump_friction_power, shaft_power
 from vvdp.hydraulics.relief_valve import ReliefValve, relief_flow, relief_opening_rate
 from vvdp.hydraulics.spool_drive import SpoolDrive, coupling_loss, drive_power, drive_torque
 from vvdp.hydraulics.volume import closed_volume_rate
@@ -62,7 +62,7 @@ class SupplyParams(Params):
     relief_valve: ReliefValve
     valve: RotaryValve
     spool_drive: SpoolDrive
-    check_valve: CheckValve
+    check_valve: CheckPoppet
     operation: Operation
 
 
@@ -74,10 +74,11 @@ class Spool(NamedTuple):
 
 
 class SupplyState(NamedTuple):
-    """Pressure in front of the valve, how far the relief valve is open, pump shaft and spool."""
+    """Pressure in front of the valve, how far relief and check valve are open, pump shaft and spool."""
 
     inlet_pressure: Pressure
     relief_opening: Ratio
+    check_opening: Ratio
     shaft_angle: Angle
     spool: Spool
 
@@ -97,10 +98,12 @@ class Conditions(NamedTuple):
 
 
 class Supplied(NamedTuple):
-    """Energy that comes in."""
+    """Energy that comes in. `tank_oil` is what the oil itself brings out of a tank that is not at the reference
+    pressure, net of what it takes back."""
 
     pump_shaft: Energy
     spool_motor: Energy
+    tank_oil: Energy
 
 
 class ValveSpent(NamedTuple):
@@ -173,7 +176,9 @@ def supply(
 
     ports = shape_openings(s.spool.angle, signal_value(t, p.operation.axial_position), u.ports)
     load_drop = s.inlet_pressure - load_pressure
-    openings = Openings(ports.load * check_opening(load_drop, p.check_valve), ports.tank)
+    check = p.check_valve
+    lift = select(check.opening_time > 0.0, s.check_opening, check_opening(load_drop, check))
+    openings = Openings(ports.load * lift, ports.tank)
     load_branch = law_flow(load_drop, openings.load, u.branch)
     tank_branch = law_flow(s.inlet_pressure - tank_pressure, openings.tank, u.branch)
     to_load, to_tank = passage(load_branch.flow, inlet, load), passage(tank_branch.flow, inlet, tank)
@@ -191,6 +196,7 @@ def supply(
     rates = SupplyState(
         inlet_pressure=closed_volume_rate(surplus - relief.flow, 0.0, p.inlet.volume, inlet),
         relief_opening=relief_opening_rate(s.inlet_pressure, s.relief_opening, p.relief_valve),
+        check_opening=check_opening_rate(load_drop, s.check_opening, check),
         shaft_angle=shaft_speed,
         spool=Spool(s.spool.speed, (torque.turbine - torque.friction + drive) / u.inertia),
     )
@@ -209,6 +215,7 @@ def supply(
     supplied = Supplied(
         pump_shaft=shaft_power(pump.ideal, shaft_speed, tank, inlet, p.pump),
         spool_motor=drive_power(motor_speed, s.spool.speed, p.spool_drive),
+        tank_oil=tank.enthalpy * pump.ideal,
     )
     return Supply(
         rates=rates,

@@ -25,6 +25,43 @@ class FluidState(NamedTuple):
     enthalpy: EnergyDensity
 
 
+class PowerGrowth(NamedTuple):
+    """A power of a ratio, and how far it has grown from 1 over its exponent."""
+
+    power: Ratio
+    growth: float
+
+
+def power_growth(ratio: float, exponent: float) -> PowerGrowth:
+    """x^k and (x^k - 1)/k [1], the latter ln x at k = 0 and exact close to it.
+
+    ratio     x, greater than zero [1]
+    exponent  k, 0 or greater [1]
+
+    Source  ours, docs/models/fluid.md
+    """
+    k, L = exponent, np.log(ratio)
+    e = np.expm1(k * L)
+    return PowerGrowth(1.0 + e, select(k > 0.0, e / select(k > 0.0, k, 1.0), L))
+
+
+def power_growth_compiled(ratio: float, exponent: float) -> PowerGrowth:
+    """The same as `power_growth`, which it replaces in compiled code: where k is not small, one power does.
+
+    ratio     x, greater than zero [1]
+    exponent  k, 0 or greater [1]
+
+    Source  ours, docs/models/fluid.md
+    """
+    k = exponent
+    if k > 0.01:
+        power = ratio**k
+        return PowerGrowth(power, (power - 1.0) / k)
+    L = np.log(ratio)
+    e = np.expm1(k * L)
+    return PowerGrowth(1.0 + e, select(k > 0.0, e / select(k > 0.0, k, 1.0), L))
+
+
 def fluid_state(pressure: float, oil: Oil) -> FluidState:
     """Specific-volume ratio [1], bulk modulus [Pa] and enthalpy per tank volume [J/m3] at one pressure.
 
@@ -40,15 +77,13 @@ def fluid_state(pressure: float, oil: Oil) -> FluidState:
     n, phi, b = oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
     Pg = maximum(P, RAREFIED * P0)
     below = Pg - P
-    k = (n - 1.0) / n
-    L = np.log(Pg / P0)
-    e = np.expm1(k * L)
-    a = phi * (1.0 + e) * P0 / Pg
+    air = power_growth(Pg / P0, (n - 1.0) / n)
+    a = phi * air.power * P0 / Pg
     slope = a / (n * Pg)
     m = np.expm1((P0 - P) / b)
     l = (1.0 - phi) * (1.0 + m)
     nu = a + slope * below + l
-    air_enthalpy = phi * P0 * select(k > 0.0, e / select(k > 0.0, k, 1.0), L) - below * (a + 0.5 * slope * below)
+    air_enthalpy = phi * P0 * air.growth - below * (a + 0.5 * slope * below)
     return FluidState(nu, nu / (slope + l / b), air_enthalpy - (1.0 - phi) * b * m)
 
 

@@ -7,15 +7,14 @@ from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
 
 
-class CheckValve(Params):
-    """Leaves its seat at `cracking_pressure`, is fully open at `rated_drop` and passes `rated_flow` there.
+class CheckPoppet(Params):
+    """Leaves its seat at `cracking_pressure` and is fully open at `rated_drop`.
 
     `reverse_opening` is the share that stays open against the direction: 0 tight, 1 none fitted (open both ways).
     `opening_time` > 0: the poppet follows with that time constant; 0: at once.
     """
 
     cracking_pressure: PressureDifference
-    rated_flow: Flow
     rated_drop: PressureDifference
     reverse_opening: Fraction
     opening_time: Time
@@ -23,14 +22,23 @@ class CheckValve(Params):
     def check(self) -> None:
         if self.rated_drop <= self.cracking_pressure:
             raise ParameterError(
-                f"CheckValve.rated_drop: {self.rated_drop:g} Pa does not exceed "
+                f"{type(self).__name__}.rated_drop: {self.rated_drop:g} Pa does not exceed "
                 f"the cracking pressure {self.cracking_pressure:g} Pa"
             )
+
+
+class CheckValve(CheckPoppet):
+    """A check valve with a flow law of its own: it passes `rated_flow` at its rated drop."""
+
+    rated_flow: Flow
+
+    def check(self) -> None:
+        super().check()
         if self.rated_flow <= 0.0:
             raise ParameterError(f"CheckValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
 
 
-def check_opening(pressure_drop: float, check: CheckValve) -> float:
+def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
     """Static opening of a check valve [1], from `reverse_opening` below its cracking pressure to 1 at its rated drop.
 
     In series with another resistance it multiplies that one's area.
@@ -45,7 +53,7 @@ def check_opening(pressure_drop: float, check: CheckValve) -> float:
     return check.reverse_opening + (1.0 - check.reverse_opening) * lift
 
 
-def check_opening_rate(pressure_drop: float, opening: float, check: CheckValve) -> float:
+def check_opening_rate(pressure_drop: float, opening: float, check: CheckPoppet) -> float:
     """Rate of the opening of a check valve [1/s]: (y_static(dp) - y)/tau, and 0 without an opening time.
 
     pressure_drop  in the direction of the valve [Pa]

@@ -41,8 +41,32 @@ def pump_flow(shaft_angle: float, shaft_speed: float, pressure_drop: float, pump
 
     Source  ours, docs/models/components.md
     """
-    ripple = 1.0 + pump.ripple_amplitude * np.sin(pump.ripple_count * shaft_angle)
+    ripple = 1.0 + flow_ripple(shaft_angle, pump)
     return PumpFlow(pump.displacement * shaft_speed * ripple, pump.leakage_conductance * pressure_drop)
+
+
+def flow_ripple(shaft_angle: float, pump: Pump) -> float:
+    """How far the flow of a pump is from its mean, over the mean [1]: r sin(z theta).
+
+    shaft_angle  theta [rad]
+
+    Source  ours, docs/models/components.md
+    """
+    swing: float = pump.ripple_amplitude * np.sin(pump.ripple_count * shaft_angle)
+    return swing
+
+
+def flow_ripple_compiled(shaft_angle: float, pump: Pump) -> float:
+    """The same as `flow_ripple`, which it replaces in compiled code: no sine is worked out for a pump without ripple.
+
+    shaft_angle  theta [rad]
+
+    Source  ours, docs/models/components.md
+    """
+    if pump.ripple_amplitude == 0.0:
+        return 0.0
+    swing: float = pump.ripple_amplitude * np.sin(pump.ripple_count * shaft_angle)
+    return swing
 
 
 def pump_friction_power(shaft_speed: float, pump: Pump) -> float:

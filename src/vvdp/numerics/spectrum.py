@@ -29,8 +29,8 @@ def amplitude_spectrum(values: Array, interval: float) -> Spectrum:
         raise ValueError(f"{n} values every {interval:g}; expected at least 4, and an interval above 0")
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
     mean = float(np.mean(values))
-    amplitudes = 2.0 / np.sum(window) * np.abs(np.fft.rfft((values - mean) * window))
+    amplitudes = np.asarray(2.0 / np.sum(window) * np.abs(np.fft.rfft((values - mean) * window)), float)
     amplitudes[0] = abs(mean)
     if n % 2 == 0:
         amplitudes[-1] *= 0.5
-    return Spectrum(np.fft.rfftfreq(n, interval), amplitudes)
+    return Spectrum(np.asarray(np.fft.rfftfreq(n, interval), float), amplitudes)

@@ -50,12 +50,19 @@ def _supply(reading: Reading) -> Iterator[str]:
     yield draw.label(x + 34, RETURN + 6, ["Tank", f"{pressure}, {temperature}"])
     yield draw.junction(RELIEF, MAIN) + draw.pipe((RELIEF, MAIN), (RELIEF, 376)) + draw.relief_valve(RELIEF, 400)
     yield draw.pipe((RELIEF, 424), (RELIEF, RETURN)) + draw.tank(RELIEF, RETURN)
-    manner = f"+ {number(relief.override_pressure / BAR, 3)} bar at rated flow" if relief.override_pressure else "holds its setting"
+    manner = (
+        f"+ {number(relief.override_pressure / BAR, 3)} bar at rated flow"
+        if relief.override_pressure
+        else "holds its setting"
+    )
     yield draw.label(RELIEF + 62, 390, ["Relief valve", _value(reading, "relief_valve", "cracking_pressure"), manner])
     rail = RELIEF - 92
     yield draw.junction(rail, MAIN) + draw.pipe((rail, MAIN), (rail, MAIN - 22)) + draw.gauge(rail, MAIN - 22)
     low, high = (reading.number(f"inlet_pressure_{end}_Pa") / BAR for end in ("min", "max"))
-    inlet = [f"mean {fixed(reading.number('mean_inlet_pressure_Pa') / BAR, 1)} bar", f"{fixed(low, 1)} to {fixed(high, 1)} bar"]
+    inlet = [
+        f"mean {fixed(reading.number('mean_inlet_pressure_Pa') / BAR, 1)} bar",
+        f"{fixed(low, 1)} to {fixed(high, 1)} bar",
+    ]
     yield draw.label(rail - 30, MAIN - 62, ["Inlet", *inlet], "end")
     yield draw.label(RELIEF + 14, MAIN - 12, [f"Inlet volume {_value(reading, 'inlet', 'volume')}"])
 
@@ -81,7 +88,9 @@ def _valve(reading: Reading) -> Iterator[str]:
     place = f"{fixed(1e3 * reading.start(axial), 2)} mm of {fixed(1e3 * valve.helix_length, 2)} mm"
     low, high = duty.extremes
     ratio = fixed(low, 3) if duty.is_constant else f"{fixed(low, 3)} to {fixed(high, 3)}"
-    yield draw.label(x + 120, y - 15, [f"Duty ratio {ratio}", "axial position", place + ("" if duty.is_constant else " at start")])
+    yield draw.label(
+        x + 120, y - 15, [f"Duty ratio {ratio}", "axial position", place + ("" if duty.is_constant else " at start")]
+    )
 
 
 def _load_line(reading: Reading) -> Iterator[str]:
@@ -104,9 +113,13 @@ def _load_line(reading: Reading) -> Iterator[str]:
             x = begin + 226.0
             yield draw.junction(x, TOP) + draw.pipe((x, TOP), (x, TOP - 14)) + draw.accumulator(x, TOP - 14)
             gas, charge = (_value(reading, "load_line", key) for key in ("gas_volume", "precharge_pressure"))
-            yield draw.label(x - 26, TOP - 74, ["Accumulator", f"{gas}, precharge {charge}"], "end")
+            yield draw.label(x - 26, TOP - 88, ["Accumulator", f"{gas}, precharge {charge}"], "end")
     yield draw.pipe((at, TOP), (LOAD, TOP), (LOAD, 274))
-    yield draw.junction(LOAD - 44, TOP) + draw.pipe((LOAD - 44, TOP), (LOAD - 44, TOP - 14)) + draw.gauge(LOAD - 44, TOP - 14)
+    yield (
+        draw.junction(LOAD - 44, TOP)
+        + draw.pipe((LOAD - 44, TOP), (LOAD - 44, TOP - 14))
+        + draw.gauge(LOAD - 44, TOP - 14)
+    )
     mean = fixed(reading.number("mean_load_pressure_Pa") / BAR, 1)
     ends = [reading.number(f"load_pressure_{end}_Pa") / BAR for end in ("min", "max")]
     swing = [f"{fixed(ends[0], 1)} to {fixed(ends[1], 1)} bar"] if reading.has_load_line else []

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vvdp.base.signal import signal_value
 from vvdp.numerics.spectrum import amplitude_spectrum
 from vvdp.numerics.tableaus import Array
 from vvdp.report.losses import causes, components
-from vvdp.report.reading import BAR, LPM, Detail, Reading
+from vvdp.report.reading import BAR, LPM, Detail, Reading, Rows
 from vvdp.report.wording import fixed, number, percent, plain
 
 if TYPE_CHECKING:
@@ -66,14 +67,16 @@ def figures(reading: Reading) -> Iterator[Drawn]:
     """All figures that this run gives."""
     detail = reading.detail()
     what = _detail_words(reading, detail)
-    yield _drawn("cycle-time", f"Pressures, flows and open areas over time. {what}", 4.45, _cycle(reading, detail, False))
+    yield _drawn(
+        "cycle-time", f"Pressures, flows and open areas over time. {what}", 4.45, _cycle(reading, detail, False)
+    )
     if detail.periods:
         caption = (
             f"The same over the spool's angle within a PWM period; the last {_periods(detail.periods)} lie on top of "
             "each other where the run repeats itself. Load and tank port are open in turn."
         )
         yield _drawn("cycle-angle", caption, 4.45, _cycle(reading, detail, True))
-    yield _drawn("run", _run_caption(reading), 3.5, lambda figure: _run(figure, reading))
+    yield _drawn("run", _run_caption(reading), 3.2, lambda figure: _run(figure, reading))
     yield _drawn("speed", _speed_caption(reading), _speed_height(reading), lambda figure: _speed(figure, reading))
     yield _drawn("losses", _loss_caption(reading), 3.0, lambda figure: _losses(figure, reading))
     ripple = _ripple(reading)
@@ -86,7 +89,8 @@ def _drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], No
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with mpl.rc_context({**STYLE, "svg.hashsalt": name}):
+    style: Any = {**STYLE, "svg.hashsalt": name}
+    with mpl.rc_context(style):
         figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)
         draw(figure)
@@ -120,7 +124,7 @@ def _cycle(reading: Reading, detail: Detail, over_angle: bool) -> Callable[["Fig
     rows = detail.rows
     pitch = 360.0 / reading.supply.valve.sections
     x = 1e3 * reading.results.times[rows]
-    breaks: Array = np.zeros(0, int)
+    breaks: Rows = np.zeros(0, int)
     if over_angle:
         x = np.mod(np.degrees(reading.state("supply.spool.angle")[rows]), pitch)
         breaks = np.flatnonzero(np.abs(np.diff(x)) > 0.5 * pitch) + 1
@@ -170,7 +174,9 @@ def _run_caption(reading: Reading) -> str:
     between = "within each PWM period" if reading.results.mark_times.size >= 2 else "within each sixtieth of the run"
     first = reading.system.stepping.record_interval if begin or not reading.is_fine else reading.fine_interval
     coarse = f"{plain(1e3 * first, 4)} ms"
-    fine = f" and every {plain(1e6 * reading.fine_interval, 4)} µs from {plain(float(t[begin]), 4)} s on" if begin else ""
+    fine = (
+        f" and every {plain(1e6 * reading.fine_interval, 4)} µs from {plain(float(t[begin]), 4)} s on" if begin else ""
+    )
     mean = "Load flow: mean of each PWM period." if reading.results.mark_times.size >= 2 else "Load flow: as recorded."
     return (
         f"The whole run. Band: smallest and largest recorded inlet pressure {between}. Rows are recorded every "
@@ -183,7 +189,9 @@ def _run(figure: "Figure", reading: Reading) -> None:
     pressures, flows = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1.0])
     t, marks = reading.results.times, reading.results.mark_times
     middle, low, high = reading.period_extremes((reading.state("supply.inlet_pressure") - reading.reference) / BAR)
-    pressures.fill_between(middle, low, high, facecolor="#f7dcc0", edgecolor="#efbd8c", linewidth=0.8, label="inlet, band")
+    pressures.fill_between(
+        middle, low, high, facecolor="#f7dcc0", edgecolor="#efbd8c", linewidth=0.8, label="inlet, band"
+    )
     load = (reading.output("load_pressure") - reading.reference) / BAR
     if marks.size >= 2:
         centre = 0.5 * (marks[:-1] + marks[1:])
@@ -213,14 +221,16 @@ def _speed_caption(reading: Reading) -> str:
     words = "The spool's speed as PWM frequency (scale on the left) and in rpm (scale on the right)."
     if "analytic_pwm_frequency_Hz" in reading.results.summary:
         both = [number(reading.number(f"analytic_pwm_frequency_{end}"), 3) for end in ("full_open_Hz", "Hz")]
-        words += f" Lines: analytic value of the fully open valve, {both[0]} Hz, and averaged over the period, {both[1]} Hz."
+        words += (
+            f" Lines: analytic value of the fully open valve, {both[0]} Hz, and averaged over the period, {both[1]} Hz."
+        )
         if reading.supply.spool_drive.coupling > 0.0:
             words += " They are those of a spool that nothing drives but the flow."
     return words
 
 
 def _speed_height(reading: Reading) -> float:
-    return 2.3 if reading.duty_ratio.is_constant else 3.3
+    return 2.3 if reading.duty_ratio.is_constant else 2.9
 
 
 def _speed(figure: "Figure", reading: Reading) -> None:
@@ -228,20 +238,31 @@ def _speed(figure: "Figure", reading: Reading) -> None:
     panels = [figure.subplots(1, 1)] if steady else list(figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0]))
     axes, t, marks = panels[0], reading.results.times, reading.results.mark_times
     sections = reading.supply.valve.sections
-    axes.plot(t, reading.state("supply.spool.speed") * sections / (2 * np.pi), color=TANK, linewidth=0.9, label="at each instant")
+    axes.plot(
+        t,
+        reading.state("supply.spool.speed") * sections / (2 * np.pi),
+        color=TANK,
+        linewidth=0.9,
+        label="at each instant",
+    )
     if marks.size >= 2:
-        axes.plot(0.5 * (marks[:-1] + marks[1:]), 1.0 / np.diff(marks), color=LOAD, linewidth=1.6, label="mean of each period")
-    for key, style, name in (("full_open_Hz", (0, (1, 1.5)), "analytic, fully open"), ("Hz", "--", "analytic, averaged")):
+        axes.plot(
+            0.5 * (marks[:-1] + marks[1:]), 1.0 / np.diff(marks), color=LOAD, linewidth=1.6, label="mean of each period"
+        )
+    for key, style, name in (
+        ("full_open_Hz", (0, (1, 1.5)), "analytic, fully open"),
+        ("Hz", "--", "analytic, averaged"),
+    ):
         if (value := reading.number(f"analytic_pwm_frequency_{key}")) == value:
             axes.axhline(value, color=INLET, linestyle=style, linewidth=1.2, label=name)
     axes.set_ylabel("PWM frequency [Hz]")
-    rpm = axes.secondary_yaxis("right", functions=(lambda f: 60.0 * f / sections, lambda n: n * sections / 60.0))
+    in_rpm: Any = (lambda f: 60.0 * f / sections, lambda n: n * sections / 60.0)
+    rpm = axes.secondary_yaxis("right", functions=in_rpm)
     rpm.set_ylabel("spool speed [rpm]")
     rpm.spines["right"].set_visible(True)
     _legend(axes, 4)
     if not steady:
-        axial = np.array([reading.start(reading.duty_ratio)]) if t.size == 0 else _signal_series(reading, t)
-        panels[1].plot(t, axial, color=INK)
+        panels[1].plot(t, _duty_ratios(reading, t), color=INK)
         panels[1].set_ylabel("duty ratio [1]")
         panels[1].margins(y=0.15)
     panels[-1].set_xlabel("time [s]")
@@ -249,10 +270,8 @@ def _speed(figure: "Figure", reading: Reading) -> None:
     figure.align_ylabels(panels)
 
 
-def _signal_series(reading: Reading, times: Array) -> Array:
-    from vvdp.base.signal import signal_value
-
-    return np.asarray(signal_value(times, reading.duty_ratio)) + np.zeros_like(times)  # type: ignore[arg-type]
+def _duty_ratios(reading: Reading, times: Array) -> Array:
+    return np.array([signal_value(float(t), reading.duty_ratio) for t in times])
 
 
 def _loss_caption(reading: Reading) -> str:
@@ -286,17 +305,30 @@ def _losses(figure: "Figure", reading: Reading) -> None:
 
 
 def _bars(
-    axes: "Axes", names: Sequence[str], powers: Sequence[float], shift: Sequence[float], height: float, colour: str, label: str, whole: float
+    axes: "Axes",
+    names: Sequence[str],
+    powers: Sequence[float],
+    shift: Sequence[float],
+    height: float,
+    colour: str,
+    label: str,
+    whole: float,
 ) -> None:
     places = np.arange(len(names)) + np.asarray(shift)
     bars = axes.barh(places, np.nan_to_num(powers), height=height, color=colour, label=label)
     shown = [f"{fixed(p, 0 if p >= 100 else 1)} W" + (f", {percent(p / whole)}" if whole > 0 else "") for p in powers]
-    axes.bar_label(bars, [s if np.isfinite(p) else "" for s, p in zip(shown, powers, strict=True)], padding=3, fontsize=7.0, color=INK)
+    axes.bar_label(
+        bars,
+        [s if np.isfinite(p) else "" for s, p in zip(shown, powers, strict=True)],
+        padding=3,
+        fontsize=7.0,
+        color=INK,
+    )
     axes.set_yticks(range(len(names)), names)
 
 
 def _ripple(reading: Reading) -> tuple[Array, Array, str] | None:
-    """Frequencies and amplitudes [Hz, bar] of the load pressure, or of the inlet's where the load is held; a caption."""
+    """Frequencies and amplitudes [Hz, bar] of the load pressure, or the inlet's where the load is held; a caption."""
     part = reading.fine()
     if part.rows.size < SHORTEST_SPECTRUM or not reading.is_fine:
         return None
@@ -311,7 +343,10 @@ def _ripple(reading: Reading) -> tuple[Array, Array, str] | None:
         f"{number(float(found.frequencies[1]), 3)} Hz apart)."
     )
     if part.periods:
-        words += " Dotted: multiples of the PWM frequency; the numbers are the amplitudes there."
+        words += (
+            " Dotted: multiples of the PWM frequency; the numbers are the amplitudes there. Lines far below the first"
+        )
+        words += " of them are slow change, not ripple."
     return found.frequencies, found.amplitudes, words
 
 

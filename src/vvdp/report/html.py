@@ -19,7 +19,9 @@ def table(head: Sequence[str], rows: Iterable[str], numeric: Sequence[int] = ())
 def row(cells: Sequence[str], classes: Sequence[str] = (), kind: str = "") -> str:
     """A row of ready HTML cells, each with a class where `classes` names one."""
     named = [*classes, *[""] * (len(cells) - len(classes))]
-    inner = "".join(f'<td class="{c}">{cell}</td>' if c else f"<td>{cell}</td>" for cell, c in zip(cells, named, strict=True))
+    inner = "".join(
+        f'<td class="{c}">{cell}</td>' if c else f"<td>{cell}</td>" for cell, c in zip(cells, named, strict=True)
+    )
     return f'<tr class="{kind}">{inner}</tr>' if kind else f"<tr>{inner}</tr>"
 
 
@@ -40,4 +42,5 @@ def inline_svg(svg: str, name: str) -> str:
 
 def figure(svg: str, name: str, number: int, caption: str) -> str:
     """A numbered figure with its caption, already HTML."""
-    return f'<figure id="figure-{name}">\n{inline_svg(svg, name)}<figcaption><b>Figure {number}.</b> {caption}</figcaption>\n</figure>'
+    words = f"<figcaption><b>Figure {number}.</b> {caption}</figcaption>"
+    return f'<figure id="figure-{name}">\n{inline_svg(svg, name)}{words}\n</figure>'

@@ -34,7 +34,10 @@ def components(reading: Reading) -> Iterator[Loss]:
 
 def spool_balance(reading: Reading) -> Loss:
     """What the spool's friction turns to heat beyond what the flow gives to the spool."""
-    return Loss("spool friction beyond its drive", reading.number("loss_spool_friction_W") - reading.number("spool_shaft_power_W"))
+    return Loss(
+        "spool friction beyond its drive",
+        reading.number("loss_spool_friction_W") - reading.number("spool_shaft_power_W"),
+    )
 
 
 def causes(reading: Reading) -> tuple[Loss, ...]:

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from vvdp.base.signal import Signal, signal_value
 from vvdp.base.tables import Sourced, parsed_table
-from vvdp.base.units import ATMOSPHERE
 from vvdp.circuits.supply import Operation, SupplyParams
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation.results import Results, read_results
@@ -20,6 +20,8 @@ SHOWN_PERIODS = 3
 WITHOUT_MARKS = 0.05
 """Length of the detailed figures where no PWM period was passed [s]."""
 
+Rows: TypeAlias = np.ndarray[Any, np.dtype[np.intp]]
+
 UNSTEADY = 1.5
 """A recorded step above this multiple of the window's interval ends the finely recorded part."""
 
@@ -28,7 +30,7 @@ UNSTEADY = 1.5
 class Detail:
     """The rows that the detailed figures show, with the marks at their borders."""
 
-    rows: Array  # indices
+    rows: Rows
     marks: Array  # [s]
     interval: float  # between rows [s]
 
@@ -153,7 +155,7 @@ class Reading:
             rows = np.flatnonzero((t >= marks[0]) & (t <= marks[-1]))
         else:
             length = np.inf if periods is None else WITHOUT_MARKS
-            rows = np.flatnonzero((t >= max(t[begin], t[-1] - length)))
+            rows = np.flatnonzero(t >= max(t[begin], t[-1] - length))
         return Detail(rows, marks, self.fine_interval)
 
     def period_means(self, path: str) -> Array:
@@ -171,7 +173,8 @@ class Reading:
         borders = marks if marks.size >= 2 else np.linspace(t[0], t[-1], 61)
         cuts = np.unique(np.concatenate([[0], np.searchsorted(t, borders).clip(0, t.size - 1)]))
         ends = np.append(cuts[1:], t.size - 1)
-        low, high = np.minimum.reduceat(values, cuts), np.maximum.reduceat(values, cuts)
+        parts = np.split(values, cuts[1:])
+        low, high = (np.array([extreme(part) for part in parts]) for extreme in (np.min, np.max))
         times = np.stack([t[cuts], t[ends]], axis=1).ravel()
         return times, np.repeat(low, 2), np.repeat(high, 2)
 
@@ -181,8 +184,3 @@ def reading(directory: Path) -> Reading:
     results = read_results(directory)
     table = parsed_table(results.system, str(directory / "system.toml"))
     return Reading(results, built_system(table, str(results.meta.get("system", ""))))
-
-
-def gauge(pressure: float) -> float:
-    """An absolute pressure level [Pa] as gauge pressure in bar, against standard atmosphere."""
-    return (pressure - ATMOSPHERE) / BAR

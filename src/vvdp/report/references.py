@@ -31,7 +31,9 @@ class Reference:
         if self.sort == "phdthesis":
             return f"PhD thesis, {f['school']}"
         if self.sort == "techreport":
-            return f.get("number", "") if f["institution"] == self.authors else f"{f['institution']} {f.get('number', '')}"
+            return (
+                f.get("number", "") if f["institution"] == self.authors else f"{f['institution']} {f.get('number', '')}"
+            )
         parts = [f.get("journal", ""), volume, f.get("booktitle", ""), f.get("edition", "") and f"{f['edition']} ed."]
         parts += [f.get("publisher", ""), f.get("address", ""), f.get("pages", "") and f"p. {f['pages']}"]
         return ", ".join(part for part in parts if part)
@@ -49,7 +51,10 @@ class Reference:
 
 def bibliography() -> dict[str, Reference]:
     """The references that come with vvdp, by key."""
-    return {r.key: r for r in parsed_references(resources.files("vvdp.report").joinpath("references.bib").read_text("utf-8"))}
+    return {
+        r.key: r
+        for r in parsed_references(resources.files("vvdp.report").joinpath("references.bib").read_text("utf-8"))
+    }
 
 
 def parsed_references(text: str) -> Iterator[Reference]:

@@ -11,7 +11,15 @@ from vvdp.report.figures import Drawn, figures
 from vvdp.report.html import figure, text
 from vvdp.report.reading import Reading, reading
 from vvdp.report.references import bibliography
-from vvdp.report.tables import assumed_table, balances, key_numbers, loss_tables, parameter_table, reference_list, share_of_assumed
+from vvdp.report.tables import (
+    assumed_table,
+    balances,
+    key_numbers,
+    loss_tables,
+    parameter_table,
+    reference_list,
+    share_of_assumed,
+)
 from vvdp.report.verdict import badges, in_words, notices, range_notes
 
 NAME = "report.html"
@@ -29,6 +37,10 @@ def write_report(directory: Path) -> Path:
     page = "\n".join(_page(read, diagram, drawn)) + "\n"
     folder = directory / "figures"
     folder.mkdir(exist_ok=True)
+    kept = {f"{DIAGRAM}.svg", *(f"{each.name}{ending}" for each in drawn for ending in (".svg", ".png"))}
+    for stale in sorted(folder.iterdir()):
+        if stale.name not in kept and stale.suffix in (".svg", ".png"):
+            stale.unlink()
     _replaced(folder / f"{DIAGRAM}.svg", diagram.encode())
     for each in drawn:
         _replaced(folder / f"{each.name}.svg", each.svg.encode())
@@ -46,19 +58,22 @@ def _replaced(path: Path, content: bytes) -> Path:
 def _page(read: Reading, diagram: str, drawn: tuple[Drawn, ...]) -> Iterator[str]:
     title, style = text(read.system.title), resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
     yield f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>'
-    yield f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>\n{style}</style>\n</head>\n<body>'
+    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
+    yield f"<style>\n{style}</style>\n</head>\n<body>"
     yield from _head(read, title)
     yield "<h2>Circuit</h2>"
-    caption = "The bench with the values of this run. Pressures are gauge; flows are counted in volumes at tank conditions."
-    yield figure(diagram, DIAGRAM, 1, caption)
-    yield f'<h2>Key numbers</h2>\n{key_numbers(read)}'
-    yield (
-        '<p class="small">Lowest and highest are taken over every step of the whole run, its start included; means over '
-        "the averaging window.</p>"
+    caption = (
+        "The bench with the values of this run. Pressures are gauge; flows are counted in volumes at tank conditions."
     )
+    yield figure(diagram, DIAGRAM, 1, caption)
+    yield '<section class="together">\n<h2>Key numbers</h2>'
+    means = "Means over the averaging window; lowest and highest over every step of the run, its start included."
+    yield f'<p class="small">{means}</p>'
+    yield f"{key_numbers(read)}\n</section>"
     yield from _course(drawn)
     yield from _losses(read, drawn)
-    yield f"<h2>Computation</h2>\n<p>A residual above the limit marks the run as not to be trusted.</p>\n{balances(read)}"
+    yield "<h2>Computation</h2>\n<p>A residual above the limit marks the run as not to be trusted.</p>"
+    yield balances(read)
     yield from _origin(read)
     yield "</body>\n</html>"
 
@@ -67,12 +82,16 @@ def _head(read: Reading, title: str) -> Iterator[str]:
     meta = read.results.meta
     name = f"System <b>{text(read.system.name)}</b>, " if read.system.name else ""
     circuit = f"circuit {text(read.system.circuit)}"
-    yield f'<h1>{title}</h1>\n<p class="facts">{name}{circuit} &middot; {_date(meta.get("written"))} &middot; vvdp {text(meta["vvdp"])}</p>'
-    marks = "".join(f'<li class="{b.grade}">{text(b.words)}</li>' if b.grade else f"<li>{text(b.words)}</li>" for b in badges(read))
+    facts = [f"{name}{circuit}", _date(meta.get("written")), f"vvdp {text(meta['vvdp'])}"]
+    yield f'<h1>{title}</h1>\n<p class="facts">{" &middot; ".join(facts)}</p>'
+    marks = "".join(
+        f'<li class="{b.grade}">{text(b.words)}</li>' if b.grade else f"<li>{text(b.words)}</li>" for b in badges(read)
+    )
     yield f'<ul class="badges">{marks}</ul>'
     for notice in notices(read):
         grade = "notice bad" if notice.grave else "notice"
-        yield f'<div class="{grade}"><strong>{text(notice.title)}</strong><p>{text(notice.found)}</p><p>{text(notice.remedy)}</p></div>'
+        words = f"<p>{text(notice.found)}</p><p>{text(notice.remedy)}</p>"
+        yield f'<div class="{grade}"><strong>{text(notice.title)}</strong>{words}</div>'
     yield f'<p class="lead">{text(in_words(read))}</p>'
 
 
@@ -98,20 +117,22 @@ def _course(drawn: tuple[Drawn, ...]) -> Iterator[str]:
 
 def _losses(read: Reading, drawn: tuple[Drawn, ...]) -> Iterator[str]:
     yield '<h2 class="page">Losses</h2>'
-    yield from (figure(each.svg, each.name, len(drawn) + 1, text(each.caption)) for each in drawn if each.name == "losses")
+    yield from (
+        figure(each.svg, each.name, len(drawn) + 1, text(each.caption)) for each in drawn if each.name == "losses"
+    )
     yield loss_tables(read)
     if "analytic_loss_total_W" not in read.results.summary:
         yield "<p>There are no analytic losses here: they need a running pump and a load pressure above the tank's.</p>"
         return
     yield (
-        "<p>The analytic formulas count volumes (the oil keeps its volume under pressure) and take conditions as ideal: "
-        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of 1 to 2 % are to "
-        "be expected. Their sum is an upper estimate, because part of the compression happens while flow would be lost "
-        "over the relief valve anyway. In the simulation compression shows as throttling, so it is counted within the "
-        "transition.</p>"
+        "<p>The analytic formulas count volumes (the oil keeps its volume under pressure), with ideal conditions: "
+        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of 1 to 2 % are "
+        "to be expected. Their sum is an upper estimate, because part of the compression happens while flow would be "
+        "lost over the relief valve anyway. In the simulation compression shows as throttling, so it is counted within "
+        "the transition.</p>"
     )
     if read.varies:
-        yield "<p>Something prescribed changes during this run; the analytic values belong to what was set at its start.</p>"
+        yield "<p>Something prescribed changes during this run; the analytic values belong to its start.</p>"
     if read.supply.spool_drive.coupling > 0.0:
         yield "<p>The analytic values are those of a spool that nothing drives but the flow.</p>"
     if notes := range_notes(read):
@@ -121,10 +142,11 @@ def _losses(read: Reading, drawn: tuple[Drawn, ...]) -> Iterator[str]:
 
 def _origin(read: Reading) -> Iterator[str]:
     known = bibliography()
-    yield f'<h2>Assumed values</h2>\n<p>{share_of_assumed(read)} are merely assumed. Results hang on them.</p>'
+    yield f"<h2>Assumed values</h2>\n<p>{share_of_assumed(read)} are merely assumed. Results hang on them.</p>"
     if read.system.assumed:
         yield assumed_table(read)
-    yield '<h2 class="page">Parameters</h2>'
-    yield '<p class="small">Pressure levels are gauge, against 1.01325 bar. Status: measured, published, derived, assumed, or given by the user.</p>'
+    yield "<h2>Parameters</h2>"
+    levels = "Pressure levels are gauge, against 1.01325 bar, unless marked abs."
+    yield f'<p class="small">{levels} Given: by the user, without a source.</p>'
     yield parameter_table(read, known)
     yield f"<h2>References</h2>\n{reference_list(read, known)}"

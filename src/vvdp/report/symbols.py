@@ -37,7 +37,9 @@ def filled(*points: Point) -> str:
 def arrow_head(x: float, y: float, along: Point, size: float = 9.0) -> str:
     """A solid arrow head with its tip at (x, y), pointing along a unit vector."""
     (u, v), wide = along, 0.38 * size
-    return filled((x, y), (x - size * u - wide * v, y - size * v + wide * u), (x - size * u + wide * v, y - size * v - wide * u))
+    return filled(
+        (x, y), (x - size * u - wide * v, y - size * v + wide * u), (x - size * u + wide * v, y - size * v - wide * u)
+    )
 
 
 def arrow(begin: Point, end: Point, size: float = 9.0) -> str:
@@ -154,7 +156,9 @@ def accumulator(x: float, y: float) -> str:
     """An accumulator with its gas behind a bladder, standing on its connection (x, y); 62 high, 30 wide."""
     body = f'<rect x="{_n(x - 15)}" y="{_n(y - 62)}" width="30" height="62" rx="15"/>'
     bladder = pipe((x - 15, y - 27), (x + 15, y - 27))
-    gas = f'<polygon points="{_n(x)},{_n(y - 34)} {_n(x - 7)},{_n(y - 47)} {_n(x + 7)},{_n(y - 47)}" stroke-width="1.3"/>'
+    gas = (
+        f'<polygon points="{_n(x)},{_n(y - 34)} {_n(x - 7)},{_n(y - 47)} {_n(x + 7)},{_n(y - 47)}" stroke-width="1.3"/>'
+    )
     return body + bladder + gas
 
 
@@ -173,4 +177,8 @@ def throttle(x: float, y: float, *, adjustable: bool = False) -> str:
 
 def pressure_source(x: float, y: float) -> str:
     """A source that holds a pressure, standing on its connection (x, y) with the line coming from above."""
-    return f'<circle cx="{_n(x)}" cy="{_n(y + 26)}" r="26"/>' + filled((x, y), (x - 10, y + 17), (x + 10, y + 17)) + letter(x, y + 33, "p", 17)
+    return (
+        f'<circle cx="{_n(x)}" cy="{_n(y + 26)}" r="26"/>'
+        + filled((x, y), (x - 10, y + 17), (x + 10, y + 17))
+        + letter(x, y + 33, "p", 17)
+    )

@@ -61,7 +61,7 @@ def key_numbers(reading: Reading) -> str:
         line("Input power, pump shaft", "input_power_W", 1.0, "W", 1),
         line("Input power, spool motor", "spool_motor_power_W", 1.0, "W", 1),
         line("Load power", "load_power_W", 1.0, "W", 1),
-        line("Losses, all", "loss_total_W", 1.0, "W", 1),
+        line("Input less load power", "loss_total_W", 1.0, "W", 1),
         line("Efficiency", "efficiency", 0.01, "%", 1),
         line("Motor, rated power", "motor_rated_power_W", 1.0, "W", 0),
     ]
@@ -78,7 +78,7 @@ def loss_tables(reading: Reading) -> str:
     stored = total - sum(p.simulated for p in parts) - spool.simulated
     rows = [row([p.name, fixed(p.simulated, 1), share(p.simulated)], ("", "n", "n")) for p in (*parts, spool)]
     rows.append(row(["taken into store in oil and spool", fixed(stored, 1), share(stored)], ("", "n", "n")))
-    rows.append(row(["all", fixed(total, 1), share(total)], ("", "n", "n"), "sum"))
+    rows.append(row(["input power less load power", fixed(total, 1), share(total)], ("", "n", "n"), "sum"))
     by_component = table(["Component, simulated", "W", "% of input"], rows, (1, 2))
     compared = list(_compared(reading, share))
     by_cause = table(["Cause", "simulated W", "%", "analytic W", "%", "difference W"], compared, (1, 2, 3, 4, 5))
@@ -89,7 +89,13 @@ def _compared(reading: Reading, share: Callable[[float], str]) -> Iterator[str]:
     n, form = reading.number, ("", "n", "n", "n", "n", "n")
 
     def line(name: str, simulated: float, analytic: float, kind: str = "") -> str:
-        cells = [fixed(simulated, 1), share(simulated), fixed(analytic, 1), share(analytic), fixed(simulated - analytic, 1)]
+        cells = [
+            fixed(simulated, 1),
+            share(simulated),
+            fixed(analytic, 1),
+            share(analytic),
+            fixed(simulated - analytic, 1),
+        ]
         return row([name, *cells], form, kind)
 
     for cause in causes(reading):
@@ -97,7 +103,7 @@ def _compared(reading: Reading, share: Callable[[float], str]) -> Iterator[str]:
         if cause.name.startswith("transition"):
             yield line("&emsp;of it, transition", float("nan"), n("analytic_loss_transition_W"))
             yield line("&emsp;of it, compression", float("nan"), n("analytic_loss_compressibility_W"))
-    yield line("all", n("loss_total_W"), n("analytic_loss_total_W"), "sum")
+    yield line("input power less load power", n("loss_total_W"), n("analytic_loss_total_W"), "sum")
 
 
 def balances(reading: Reading) -> str:
@@ -120,7 +126,9 @@ def balances(reading: Reading) -> str:
         ("vvdp", text(meta["vvdp"]), ""),
         ("Python, NumPy, Numba", ", ".join(text(meta.get(name, "–")) for name in ("python", "numpy", "numba")), ""),
     ]
-    return table(["", "", ""], (row(line, FORM) for line in lines), (1,)).replace("<thead><tr><th></th><th class=n></th><th></th></tr></thead>\n", "")
+    return table(["", "", ""], (row(line, FORM) for line in lines), (1,)).replace(
+        "<thead><tr><th></th><th class=n></th><th></th></tr></thead>\n", ""
+    )
 
 
 def parameter_table(reading: Reading, known: dict[str, Reference]) -> str:
@@ -132,7 +140,14 @@ def parameter_table(reading: Reading, known: dict[str, Reference]) -> str:
 def assumed_table(reading: Reading) -> str:
     """The parameters that are merely assumed."""
     rows = (
-        row([f'<span class="keys">{_breaking(r.table)}.<wbr>{_breaking(r.key)}</span>', *_value(reading, r), text(r.note)], ("", "n", "u", "q"))
+        row(
+            [
+                f'<span class="keys">{_breaking(r.table)}.<wbr>{_breaking(r.key)}</span>',
+                *_value(reading, r),
+                text(r.note),
+            ],
+            ("", "n", "u", "q"),
+        )
         for r in reading.system.assumed
     )
     return table(["Parameter", "Value", "Unit", "Why"], rows, (1,))
@@ -145,7 +160,14 @@ def _parameter_rows(reading: Reading, known: dict[str, Reference], columns: int)
             yield group(text(r.table.replace("_", " ")), columns)
             before = r.table
         status = f'<span class="assumed">{r.status}</span>' if r.status == "assumed" else text(r.status)
-        cells = [f'<span class="keys">{_breaking(r.key)}</span>', *_value(reading, r), status, _cited(r.source, known), text(r.where), text(r.note)]
+        cells = [
+            f'<span class="keys">{_breaking(r.key)}</span>',
+            *_value(reading, r),
+            status,
+            _cited(r.source, known),
+            text(r.where),
+            text(r.note),
+        ]
         yield row(cells, ("", "n", "u", "", "", "q", "q"))
 
 
@@ -177,7 +199,9 @@ def reference_list(reading: Reading, known: dict[str, Reference]) -> str:
     ]
     unknown = ", ".join(text(key) for key in cited if key not in known)
     listed = f'<ol class="references">\n{chr(10).join(items)}\n</ol>' if items else "<p>No literature is cited.</p>"
-    return listed + (f'\n<p class="small">Sources named in the system and not in the bibliography: {unknown}.</p>' if unknown else "")
+    return listed + (
+        f'\n<p class="small">Sources named in the system and not in the bibliography: {unknown}.</p>' if unknown else ""
+    )
 
 
 def share_of_assumed(reading: Reading) -> str:

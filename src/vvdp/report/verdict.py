@@ -52,7 +52,11 @@ def badges(reading: Reading) -> Iterator[Badge]:
     else:
         yield Badge("not settled", "warn")
     yield Badge("cavitation", "bad") if reading.has("cavitation") else Badge("no cavitation", "good")
-    yield Badge("motor overloaded", "bad") if reading.has("motor_overloaded") else Badge("motor within its rating", "good")
+    yield (
+        Badge("motor overloaded", "bad")
+        if reading.has("motor_overloaded")
+        else Badge("motor within its rating", "good")
+    )
     if reading.has("stiff_method"):
         yield Badge("stiff method at the end")
     yield Badge(f"{len(reading.system.assumed)} assumed values")
@@ -67,15 +71,16 @@ def notices(reading: Reading) -> Iterator[Notice]:
         yield Notice(
             "NOT TRUSTED: the balances do not close",
             f"Energy residual {energy}, mass residual {mass} of the throughput; the limit is {limit}.",
-            f"Do not use these numbers. Run again with a smaller run.relative_tolerance (it was {plain(tolerance)}; try a "
-            "tenth of it). If the residual stays, the circuit's equations lose oil or energy: report it.",
+            f"Do not use these numbers. Run again with a smaller run.relative_tolerance (it was {plain(tolerance)}; "
+            "try a tenth of it). If the residual stays, the circuit's equations lose oil or energy: report it.",
             True,
         )
     if not reading.has("finished"):
         until = float(reading.results.meta["until_s"])
         yield Notice(
             "Interrupted run",
-            f"The run was stopped at {plain(reading.number('duration_s'), 4)} s of {plain(until)} s. Means cover what was reached.",
+            f"The run was stopped at {plain(reading.number('duration_s'), 4)} s of {plain(until)} s. "
+            "Means cover what was reached.",
             "Run again to the end, or ask for a shorter run with --until.",
             True,
         )
@@ -84,9 +89,10 @@ def notices(reading: Reading) -> Iterator[Notice]:
         bound = reading.system.tables["limits"].cavitation_pressure / BAR
         yield Notice(
             "Cavitation at the inlet",
-            f"The inlet pressure fell to {fixed(lowest, 3)} bar absolute, below the limit of {plain(bound)} bar absolute.",
-            "Below the limit the oil model does not hold. Raise the tank pressure, slow the spool or the pump, or enlarge "
-            "the tank branch.",
+            f"The inlet pressure fell to {fixed(lowest, 3)} bar absolute, "
+            f"below the limit of {plain(bound)} bar absolute.",
+            "Below the limit the oil model does not hold. Raise the tank pressure, slow the spool or the pump, or "
+            "enlarge the tank branch.",
             True,
         )
     if reading.has("motor_overloaded"):
@@ -101,16 +107,23 @@ def notices(reading: Reading) -> Iterator[Notice]:
     if not reading.number("averaged_periods") >= 1:
         yield Notice(
             "No PWM period in the averaging window",
-            "The spool did not pass two marks: means are taken over plain time and belong to whatever opening it stood at.",
-            "If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the run last longer.",
+            "The spool did not pass two marks: means are taken over plain time and "
+            "belong to whatever opening it stood at.",
+            "If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the "
+            "run last longer.",
         )
     elif not reading.has("settled"):
         yield Notice(
             "Not settled",
-            f"The mean PWM frequency still differs by more than {percent(SETTLED)} between the two halves of the averaging "
-            f"window of {plain(reading.number('averaged_periods'))} periods.",
-            "Let the run last longer (run.until), average later (run.average_from), or start closer to the final spool speed."
-            + (" Something prescribed changes over time; then this may be what was asked for." if reading.varies else ""),
+            f"The mean PWM frequency still differs by more than {percent(SETTLED)} between the two halves of the "
+            f"averaging window of {plain(reading.number('averaged_periods'))} periods.",
+            "Let the run last longer (run.until), average later (run.average_from), or start closer to the final "
+            "spool speed."
+            + (
+                " Something prescribed changes over time; then this may be what was asked for."
+                if reading.varies
+                else ""
+            ),
         )
 
 
@@ -138,7 +151,11 @@ def in_words(reading: Reading) -> str:
     periods = n("averaged_periods")
     span = f"{number(n('averaged_from_s'), 3)} s to {number(n('averaged_to_s'), 3)} s"
     over = f"{plain(periods)} whole PWM periods ({span})" if periods >= 1 else f"the time from {span}"
-    switching = f"while the valve switched at {fixed(n('pwm_frequency_Hz'), 1)} Hz" if periods >= 1 else "without the valve switching"
+    switching = (
+        f"while the valve switched at {fixed(n('pwm_frequency_Hz'), 1)} Hz"
+        if periods >= 1
+        else "without the valve switching"
+    )
     power, rated = n("input_power_W"), n("motor_rated_power_W")
     motor = n("spool_motor_power_W")
     driven = f" The spool's own motor takes {number(motor, 3)} W." if motor else ""

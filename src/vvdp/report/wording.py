@@ -37,7 +37,7 @@ def number(value: float, digits: int = 4) -> str:
         return "–"
     if value == 0.0:
         return "0"
-    size = math.floor(math.log10(abs(value)))
+    size = int(f"{value:.{digits - 1}e}".partition("e")[2])
     if -4 <= size < 6:
         return f"{value:.{max(digits - 1 - size, 0)}f}".replace("-", MINUS)
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")

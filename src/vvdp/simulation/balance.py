@@ -1,7 +1,6 @@
 """Whether the books of a run balance: nothing is computed as the difference of the others."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case, Model
@@ -19,19 +18,21 @@ class Balance:
     energy_in: float
     energy_out: float
     energy_stored: float
+    energy_throughput: float
     volume_in: float
     volume_out: float
     volume_stored: float
+    volume_throughput: float
 
     @property
     def energy_residual(self) -> float:
-        """(in - out - stored) over the throughput."""
-        return _residual(self.energy_in, self.energy_out, self.energy_stored)
+        """(in - out - stored) over the throughput: every entry counted, whatever its sign."""
+        return _share(self.energy_in - self.energy_out - self.energy_stored, self.energy_throughput)
 
     @property
     def mass_residual(self) -> float:
-        """(in - out - stored) over the throughput."""
-        return _residual(self.volume_in, self.volume_out, self.volume_stored)
+        """(in - out - stored) over the throughput: what went through, but at least what the system holds."""
+        return _share(self.volume_in - self.volume_out - self.volume_stored, self.volume_throughput)
 
     @property
     def is_trusted(self) -> bool:
@@ -39,9 +40,8 @@ class Balance:
         return abs(self.energy_residual) <= LIMIT and abs(self.mass_residual) <= LIMIT
 
 
-def _residual(taken: float, given: float, stored: float) -> float:
-    throughput = max(abs(taken), abs(given), abs(stored))
-    return (taken - given - stored) / throughput if throughput > 0.0 else 0.0
+def _share(missing: float, throughput: float) -> float:
+    return missing / throughput if throughput > 0.0 else 0.0
 
 
 def balance(run: Run) -> Balance | None:
@@ -55,15 +55,18 @@ def balance_between(model: Model, case: Case, start: Array, end: Array) -> Balan
         return None
     before, after = as_value(case.state, start), as_value(case.state, end)
     held, holds = model.stored(before, case.params), model.stored(after, case.params)
+    supplied = flat(after.books.supplied) - flat(before.books.supplied)
+    spent = flat(after.books.spent) - flat(before.books.spent)
+    energy_stored, volume_stored = float(holds.energy - held.energy), float(holds.volume - held.volume)
+    taken_in = float(after.books.taken_in - before.books.taken_in)
+    given_out = float(after.books.given_out - before.books.given_out)
     return Balance(
-        energy_in=_change(before.books.supplied, after.books.supplied),
-        energy_out=_change(before.books.spent, after.books.spent),
-        energy_stored=holds.energy - held.energy,
-        volume_in=after.books.taken_in - before.books.taken_in,
-        volume_out=after.books.given_out - before.books.given_out,
-        volume_stored=holds.volume - held.volume,
+        energy_in=float(supplied.sum()),
+        energy_out=float(spent.sum()),
+        energy_stored=energy_stored,
+        energy_throughput=float(max(abs(supplied).sum(), abs(spent).sum(), abs(energy_stored))),
+        volume_in=taken_in,
+        volume_out=given_out,
+        volume_stored=volume_stored,
+        volume_throughput=float(max(abs(taken_in), abs(given_out), abs(volume_stored), holds.volume)),
     )
-
-
-def _change(before: Any, after: Any) -> float:
-    return float(sum(b - a for a, b in zip(flat(before), flat(after), strict=True)))

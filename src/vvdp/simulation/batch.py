@@ -97,7 +97,9 @@ def simulate_batch(
         raise ParameterError("no cases; expected at least one")
     for number, case in enumerate(cases[1:], 1):
         if difference := _difference(case_shape(case), case_shape(cases[0])):
-            raise ParameterError(f"case {number} is not of the shape of case 0: {difference}; run them in batches apart")
+            raise ParameterError(
+                f"case {number} is not of the shape of case 0: {difference}; run them in batches apart"
+            )
     began = time.perf_counter()
     ready = prepared(model, cases[0], stepping.relative_tolerance, cache, say)
     loop = compiled_loop(say)
@@ -172,18 +174,16 @@ def _carried(
     cores: int | None,
 ) -> _Carried:
     count, n = len(cases), ready.state.size
-    final, command, params, settings = (
-        np.array([flat(getattr(case, part)) for case in cases]).reshape(count, -1)
-        for part in ("state", "command", "params", "settings")
-    )
-    low, high, clocks, status = (
-        np.zeros((count, n)),
-        np.zeros((count, n)),
-        np.zeros((count, loop.CLOCK)),
-        np.zeros(count, np.int64),
-    )
-    times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
-    with _threads(cores):
+    with _threads(cores) as threads:
+        # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
+        order = np.concatenate([np.arange(first, count, threads) for first in range(threads)])
+        final, command, params, settings = (
+            np.array([flat(getattr(cases[row], part)) for row in order]).reshape(count, -1)
+            for part in ("state", "command", "params", "settings")
+        )
+        low, high, clocks = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, loop.CLOCK))
+        status = np.zeros(count, np.int64)
+        times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
         loop.batch(
             *ready.linked[:-1],
             *(final, command, ready.memory, params, settings, ready.atol, ready.rtol, ready.scale),
@@ -197,7 +197,9 @@ def _carried(
     first, latest = states[:, 0].copy(), states[row, last]
     for found in (mark_times, first, latest):
         found[marks == 0] = np.nan
-    return _Carried(final, low, high, clocks, status, mark_times, first, latest)
+    dealt = np.argsort(order)
+    parts = (final, low, high, clocks, status, mark_times, first, latest)
+    return _Carried._make(part[dealt] for part in parts)
 
 
 def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
@@ -221,19 +223,16 @@ def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, o
 
 
 @contextmanager
-def _threads(cores: int | None) -> Iterator[None]:
-    """The number of threads that compiled loops use within the block."""
+def _threads(cores: int | None) -> Iterator[int]:
+    """The number of threads that compiled loops use within the block: `cores`, or all."""
     import numba
 
-    most = int(numba.config.NUMBA_NUM_THREADS)
+    most = int(vars(numba.config)["NUMBA_NUM_THREADS"])
     if cores is not None and not 1 <= cores <= most:
         raise ParameterError(f"{cores} cores; expected 1 to {most}")
     before = numba.get_num_threads()
     numba.set_num_threads(cores or most)
-    # One case at a time: neighbours differ in effort, and a thread that is done takes the next.
-    chunk = numba.set_parallel_chunksize(1)
     try:
-        yield
+        yield numba.get_num_threads()
     finally:
-        numba.set_parallel_chunksize(chunk)
         numba.set_num_threads(before)

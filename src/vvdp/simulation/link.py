@@ -10,6 +10,7 @@ import hashlib
 import importlib.util
 import os
 import platform
+import re
 import sys
 import types
 from collections.abc import Callable, Iterator
@@ -91,7 +92,10 @@ def _names_used(code: types.CodeType) -> set[str]:
 
 def _text(code: types.CodeType) -> str:
     """What a function does, without where it stands: bytecode, constants and names."""
-    constants = [_text(c) if isinstance(c, types.CodeType) else repr(c) for c in code.co_consts[1 if code.co_consts and isinstance(code.co_consts[0], str) else 0 :]]
+    constants = [
+        _text(c) if isinstance(c, types.CodeType) else repr(c)
+        for c in code.co_consts[1 if code.co_consts and isinstance(code.co_consts[0], str) else 0 :]
+    ]
     return repr((code.co_code, constants, code.co_names, code.co_varnames))
 
 
@@ -102,9 +106,13 @@ def tried(model: Model, case: Case) -> None:
     memory, command = model.program(0.0, case.memory, case.state, case.settings)
     _same_fields("the memory that the program returns", memory, "the memory it is given", case.memory)
     _same_fields("the command that the program returns", command, "the command of the circuit", case.command)
-    for path, _, kind in leaves(case.state):
+    for path, value, kind in leaves(case.state):
+        if np.ndim(value):
+            raise RunError(f"state {path!r} is an array; a state has one number for each field")
         if kind is None and not path.startswith("books."):
-            raise RunError(f"state {path!r} has no kind; annotate it, for example `{path.rpartition('.')[2]}: Pressure`")
+            raise RunError(
+                f"state {path!r} has no kind; annotate it, for example `{path.rpartition('.')[2]}: Pressure`"
+            )
     unsound = [path for path, value, _ in leaves(rates) if not np.isfinite(value)]
     if unsound:
         raise RunError(f"the circuit returns no finite rate at the start for {', '.join(unsound)}")
@@ -142,8 +150,12 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
     for function in model.functions:
         reachable(function, functions)
     digest = hashlib.sha256(source.encode())
-    for function, constants in sorted(functions.values(), key=lambda entry: (entry[0].__module__, entry[0].__qualname__)):
-        digest.update(f"{function.__module__}.{function.__qualname__} {_text(function.__code__)} {constants!r}".encode())
+    for function, constants in sorted(
+        functions.values(), key=lambda entry: (entry[0].__module__, entry[0].__qualname__)
+    ):
+        digest.update(
+            f"{function.__module__}.{function.__qualname__} {_text(function.__code__)} {constants!r}".encode()
+        )
     digest.update(f"{platform.python_version()} {np.__version__} {numba.__version__}".encode())
     name = digest.hexdigest()[:16]
     module = sys.modules.get(f"vvdp_linked_{name}")
@@ -223,7 +235,9 @@ def _source(model: Model, case: Case, classes: _Classes) -> str:
     return "\n".join([*head, "", "FLAT = void(float64, *[float64[::1]] * 4)", "", "", *lines]) + "\n"
 
 
-def _loaded(name: str, source: str, classes: _Classes, model: Model, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
+def _loaded(
+    name: str, source: str, classes: _Classes, model: Model, cache: Path, say: Callable[[str], None]
+) -> types.ModuleType:
     folder = cache / name
     path = folder / "linked.py"
     try:
@@ -244,10 +258,40 @@ def _loaded(name: str, source: str, classes: _Classes, model: Model, cache: Path
     sys.modules[spec.name] = module  # before it runs: Numba's cache looks its functions' module up by name
     try:
         spec.loader.exec_module(module)
-    except BaseException:
+    except BaseException as problem:
         del sys.modules[spec.name]
+        from numba.core.errors import NumbaError, UnsupportedBytecodeError
+
+        if isinstance(problem, NumbaError | UnsupportedBytecodeError):
+            raise RunError(_reason(problem, model)) from None
         raise
     return module
+
+
+def _reason(problem: Exception, model: Model) -> str:
+    """What Numba has to say, without the layers around it: the innermost message, and where it arose."""
+    text = re.sub(r"\x1b\[[0-9;]*m", "", str(problem))
+    told = [line.strip() for line in text.splitlines()]
+    places = [
+        place for line in told if (place := re.match(r'File "(.*)", line (\d+)', line)) and "linked.py" not in place[1]
+    ]
+    causes = [
+        line
+        for line in told
+        if line
+        and not re.match(
+            r"File |During: |There are |- Of which|Overload|With argument|Rejected|raised from|\^|>>>|def |<source",
+            line,
+        )
+    ]
+    typing = [
+        line
+        for line in causes
+        if re.match(r"(Unknown|Untyped|Cannot|Unsupported|Invalid|NameError|.*not supported|.*not implemented)", line)
+    ]
+    reason = (typing or causes or ["no reason given"])[0 if not typing else -1]
+    where = f" ({places[0][1]}, line {places[0][2]})" if places else ""
+    return f"{model.circuit.__qualname__} or a function that it reaches cannot be compiled: {reason[:300]}{where}"
 
 
 def _select_form(condition: Any, a: Any, b: Any) -> Any:

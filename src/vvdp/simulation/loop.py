@@ -35,26 +35,46 @@ WINDOW_PERIODS = 20.0
 WINDOW_EVALUATIONS = 40000.0
 REVIEW_WINDOWS = 20.0
 
+# After so many refusals in a row a step is tried with the explicit method: at a jump of the rates the stiff one's
+# Jacobian by differences is the jump over a hair's breadth, and no step is short enough for it.
+PATIENCE = 6.0
+
+
+# As tuples, whose entries compiled code knows as constants; the sums below are written out for speed.
+TSIT5_ROWS = tuple(tuple(float(x) for x in row) for row in TSIT5_A)
+TSIT5_ERROR = tuple(float(x) for x in TSIT5_E)
+
 
 @njit(cache=True, error_model="numpy")
 def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error):
-    """Tsitouras 5(4) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], error estimate in `error`.
+    """Tsitouras 5(4) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], its error in `error`.
 
     Only the first `active` states feed back on the rates and are judged; the books behind them are needed at the end.
     """
-    n = y.size
-    for i in range(1, 7):
-        for m in range(n if i == 6 else active):
-            a = 0.0
-            for l in range(i):
-                a += TSIT5_A[i, l] * k[l, m]
-            trial[m] = y[m] + step * a
-        rates(t_right if TSIT5_C[i] == 1.0 else t + TSIT5_C[i] * step, trial, command, params, k[i])
+    A, C, E = TSIT5_ROWS, TSIT5_C, TSIT5_ERROR
     for m in range(active):
-        e = 0.0
-        for l in range(7):
-            e += TSIT5_E[l] * k[l, m]
-        error[m] = step * e
+        trial[m] = y[m] + step * (A[1][0] * k[0, m])
+    rates(t + C[1] * step, trial, command, params, k[1])
+    for m in range(active):
+        trial[m] = y[m] + step * (A[2][0] * k[0, m] + A[2][1] * k[1, m])
+    rates(t + C[2] * step, trial, command, params, k[2])
+    for m in range(active):
+        trial[m] = y[m] + step * (A[3][0] * k[0, m] + A[3][1] * k[1, m] + A[3][2] * k[2, m])
+    rates(t + C[3] * step, trial, command, params, k[3])
+    for m in range(active):
+        trial[m] = y[m] + step * (A[4][0] * k[0, m] + A[4][1] * k[1, m] + A[4][2] * k[2, m] + A[4][3] * k[3, m])
+    rates(t + C[4] * step, trial, command, params, k[4])
+    for m in range(active):
+        a = A[5][0] * k[0, m] + A[5][1] * k[1, m] + A[5][2] * k[2, m] + A[5][3] * k[3, m] + A[5][4] * k[4, m]
+        trial[m] = y[m] + step * a
+    rates(t_right, trial, command, params, k[5])
+    for m in range(y.size):
+        a = A[6][0] * k[0, m] + A[6][1] * k[1, m] + A[6][2] * k[2, m] + A[6][3] * k[3, m] + A[6][4] * k[4, m]
+        trial[m] = y[m] + step * (a + A[6][5] * k[5, m])
+    rates(t_right, trial, command, params, k[6])
+    for m in range(active):
+        e = E[0] * k[0, m] + E[1] * k[1, m] + E[2] * k[2, m] + E[3] * k[3, m] + E[4] * k[4, m] + E[5] * k[5, m]
+        error[m] = step * (e + E[6] * k[6, m])
     return 6.0
 
 
@@ -83,9 +103,11 @@ def factorised(matrix, pivots):
 def solved(matrix, pivots, x):
     """Solution in place of `matrix` x = x, `matrix` as left by `factorised`."""
     n = pivots.size
+    # All rows first: `factorised` has exchanged the multipliers along with them.
     for c in range(n):
         p = int(pivots[c])
         x[c], x[p] = x[p], x[c]
+    for c in range(n):
         for r in range(c + 1, n):
             x[r] -= matrix[r, c] * x[c]
     for c in range(n - 1, -1, -1):
@@ -113,10 +135,11 @@ def stiff_step(rates, t, step, t_right, y, command, params, active, scale, k, tr
             jacobian[m, c] = (shifted[m] - k[0, m]) / delta
         trial[c] = y[c]
     # A difference in time taken towards the inside of the step never straddles a stop.
-    dt = 1e-3 * step
-    rates(t + dt, y, command, params, shifted)
-    for m in range(n):
-        slope[m] = (shifted[m] - k[0, m]) / dt
+    later = t + 1e-5 * step
+    if later > t:
+        rates(later, y, command, params, shifted)
+        for m in range(n):
+            slope[m] = (shifted[m] - k[0, m]) / (later - t)
     g = 1.0 / (RODAS4_GAMMA * step)
     for r in range(na):
         for c in range(na):
@@ -239,7 +262,7 @@ def run(
         last = t + h * (1.0 + 1e-9) >= t_next
         step = t_next - t if last else h
         t_right = np.nextafter(t_next, -np.inf) if last else t + step
-        if clock[METHOD] == STIFF:
+        if clock[METHOD] == STIFF and clock[REFUSED] < PATIENCE:
             cost = stiff_step(
                 rates, t, step, t_right, y, command, params, active, scale, k, trial, error, jacobian, matrix, pivots
             )
@@ -257,7 +280,7 @@ def run(
         size = np.sqrt(size / active)
         if not finite or size > 1.0:
             clock[REJECTED] += 1.0
-            clock[REFUSED] = 1.0
+            clock[REFUSED] += 1.0
             h = step * (max(0.2, 0.9 * size**exponent) if finite else 0.1)
             clock[STEP] = h
             if h < 1e-14 * max(t, period):
@@ -303,7 +326,7 @@ def run(
         t, g0 = t_new, g1
         y[:] = trial
         # A step that was refused once stands before a kink: growing at once would only have the next one refused.
-        grown = step * min(1.0 if clock[REFUSED] else 5.0, max(0.2, 0.9 * (size + 1e-12) ** exponent))
+        grown = step * min(1.0 if clock[REFUSED] > 0.0 else 5.0, max(0.2, 0.9 * (size + 1e-12) ** exponent))
         h = max(h, grown) if last else grown
         clock[REFUSED] = 0.0
         if last:

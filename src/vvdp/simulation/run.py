@@ -62,7 +62,8 @@ class Stepping(Params):
         fine = begin + np.arange(round((self.until - begin) / self.window_interval) + 1) * self.window_interval
         both = np.union1d(coarse, fine)
         both = both[np.concatenate([[True], np.diff(both) > 1e-3 * self.window_interval])]
-        return both[both <= self.until * (1 + 1e-12)].clip(max=self.until)
+        inside: Array = both[both <= self.until * (1 + 1e-12)].clip(max=self.until)
+        return inside
 
 
 @dataclass(frozen=True)
@@ -88,8 +89,18 @@ def prepared(model: Model, case: Case, tolerance: float, cache: Path | None = No
     scale = np.array([kind.scale if kind else 1.0 for _, kind in kinds])
     bounded = np.array([not (kind and kind.accumulates) for _, kind in kinds])
     active = sum(not path.startswith("books.") for path, _ in kinds)
-    vectors = (flat(part) for part in (case.state, case.command, case.memory, case.params, case.settings))
-    return Prepared(linked, *vectors, tolerance * scale, tolerance * bounded, scale, active)
+    return Prepared(
+        linked=linked,
+        state=flat(case.state),
+        command=flat(case.command),
+        memory=flat(case.memory),
+        params=flat(case.params),
+        settings=flat(case.settings),
+        atol=tolerance * scale,
+        rtol=tolerance * bounded,
+        scale=scale,
+        active=active,
+    )
 
 
 @dataclass(frozen=True)

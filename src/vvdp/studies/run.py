@@ -89,7 +89,8 @@ def run_study(
             write_finished(directory, done)
             finished |= {case.key: case for case in done}
             ran, pending = ran + len(batch), pending[len(batch) :]
-            size = int(np.clip(BATCH_SECONDS * len(batch) / (time.perf_counter() - batch_began), FIRST_BATCH, LARGEST_BATCH))
+            rate = len(batch) / (time.perf_counter() - batch_began)
+            size = int(np.clip(BATCH_SECONDS * rate, FIRST_BATCH, LARGEST_BATCH))
             progress(len(planned) - len(pending), len(planned))
     return _results(study, base, directory, planned, finished, ran, time.perf_counter() - began)
 
@@ -151,7 +152,8 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
                 continue
         stepping = (repr(system.stepping), repr(system.average_from))
         group = " ".join((shape, *stepping))
-        planned.append(_Planned(number, settings, _key(system, digests[shape], stepping), group, _inputs(system, settings)))
+        key = _key(system, digests[shape], stepping)
+        planned.append(_Planned(number, settings, key, group, _inputs(system, settings)))
     if refused:
         raise ConfigError([Fault(_places(numbers), 0, *what) for what, numbers in refused.items()])
     return planned
@@ -175,7 +177,10 @@ def _key(system: System, digest: str, stepping: tuple[str, ...]) -> str:
 def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, str]]:
     """Value [SI] and unit of what a case sets; text for a value that changes over time or is none."""
     rows = {f"{row.table}.{row.key}": row for row in system.rows}
-    return {key: _input(rows[key].value, rows[key].kind) if key in rows else (str(settings[key]), "1") for key in settings}
+    return {
+        key: _input(rows[key].value, rows[key].kind) if key in rows else (str(value), "1")
+        for key, value in settings.items()
+    }
 
 
 def _input(value: float | Signal, kind: Kind) -> tuple[float | str, str]:

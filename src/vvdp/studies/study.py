@@ -1,25 +1,25 @@
 """What a study is: a system, what is varied in it, and which results are wanted; from Python or from a file.
 
-    system = "prototype"                      # a shipped system, or a file beside this one
-    until = "0.5 s"                           # optional, as are [settings] and the title
-    outputs = ["efficiency", "mean_load_flow_m3_s"]
+system = "prototype"                      # a shipped system, or a file beside this one
+until = "0.5 s"                           # optional, as are [settings] and the title
+outputs = ["efficiency", "mean_load_flow_m3_s"]
 
-    [settings]                                # the same in all cases
-    "operation.pump_speed" = "1500 rpm"
+[settings]                                # the same in all cases
+"operation.pump_speed" = "1500 rpm"
 
-    [grid]                                    # every combination
-    "operation.duty_ratio" = ["0.3", "0.5", "0.7"]
-    "oil.air_fraction" = ["0.5 %", "2 %"]
+[grid]                                    # every combination
+"operation.duty_ratio" = ["0.3", "0.5", "0.7"]
+"oil.air_fraction" = ["0.5 %", "2 %"]
 
-    [random]                                  # instead of the grid, or at each of its points
-    count = 20
-    seed = 1
-    [random.spreads]
-    "valve.radial_clearance" = { normal = "12.7 um", deviation = "0.5 um" }
-    "oil.liquid_bulk_modulus" = { uniform = ["1.2 GPa", "1.6 GPa"] }
+[random]                                  # instead of the grid, or at each of its points
+count = 20
+seed = 1
+[random.spreads]
+"valve.radial_clearance" = { normal = "12.7 um", deviation = "0.5 um" }
+"oil.liquid_bulk_modulus" = { uniform = ["1.2 GPa", "1.6 GPa"] }
 
-    [[cases]]                                 # instead of both: each case written out
-    "operation.duty_ratio" = "0.3"
+[[cases]]                                 # instead of both: each case written out
+"operation.duty_ratio" = "0.3"
 """
 
 import hashlib
@@ -70,7 +70,9 @@ class Normal:
         """The value below which the share `share` of all draws lies."""
         (mean, unit), (deviation, other) = number_and_unit(self.mean), number_and_unit(self.deviation)
         if unit != other or not deviation >= 0.0:
-            raise ParameterError(f"normal around {self.mean!r} by {self.deviation!r}; expected one unit, the second not below 0")
+            raise ParameterError(
+                f"normal around {self.mean!r} by {self.deviation!r}; expected one unit, the second not below 0"
+            )
         normal = NormalDist()
         tail = normal.cdf(-DEVIATIONS)
         return f"{mean + deviation * normal.inv_cdf(tail + share * (1.0 - 2.0 * tail))!r} {unit}".strip()
@@ -246,8 +248,8 @@ def _random(table: Any, grid: Mapping[str, Any], faults: _Faults) -> Random | No
             case {"normal": str(mean), "deviation": str(deviation), **rest} if not rest:
                 spread = Normal(mean, deviation)
             case _:
-                message = f"{words!r}; expected {{ uniform = [a, b] }} or {{ normal = mean, deviation = s }}, with units"
-                faults.add(f"random.spreads.{key}", message)
+                message = "expected { uniform = [a, b] } or { normal = mean, deviation = s }, with units"
+                faults.add(f"random.spreads.{key}", f"{words!r}; {message}")
                 continue
         try:
             spread.drawn(0.5)

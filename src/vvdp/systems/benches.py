@@ -38,7 +38,7 @@ from vvdp.circuits.supply import (
     supply_program,
 )
 from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.check_valve import CheckValve
+from vvdp.hydraulics.check_valve import CheckPoppet
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
@@ -91,7 +91,7 @@ SUPPLY_TABLES: Mapping[str, type[Params]] = {
     "relief_valve": ReliefValve,
     "valve": RotaryValve,
     "spool_drive": SpoolDrive,
-    "check_valve": CheckValve,
+    "check_valve": CheckPoppet,
     "operation": DutyOperation,
     "limits": Limits,
 }
@@ -134,12 +134,12 @@ def _supply(tables: Mapping[str, Any]) -> SupplyParams:
 
 
 def _supply_start(initial: InitialSupply) -> SupplyState:
-    return SupplyState(initial.inlet_pressure, 0.0, 0.0, Spool(initial.spool_angle, initial.spool_speed))
+    return SupplyState(initial.inlet_pressure, 0.0, 1.0, 0.0, Spool(initial.spool_angle, initial.spool_speed))
 
 
 def _blank_books() -> Books:
     spent = Spent(ValveSpent(*(0.0 for _ in ValveSpent._fields)), 0.0)
-    return Books(Supplied(0.0, 0.0), spent, 0.0, 0.0, Totals(*(0.0 for _ in Totals._fields)))
+    return Books(Supplied(0.0, 0.0, 0.0), spent, 0.0, 0.0, Totals(*(0.0 for _ in Totals._fields)))
 
 
 def _orifice_case(tables: Mapping[str, Any]) -> Case:

@@ -115,7 +115,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "efficiency": _ratio(mean.spent.load, mean.supplied.pump_shaft + mean.supplied.spool_motor),
         "motor_rated_power_W": motor.rated_power,
         "motor_overloaded": bool(mean.supplied.pump_shaft > motor.rated_power),
-        "cavitation": bool(lowest < limits.cavitation_pressure),
+        "cavitation": bool(min(lowest, low.get("load_pressure", lowest)) < limits.cavitation_pressure),
         **{f"loss_{name}_W": power for name, power in spent.items() if name not in ("load", "to_spool")},
         "spool_shaft_power_W": -valve_power.to_spool,
         "loss_full_open_W": open_loss,

@@ -223,7 +223,7 @@ def range_warnings(
     if not kappa <= duty_ratio <= 1.0 - kappa:
         port = "load" if duty_ratio < kappa else "tank"
         found.append(
-            f"duty ratio {duty_ratio:.3g} lies outside {kappa:.3g} to {1.0 - kappa:.3g}: the {port} port is never "
+            f"duty ratio {duty_ratio:.4g} lies outside {kappa:.4g} to {1.0 - kappa:.4g}: the {port} port is never "
             f"fully open, and the closed form of the transition loss does not hold"
         )
     open_drop = full_open_loss(flow, density, valve) / flow

@@ -36,6 +36,32 @@ def friction_coefficient(viscosity: float, valve: RotaryValve) -> float:
     return valve.friction_area * viscosity * R * R / valve.radial_clearance
 
 
+def jet_section(opening: float, exponent: float) -> float:
+    """Opening to the power 2 - s [1]: how the torque of a jet at a given drop falls as its port closes.
+
+    opening   open fraction a, 0 to 1 [1]
+    exponent  s, 0 to 1 [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    section: float = opening ** (2.0 - exponent)
+    return section
+
+
+def jet_section_compiled(opening: float, exponent: float) -> float:
+    """The same as `jet_section`, which it replaces in compiled code: most of the time a port is shut or open.
+
+    opening   open fraction a, 0 to 1 [1]
+    exponent  s, 0 to 1 [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    if exponent == 0.0 or opening == 0.0 or opening == 1.0:
+        return opening * opening
+    section: float = opening ** (2.0 - exponent)
+    return section
+
+
 def inlet_torque(full_section_flow: float, opening: float, density: float, valve: RotaryValve) -> float:
     """Torque of the nozzle jets of one branch on a spool [N m]: rho R_in Q^2 / (A_in a^s), zero for reversed flow.
 
@@ -48,8 +74,7 @@ def inlet_torque(full_section_flow: float, opening: float, density: float, valve
     Source  wang2017, eq. 2.6, with the area of all nozzles; the exponent s is ours, docs/models/rotary-valve.md
     """
     Q = maximum(full_section_flow, 0.0)
-    torque: float = density * valve.inlet_radius / valve.nozzle_area * Q * Q * opening ** (2.0 - valve.jet_exponent)
-    return torque
+    return density * valve.inlet_radius / valve.nozzle_area * Q * Q * jet_section(opening, valve.jet_exponent)
 
 
 def outlet_torque(flow: float, spool_speed: float, density: float, valve: RotaryValve) -> float:
@@ -66,7 +91,7 @@ def outlet_torque(flow: float, spool_speed: float, density: float, valve: Rotary
     """
     Q: float = maximum(flow, 0.0)
     radius: float = select(flow < 0.0, valve.inlet_radius, valve.outlet_radius)
-    reaction = density * valve.outlet_radius * Q * Q / valve.outlet_effective_area
+    reaction = density * valve.outlet_radius / valve.outlet_effective_area * Q * Q
     return reaction - density * radius * radius * spool_speed * abs(flow)
 
 

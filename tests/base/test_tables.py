@@ -1,0 +1,188 @@
+"""Tables of values with origin: signals, settings, and all faults at once with their lines."""
+
+from pathlib import Path
+
+import pytest
+
+from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.kinds import FractionSignal, Length, PressureSignal, Ratio, SpeedSignal, TemperatureSignal
+from vvdp.base.params import Params
+from vvdp.base.signal import Signal, signal_value
+from vvdp.base.tables import build, described, parsed_table, read_table, with_settings
+
+
+class Plate(Params):
+    """Something with two values that depend on each other."""
+
+    length: Length
+    ratio: Ratio
+
+    def check(self) -> None:
+        if self.ratio > 10.0:
+            raise ParameterError(f"ratio {self.ratio:g} is more than 10")
+
+
+class Prescribed(Params):
+    """Something with one signal of each awkward kind."""
+
+    pressure: PressureSignal
+    temperature: TemperatureSignal
+    speed: SpeedSignal
+    share: FractionSignal
+
+
+CONSTANT = {"pressure": "10 bar", "temperature": "40 degC", "speed": "1800 rpm", "share": "0.5"}
+
+
+def signal(key: str, entry: object) -> Signal:
+    """The signal that `entry` makes under one key of `Prescribed`."""
+    faults: list[Fault] = []
+    values, _ = build(Prescribed, {**CONSTANT, key: entry}, "p", parsed_table("[p]\n", "p.toml"), faults)
+    if faults:
+        raise ConfigError(faults)
+    found: Signal = getattr(values, key)
+    return found
+
+
+def test_values_come_with_their_origin() -> None:
+    table = parsed_table(
+        '[plate]\nlength = { value = "5 mm", status = "published", source = "wang2017", where = "p. 3" }\nratio = 2\n',
+        "a",
+    )
+    faults: list[Fault] = []
+    plate, rows = build(Plate, table.content["plate"], "plate", table, faults)
+    assert not faults and plate == Plate(length=0.005, ratio=2.0)
+    first, second = rows
+    assert (first.status, first.source, first.where, first.displayed) == ("published", "wang2017", "p. 3", "5 mm")
+    assert (second.status, second.source, second.displayed) == ("given", "", "2")
+
+
+def test_all_faults_are_told_at_once_each_with_its_line() -> None:
+    text = """[plate]
+lenght = "5 mm"
+ratio = { value = "2", status = "guessed" }
+"quoted key" = 1
+
+[p]
+pressure = "10 bara"
+temperature = 40
+speed = { step = ["22.5 Hz", "30 rev/s"], at = "1 s" }
+share = { value = "0.5", until = "1 s" }
+"""
+    table = parsed_table(text, "bad.toml")
+    faults: list[Fault] = []
+    assert build(Plate, table.content["plate"], "plate", table, faults)[0] is None
+    assert build(Prescribed, table.content["p"], "p", table, faults)[0] is None
+    assert [(f.line, f.key) for f in faults] == [
+        (2, "plate.lenght"),
+        (4, "plate.quoted key"),
+        (1, "plate.length"),
+        (3, "plate.ratio"),
+        (8, "p.temperature"),
+        (9, "p.speed"),
+        (10, "p.share"),
+    ]
+    text = str(ConfigError(faults))
+    assert "bad.toml:2: plate.lenght: unknown key; did you mean 'length'?" in text
+    assert "bad.toml:9: p.speed: '22.5 Hz' is not a rotational speed; write 1350 rpm or 22.5 rev/s" in text
+    assert "expected one of measured, published, derived, assumed, given" in text
+
+
+def test_contradictions_are_faults_of_their_table() -> None:
+    table = parsed_table('\n[plate]\nlength = "5 mm"\nratio = 11\n', "a")
+    faults: list[Fault] = []
+    assert build(Plate, table.content["plate"], "plate", table, faults)[0] is None
+    assert [str(fault) for fault in faults] == ["a:2: plate: ratio 11 is more than 10"]
+
+
+@pytest.mark.parametrize(
+    ("key", "entry", "base", "amplitude"),
+    [
+        ("pressure", {"sine": "50 bar", "amplitude": "5 bar", "frequency": "10 Hz"}, 51.01325e5, 5e5),
+        ("pressure", {"sine": "50 bara", "amplitude": "5 bara", "frequency": "10 Hz"}, 50e5, 5e5),
+        ("pressure", {"sine": "50 bar", "amplitude": "-500 kPa", "frequency": "10 Hz"}, 51.01325e5, -5e5),
+        ("temperature", {"sine": "40 degC", "amplitude": "5 K", "frequency": "1 Hz"}, 313.15, 5.0),
+        ("temperature", {"sine": "40 degC", "amplitude": "5 degC", "frequency": "1 Hz"}, 313.15, 5.0),
+        ("temperature", {"sine": "104 degF", "amplitude": "9 degF", "frequency": "1 Hz"}, 313.15, 5.0),
+        ("share", {"sine": "0.5", "amplitude": "10 %", "frequency": "1 Hz", "phase": "90 deg"}, 0.5, 0.1),
+        ("share", {"sine": 0.5, "amplitude": 0.1, "frequency": "1 Hz"}, 0.5, 0.1),
+    ],
+)
+def test_an_amplitude_is_a_difference(key: str, entry: object, base: float, amplitude: float) -> None:
+    found = signal(key, entry)
+    assert found.base == pytest.approx(base, rel=1e-14)
+    assert found.amplitude == pytest.approx((amplitude,), rel=1e-13)
+
+
+def test_the_forms_of_a_signal() -> None:
+    assert signal_value(0.0, signal("pressure", "10 bar")) == 1101325.0
+    step = signal("pressure", {"step": ["10 bar", "20 bar"], "at": "500 ms"})
+    assert [signal_value(t, step) for t in (0.499, 0.5)] == [1101325.0, 2101325.0]
+    ramp = signal("share", {"ramp": ["0.2", "0.4"], "from": "1 s", "to": "2 s", "status": "assumed"})
+    assert signal_value(1.5, ramp) == pytest.approx(0.3)
+    table = signal("share", {"table": [["0 s", "0.2"], ["1 s", "0.4"], ["1 s", "0.6"]]})
+    assert [signal_value(t, table) for t in (0.5, 1.0, 2.0)] == pytest.approx([0.3, 0.6, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        ({"step": ["1 bar", "2 bar"]}, "step given; expected"),
+        ({"step": ["1 bar"], "at": "1 s"}, "step, at given; expected"),
+        ({"step": ["1 bar", "2 bar"], "at": "1 s", "to": "2 s"}, "expected"),
+        ({"ramp": ["1 bar", "2 bar"], "from": "2 s", "to": "1 s"}, "before it begins"),
+        ({"table": [["1 s", "1 bar"], ["0 s", "2 bar"]]}, "backwards"),
+        ({"table": []}, "table given; expected"),
+        ({"table": [["1 s", "1 bar", "2 bar"]]}, "expected"),
+        ({"sine": "50 bar", "amplitude": "5", "frequency": "10 Hz"}, "has no unit"),
+        ({"sine": "50 bar", "amplitude": "5 bar", "frequency": "600 rpm"}, "is not a frequency"),
+        ({"sine": "1 bar", "amplitude": "5 bar", "frequency": "1 Hz"}, "outside 0 to"),
+        ({"table": [["0 s", "1 bar"], ["1 s", "20000 bar"], ["1 s", "1 bar"]]}, "outside 0 to"),
+        ({}, "nothing given"),
+        ([1, 2], "is not a pressure level"),
+    ],
+)
+def test_what_is_no_signal_is_refused(entry: object, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        signal("pressure", entry)
+    assert told in str(caught.value)
+
+
+def test_a_signal_is_described_as_a_person_reads_it() -> None:
+    kind = Prescribed.__annotations__["pressure"].__metadata__[0]
+    assert described(signal("pressure", "10 bar"), kind) == "10 bar (11.0132 bara)"
+    text = described(signal("pressure", {"step": ["10 bar", "20 bar"], "at": "0.5 s"}), kind)
+    assert text == "between 10 bar (11.0132 bara) and 20 bar (21.0132 bara), corners at 0.5 s"
+    text = described(signal("pressure", {"sine": "100 bar", "amplitude": "5 bar", "frequency": "7 Hz"}), kind)
+    assert text.endswith("sine of 7 Hz")
+
+
+def test_settings_replace_values() -> None:
+    table = parsed_table('[p]\nspeed = "1 rpm"\n', "a")
+    changed = with_settings(table, ["p.speed = 1200 rpm", 'p.pressure={step=["1 bar","2 bar"],at="1 s"}', 'q.x="3 mm"'])
+    assert changed.content == {
+        "p": {"speed": "1200 rpm", "pressure": {"step": ["1 bar", "2 bar"], "at": "1 s"}},
+        "q": {"x": "3 mm"},
+    }
+    assert table.content == {"p": {"speed": "1 rpm"}}
+    with pytest.raises(ConfigError) as caught:
+        with_settings(table, ["speed=1 rpm", "p.speed", "p.speed=", "p.speed={step=", "p.a.b=1"])
+    assert len(caught.value.faults) == 5
+
+
+def test_files_that_cannot_be_read_are_told_apart(tmp_path: Path) -> None:
+    (tmp_path / "latin.toml").write_bytes(b'title = "\xe4"')
+    (tmp_path / "broken.toml").write_text("[p]\nspeed = \n")
+    (tmp_path / "empty.toml").write_text("# nothing\n")
+    (tmp_path / "large.toml").write_text("#" * 1_000_001)
+    for name, told in (
+        ("none.toml", "no such file"),
+        (".", "is a directory"),
+        ("latin.toml", "not UTF-8"),
+        ("broken.toml", "broken.toml:2: is not valid TOML"),
+        ("empty.toml", "is empty"),
+        ("large.toml", "1000001 bytes"),
+    ):
+        with pytest.raises(ConfigError) as caught:
+            read_table(tmp_path / name)
+        assert told in str(caught.value), name

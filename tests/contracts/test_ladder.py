@@ -1,0 +1,108 @@
+"""A package imports only from rungs below its own, and light packages stay light."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+RUNGS = [
+    {"base"},
+    {"fluid", "numerics"},
+    {"valve", "hydraulics"},
+    {"circuits", "geometry", "sensing", "estimation", "control"},
+    {"simulation"},
+    {"systems"},
+    {"studies"},
+    {"rigs", "design", "cfd", "logs", "export"},
+    {"report", "reproduction"},
+    {"cli"},
+]
+RUNG = {package: i for i, packages in enumerate(RUNGS) for package in packages}
+HEAVY = {"numba", "h5py", "matplotlib", "scipy", "pint", "casadi", "rich", "typer"}
+# Modules that exist only for a library, and are themselves imported only where it is needed.
+MADE_FOR = {
+    ("fluid/modulus.py", "scipy"),
+    ("simulation/loop.py", "numba"),
+}
+FIRST_RUNGS = {package for packages in RUNGS[:5] for package in packages}
+
+
+def imports(path: Path, *, top_level_only: bool) -> set[str]:
+    """Dotted names that a file imports."""
+    tree = ast.parse(path.read_text("utf-8"))
+    nodes = tree.body if top_level_only else list(ast.walk(tree))
+    found = set()
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, f"{path}: relative import"
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def climbs(importer: str, imported: set[str]) -> set[str]:
+    """What a package named `importer` may not import of `imported`."""
+    packages = {name.split(".")[1] for name in imported if name.startswith("vvdp.")}
+    return {p for p in packages if p in RUNG and p != importer and RUNG[p] >= RUNG[importer]}
+
+
+def files(source: Path) -> list[tuple[str, Path]]:
+    return [(path.relative_to(source).parts[0], path) for path in sorted(source.glob("*/**/*.py"))]
+
+
+def test_every_package_has_a_rung(source):
+    packages = {path.parent.name for path in source.glob("*/__init__.py")}
+    assert packages <= set(RUNG)
+
+
+def test_no_package_climbs(source):
+    found = [
+        f"{path.relative_to(source)} imports {sorted(up)}"
+        for package, path in files(source)
+        if (up := climbs(package, imports(path, top_level_only=False)))
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_a_climb_and_a_step_aside_would_be_seen():
+    assert climbs("valve", {"vvdp.simulation.run"}) == {"simulation"}
+    assert climbs("valve", {"vvdp.hydraulics.flow"}) == {"hydraulics"}
+    assert climbs("simulation", {"vvdp.circuits.bench", "vvdp.base.kinds", "numpy"}) == set()
+
+
+def test_heavy_libraries_are_loaded_where_they_are_used(source):
+    found = [
+        f"{path.relative_to(source)} imports {name}"
+        for package, path in files(source)
+        if package in FIRST_RUNGS
+        for name in imports(path, top_level_only=True)
+        if name.split(".")[0] in HEAVY and (str(path.relative_to(source)), name.split(".")[0]) not in MADE_FOR
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_formulas_know_no_compiler(source):
+    """Rungs 1 to 4 do not even mention Numba in code; `select` looks at CasADi's types by name."""
+    below_simulation = {package for packages in RUNGS[:4] for package in packages}
+    found = [
+        str(path)
+        for package, path in files(source)
+        if package in below_simulation
+        if any(name.split(".")[0] == "numba" for name in imports(path, top_level_only=False))
+    ]
+    assert not found
+
+
+@pytest.mark.parametrize(
+    "module",
+    ["vvdp", "vvdp.base.kinds", "vvdp.fluid.mixture", "vvdp.valve.losses", "vvdp.hydraulics.volume", "vvdp.circuits.bench",
+     "vvdp.simulation.run", "vvdp.systems.system"],
+)  # fmt: skip
+def test_import_loads_nothing_heavy(module):
+    """In a fresh interpreter: what the import brings along."""
+    text = f"import sys, {module}; print(*sorted({HEAVY!r} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""

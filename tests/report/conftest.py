@@ -1,0 +1,55 @@
+import shutil
+
+import pytest
+
+from vvdp.simulation.results import result_directory, write_results
+from vvdp.simulation.run import simulate
+from vvdp.systems.summary import summary
+from vvdp.systems.system import load_system, resolved_text
+
+SHORT = ['run.window="0.1 s"']
+STANDING = [
+    'spool_drive.coupling="50 N*m*s"',
+    'initial.spool_speed="0 rpm"',
+    'initial.spool_angle="20 deg"',
+]
+
+
+def made(directory, name, settings=(), until="0.2 s", progress=None):
+    system = load_system(name, [*SHORT, *settings], until)
+    portion = 2e6 if progress is None else 2e3
+    run = simulate(system.model, system.case, system.stepping, progress=progress, portion=portion)
+    more = {"system": system.name, "written": "2026-01-02T03:04:05+0000"}
+    with result_directory(directory) as folder:
+        write_results(folder, run, system=resolved_text(system), summary=summary(system, run), more=more)
+    return directory
+
+
+@pytest.fixture(scope="session")
+def whole(tmp_path_factory):
+    """A result directory of the prototype with an orifice as load; not to be written to."""
+    return made(tmp_path_factory.mktemp("whole") / "run", "prototype")
+
+
+@pytest.fixture
+def orifice(whole, tmp_path):
+    return shutil.copytree(whole, tmp_path / "run")
+
+
+@pytest.fixture
+def constant(tmp_path):
+    return made(tmp_path / "run", "prototype-constant-load")
+
+
+@pytest.fixture
+def standing(tmp_path):
+    return made(tmp_path / "run", "prototype-constant-load", STANDING, "0.1 s")
+
+
+@pytest.fixture
+def interrupted(tmp_path):
+    def stop(reached):
+        if reached > 0.02:
+            raise KeyboardInterrupt
+
+    return made(tmp_path / "run", "prototype", until="2 s", progress=stop)

@@ -1,0 +1,207 @@
+"""The report is whole, stands alone, says what is wrong, and is the same each time."""
+
+import html.parser
+import json
+import re
+import shutil
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.report.figures import figures
+from vvdp.report.reading import reading
+from vvdp.report.report import write_report
+from vvdp.report.verdict import badges, notices
+from vvdp.simulation.results import result_directory, write_results
+from vvdp.simulation.run import simulate
+from vvdp.systems.summary import summary
+from vvdp.systems.system import load_system, resolved_text
+
+FIGURES = {"cycle-time", "cycle-angle", "run", "speed", "losses", "spectrum"}
+VOID = {"meta", "br", "wbr", "img", "hr", "input", "link"}
+
+
+class Balanced(html.parser.HTMLParser):
+    """Fails on an element that is closed out of turn; collects what a page would load, and identifiers."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.loaded, self.names, self.targets = [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        self.names += [given["id"]] if "id" in given else []
+        self.targets += [v[1:] for k, v in attrs if k in ("href", "xlink:href") and v.startswith("#")]
+        self.loaded += [v for k, v in attrs if k in ("src", "href", "xlink:href", "data") and not v.startswith("#")]
+        self.loaded += [tag] if tag in ("script", "iframe", "link", "img") else []
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def page(directory):
+    path = write_report(directory)
+    assert path == directory / "report.html"
+    return path.read_text("utf-8")
+
+
+def words(text):
+    return re.sub(r"<[^>]*>", "", text.partition("<body>")[2])
+
+
+def edit(path, **changes):
+    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+
+
+def test_the_page_stands_alone_and_is_well_formed(orifice):
+    text = page(orifice)
+    seen = Balanced()
+    seen.feed(text)
+    assert not seen.open
+    assert seen.loaded == []
+    assert len(seen.names) == len(set(seen.names))
+    assert set(seen.targets) <= set(seen.names)
+    assert not re.search(r"url\((?!#)|@import|(src|href)=.https?:", text)
+
+
+def test_every_figure_is_there_in_both_forms(orifice):
+    text = page(orifice)
+    for name in FIGURES:
+        ET.parse(orifice / "figures" / f"{name}.svg")
+        assert (orifice / "figures" / f"{name}.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+        assert f'id="figure-{name}"' in text
+    ET.parse(orifice / "figures" / "circuit.svg")
+    assert not list(orifice.rglob("*.tmp"))
+
+
+def test_made_again_it_has_the_same_bytes(orifice):
+    def content():
+        write_report(orifice)
+        return {p.name: p.read_bytes() for p in orifice.rglob("*") if p.is_file()}
+
+    assert content() == content()
+
+
+@pytest.fixture(scope="module")
+def written(whole, tmp_path_factory):
+    """The page of the session's run, to be read."""
+    return page(shutil.copytree(whole, tmp_path_factory.mktemp("written") / "run"))
+
+
+def test_it_lists_what_is_assumed_and_where_values_come_from(written):
+    text = written
+    system = load_system("prototype")
+    assert f"{len(system.assumed)} of {len(system.rows)} values" in text
+    listed = text.partition("Assumed values")[2].partition("<h2>Parameters")[0].replace("<wbr>", "")
+    for row in system.assumed:
+        assert f"{row.table}.{row.key}" in listed
+    assert "Meng Wang" in text and "Herbert E. Merritt" in text
+    assert "Tsitouras" not in text
+
+
+def test_numbers_are_in_the_units_people_use(whole, written):
+    found = json.loads((whole / "summary.json").read_text())
+    said = words(written)
+    assert f"{found['mean_load_flow_m3_s'] * 6e4:.2f} lpm" in said
+    assert f"{found['mean_load_pressure_Pa'] / 1e5:.1f} bar" in said
+    assert f"{found['efficiency'] * 100:.1f} %" in said
+    assert "prototype" in said and "2 January 2026" in said
+
+
+def test_a_run_that_balances_is_trusted(written):
+    said = words(written)
+    assert "trusted" in said and "NOT TRUSTED" not in said
+
+
+def test_a_run_that_does_not_balance_is_marked(orifice):
+    edit(orifice / "summary.json", trusted=False, energy_residual=3.2e-4)
+    text = page(orifice)
+    assert '<li class="bad">NOT TRUSTED</li>' in text
+    assert "3.20·10⁻⁴" in text or "0.000320" in text
+    assert "run.relative_tolerance" in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"cavitation": True, "inlet_pressure_min_Pa": -0.9e5}, "0.113 bar absolute"),
+        ({"motor_overloaded": True, "input_power_W": 6000.0}, "6.00 kW on average"),
+        ({"settled": False}, "Not settled"),
+        ({"stiff_method": True}, "stiff method"),
+    ],
+)
+def test_what_lies_outside_its_bounds_is_said_with_numbers(orifice, changes, expected):
+    edit(orifice / "summary.json", **changes)
+    read = reading(orifice)
+    said = [f"{n.title} {n.found} {n.remedy}" for n in notices(read)] + [b.words for b in badges(read)]
+    assert expected in " ".join(said)
+
+
+def test_text_of_a_user_cannot_become_markup(orifice):
+    path = orifice / "system.toml"
+    text = path.read_text().replace('title = "Prototype', 'title = "<script>alert(1)</script> & Prototype')
+    path.write_text(text.replace('note = "open', 'note = "<b>').replace('"wang2017"', '"<i>someone</i>"'))
+    said = page(orifice)
+    assert "<script" not in said and "<i>someone" not in said
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; Prototype" in said
+    assert "not in the bibliography: &lt;i&gt;someone&lt;/i&gt;" in said
+
+
+def test_a_pressure_source_takes_the_spectrum_of_the_inlet(constant):
+    said = words(page(constant))
+    assert "Amplitudes of the inlet pressure" in said
+    assert "Pressure source" in said and "Load orifice" not in said
+
+
+def test_a_run_without_marks_still_gives_a_report(standing):
+    said = words(page(standing))
+    assert "no PWM period" in said
+    assert "No whole PWM period passed" in said
+    assert not (standing / "figures" / "cycle-angle.svg").exists()
+
+
+def test_an_interrupted_run_says_so(interrupted):
+    text = page(interrupted)
+    assert '<li class="bad">interrupted</li>' in text
+    assert "of 2 s" in words(text)
+    assert "ended before its finely recorded part" in words(text)
+
+
+@pytest.mark.parametrize(("window", "expected"), [("100 ms", "last three whole"), ("40 ms", "Only ")])
+def test_few_periods_are_shown_as_they_are(tmp_path, window, expected):
+    system = load_system("prototype", [f'run.window="{window}"'], "0.1 s")
+    run = simulate(system.model, system.case, system.stepping)
+    with result_directory(tmp_path / "run") as folder:
+        write_results(folder, run, system=resolved_text(system), summary=summary(system, run), more={})
+    first = next(iter(figures(reading(tmp_path / "run"))))
+    assert expected in first.caption
+
+
+def test_figures_of_an_earlier_report_do_not_stay(orifice):
+    stale = orifice / "figures" / "old.svg"
+    stale.parent.mkdir()
+    stale.write_text("<svg/>")
+    write_report(orifice)
+    assert not stale.exists()
+
+
+def test_what_is_no_result_directory_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match="not a result directory"):
+        write_report(tmp_path)
+    with pytest.raises(ConfigError, match="no such directory"):
+        write_report(tmp_path / "none")
+
+
+def test_a_system_that_cannot_be_read_is_refused_before_anything_is_written(orifice):
+    (orifice / "system.toml").write_text('circuit = "orifice-load"\n')
+    with pytest.raises(ConfigError):
+        write_report(orifice)
+    assert not (orifice / "report.html").exists() and not (orifice / "figures").exists()

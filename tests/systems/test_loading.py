@@ -1,0 +1,147 @@
+"""From a name or a file to a system, and everything that can be wrong with it told at once."""
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.base.signal import signal_value
+from vvdp.simulation.run import Method
+from vvdp.systems.system import load_system, shipped, source_text
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_every_shipped_system_loads(name):
+    system = load_system(name)
+    assert system.name == name
+    assert system.title
+    assert system.circuit
+    assert 0.0 < system.average_from < system.stepping.until
+    stated = {row.status for row in system.rows if row.table != "run"}
+    assert stated <= {"measured", "published", "derived", "assumed"}
+    for row in system.rows:
+        if row.status == "published":
+            assert row.source and row.where, f"{row.table}.{row.key} is published nowhere"
+        if row.status == "assumed":
+            assert row.note or row.source, f"{row.table}.{row.key} is assumed without a word"
+
+
+def test_there_are_both_benches():
+    assert set(shipped()) >= {"prototype", "prototype-constant-load"}
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_file_is_read_as_the_shipped_system_is(name, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(source_text(name), encoding="utf-8")
+    a, b = load_system(str(path)), load_system(name)
+    assert (a.case, a.stepping) == (b.case, b.stepping)
+
+
+def test_published_values_arrive_in_si():
+    supply = load_system("prototype").case.params.supply
+    assert supply.valve.nozzle_area == pytest.approx(36.5e-6)
+    assert supply.pump.displacement == pytest.approx(22.2222222e-6 / (2.0 * np.pi))
+    assert supply.relief_valve.cracking_pressure == pytest.approx(120e5 + 101325.0)
+    assert signal_value(0.0, supply.operation.pump_speed) == pytest.approx(60.0 * np.pi)
+    assert signal_value(0.0, supply.operation.oil_temperature) == pytest.approx(313.15)
+    assert signal_value(0.0, supply.operation.axial_position) == pytest.approx(0.5 * 20.32e-3)
+
+
+def test_setting_replaces_a_value_and_its_origin():
+    system = load_system("prototype", ["pump.ripple_amplitude=0.05", "run.method=stiff"])
+    assert system.case.params.supply.pump.ripple_amplitude == 0.05
+    assert next(r for r in system.rows if (r.table, r.key) == ("pump", "ripple_amplitude")).status == "given"
+    assert system.stepping.method is Method.STIFF
+
+
+def test_until_keeps_the_share_of_the_run_that_is_averaged():
+    whole, short = load_system("prototype"), load_system("prototype", until="0.2 s")
+    assert short.stepping.until == 0.2
+    assert short.average_from / 0.2 == pytest.approx(whole.average_from / whole.stepping.until)
+
+
+def test_duty_ratio_is_an_axial_position():
+    """d L = 0.3 times 20.32 mm, whatever its course over time."""
+    by_duty = load_system("prototype", ['operation.duty_ratio={step=["0.3","0.6"],at="0.1 s"}']).case.params.supply
+    L = by_duty.valve.helix_length
+    for t, duty in ((0.0, 0.3), (0.0999, 0.3), (0.1, 0.6), (1.0, 0.6)):
+        assert signal_value(t, by_duty.operation.axial_position) == pytest.approx(duty * L)
+
+
+def faults(*args, **kwargs) -> list[str]:
+    with pytest.raises(ConfigError) as caught:
+        load_system(*args, **kwargs)
+    return [str(fault) for fault in caught.value.faults]
+
+
+def test_all_faults_are_told_at_once():
+    found = faults(
+        "prototype",
+        [
+            "pump.speed=3 rpm",
+            "oil.density=8 kg/m^3",
+            "inlet.volume=12.7",
+            "relief_valve.cracking_pressure=5 Hz",
+            "rum.x=1",
+        ],
+    )
+    text = "\n".join(found)
+    assert len(found) == 5
+    for word in ("pump.speed", "oil.density", "inlet.volume", "relief_valve.cracking_pressure", "rum"):
+        assert word in text
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        (["operation.axial_position=5 mm"], "contradicts operation.duty_ratio"),
+        (["engine.speed=3 rpm"], "unknown table"),
+        (["operation.oil_temperature=warm"], "oil_temperature"),
+        (["operation.pump_speed=30 Hz"], "1800 rpm"),
+        (["relief_valve.opening_time=2 ms"], "contradicts opening_time"),
+        (["valve.sections=2.5"], "whole number"),
+        (["valve.lap_ratio=8"], "do not fit"),
+        (["run.method=magic"], "automatic, explicit, stiff"),
+        (["run.average_from=2 s"], "average_from"),
+        (["run.relative_tolerance=0.5"], "relative_tolerance"),
+        (["run.window_interval=1 ns"], "rows would be recorded"),
+        (["pump"], "table.key"),
+        (["oil.air_fraction=60 %"], "outside"),
+        (["oil.viscosity_40=5 cSt"], "does not exceed"),
+    ],
+)
+def test_fault_says_what_was_expected(settings, told):
+    assert told in "\n".join(faults("prototype", settings))
+
+
+def test_until_that_is_no_time():
+    assert "--until" in faults("prototype", until="3 bar")[0]
+
+
+def test_name_that_is_none():
+    text = faults("prototpye")[0]
+    assert "prototype" in text and "neither a shipped system" in text
+
+
+def broken(tmp_path, old: str, new: str) -> list[str]:
+    path = tmp_path / "mine.toml"
+    text = source_text("prototype")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    return faults(str(path))
+
+
+def test_fault_in_a_file_has_its_line(tmp_path):
+    found = broken(tmp_path, 'volume = { value = "12.7 cc"', 'volume = { value = "12.7 bar"')
+    lines = source_text("prototype").splitlines()
+    line = next(i for i, text in enumerate(lines, 1) if text.startswith("volume ="))
+    assert found[0].startswith(f"{tmp_path / 'mine.toml'}:{line}: inlet.volume")
+
+
+def test_missing_key_and_missing_table(tmp_path):
+    assert any("missing key 'volume'" in fault for fault in broken(tmp_path, "volume = {", "volumes = {"))
+    assert any("missing table" in fault for fault in broken(tmp_path, "[motor]", "[engine]"))
+
+
+def test_circuit_that_does_not_exist(tmp_path):
+    assert any("orifice-load" in f and "constant-load" in f for f in broken(tmp_path, '"orifice-load"', '"orifice"'))
