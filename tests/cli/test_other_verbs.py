@@ -16,7 +16,7 @@ def test_version_and_bare_call(vvdp):
 
 
 def test_help_of_every_verb_says_what_it_does(vvdp):
-    for verb in ("run", "valve", "list", "show", "new", "report", "check"):
+    for verb in ("run", "valve", "study", "list", "show", "new", "report", "check"):
         assert vvdp(verb, "--help").code == 0
     first_lines = vvdp("--help").out
     assert "..." not in first_lines.partition("Commands:")[2]

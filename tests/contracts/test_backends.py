@@ -43,7 +43,7 @@ SETTINGS = {
 
 
 def random_states(case, rng):
-    """Rows over the whole range that a run may pass, and beyond: vacuum, reversed flow, relief valve open, port shut."""
+    """Rows over the whole range of a run, and beyond: vacuum, reversed flow, relief valve open, port shut."""
     ranges = {
         "inlet_pressure": (1e3, 1.5e7),
         "load_pressure": (1e3, 1.5e7),
@@ -73,7 +73,7 @@ def test_right_hand_side_is_the_same_in_every_form(name, setting):
     plain = np.array([flat(circuit(t, rebuilt(case.state, iter(row.tolist())), case.command, case.params)[0])
                       for t, row in zip(times.tolist(), rows, strict=True)])  # fmt: skip
     assert np.all(np.isfinite(plain))
-    scale = np.maximum(np.max(np.abs(plain), axis=0), 1e-300)
+    scale = np.max(np.abs(plain), axis=0).clip(1e-300)
 
     together, _ = circuit(times, as_series(case.state, rows), case.command, case.params)
     arrays = np.array([np.broadcast_to(value, COUNT) for _, value, _ in leaves(together)]).T
@@ -154,8 +154,10 @@ SIGNED = {
 ANY_NUMBER = (0.2, 0.9)
 OWN_RANGES = {"power_growth": {"ratio": (0.01, 200.0), "exponent": (0.0, 0.5)}}
 FORWARD = {"flow": (1e-4, 1e-3), "duty_ratio": (0.35, 0.65)}  # for formulas that say "> 0"
-ONLY_FORWARD = {"transition_loss", "closed_form_load_flow", "compression_regime", "equilibrium_speed", "friction_area_fitted",
-                "nozzle_reynolds_number", "spool_time_constant", "stall_torque", "flow_damping"}  # fmt: skip
+ONLY_FORWARD = {
+    "transition_loss", "closed_form_load_flow", "compression_regime", "equilibrium_speed", "friction_area_fitted",
+    "nozzle_reynolds_number", "spool_time_constant", "stall_torque", "flow_damping",
+}  # fmt: skip
 # Tables and texts over many angles, searches, and energies under a law that is handed over: not for the loop.
 NOT_IN_THE_LOOP = {
     "quasi_steady_cycle", "quasi_steady_mean", "mean_load_flow", "averaged_spool_speed", "operating_point",
@@ -300,7 +302,7 @@ def test_every_formula_agrees_between_floats_arrays_and_casadi(formula_modules, 
         rng = np.random.default_rng(5)
         cases = [sampled(module, name, function, components, rng) for _ in range(20)]
         plain = np.array([numbers(function(*case)) for case in cases], float)
-        scale = np.maximum(np.max(np.abs(plain), axis=0), 1e-300)
+        scale = np.max(np.abs(plain), axis=0).clip(1e-300)
         assert np.all(np.isfinite(plain) | np.isinf(plain)), name
 
         inputs: list[list[float]] = []
@@ -356,7 +358,7 @@ def test_every_formula_agrees_between_floats_and_compiled_code(formula_modules, 
         cases = [sampled(module, name, function, components, rng) for _ in range(20)]
         plain = np.array([numbers(function(*case)) for case in cases], float)
         values = np.array([numbers(compiled(*map(record, case))) for case in cases], float)
-        scale = np.maximum(np.max(np.abs(plain), axis=0), 1e-300)
+        scale = np.max(np.abs(plain), axis=0).clip(1e-300)
         assert np.max(np.abs(np.where(values == plain, 0.0, values - plain)) / scale) < ROUNDING, name
         count += 1
     assert count > 80

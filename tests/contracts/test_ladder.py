@@ -98,8 +98,8 @@ def test_formulas_know_no_compiler(source):
 
 @pytest.mark.parametrize(
     "module",
-    ["vvdp", "vvdp.base.kinds", "vvdp.fluid.mixture", "vvdp.valve.losses", "vvdp.hydraulics.volume", "vvdp.circuits.bench",
-     "vvdp.simulation.run", "vvdp.systems.system"],
+    ["vvdp", "vvdp.base.kinds", "vvdp.fluid.mixture", "vvdp.valve.losses", "vvdp.hydraulics.volume",
+     "vvdp.circuits.bench", "vvdp.simulation.run", "vvdp.systems.system"],
 )  # fmt: skip
 def test_import_loads_nothing_heavy(module):
     """In a fresh interpreter: what the import brings along."""

@@ -72,8 +72,8 @@ def closing(factor):
 
 
 class Callable:
-    def __call__(self, t, s, u, p):
-        return s, Nothing(0.0)
+    def __call__(self, *arguments):
+        return arguments[1], Nothing(0.0)
 
 
 class Kept(NamedTuple):

@@ -33,7 +33,8 @@ ORIFICE_ONLY = {
     "throttle nearly shut": ["load.area=0.01 mm^2"],
     "throttle wide open": ["load.area=200 mm^2"],
     "stiff small line": [
-        "load_line.oil_volume=20 cc", "load_line.gas_volume=0 cc", "load_line.hose_compliance=0 1/Pa", "load.area=20 mm^2",
+        "load_line.oil_volume=20 cc", "load_line.gas_volume=0 cc", "load_line.hose_compliance=0 1/Pa",
+        "load.area=20 mm^2",
     ],
     "all of these": [
         "inlet.volume=3.7 cc", "load_line.oil_volume=20 cc", "load_line.gas_volume=0 cc", "load.area=0.01 mm^2",
@@ -90,7 +91,7 @@ def test_vacuum_at_the_inlet_is_reported_and_not_clamped(ran):
     """The pump stands, the load draws: the inlet goes down to the load's 0.063 bar absolute, below the 0.3 bar of the
     limit, and is shown there."""
     settings = ["operation.pump_speed=0 rpm", "load.pressure=-0.95 bar", "operation.duty_ratio=1.3"]
-    found, run = ran(SOURCE, settings, "0.2 s")
+    found, _ = ran(SOURCE, settings, "0.2 s")
     assert found["cavitation"]
     assert found["inlet_pressure_min_Pa"] == pytest.approx(-0.95e5, abs=200.0)
     assert found["trusted"]

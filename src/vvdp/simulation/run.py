@@ -191,7 +191,8 @@ def simulate(
             )
             if status == loop.MARKS_FULL:
                 if mark_times.size > MOST_MARKS:
-                    raise RunError(f"more than {mark_times.size} marks until t = {clock[loop.TIME]:.6g} s; does the mark jump?")
+                    reached = f"until t = {clock[loop.TIME]:.6g} s"
+                    raise RunError(f"more than {mark_times.size} marks {reached}; does the mark jump?")
                 mark_times = np.concatenate([mark_times, np.zeros_like(mark_times)])
                 mark_states = np.concatenate([mark_states, np.zeros_like(mark_states)])
             elif status in (loop.NOT_FINITE, loop.STEP_TOO_SMALL):

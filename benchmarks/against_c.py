@@ -1,0 +1,176 @@
+"""The bench with an orifice load against the same right-hand side and stepper written by hand in C."""
+
+import ctypes
+import subprocess
+import tempfile
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+from numba import njit, types
+
+from benchmarks.measure import HERE, interleaved, machine, ratios, report, spread
+from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
+from vvdp.simulation import loop
+from vvdp.simulation.run import Prepared, prepared
+from vvdp.simulation.values import leaves
+from vvdp.systems.system import System, load_system
+
+UNTIL = 0.5
+ROWS = 512
+DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
+
+
+def layout(system: System, ready: Prepared) -> str:
+    """The C header with the place of every value in the flat vectors."""
+    parts = {"P": system.case.params, "Y": system.case.state, "U": system.case.command}
+    lines = [f"#define STATES {ready.state.size}", f"#define ACTIVE {ready.active}"]
+    for prefix, value in parts.items():
+        paths = [(path, np.size(x)) for path, x, _ in leaves(value)]
+        place = 0
+        for path, size in paths:
+            if size:
+                lines.append(f"#define {prefix}_{path.replace('.', '_')} {place}")
+            place += size
+    for name, values in (("TSIT5_A", TSIT5_A), ("TSIT5_C", TSIT5_C), ("TSIT5_E", TSIT5_E)):
+        lines.append(f"#define {name} " + repr(values.tolist()).replace("[", "{").replace("]", "}"))
+    return "\n".join(lines) + "\n"
+
+
+def compiled(folder: Path, header: str, *options: str) -> Any:
+    """The C program as a library."""
+    (folder / "layout.h").write_text(header)
+    library = folder / f"bench{'-'.join(options)}.so"
+    source = str(HERE / "bench.c")
+    command = ["gcc", "-O3", *options, "-shared", "-fPIC", f"-I{folder}", source, "-o", str(library), "-lm"]
+    subprocess.run(command, check=True)
+    c = ctypes.CDLL(str(library))
+    double, long = ctypes.c_double, ctypes.c_long
+    c.rates.argtypes = [double, *[DOUBLES] * 4]
+    c.rates.restype = None
+    c.conditions.argtypes = [DOUBLES] * 2
+    c.conditions.restype = None
+    c.evaluations.argtypes = [DOUBLES, long, long, *[DOUBLES] * 3]
+    c.evaluations.restype = double
+    c.run.argtypes = [*[DOUBLES] * 5, double, double, double, long, *[DOUBLES] * 4, np.ctypeslib.ndpointer(ctypes.c_long)]
+    return c
+
+
+def random_states(ready: Prepared, count: int) -> np.ndarray:
+    """States all over the range that a run can reach, shape (count, n)."""
+    rng = np.random.default_rng(1)
+    states = rng.uniform(-1.0, 1.0, (count, ready.state.size))
+    for column in (0, 6):  # inlet and load pressure
+        states[:, column] = rng.uniform(2e4, 1.3e7, count)
+    states[:, 1:3] = rng.uniform(0.0, 1.0, (count, 2))
+    states[:, 3:5] = rng.uniform(0.0, 1e3, (count, 2))
+    states[:, 5] = rng.uniform(-50.0, 500.0, count)
+    return states
+
+
+def vvdp_run(ready: Prepared) -> tuple[np.ndarray, np.ndarray]:
+    """Final state and clock of an explicit run that records nothing."""
+    n, clock = ready.state.size, np.zeros(loop.CLOCK)
+    y, u, memory = ready.state.copy(), ready.command.copy(), ready.memory.copy()
+    clock[loop.STEP], clock[loop.METHOD] = 1e-6, loop.EXPLICIT
+    status = loop.run(
+        *ready.linked[:4],
+        *(y, u, memory, ready.params, ready.settings, ready.atol, ready.rtol, ready.scale, clock),
+        *(ready.active, 1e-3, UNTIL, 0.0, loop.ONLY_EXPLICIT, 1e300, 1),
+        *(np.zeros(0), np.zeros((0, n)), np.zeros((0, u.size)), np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),
+    )
+    assert status == loop.DONE
+    return y, clock
+
+
+def c_run(c: Any, ready: Prepared) -> tuple[np.ndarray, np.ndarray]:
+    """Final state and counts of the same run in C."""
+    y, u, counts = ready.state.copy(), ready.command.copy(), np.zeros(3, ctypes.c_long)
+    status = c.run(
+        *(y, u, ready.params, ready.atol, ready.rtol, 1e-6, 1e-3, UNTIL),
+        *(ROWS, np.zeros(ROWS), np.zeros((ROWS, y.size)), y.copy(), y.copy(), counts),
+    )
+    assert status == 0
+    return y, counts
+
+
+@njit(
+    types.void(loop.RATES, loop.MATRIX, types.int64, loop.VECTOR, loop.VECTOR, loop.VECTOR),
+    error_model="numpy",
+)
+def evaluations(rates: Any, states: Any, rounds: Any, u: Any, p: Any, dy: Any) -> None:
+    """As many evaluations as asked over the rows of a table of states."""
+    for _ in range(rounds):
+        for row in range(states.shape[0]):
+            rates(0.1, states[row], u, p, dy)
+
+
+def main() -> None:
+    """Compares values, then times."""
+    print(machine())
+    system = load_system("prototype")
+    ready = prepared(system.model, system.case, 1e-7)
+    with tempfile.TemporaryDirectory() as folder:
+        header = layout(system, ready)
+        c, native = compiled(Path(folder), header), compiled(Path(folder), header, "-march=native")
+        states = random_states(ready, 1000)
+        ours, theirs = np.zeros_like(states), np.zeros_like(states)
+        command = np.zeros_like(ready.command)
+        c.conditions(ready.params, command)
+        worst_condition = np.max(np.abs(command / ready.command - 1.0), where=ready.command != 0.0, initial=0.0)
+        report("conditions, largest relative difference", f"{worst_condition:.1e}", "1e-12", worst_condition <= 1e-12)
+        for row, state in enumerate(states):
+            ready.linked.rates(0.1, state, ready.command, ready.params, ours[row])
+            c.rates(0.1, state, ready.command, ready.params, theirs[row])
+        worst = np.max(np.abs(ours - theirs) / np.maximum(np.abs(ours).max(axis=0), 1e-300))
+        report("rates, largest relative difference", f"{worst:.1e} over 1000 random states", "1e-12", worst <= 1e-12)
+        (final, clock), (c_final, counts) = vvdp_run(ready), c_run(c, ready)
+        weight = ready.scale + np.abs(final)
+        report("final states, largest weighted difference", f"{np.max(np.abs(final - c_final) / weight):.1e}")
+        report("attempted steps", f"{int(clock[loop.STEPS])} and in C {counts[0]}")
+
+        table, dy = np.ascontiguousarray(trajectory(ready)), np.zeros_like(final)
+        arguments = (table, len(table), 10, ready.command, ready.params, dy)
+        times = interleaved(
+            {
+                "vvdp": lambda: evaluations(ready.linked.rates, table, 10, ready.command, ready.params, dy),
+                "C": lambda: c.evaluations(*arguments),
+                "C native": lambda: native.evaluations(*arguments),
+            },
+            31,
+        )
+        for name, found in times.items():
+            report(f"one evaluation, {name}", spread(found, "ns", 1e8 / len(table)))
+        show("one evaluation", times)
+        times = interleaved({"vvdp": lambda: vvdp_run(ready), "C": lambda: c_run(c, ready), "C native": lambda: c_run(native, ready)}, 31)
+        for name, found in times.items():
+            report(f"run of {UNTIL:g} s, {name}", spread(found, "ms", 1e3))
+        show("run", times)
+
+
+def show(what: str, times: dict[str, list[float]]) -> None:
+    """The ratios, by neighbours and by the least disturbed of all."""
+    for name in ("C", "C native"):
+        found = ratios(times, "vvdp", name)
+        best = min(times["vvdp"]) / min(times[name])
+        target = ("1.2", median(found) <= 1.2) if name == "C" else ()
+        report(f"{what}, vvdp over {name}", f"{spread(found, 'times')}; of the shortest {best:.3f}", *target)
+
+
+def trajectory(ready: Prepared) -> np.ndarray:
+    """The states that a run passes through, every 20 us, shape (rows, n)."""
+    n, clock, times = ready.state.size, np.zeros(loop.CLOCK), np.arange(0.0, 0.05, 2e-5)
+    y, u, record = ready.state.copy(), ready.command.copy(), np.zeros((times.size, n))
+    clock[loop.STEP], clock[loop.METHOD] = 1e-6, loop.EXPLICIT
+    loop.run(
+        *ready.linked[:4],
+        *(y, u, ready.memory.copy(), ready.params, ready.settings, ready.atol, ready.rtol, ready.scale, clock),
+        *(ready.active, 1e-3, 0.06, 0.0, loop.ONLY_EXPLICIT, 1e300, 1),
+        *(times, record, np.zeros((times.size, u.size)), np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),
+    )
+    return record
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,84 @@
+"""`vvdp study`."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vvdp.cli.options import AsJson
+
+if TYPE_CHECKING:
+    from vvdp.studies.results import StudyResults
+
+INTERRUPTED = 130
+
+
+def study(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The study, a TOML file; see docs/studies.md.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Where the cases are kept; by default results/NAME.")
+    ] = None,
+    cores: Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")] = None,
+    json: AsJson = False,
+) -> None:
+    """Run many cases of a system; a rerun goes on where it stopped.
+
+    Ctrl-C ends the study after the batch at hand. All columns are written to study.csv.
+    """
+    from vvdp.cli.screen import print_json, say, warn
+    from vvdp.studies.run import run_study
+    from vvdp.studies.study import load_study
+
+    wanted = load_study(file)
+    directory = out if out is not None else Path("results", file.stem)
+    with _listener() as progress:
+        results = run_study(wanted, directory, cores=cores, progress=progress, say=say)
+    results.write_csv(directory / "study.csv")
+    if json:
+        columns = {**results.inputs, **results.outputs}
+        print_json({name: column.values.tolist() for name, column in columns.items()} | {"out": str(directory)})
+    else:
+        _print(results)
+        for failure in results.failures:
+            warn(f"case {failure.case} failed: {failure.reason}")
+        typer.echo(f"results: {directory / 'study.csv'}")
+    if not results.finished:
+        say(f"interrupted with {len(results.missing)} cases to go; the same command goes on from here")
+        raise typer.Exit(INTERRUPTED)
+
+
+def _print(results: "StudyResults") -> None:
+    """Extremes of every column: what a person looks at before opening the table."""
+    import numpy as np
+
+    from vvdp.cli.screen import console, grid
+
+    table = grid("quantity", "lowest", "highest", "mean", "unit", right=("lowest", "highest", "mean"))
+    for name, column in {**results.inputs, **results.outputs}.items():
+        values = column.values
+        if values.dtype.kind != "f":
+            table.add_row(name, f"{len(set(values.tolist()))} different", "", "", "")
+            continue
+        known = values[np.isfinite(values)]
+        low, high, mean = (f"{f(known):.5g}" if known.size else "-" for f in (np.min, np.max, np.mean))
+        table.add_row(name, low, high, mean, column.unit)
+    console().print(table)
+    typer.echo(f"{results.ran} cases run in {results.seconds:.2f} s, {len(results.failures)} failed")
+
+
+@contextmanager
+def _listener() -> Iterator[Callable[[int, int], None]]:
+    """What hears how many cases are done, of all: a bar on a terminal, a line elsewhere; both on stderr."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if not screen.is_terminal:
+        yield lambda done, total: say(f"{done} of {total} cases")
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    with Progress(MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
+        task = bar.add_task("")
+        yield lambda done, total: bar.update(task, completed=done, total=total)

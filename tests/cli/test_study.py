@@ -1,0 +1,56 @@
+"""`vvdp study` and its guide."""
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+GUIDE = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", GUIDE, re.DOTALL)
+
+
+def test_grid_of_the_guide(vvdp, here):
+    (here / "duty.toml").write_text(blocks("toml")[0])
+    done = vvdp("study", "duty.toml", "--json")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert found["operation.duty_ratio"] == pytest.approx([0.3, 0.3, 0.5, 0.5, 0.7, 0.7])
+    flow = np.array(found["mean_load_flow_m3_s"])
+    assert np.all(np.diff(flow[::2]) > 0.0)  # more load flow with more duty
+    rows = list(csv.reader((here / "results" / "duty" / "study.csv").open()))
+    assert len(rows) == 1 + 6
+    assert "mean_load_flow_m3_s [m^3/s]" in rows[0]
+    again = vvdp("study", "duty.toml")
+    assert "0 cases run" in again.out
+    assert "6 of 6 cases" in again.err
+
+
+def test_random_spreads_of_the_guide(vvdp, here):
+    (here / "spread.toml").write_text(blocks("toml")[1].replace("count = 20", "count = 3"))
+    done = vvdp("study", "spread.toml", "--out", "kept", "--cores", "1")
+    assert done.code == 0, done.err
+    assert "3 cases run" in done.out
+    assert (here / "kept" / "study.csv").is_file()
+
+
+def test_python_of_the_guide(here):
+    scope: dict[str, object] = {}
+    exec(blocks("python")[0], scope)
+    efficiency = scope["results"].outputs["efficiency"].values
+    assert np.all((efficiency > 0.0) & (efficiency < 1.0))
+
+
+def test_what_does_not_fit_is_refused(vvdp, here):
+    text = 'system = "prototype"\nuntil = "0.1 s"\noutputs = ["efficiency"]\n[grid]\n"operation.duty_ratio" = ["0.5"]\n'
+    (here / "bad.toml").write_text(text.replace("efficiency", "efficienc"))
+    refused = vvdp("study", "bad.toml")
+    assert refused.code == 2
+    assert "efficienc" in refused.err
+    assert vvdp("study", "nowhere.toml").code == 2
+    assert vvdp("study", "bad.toml", "--cores", "0").code == 2
