@@ -69,7 +69,9 @@ def test_modulus_and_enthalpy_are_those_of_the_volume(make_oil, air, exponent, o
     assert ratio == pytest.approx(np.exp(-yielded), rel=1e-11)
     gained = over_pressure(lambda P: specific_volume_ratio(P, oil), low, high)
     # abs: two enthalpies of up to 1e8 Pa are subtracted
-    assert enthalpy(high, oil) - enthalpy(low, oil) == pytest.approx(gained, rel=1e-11, abs=64 * np.finfo(float).eps * high)
+    assert enthalpy(high, oil) - enthalpy(low, oil) == pytest.approx(
+        gained, rel=1e-11, abs=64 * np.finfo(float).eps * high
+    )
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.4])

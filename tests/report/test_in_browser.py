@@ -5,6 +5,7 @@ import shutil
 import subprocess
 
 import pytest
+
 from vvdp.report.report import write_report
 
 QUIET = (

@@ -11,6 +11,9 @@ class Nothing(NamedTuple):
     unused: float = 0.0
 
 
+NOTHING = Nothing()
+
+
 class Books(NamedTuple):
     """Integral states of a circuit, last in its state under the name `books`. Rates never depend on them.
 
@@ -23,7 +26,7 @@ class Books(NamedTuple):
     spent: Any
     taken_in: TankVolume
     given_out: TankVolume
-    totals: Any = Nothing()
+    totals: Any = NOTHING
 
 
 class Stored(NamedTuple):

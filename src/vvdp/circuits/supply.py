@@ -162,9 +162,7 @@ def supply_program(t: float, memory: Nothing, measured: object, settings: Supply
     return memory, conditions(t, settings)
 
 
-def supply(
-    t: float, s: SupplyState, u: Conditions, load_pressure: float, load: FluidState, p: SupplyParams
-) -> Supply:
+def supply(t: float, s: SupplyState, u: Conditions, load_pressure: float, load: FluidState, p: SupplyParams) -> Supply:
     """The supply working against `load_pressure` (absolute [Pa], oil there in state `load`) at time `t` [s]."""
     tank_pressure, tank = u.tank_pressure, u.tank
     shaft_speed = signal_value(t, p.operation.pump_speed)

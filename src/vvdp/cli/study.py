@@ -57,10 +57,10 @@ def _print(results: "StudyResults") -> None:
 
     table = grid("quantity", "lowest", "highest", "mean", "unit", right=("lowest", "highest", "mean"))
     for name, column in {**results.inputs, **results.outputs}.items():
-        values = column.values
-        if values.dtype.kind != "f":
-            table.add_row(name, f"{len(set(values.tolist()))} different", "", "", "")
+        if column.values.dtype.kind != "f":
+            table.add_row(name, f"{len(set(column.values.tolist()))} different", "", "", "")
             continue
+        values = column.values.astype(float)
         known = values[np.isfinite(values)]
         low, high, mean = (f"{f(known):.5g}" if known.size else "-" for f in (np.min, np.max, np.mean))
         table.add_row(name, low, high, mean, column.unit)

@@ -4,6 +4,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from vvdp.base.books import Stored
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     Area,
@@ -22,7 +23,6 @@ from vvdp.base.params import Params
 from vvdp.base.select import maximum
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
-from vvdp.base.books import Stored
 from vvdp.hydraulics.volume import Vessel, pressure_rate, stored
 
 IMPACT_DAMPING = Kind("impact damping", "s/m", 0.0, 1e4, "1 s/m")

@@ -359,7 +359,10 @@ def batch(
     active, period, t_end, marks_from, step, method,
     mark_times, mark_states, low, high, clocks, status,
 ):  # fmt: skip
-    """Runs one case per row of `params` and `y` (`y` and `command` changed in place), all cores; of the marks keeps the first and the last."""
+    """Runs one case per row of `params` and `y` on all cores; of the marks keeps the first and the last.
+
+    `y` and `command` are changed in place.
+    """
     for case in prange(params.shape[0]):
         n = y.shape[1]
         own_memory = memory.copy()

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vvdp.base.books import Nothing
+from vvdp.base.books import NOTHING, Nothing
 
 
 def no_program(t: float, memory: Any, measured: Any, settings: Any) -> tuple[Any, Any]:
@@ -53,6 +53,6 @@ class Case:
 
     state: Any
     params: Any
-    command: Any = Nothing()
-    memory: Any = Nothing()
-    settings: Any = Nothing()
+    command: Any = NOTHING
+    memory: Any = NOTHING
+    settings: Any = NOTHING

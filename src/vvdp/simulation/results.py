@@ -124,7 +124,7 @@ def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, 
         _dataset(file, "marks/time", run.mark_times, "s", "time of each mark")
         for column, (path, _, kind) in enumerate(leaves(run.case.state)):
             _dataset(file, f"marks/states/{path}", run.mark_states[:, column], *_described(path, kind))
-    os.replace(temporary, folder / "result.h5")
+    temporary.replace(folder / "result.h5")
 
 
 def _described(path: str, kind: Kind | None) -> tuple[str, str]:

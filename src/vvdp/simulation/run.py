@@ -52,7 +52,7 @@ class Stepping(Params):
             raise ParameterError(f"relative_tolerance = {self.relative_tolerance:g}; expected 1e-13 to 0.01")
         rows = self.until / self.record_interval + min(self.window, self.until) / self.window_interval
         if rows > 2e7:
-            raise ParameterError(f"{rows:.3g} rows would be recorded; at most 2e7: record less often or in a shorter window")
+            raise ParameterError(f"{rows:.3g} rows to record; at most 2e7: record less often or in a shorter window")
 
     @property
     def record_times(self) -> Array:
@@ -82,7 +82,9 @@ class Prepared:
     active: int
 
 
-def prepared(model: Model, case: Case, tolerance: float, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Prepared:
+def prepared(
+    model: Model, case: Case, tolerance: float, cache: Path | None = None, say: Callable[[str], None] = quiet
+) -> Prepared:
     """Everything that the loop needs. The books take no part in the error control: it is they that judge it."""
     kinds = [(path, kind) for path, _, kind in leaves(case.state)]
     linked = link(model, case, cache, say)
@@ -243,6 +245,7 @@ def compiled_loop(say: Callable[[str], None]) -> Any:
 
 def failure(case: Case, reached: float, state: Array, infinite: bool) -> str:
     """Why a case could not be carried past the time `reached` [s], with its state there, shape (n,)."""
-    values = ", ".join(f"{path} = {x:.4g}" for (path, _, _), x in zip(leaves(case.state), state, strict=False) if not path.startswith("books."))
+    found = ((path, x) for (path, _, _), x in zip(leaves(case.state), state, strict=False))
+    values = ", ".join(f"{path} = {x:.4g}" for path, x in found if not path.startswith("books."))
     why = "a rate is no longer finite (a pressure at absolute zero?)" if infinite else "the step has become too small"
     return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
-from vvdp.base.kinds import Ratio, Time
+from vvdp.base.kinds import TIME, Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.tables import ORIGIN, Sourced, Table, build, parsed_table, read_table, with_settings
 from vvdp.base.units import parsed
-from vvdp.base.kinds import TIME
 from vvdp.circuits.supply import Operation
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
@@ -223,7 +222,8 @@ def _bench(table: Table, faults: list[Fault]) -> Bench | None:
     if isinstance(circuit, str) and circuit in BENCHES:
         return BENCHES[circuit]
     what = "missing" if circuit is None else f"{circuit!r} is not a circuit"
-    faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"{what}; expected {', '.join(BENCHES)}"))
+    message = f"{what}; expected {', '.join(BENCHES)}"
+    faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", message))
     return None
 
 
