@@ -352,7 +352,7 @@ def test_stiff_follower_of_a_smooth_curve(method):
         ({"until": 0.0}, "until"),
         ({"until": 1.0, "sample_period": 0.0}, "sample_period"),
         ({"until": 1.0, "relative_tolerance": 0.1}, "relative_tolerance"),
-        ({"until": 1.0, "window_interval": 1e-9}, "rows would be recorded"),
+        ({"until": 1.0, "window_interval": 1e-9}, "at most 2e7"),
     ],
 )
 def test_impossible_stepping_is_refused(values, told):

@@ -1,0 +1,56 @@
+"""A thousand parameter sets through one compiled call, on one and on two threads."""
+
+import os
+
+# Numba can be asked for less than this later, not for more.
+os.environ.setdefault("NUMBA_NUM_THREADS", "2")
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from statistics import median
+
+import numpy as np
+
+from benchmarks.measure import interleaved, machine, ratios, report, spread
+from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.model import Case
+from vvdp.systems.system import System, load_system
+
+COUNT = 1000
+TARGET = 1.7
+
+
+def cases(system: System) -> Iterator[Case]:
+    """Duty ratio and relief setting all over their range."""
+    supply = system.case.params.supply
+    rng = np.random.default_rng(1)
+    for duty, setting in zip(rng.uniform(0.2, 0.8, COUNT), rng.uniform(1.1e7, 1.4e7, COUNT), strict=True):
+        axial = replace(supply.operation.axial_position, base=float(duty) * supply.valve.helix_length)
+        changed = replace(
+            supply,
+            operation=replace(supply.operation, axial_position=axial),
+            relief_valve=replace(supply.relief_valve, cracking_pressure=float(setting)),
+        )
+        yield replace(system.case, params=replace(system.case.params, supply=changed), settings=changed)
+
+
+def main() -> None:
+    """Checks that the threads change nothing, then times."""
+    print(machine())
+    system = load_system("prototype", until="0.05 s")
+    chosen = list(cases(system))
+    batch = partial(simulate_batch, system.model, chosen, system.stepping, 0.0)
+    one, two = batch(cores=1), batch(cores=2)
+    assert not any(one.reasons) and np.array_equal(one.final, two.final)
+    times = interleaved({"one thread": partial(batch, cores=1), "two threads": partial(batch, cores=2)})
+    for name, found in times.items():
+        report(f"{COUNT} cases of {system.stepping.until:g} s, {name}", spread(found, "s"))
+    simulated = COUNT * system.stepping.until
+    report("simulated s per s, two threads", spread([simulated / x for x in times["two threads"]], "times"))
+    found = ratios(times, "one thread", "two threads")
+    report("two threads, faster by", spread(found, "times"), f"{TARGET:g}", median(found) >= TARGET)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+"""What a person waits for: the help, the first run ever, a later run, a circuit that was never compiled."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from statistics import median
+
+from benchmarks.measure import ROUNDS, empty_caches, in_new_process, machine, report, spread
+
+UNTIL_IT_STARTS = """
+import json, time
+began = {began!r}
+from vvdp.simulation.run import compiled_loop, prepared
+from vvdp.systems.system import load_system
+heard = []
+system = load_system("prototype")
+prepared(system.model, system.case, 1e-7, say=heard.append)
+linked = time.time()
+compiled_loop(heard.append)
+print(json.dumps({{"start": time.time() - began, "linked": linked - began, "compiled": len(heard)}}))
+"""
+
+COMPILE_OWN = """
+import json, sys, time
+sys.path.insert(0, {folder!r})
+from vvdp.simulation.run import compiled_loop, prepared
+import numba
+from own import case, model
+began = time.perf_counter()
+prepared(model, case, 1e-7)
+print(json.dumps({{"compile": time.perf_counter() - began}}))
+"""
+
+OWN = """
+from typing import NamedTuple
+from vvdp.base.kinds import Flow, Pressure
+from vvdp.base.params import Params
+from vvdp.fluid.mixture import fluid_state
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.line import Line, line_flow_rate
+from vvdp.hydraulics.volume import closed_volume_rate
+from vvdp.simulation.model import Case, Model
+from vvdp.systems.system import load_system
+
+
+class State(NamedTuple):
+{fields}
+
+
+class Outputs(NamedTuple):
+    flow: Flow
+
+
+class Values(Params):
+    oil: Oil
+    line: Line
+
+
+def chain(t, s, u, p):
+    rho, mu = p.oil.density, 0.04
+    tank = fluid_state(p.oil.reference_pressure, p.oil)
+{fluids}
+    return State(
+{rates}
+    ), Outputs(s.q{last})
+
+
+oil = load_system("prototype").case.params.supply.oil
+model = Model(chain)
+case = Case(State(*[1e6] * {volumes}, *[1e-4] * {volumes}), Values(oil=oil, line=Line(length=1.0, diameter=0.02)))
+"""
+
+
+def own_circuit(volumes: int, constant: float) -> str:
+    """The text of a chain of volumes and lines with twice as many states; `constant` makes it a new one."""
+    count = range(volumes)
+    flows = [repr(1e-4 + 1e-9 * constant), *(f"s.q{i}" for i in count)]
+    states = [*(f"f{i}" for i in count), "tank"]
+    pressures = [f"        closed_volume_rate({flows[i]} - s.q{i}, 0.0, 1e-4, f{i})," for i in count]
+    lines = [f"        line_flow_rate(s.q{i}, {states[i]}, {states[i + 1]}, rho, mu, p.line)," for i in count]
+    return OWN.format(
+        fields="\n".join([f"    p{i}: Pressure" for i in count] + [f"    q{i}: Flow" for i in count]),
+        fluids="\n".join(f"    f{i} = fluid_state(s.p{i}, p.oil)" for i in count),
+        rates="\n".join(pressures + lines),
+        last=volumes - 1,
+        volumes=volumes,
+    )
+
+
+def started() -> dict[str, float]:
+    """How long a new process takes until the simulation starts."""
+    return in_new_process(UNTIL_IT_STARTS.format(began=time.time()))
+
+
+def helped() -> float:
+    """How long `vvdp --help` takes."""
+    began = time.perf_counter()
+    subprocess.run([sys.executable, "-m", "vvdp", "--help"], check=True, capture_output=True)
+    return time.perf_counter() - began
+
+
+def own_compiled(number: int) -> float:
+    """How long a new circuit of 32 states takes to compile."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "own.py").write_text(own_circuit(16, number + time.time()))
+        environment = {**os.environ, "VVDP_CACHE": f"{folder}/circuits"}
+        return in_new_process(COMPILE_OWN.format(folder=folder), environment)["compile"]
+
+
+def main() -> None:
+    """First-ever compilation a few times, everything else more often."""
+    print(machine())
+    first = []
+    for _ in range(3):
+        with empty_caches() as environment:
+            first.append(in_new_process(UNTIL_IT_STARTS.format(began=time.time()), environment))
+    report("first run ever, until it starts", spread([x["start"] for x in first], "s"))
+    report("   of which the loop", spread([x["start"] - x["linked"] for x in first], "s"))
+    started(), helped()  # into the caches
+    starts, helps = [], []
+    for _ in range(ROUNDS):
+        starts.append(started()["start"])
+        helps.append(helped())
+    report("later run, until it starts", spread(starts, "s"), "1.5 s", median(starts) < 1.5)
+    report("vvdp --help", spread(helps, "s"), "0.4 s", median(helps) < 0.4)
+    compiled = [own_compiled(i) for i in range(5)]
+    report("new circuit of 32 states, compiled", spread(compiled, "s"), "6 s", median(compiled) < 6.0)
+
+
+if __name__ == "__main__":
+    main()
