@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numba import njit, types
 
+from benchmarks.bare import ROWS, bare_run
 from benchmarks.measure import HERE, interleaved, machine, ratios, report, spread
 from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
 from vvdp.simulation import loop
@@ -18,7 +19,6 @@ from vvdp.simulation.values import leaves
 from vvdp.systems.system import System, load_system
 
 UNTIL = 0.5
-ROWS = 512
 DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 
@@ -53,7 +53,15 @@ def compiled(folder: Path, header: str, *options: str) -> Any:
     c.conditions.restype = None
     c.evaluations.argtypes = [DOUBLES, long, long, *[DOUBLES] * 3]
     c.evaluations.restype = double
-    c.run.argtypes = [*[DOUBLES] * 5, double, double, double, long, *[DOUBLES] * 4, np.ctypeslib.ndpointer(ctypes.c_long)]
+    c.run.argtypes = [
+        *[DOUBLES] * 5,
+        double,
+        double,
+        double,
+        long,
+        *[DOUBLES] * 4,
+        np.ctypeslib.ndpointer(ctypes.c_long),
+    ]
     return c
 
 
@@ -69,23 +77,8 @@ def random_states(ready: Prepared, count: int) -> np.ndarray:
     return states
 
 
-def vvdp_run(ready: Prepared) -> tuple[np.ndarray, np.ndarray]:
-    """Final state and clock of an explicit run that records nothing."""
-    n, clock = ready.state.size, np.zeros(loop.CLOCK)
-    y, u, memory = ready.state.copy(), ready.command.copy(), ready.memory.copy()
-    clock[loop.STEP], clock[loop.METHOD] = 1e-6, loop.EXPLICIT
-    status = loop.run(
-        *ready.linked[:4],
-        *(y, u, memory, ready.params, ready.settings, ready.atol, ready.rtol, ready.scale, clock),
-        *(ready.active, 1e-3, UNTIL, 0.0, loop.ONLY_EXPLICIT, 1e300, 1),
-        *(np.zeros(0), np.zeros((0, n)), np.zeros((0, u.size)), np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),
-    )
-    assert status == loop.DONE
-    return y, clock
-
-
 def c_run(c: Any, ready: Prepared) -> tuple[np.ndarray, np.ndarray]:
-    """Final state and counts of the same run in C."""
+    """Final state and counts of the same run in C: attempted steps, refused ones, marks."""
     y, u, counts = ready.state.copy(), ready.command.copy(), np.zeros(3, ctypes.c_long)
     status = c.run(
         *(y, u, ready.params, ready.atol, ready.rtol, 1e-6, 1e-3, UNTIL),
@@ -118,19 +111,25 @@ def main() -> None:
         ours, theirs = np.zeros_like(states), np.zeros_like(states)
         command = np.zeros_like(ready.command)
         c.conditions(ready.params, command)
-        worst_condition = np.max(np.abs(command / ready.command - 1.0), where=ready.command != 0.0, initial=0.0)
+        worst_condition = np.max(np.abs(command - ready.command) / np.maximum(np.abs(ready.command), 1e-300))
         report("conditions, largest relative difference", f"{worst_condition:.1e}", "1e-12", worst_condition <= 1e-12)
         for row, state in enumerate(states):
             ready.linked.rates(0.1, state, ready.command, ready.params, ours[row])
             c.rates(0.1, state, ready.command, ready.params, theirs[row])
         worst = np.max(np.abs(ours - theirs) / np.maximum(np.abs(ours).max(axis=0), 1e-300))
         report("rates, largest relative difference", f"{worst:.1e} over 1000 random states", "1e-12", worst <= 1e-12)
-        (final, clock), (c_final, counts) = vvdp_run(ready), c_run(c, ready)
-        weight = ready.scale + np.abs(final)
-        report("final states, largest weighted difference", f"{np.max(np.abs(final - c_final) / weight):.1e}")
+        (final, clock, _), (c_final, counts) = bare_run(ready, UNTIL), c_run(c, ready)
+        fine, _, _ = bare_run(prepared(system.model, system.case, 1e-11), UNTIL)
+        weight = ready.scale + np.abs(fine)
+        apart, error, c_error = (
+            np.max(np.abs(a - b) / weight) for a, b in ((final, c_final), (final, fine), (c_final, fine))
+        )
+        report(
+            "final states, largest weighted difference", f"{apart:.1e}; to one at 1e-11 {error:.1e}, in C {c_error:.1e}"
+        )
         report("attempted steps", f"{int(clock[loop.STEPS])} and in C {counts[0]}")
 
-        table, dy = np.ascontiguousarray(trajectory(ready)), np.zeros_like(final)
+        (_, _, table), dy = bare_run(ready, 0.05, np.arange(0.0, 0.05, 2e-5)), np.zeros_like(final)
         arguments = (table, len(table), 10, ready.command, ready.params, dy)
         times = interleaved(
             {
@@ -143,7 +142,14 @@ def main() -> None:
         for name, found in times.items():
             report(f"one evaluation, {name}", spread(found, "ns", 1e8 / len(table)))
         show("one evaluation", times)
-        times = interleaved({"vvdp": lambda: vvdp_run(ready), "C": lambda: c_run(c, ready), "C native": lambda: c_run(native, ready)}, 31)
+        times = interleaved(
+            {
+                "vvdp": lambda: bare_run(ready, UNTIL),
+                "C": lambda: c_run(c, ready),
+                "C native": lambda: c_run(native, ready),
+            },
+            31,
+        )
         for name, found in times.items():
             report(f"run of {UNTIL:g} s, {name}", spread(found, "ms", 1e3))
         show("run", times)
@@ -156,20 +162,6 @@ def show(what: str, times: dict[str, list[float]]) -> None:
         best = min(times["vvdp"]) / min(times[name])
         target = ("1.2", median(found) <= 1.2) if name == "C" else ()
         report(f"{what}, vvdp over {name}", f"{spread(found, 'times')}; of the shortest {best:.3f}", *target)
-
-
-def trajectory(ready: Prepared) -> np.ndarray:
-    """The states that a run passes through, every 20 us, shape (rows, n)."""
-    n, clock, times = ready.state.size, np.zeros(loop.CLOCK), np.arange(0.0, 0.05, 2e-5)
-    y, u, record = ready.state.copy(), ready.command.copy(), np.zeros((times.size, n))
-    clock[loop.STEP], clock[loop.METHOD] = 1e-6, loop.EXPLICIT
-    loop.run(
-        *ready.linked[:4],
-        *(y, u, ready.memory.copy(), ready.params, ready.settings, ready.atol, ready.rtol, ready.scale, clock),
-        *(ready.active, 1e-3, 0.06, 0.0, loop.ONLY_EXPLICIT, 1e300, 1),
-        *(times, record, np.zeros((times.size, u.size)), np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),
-    )
-    return record
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 /* The bench with an orifice load and its explicit stepper, written by hand: what the compiled circuit is measured against.
  *
- * The places of all values in the flat vectors (P_ parameters, Z_ settings, Y_ state, U_ command) and the coefficients
+ * The places of all values in the flat vectors (P_ parameters, Y_ state, U_ command) and the coefficients
  * of the method come from layout.h, which against_c.py writes from the system itself. Everything prescribed is
  * constant here. The formulas are those of vvdp.circuits.bench and vvdp.circuits.supply, the stepper that of
  * vvdp.simulation.loop; comments there are not repeated. */

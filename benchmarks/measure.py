@@ -63,10 +63,10 @@ def machine() -> str:
 
 
 @contextmanager
-def empty_caches() -> Iterator[dict[str, str]]:
-    """An environment whose compiled code is nowhere yet."""
+def empty_caches(environment: Mapping[str, str]) -> Iterator[dict[str, str]]:
+    """`environment` with caches for compiled code that are empty yet."""
     with tempfile.TemporaryDirectory() as folder:
-        yield {**os.environ, "VVDP_CACHE": f"{folder}/circuits", "NUMBA_CACHE_DIR": f"{folder}/numba"}
+        yield {**environment, "VVDP_CACHE": f"{folder}/circuits", "NUMBA_CACHE_DIR": f"{folder}/numba"}
 
 
 def in_new_process(code: str, environment: Mapping[str, str] | None = None) -> dict[str, float]:

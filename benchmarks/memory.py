@@ -19,13 +19,16 @@ system = load_system("prototype", until="10 s")
 run = simulate(system.model, system.case, system.stepping)
 """ + PEAK.replace("{{", "{").replace("}}", "}")
 
-COMMAND = """
+COMMAND = (
+    """
 from vvdp.cli.main import main
 try:
     main(["run", "prototype", "--until", "10 s", "--out", {folder!r}])
 except SystemExit as end:
     assert not end.code, end.code
-""" + PEAK
+"""
+    + PEAK
+)
 
 TARGET = 400.0
 ROUNDS = 3

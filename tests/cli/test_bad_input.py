@@ -201,7 +201,7 @@ def test_a_file_that_may_not_be_read(here, refused, monkeypatch):
         ("operation.duty_ratio={ramp=['0','1'], from='1 s', to='0 s'}", "before it begins"),
         ("operation.duty_ratio={table=[['1 s','0'],['0 s','1']]}", "backwards"),
         ("title.a=3", "'title' is not a table"),
-        ("operation.axial_position=10 mm", "contradicts"),
+        ("operation.axial_position=10 km", "is outside"),
     ],
 )
 def test_bad_settings(refused, setting, said):

@@ -155,6 +155,15 @@ def test_what_cannot_be_compiled_is_told_in_one_readable_message(tmp_path):
     assert len(message.splitlines()) <= 6
 
 
+def choosing(t: float, s: Level, u: Nothing, p: Gain) -> tuple[Level, Nothing]:
+    return Level(-s.x if s.x > 1.0 else s.x), Nothing(0.0)
+
+
+def test_choice_by_a_state_is_refused_before_it_fails_on_recorded_columns(tmp_path):
+    with pytest.raises(RunError, match="choosing chooses by a state; write the choice with select"):
+        link(Model(choosing), CASE, tmp_path)
+
+
 def test_after_a_failed_compilation_the_next_attempt_fails_alike(tmp_path):
     for _ in range(2):
         with pytest.raises(RunError, match="cannot be compiled"):

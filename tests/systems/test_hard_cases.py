@@ -30,6 +30,7 @@ BOTH = {
 }
 ORIFICE_ONLY = {
     "small line": ["load_line.oil_volume=20 cc", "load_line.gas_volume=0 cc"],
+    "load pulsing around the precharge": ["load_line.precharge_pressure=99 bar"],
     "throttle nearly shut": ["load.area=0.01 mm^2"],
     "throttle wide open": ["load.area=200 mm^2"],
     "stiff small line": [

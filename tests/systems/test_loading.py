@@ -92,7 +92,7 @@ def test_all_faults_are_told_at_once():
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
-        (["operation.axial_position=5 mm"], "contradicts operation.duty_ratio"),
+        (["operation.axial_position=5 mm", "operation.duty_ratio=0.2"], "contradicts operation.duty_ratio"),
         (["engine.speed=3 rpm"], "unknown table"),
         (["operation.oil_temperature=warm"], "oil_temperature"),
         (["operation.pump_speed=30 Hz"], "1800 rpm"),
@@ -143,3 +143,10 @@ def test_missing_key_and_missing_table(tmp_path):
 
 def test_circuit_that_does_not_exist(tmp_path):
     assert any("orifice-load" in f and "constant-load" in f for f in broken(tmp_path, '"orifice-load"', '"orifice"'))
+
+
+def test_axial_position_on_the_command_line_replaces_the_duty_ratio():
+    found = load_system("prototype", ["operation.axial_position=5.08 mm"]).case.params
+    expected = load_system("prototype", ["operation.duty_ratio=0.25"]).case.params  # 0.25 * 20.32 mm
+    position = found.supply.operation.axial_position.base
+    assert position == pytest.approx(expected.supply.operation.axial_position.base, rel=1e-14)

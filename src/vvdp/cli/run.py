@@ -123,28 +123,31 @@ def _listener(until: float) -> Iterator[Callable[[float], None]]:
         yield lambda reached: bar.update(task, completed=reached)
 
 
-# What a person is shown: label, key, key of the closed form, name of the unit.
+VALVE_LOSS = ("loss_full_open_W", "loss_transition_W")
+
+# What a person is shown: label, keys that are added up, those of the closed form, name of the unit.
 SHOWN = (
-    ("PWM frequency", "pwm_frequency_Hz", "analytic_pwm_frequency_Hz", "Hz"),
-    ("pump flow", "mean_pump_flow_m3_s", "", "lpm"),
-    ("flow to the load", "mean_load_flow_m3_s", "analytic_load_flow_m3_s", "lpm"),
-    ("flow to the tank", "mean_tank_flow_m3_s", "", "lpm"),
-    ("flow over the relief valve", "mean_relief_flow_m3_s", "", "lpm"),
-    ("leakage of the valve", "mean_leakage_flow_m3_s", "", "lpm"),
-    ("inlet pressure, mean", "mean_inlet_pressure_Pa", "", "bar"),
-    ("inlet pressure, lowest", "inlet_pressure_min_Pa", "", "bar"),
-    ("inlet pressure, highest", "inlet_pressure_max_Pa", "", "bar"),
-    ("load pressure, mean", "mean_load_pressure_Pa", "", "bar"),
-    ("load pressure, lowest", "load_pressure_min_Pa", "", "bar"),
-    ("load pressure, highest", "load_pressure_max_Pa", "", "bar"),
-    ("input power", "input_power_W", "", "W"),
-    ("load power", "load_power_W", "", "W"),
-    ("efficiency", "efficiency", "", ""),
-    ("loss, fully open valve", "loss_full_open_W", "analytic_loss_full_open_W", "W"),
-    ("loss, transitions", "loss_transition_W", "analytic_loss_transition_W", "W"),
-    ("loss, compressibility", "", "analytic_loss_compressibility_W", "W"),
-    ("loss, leakage of the valve", "loss_valve_leakage_W", "analytic_loss_leakage_W", "W"),
-    ("loss, total", "loss_total_W", "analytic_loss_total_W", "W"),
+    ("PWM frequency", ("pwm_frequency_Hz",), ("analytic_pwm_frequency_Hz",), "Hz"),
+    ("pump flow", ("mean_pump_flow_m3_s",), (), "lpm"),
+    ("flow to the load", ("mean_load_flow_m3_s",), ("analytic_load_flow_m3_s",), "lpm"),
+    ("flow to the tank", ("mean_tank_flow_m3_s",), (), "lpm"),
+    ("flow over the relief valve", ("mean_relief_flow_m3_s",), (), "lpm"),
+    ("leakage of the valve", ("mean_leakage_flow_m3_s",), (), "lpm"),
+    ("inlet pressure, mean", ("mean_inlet_pressure_Pa",), (), "bar"),
+    ("inlet pressure, lowest", ("inlet_pressure_min_Pa",), (), "bar"),
+    ("inlet pressure, highest", ("inlet_pressure_max_Pa",), (), "bar"),
+    ("load pressure, mean", ("mean_load_pressure_Pa",), (), "bar"),
+    ("load pressure, lowest", ("load_pressure_min_Pa",), (), "bar"),
+    ("load pressure, highest", ("load_pressure_max_Pa",), (), "bar"),
+    ("input power, pump shaft", ("input_power_W",), (), "W"),
+    ("input power, spool motor", ("spool_motor_power_W",), (), "W"),
+    ("load power", ("load_power_W",), (), "W"),
+    ("efficiency", ("efficiency",), (), ""),
+    ("loss, valve and relief valve", VALVE_LOSS, tuple(f"analytic_{key}" for key in VALVE_LOSS), "W"),
+    ("loss, compressibility", (), ("analytic_loss_compressibility_W",), "W"),
+    ("loss, leakage of the valve", ("loss_valve_leakage_W",), ("analytic_loss_leakage_W",), "W"),
+    ("taken into store", ("stored_power_W",), (), "W"),
+    ("input less load", ("loss_total_W",), ("analytic_loss_total_W",), "W"),
 )
 
 
@@ -157,8 +160,11 @@ def _print(system: "System", done: "Run", found: dict[str, Any]) -> None:
     begin, end = found["averaged_from_s"], found["averaged_to_s"]
     out.print(f"means over {found['averaged_periods']:g} PWM periods, {begin:.4g} s to {end:.4g} s; pressures gauge")
     table = grid("quantity", "simulated", "closed form", "unit", right=("simulated", "closed form"))
-    for label, key, analytic, unit in SHOWN:
-        cells = [amount(found[k], unit) if k in found else "" for k in (key, analytic)]
+    for label, simulated, analytic, unit in SHOWN:
+        cells = [
+            amount(sum(found[key] for key in keys), unit) if keys and found.keys() >= set(keys) else ""
+            for keys in (simulated, analytic)
+        ]
         if any(cells):
             table.add_row(label, *cells, unit)
     out.print(table)
@@ -174,13 +180,16 @@ def _print(system: "System", done: "Run", found: dict[str, Any]) -> None:
 
 def _warnings(found: dict[str, Any]) -> Iterator[str]:
     if not found.get("trusted", True):
-        yield "not trusted: the balances are above the limit"
+        yield "not trusted: the balances are above the limit; try a tenth of run.relative_tolerance"
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     if found["averaged_periods"] < 1:
         yield "no whole PWM period lies in the averaging window: the means are over plain time"
     elif not found["settled"]:
-        yield "the PWM frequency has not settled within the averaging window: run longer"
+        if found["steady"]:
+            yield "the PWM frequency has not settled within the averaging window: run longer"
+        else:
+            yield "what is prescribed changes over time: the means hold for the averaging window, not for a steady state"
     if found["cavitation"]:
         yield "the inlet pressure falls below the cavitation limit"
     if found["motor_overloaded"]:

@@ -10,6 +10,11 @@ from vvdp.base.select import maximum, select
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil
 
+SEATING = 0.01
+"""Share of the precharge over which the bladder of an accumulator leaves its seat."""
+NODES, WEIGHTS = (tuple(map(float, 0.5 * column)) for column in np.polynomial.legendre.leggauss(16))
+NODES = tuple(0.5 + node for node in NODES)
+
 
 class Vessel(Params):
     """Everything at one pressure: oil at the reference pressure, 1/B of its elastic walls, gas behind a bladder.
@@ -75,8 +80,7 @@ def closed_volume_rate(net_flow: float, volume_rate: float, volume: float, fluid
 def stored(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0) -> Stored:
     """Energy [J] and tank volumes [m^3] in a vessel, both 0 resp. V0 + swept at the reference pressure without gas.
 
-    energy = V w/nu + V0 (P - ref)^2 / (2 B) + gas, volume = V/nu, with w the strain energy per tank volume;
-    the gas stores nothing below its precharge.
+    energy = V w/nu + V0 (P - ref)^2 / (2 B) + gas, volume = V/nu, with w the strain energy per tank volume.
 
     pressure      absolute [Pa]
     swept_volume  what a moving wall adds to the vessel [m^3]
@@ -128,7 +132,7 @@ def oil_beside(gas: float, pressure: float, vessel: Vessel, reference_pressure: 
 
 
 def wall_capacity(pressure: float, vessel: Vessel) -> float:
-    """Room that a vessel's hose and gas give per pressure [m^3/Pa]: V0/B - dVg/dP, jumping up at the precharge.
+    """Room that a vessel's hose and gas give per pressure [m^3/Pa]: V0/B - dVg/dP.
 
     pressure  absolute [Pa]
 
@@ -146,39 +150,77 @@ def capacity_beside(gas: float, pressure: float, vessel: Vessel) -> float:
     Source  ours, docs/models/components.md
     """
     p0 = vessel.precharge_pressure
-    slope = gas / (vessel.gas_exponent * select(pressure > p0, pressure, 1.0))
-    yielding: float = select(pressure > p0, slope, 0.0)
-    return vessel.oil_volume * vessel.hose_compliance + yielding
+    d, width = pressure - p0, SEATING * p0 + select(p0 > 0.0, 0.0, 1.0)
+    carried = 0.5 + 0.5 * d / np.sqrt(d * d + width * width)
+    inside = p0 + gas_excess(pressure, vessel)
+    return vessel.oil_volume * vessel.hose_compliance + gas * carried / (vessel.gas_exponent * inside)
 
 
-def gas_volume(pressure: float, vessel: Vessel) -> float:
-    """Volume of the gas in a vessel [m^3]: Vg0 (p0/P)^(1/k) above the precharge p0, Vg0 below.
+def gas_excess(pressure: float, vessel: Vessel) -> float:
+    """Pressure of the gas above its precharge [Pa]: (d + sqrt(d^2 + s^2))/2, d the oil's above the precharge.
 
-    pressure  absolute [Pa]
+    Far above, the gas carries the oil's pressure; far below, the shell carries the gas. In between the bladder lifts off
+    its seat over a share `SEATING` of the precharge, so that the vessel's capacity has no jump there.
+
+    pressure  of the oil, absolute [Pa]
 
     Source  ours, docs/models/components.md
     """
-    expansion: float = _compression(pressure, vessel) ** (-1.0 / vessel.gas_exponent)
+    p0 = vessel.precharge_pressure
+    d, width = pressure - p0, SEATING * p0 + select(p0 > 0.0, 0.0, 1.0)
+    reach = np.sqrt(d * d + width * width) + abs(d)
+    # Below the precharge the sum of the two cancels; its product with the difference is the width squared.
+    excess: float = 0.5 * select(d > 0.0, reach, width * width / reach)
+    return excess
+
+
+def gas_volume(pressure: float, vessel: Vessel) -> float:
+    """Volume of the gas in a vessel [m^3]: Vg0 (p0/p)^(1/k), p the precharge p0 and `gas_excess`.
+
+    pressure  of the oil, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    p0 = vessel.precharge_pressure
+    ratio = 1.0 + gas_excess(pressure, vessel) / select(p0 > 0.0, p0, 1.0)
+    expansion: float = ratio ** (-1.0 / vessel.gas_exponent)
     return vessel.gas_volume * expansion
 
 
 def gas_energy(pressure: float, vessel: Vessel, reference_pressure: float) -> float:
-    """Energy that the oil has put into the gas of a vessel against the reference pressure [J].
+    """Energy that the oil has put into the gas of a vessel and its seat from the reference pressure on [J].
 
-    (P Vg - p0 Vg0)/(k - 1) - ref (Vg0 - Vg); for k = 1 its limit p0 Vg0 ln(P/p0) - ref (Vg0 - Vg)
+    int (P - ref) d(-Vg) with P = p - s^2/(4 (p - p0)): the gas's own work in closed form, that of the seat by its
+    logarithm and Gauss points for the smooth rest.
 
     pressure            absolute [Pa]
     reference_pressure  outside, absolute [Pa]
 
     Source  ours, docs/models/components.md
     """
-    k, p0, Vg0 = vessel.gas_exponent, vessel.precharge_pressure, vessel.gas_volume
-    L = np.log(_compression(pressure, vessel))
+    p0, Vg0 = vessel.precharge_pressure, vessel.gas_volume
+    unit = select(p0 > 0.0, p0, 1.0)
+    v = gas_excess(pressure, vessel) / unit
+    v0 = gas_excess(reference_pressure, vessel) / unit
+    gas = p0 * Vg0 * (_gas_work(v, vessel.gas_exponent) - _gas_work(v0, vessel.gas_exponent))
+    seat = -0.25 * SEATING * SEATING * p0 * Vg0 * (_seat_work(v, vessel) - _seat_work(v0, vessel))
+    outside = reference_pressure * (gas_volume(reference_pressure, vessel) - gas_volume(pressure, vessel))
+    return gas + seat - outside
+
+
+def _gas_work(excess: float, exponent: float) -> float:
+    """Work on a gas compressed to 1 + excess of its first pressure, over that pressure and volume [1]."""
+    k, L = exponent, np.log1p(excess)
     growth: float = select(k > 1.0, np.expm1((k - 1.0) / k * L) / select(k > 1.0, k - 1.0, 1.0), L)
-    return p0 * Vg0 * growth - reference_pressure * (Vg0 - gas_volume(pressure, vessel))
+    return growth
 
 
-def _compression(pressure: float, vessel: Vessel) -> float:
-    p0 = vessel.precharge_pressure
-    ratio: float = maximum(pressure / select(p0 > 0.0, p0, 1.0), 1.0)
-    return ratio
+def _seat_work(excess: float, vessel: Vessel) -> float:
+    """int dv / (k v (1 + v)^(1 + 1/k)) up to the excess, from an arbitrary start [1]."""
+    k = vessel.gas_exponent
+    a, L = 1.0 + 1.0 / k, np.log1p(excess)
+    rest = 0.0
+    for i in range(16):
+        x = NODES[i] * L
+        rest = rest - WEIGHTS[i] * L * np.expm1(-a * x) * np.exp(x) / select(x > 0.0, np.expm1(x), 1.0)
+    return (np.log(excess) - rest) / k

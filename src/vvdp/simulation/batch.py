@@ -95,8 +95,9 @@ def simulate_batch(
     """
     if not cases:
         raise ParameterError("no cases; expected at least one")
+    shape = case_shape(cases[0])
     for number, case in enumerate(cases[1:], 1):
-        if difference := _difference(case_shape(case), case_shape(cases[0])):
+        if difference := _difference(case_shape(case), shape):
             raise ParameterError(
                 f"case {number} is not of the shape of case 0: {difference}; run them in batches apart"
             )
@@ -125,6 +126,7 @@ def simulate_batch(
             ("switches", loop.SWITCHES),
         )
     }
+    counts["steps"] -= counts["rejected"]
     reasons = tuple(
         None if status == loop.DONE else failure(case, clock[loop.TIME], state, status == loop.NOT_FINITE)
         for case, clock, state, status in zip(cases, clocks, part.final, part.status, strict=True)

@@ -119,6 +119,7 @@ def tried(model: Model, case: Case) -> None:
     unsound = [path for path, value, _ in leaves(rates) if not np.isfinite(value)]
     if unsound:
         raise RunError(f"the circuit returns no finite rate at the start for {', '.join(unsound)}")
+    _tried_on_arrays(model, case)
     if hasattr(case.state, "books"):
         if names(case.state)[-1] != "books":
             raise RunError("books must be the last field of the state")
@@ -126,6 +127,19 @@ def tried(model: Model, case: Case) -> None:
         again, _ = model.circuit(0.0, case.state._replace(books=blank), case.command, case.params)
         if not np.array_equal(flat(rates), flat(again)):
             raise RunError("the circuit reads its own books; they may only be written")
+
+
+def _tried_on_arrays(model: Model, case: Case) -> None:
+    """Outputs over time are the circuit itself, evaluated on whole columns; a plain `if` on a state shows here."""
+    column = rebuilt(case.state, (np.array([value, value]) for value in flat(case.state)))
+    try:
+        model.circuit(np.zeros(2), column, case.command, case.params)
+    except ValueError as problem:
+        if "truth value" in str(problem):
+            name = model.circuit.__qualname__
+            raise RunError(f"{name} chooses by a state; write the choice with select, so that arrays pass") from None
+    except TypeError:
+        pass  # whatever else it is, compiling it says so with the place
 
 
 def _same_fields(what: str, value: Any, other: str, expected: Any) -> None:

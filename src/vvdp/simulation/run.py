@@ -217,7 +217,7 @@ def simulate(
         low=low,
         high=high,
         end=float(clock[loop.TIME]),
-        steps=int(clock[loop.STEPS]),
+        steps=int(clock[loop.STEPS] - clock[loop.REJECTED]),
         rejected=int(clock[loop.REJECTED]),
         evaluations=int(clock[loop.EVALUATIONS]),
         samples=int(clock[loop.SAMPLES]),

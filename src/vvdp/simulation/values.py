@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,17 +13,32 @@ from vvdp.numerics.tableaus import Array
 
 
 def names(value: Any) -> tuple[str, ...]:
-    """Field names of a NamedTuple or dataclass; none for a number or an array."""
-    if dataclasses.is_dataclass(value):
-        return tuple(f.name for f in dataclasses.fields(value))
-    return tuple(getattr(value, "_fields", ()))
+    """Field names of a NamedTuple or dataclass, or of such a class; none for a number or an array."""
+    return _field_names(value if isinstance(value, type) else type(value))
+
+
+@cache
+def _field_names(cls: type) -> tuple[str, ...]:
+    if dataclasses.is_dataclass(cls):
+        return tuple(f.name for f in dataclasses.fields(cls))
+    return tuple(getattr(cls, "_fields", ()))
 
 
 def flat(value: Any) -> Array:
     """All numbers of a nested value, depth first, shape (n,)."""
-    if names(value):
-        return np.concatenate([np.zeros(0), *(flat(getattr(value, name)) for name in names(value))])
-    return np.ravel(np.asarray(value, float)).astype(float)
+    numbers: list[float] = []
+    _gather(value, numbers)
+    return np.array(numbers, float)
+
+
+def _gather(value: Any, numbers: list[float]) -> None:
+    if inner := names(value):
+        for name in inner:
+            _gather(getattr(value, name), numbers)
+    elif isinstance(value, float):
+        numbers.append(value)
+    else:
+        numbers.extend(np.ravel(np.asarray(value, float)).tolist())
 
 
 def leaves(value: Any, path: str = "", kind: Kind | None = None) -> Iterator[tuple[str, Any, Kind | None]]:

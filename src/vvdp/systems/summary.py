@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from vvdp.base.signal import signal_value
+from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid.oil import density
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
-from vvdp.simulation.values import as_value, flat, leaves
+from vvdp.simulation.values import as_value, flat, leaves, names
 from vvdp.systems.system import System
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.operating_point import OperatingPoint, operating_point
@@ -76,6 +76,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
     reference = supply.oil.reference_pressure
     spent = {path.rpartition(".")[2]: float(value) for path, value, _ in leaves(mean.spent)}
     books, valve_power = balance_between(run.model, run.case, flat(run.case.state), run.final), mean.spent.valve
+    over_window = balance_between(run.model, run.case, window.first, window.last)
     drops = valve_power.nozzle + valve_power.centre_section + valve_power.outlet_turbine
     temperature = signal_value(0.0, supply.operation.oil_temperature)
     rho = density(temperature, supply.oil)
@@ -121,14 +122,16 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "loss_full_open_W": open_loss,
         "loss_transition_W": drops + valve_power.relief_valve - open_loss,
         "loss_total_W": mean.supplied.pump_shaft + mean.supplied.spool_motor - mean.spent.load,
+        "steady": is_steady(system),
     }
     if "load_pressure" in low:
         found |= {
             "load_pressure_min_Pa": low["load_pressure"] - reference,
             "load_pressure_max_Pa": high["load_pressure"] - reference,
         }
-    if books:
+    if books and over_window:
         found |= {
+            "stored_power_W": over_window.energy_stored / span,
             "energy_residual": books.energy_residual,
             "mass_residual": books.mass_residual,
             "trusted": books.is_trusted,
@@ -143,16 +146,26 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
     return {key: bool(value) if isinstance(value, bool | np.bool_) else float(value) for key, value in found.items()}
 
 
+def is_steady(system: System) -> bool:
+    """Whether all that is prescribed stays as it is."""
+    params = system.case.params
+    prescribed = [getattr(part, name) for part in (params.supply.operation, params.load) for name in names(part)]
+    return all(value.is_constant for value in prescribed if isinstance(value, Signal))
+
+
 def _ratio(a: float, b: float) -> float:
     return a / b if b else 0.0
 
 
 def analytic_summary(simulated: Summary, system: System) -> Summary:
-    """The analytic results at the mean load pressure, to stand beside the `simulated` ones; none without flow or load.
+    """The analytic results at the mean load pressure, to stand beside the `simulated` ones.
 
-    They take as long to work out as a short run.
+    There are none where they do not describe the run: without flow or load, with anything prescribed that changes over
+    time, or with a driven spool. They take as long to work out as a short run.
     """
     supply = system.case.params.supply
+    if not is_steady(system) or supply.spool_drive.coupling > 0.0:
+        return {}
     load_pressure = simulated["mean_load_pressure_Pa"] + supply.oil.reference_pressure
     pump_flow = supply.pump.displacement * signal_value(0.0, supply.operation.pump_speed)
     if pump_flow <= 0.0 or load_pressure <= supply.oil.reference_pressure:

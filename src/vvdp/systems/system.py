@@ -93,10 +93,23 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
     """
     table = system_table(name)
     if settings:
-        table = with_settings(table, list(settings))
+        table = with_settings(_without_other_position(table, settings), list(settings))
     if until is not None:
         table = lasting(table, until)
     return built_system(table, Path(name).stem)
+
+
+def _without_other_position(table: Table, settings: Sequence[str]) -> Table:
+    """`table` without the duty ratio where a setting gives the axial position instead, and the other way round."""
+    operation = table.content.get("operation")
+    if not isinstance(operation, Mapping):
+        return table
+    given = {setting.partition("=")[0].strip() for setting in settings}
+    kept = dict(operation)
+    for one, other in (("axial_position", "duty_ratio"), ("duty_ratio", "axial_position")):
+        if f"operation.{one}" in given and f"operation.{other}" not in given:
+            kept.pop(other, None)
+    return Table(table.place, {**table.content, "operation": kept}, table.lines)
 
 
 def lasting(table: Table, until: str) -> Table:
