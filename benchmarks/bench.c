@@ -137,9 +137,11 @@ static double vessel_rate(double net, double pressure, Fluid fluid, const double
 {
     double p0 = P(load_line_precharge_pressure), k = P(load_line_gas_exponent), v0 = P(load_line_oil_volume);
     double compliance = P(load_line_hose_compliance), vg0 = P(load_line_gas_volume);
-    double gas = vg0 * pow(most(pressure / (p0 > 0.0 ? p0 : 1.0), 1.0), -1.0 / k);
+    double d = pressure - p0, width = 0.01 * p0 + (p0 > 0.0 ? 0.0 : 1.0), slant = sqrt(d * d + width * width);
+    double reach = slant + fabs(d), excess = 0.5 * (d > 0.0 ? reach : width * width / reach);
+    double gas = vg0 * pow(1.0 + excess / (p0 > 0.0 ? p0 : 1.0), -1.0 / k);
     double volume = v0 * (1.0 + compliance * (pressure - P(supply_oil_reference_pressure))) + vg0 - gas;
-    double yielding = pressure > p0 ? gas / (k * pressure) : 0.0;
+    double yielding = gas * (0.5 + 0.5 * d / slant) / (k * (p0 + excess));
     return fluid.ratio * net / (volume / fluid.modulus + v0 * compliance + yielding);
 }
 

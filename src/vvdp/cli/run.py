@@ -189,7 +189,7 @@ def _warnings(found: dict[str, Any]) -> Iterator[str]:
         if found["steady"]:
             yield "the PWM frequency has not settled within the averaging window: run longer"
         else:
-            yield "what is prescribed changes over time: the means hold for the averaging window, not for a steady state"
+            yield "what is prescribed changes over time: the means are those of the averaging window, no steady state"
     if found["cavitation"]:
         yield "the inlet pressure falls below the cavitation limit"
     if found["motor_overloaded"]:

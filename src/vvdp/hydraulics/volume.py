@@ -6,7 +6,7 @@ from vvdp.base.books import Stored
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
 from vvdp.base.params import Params
-from vvdp.base.select import maximum, select
+from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil
 
@@ -153,14 +153,15 @@ def capacity_beside(gas: float, pressure: float, vessel: Vessel) -> float:
     d, width = pressure - p0, SEATING * p0 + select(p0 > 0.0, 0.0, 1.0)
     carried = 0.5 + 0.5 * d / np.sqrt(d * d + width * width)
     inside = p0 + gas_excess(pressure, vessel)
-    return vessel.oil_volume * vessel.hose_compliance + gas * carried / (vessel.gas_exponent * inside)
+    yielding: float = gas * carried / (vessel.gas_exponent * inside)
+    return vessel.oil_volume * vessel.hose_compliance + yielding
 
 
 def gas_excess(pressure: float, vessel: Vessel) -> float:
     """Pressure of the gas above its precharge [Pa]: (d + sqrt(d^2 + s^2))/2, d the oil's above the precharge.
 
-    Far above, the gas carries the oil's pressure; far below, the shell carries the gas. In between the bladder lifts off
-    its seat over a share `SEATING` of the precharge, so that the vessel's capacity has no jump there.
+    Far above, the gas carries the oil's pressure; far below, the shell carries the gas. In between the bladder lifts
+    off its seat over a share `SEATING` of the precharge, so that the vessel's capacity has no jump there.
 
     pressure  of the oil, absolute [Pa]
 
@@ -223,4 +224,5 @@ def _seat_work(excess: float, vessel: Vessel) -> float:
     for i in range(16):
         x = NODES[i] * L
         rest = rest - WEIGHTS[i] * L * np.expm1(-a * x) * np.exp(x) / select(x > 0.0, np.expm1(x), 1.0)
-    return (np.log(excess) - rest) / k
+    work: float = (np.log(excess) - rest) / k
+    return work
