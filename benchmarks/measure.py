@@ -59,7 +59,8 @@ def machine() -> str:
     cores = len(os.sched_getaffinity(0))
     load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
     versions = f"numba {numba.__version__}, numpy {numpy.__version__}, scipy {scipy.__version__}"
-    return f"{cpu}, {cores} cores, {platform.system()} {platform.machine()}, load {load}; Python {platform.python_version()}, {versions}"
+    system = f"{platform.system()} {platform.machine()}"
+    return f"{cpu}, {cores} cores, {system}, load {load}; Python {platform.python_version()}, {versions}"
 
 
 @contextmanager
