@@ -20,6 +20,7 @@ from vvdp.simulation.run import Prepared, prepared
 from vvdp.simulation.values import leaves
 from vvdp.systems.system import System, load_system
 
+CREEPING = 10.0**-6.5
 OVERRIDE = "relief_valve.override_pressure=10 bar"
 UNTIL = 0.2
 TOLERANCE = 1e-7
@@ -59,7 +60,10 @@ def errors(system: System, final: np.ndarray, reference: np.ndarray) -> np.ndarr
 
 
 def compared(system: System, tolerances: Iterable[float], rounds: int) -> list[float]:
-    """How many times faster the loop is than LSODA at the first of `tolerances` with which LSODA errs no more."""
+    """How many times faster the loop is than LSODA at the first of `tolerances` with which LSODA errs no more.
+
+    At the last of them where none does.
+    """
     ready = prepared(system.model, system.case, TOLERANCE)
     reference, _, _ = bare_run(prepared(system.model, system.case, 1e-11), UNTIL)
     final, clock, _ = bare_run(ready, UNTIL)
@@ -71,8 +75,6 @@ def compared(system: System, tolerances: Iterable[float], rounds: int) -> list[f
         report(f"LSODA at {tolerance:.1e}", f"{_shown(found)}; {evaluations} evaluations")
         if found.max() <= ours.max():
             break
-    else:
-        raise SystemExit("LSODA does not reach the error of the loop")
     variants = {"vvdp": partial(bare_run, ready, UNTIL), "LSODA": partial(by_lsoda, ready, tolerance)}
     times = interleaved(variants, rounds)
     for name, seconds in times.items():
@@ -84,9 +86,9 @@ def main() -> None:
     """The prototype as shipped, and with a relief valve whose law has no jump."""
     print(machine())
     print(f"errors of the means of {', '.join(path.rpartition('.')[2] for path in MEANS)}, relative, to 1e-11")
-    print("-- as shipped, ideal relief valve (LSODA creeps at its jump)")
-    found = compared(load_system("prototype", until=f"{UNTIL} s"), [10.0**-6.5, 1e-7], 3)
-    report("as shipped, LSODA over vvdp", spread(found, "times"), f"{TARGET:g}", median(found) >= TARGET)
+    print(f"-- as shipped, ideal relief valve (LSODA creeps at its jump), one run at {CREEPING:.1e}")
+    found = compared(load_system("prototype", until=f"{UNTIL} s"), [CREEPING], 1)
+    report("as shipped, LSODA over vvdp", spread(found, "times"))
     print(f"-- {OVERRIDE}")
     found = compared(load_system("prototype", [OVERRIDE], until=f"{UNTIL} s"), TOLERANCES, ROUNDS)
     report("without the jump, LSODA over vvdp", spread(found, "times"), f"{TARGET:g}", median(found) >= TARGET)

@@ -1,6 +1,7 @@
 """A thousand parameter sets through one compiled call, on one and on two threads."""
 
 import os
+import time
 
 # Numba can be asked for less than this later, not for more.
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")
@@ -46,6 +47,10 @@ def main() -> None:
     times = interleaved({"one thread": partial(batch, cores=1), "two threads": partial(batch, cores=2)})
     for name, found in times.items():
         report(f"{COUNT} cases of {system.stepping.until:g} s, {name}", spread(found, "s"))
+    began, began_cpu = time.perf_counter(), time.process_time()
+    batch(cores=2)
+    got = (time.process_time() - began_cpu) / (time.perf_counter() - began)
+    report("cores that two threads got", f"{got:.2f}, once; a busy machine gives fewer than 2")
     simulated = COUNT * system.stepping.until
     report("simulated s per s, two threads", spread([simulated / x for x in times["two threads"]], "times"))
     found = ratios(times, "one thread", "two threads")

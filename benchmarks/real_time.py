@@ -21,27 +21,33 @@ def main() -> None:
     """Runs the cases in turns, as `vvdp run` would: with the automatic method and everything recorded."""
     print(machine())
     systems = {name: load_system(file, settings, until) for name, (file, settings, until) in CASES.items()}
-    runs = {name: again(system) for name, system in systems.items()}
-    last = {name: run() for name, run in runs.items()}  # compiled before the clock starts
+    done: dict[str, list[Run]] = {name: [] for name in systems}
+    runs = {name: again(system, done[name]) for name, system in systems.items()}
+    for name, warm in runs.items():
+        warm()  # compiled before the clock starts
+        done[name].clear()
     times = interleaved(runs)
     for name, found in times.items():
-        run = last[name]
+        run = done[name][-1]
         speeds = [run.end / x for x in found]
         target = (f"{TARGET:g}", median(speeds) >= TARGET) if name in ("prototype", "prototype-constant-load") else ()
         report(f"{name}, simulated s per s", spread(speeds, "times"), *target)
+        inside = [run.end / run.seconds for run in done[name]]
+        report("   stepping alone", spread(inside, "times"))
         report(f"{name}, one evaluation, all included", spread(found, "ns", 1e9 / run.evaluations))
         method = "stiff" if run.stiff else "explicit"
+        method, attempted = "stiff" if run.stiff else "explicit", run.steps + run.rejected
         report(
             f"{name}, steps",
-            f"{run.steps / run.end:.0f} attempted per simulated second, {run.rejected / run.steps:.0%} refused, "
-            f"{run.steps / median(found):.3g} per second, {run.evaluations} evaluations, {method} at the end",
+            f"{attempted / run.end:.0f} attempted per simulated second, {run.rejected / attempted:.0%} refused, "
+            f"{attempted / median(found):.3g} per second, {run.evaluations} evaluations, {method} at the end",
         )
 
 
-def again(system: System) -> Callable[[], Run]:
-    """A run of `system` at a relative tolerance of 1e-7."""
+def again(system: System, done: list[Run]) -> Callable[[], None]:
+    """A run of `system` at a relative tolerance of 1e-7, added to `done`."""
     stepping = replace(system.stepping, relative_tolerance=1e-7)
-    return lambda: simulate(system.model, system.case, stepping)
+    return lambda: done.append(simulate(system.model, system.case, stepping))
 
 
 if __name__ == "__main__":
