@@ -5,6 +5,12 @@ import shutil
 import sys
 
 import pytest
+from hypothesis import settings
+
+# Times of single examples say nothing on a shared machine; in continuous integration every run draws the same ones.
+settings.register_profile("local", deadline=None)
+settings.register_profile("ci", deadline=None, derandomize=True)
+settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 
 def required_program(name: str) -> str:
