@@ -10,12 +10,12 @@ import pytest
 RUNGS = [
     {"base"},
     {"fluid", "numerics"},
-    {"valve", "hydraulics"},
-    {"circuits", "geometry", "sensing", "estimation", "control"},
+    {"valve", "hydraulics", "sensing"},
+    {"circuits", "geometry", "estimation", "control"},
     {"simulation"},
     {"systems"},
     {"studies"},
-    {"rigs", "design", "cfd", "logs", "export"},
+    {"rigs", "design", "cfd", "logs", "comparison", "export"},
     {"report", "reproduction"},
     {"cli"},
 ]

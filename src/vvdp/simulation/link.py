@@ -13,7 +13,7 @@ import platform
 import re
 import sys
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -158,13 +158,29 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
 
     Raises RunError where the functions and values do not fit together.
     """
+    tried(model, case)
+    classes = Classes()
+    source = _source(model, case, classes)
+    called = {"circuit": model.circuit, "program": model.program, "event": model.mark, "jump": model.stop}
+    module = compiled_module(source, called, classes, cache, say)
+    return Linked(module.rates, module.sample, module.mark, module.stop, module.__name__.rpartition("_")[2])
+
+
+def compiled_module(
+    source: str,
+    called: Mapping[str, Callable[..., Any]],
+    classes: "Classes",
+    cache: Path | None,
+    say: Callable[[str], None],
+) -> types.ModuleType:
+    """The module of text `source`, compiled, in which the functions `called` and the `classes` have their names.
+
+    Raises RunError where a function cannot be compiled, with the place.
+    """
     import numba
 
-    tried(model, case)
-    classes = _Classes()
-    source = _source(model, case, classes)
     functions: Functions = {}
-    for function in model.functions:
+    for function in called.values():
         reachable(function, functions)
     digest = hashlib.sha256(source.encode())
     for function, constants in sorted(
@@ -178,11 +194,11 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
     module = sys.modules.get(f"vvdp_linked_{name}")
     if module is None:
         _make_compilable(functions)
-        module = _loaded(name, source, classes, model, cache or default_cache(), say)
-    return Linked(module.rates, module.sample, module.mark, module.stop, name)
+        module = _loaded(name, source, classes, called, cache or default_cache(), say)
+    return module
 
 
-class _Classes:
+class Classes:
     """Names under which the linked module knows the classes of a case's values."""
 
     def __init__(self) -> None:
@@ -198,12 +214,12 @@ class _Classes:
         return ((name, cls) for cls, name in self.names.items() if dataclasses.is_dataclass(cls))
 
 
-def _built(value: Any, vector: str, position: int, classes: _Classes) -> tuple[str, int]:
+def built(value: Any, vector: str, position: int, classes: Classes) -> tuple[str, int]:
     """Source that rebuilds `value` from a flat vector, and the position after it."""
     if inner := names(value):
         parts = []
         for name in inner:
-            text, position = _built(getattr(value, name), vector, position, classes)
+            text, position = built(getattr(value, name), vector, position, classes)
             parts.append(text)
         return f"{classes.name(type(value))}({', '.join(parts)})", position
     if isinstance(value, tuple):  # not a slice: compiled code counts references to arrays wherever they are handed on
@@ -216,11 +232,11 @@ def _built(value: Any, vector: str, position: int, classes: _Classes) -> tuple[s
     return f"{vector}[{position}]", position + 1
 
 
-def _written(value: Any, path: str, vector: str, position: int, lines: list[str]) -> int:
+def written(value: Any, path: str, vector: str, position: int, lines: list[str]) -> int:
     """Adds to `lines` the source that writes `value` to a flat vector; returns the position after it."""
     if inner := names(value):
         for name in inner:
-            position = _written(getattr(value, name), f"{path}.{name}", vector, position, lines)
+            position = written(getattr(value, name), f"{path}.{name}", vector, position, lines)
         return position
     if np.ndim(value):
         end = position + int(np.size(value))
@@ -230,30 +246,38 @@ def _written(value: Any, path: str, vector: str, position: int, lines: list[str]
     return position + 1
 
 
-def _source(model: Model, case: Case, classes: _Classes) -> str:
-    state, params = _built(case.state, "y", 0, classes)[0], _built(case.params, "p", 0, classes)[0]
-    command, memory = _built(case.command, "u", 0, classes)[0], _built(case.memory, "m", 0, classes)[0]
-    settings = _built(case.settings, "z", 0, classes)[0]
+def _source(model: Model, case: Case, classes: Classes) -> str:
+    state, params = built(case.state, "y", 0, classes)[0], built(case.params, "p", 0, classes)[0]
+    command, memory = built(case.command, "u", 0, classes)[0], built(case.memory, "m", 0, classes)[0]
+    settings = built(case.settings, "z", 0, classes)[0]
     compiled = "@njit({}, cache=True, error_model='numpy')"
     lines = [compiled.format("FLAT"), "def rates(t, y, u, p, dy):"]
     lines.append(f"    value, outputs = circuit(t, {state}, {command}, {params})")
-    _written(case.state, "value", "dy", 0, lines)
+    written(case.state, "value", "dy", 0, lines)
     lines += ["", "", compiled.format("FLAT"), "def sample(t, m, y, z, u):"]
     lines.append(f"    memory, command = program(t, {memory}, {state}, {settings})")
-    _written(case.memory, "memory", "m", 0, lines)
-    _written(case.command, "command", "u", 0, lines)
+    written(case.memory, "memory", "m", 0, lines)
+    written(case.command, "command", "u", 0, lines)
     lines += ["", "", compiled.format("float64(float64, float64[::1], float64[::1])"), "def mark(t, y, p):"]
     lines.append(f"    return float(event(t, {state}, {params}))")
     lines += ["", "", compiled.format("float64(float64, float64[::1])"), "def stop(t, p):"]
     lines.append(f"    return float(jump(t, {params}))")
-    # A parameter class is a plain record to compiled code: formulas only read its fields.
+    return "\n".join([*heading(classes), "", "FLAT = void(float64, *[float64[::1]] * 4)", "", "", *lines]) + "\n"
+
+
+def heading(classes: Classes) -> list[str]:
+    """First lines of a linked module; a parameter class is a plain record to compiled code, which reads its fields."""
     records = [f"{name} = namedtuple({name!r}, {names(cls)!r})" for name, cls in classes.records()]
-    head = ["from collections import namedtuple", "", "from numba import float64, njit, void", "", *records]
-    return "\n".join([*head, "", "FLAT = void(float64, *[float64[::1]] * 4)", "", "", *lines]) + "\n"
+    return ["from collections import namedtuple", "", "from numba import float64, njit, void", "", *records]
 
 
 def _loaded(
-    name: str, source: str, classes: _Classes, model: Model, cache: Path, say: Callable[[str], None]
+    name: str,
+    source: str,
+    classes: Classes,
+    called: Mapping[str, Callable[..., Any]],
+    cache: Path,
+    say: Callable[[str], None],
 ) -> types.ModuleType:
     folder = cache / name
     path = folder / "linked.py"
@@ -269,9 +293,9 @@ def _loaded(
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
     module.__dict__.update(dict(classes.tuples()))
-    module.__dict__.update(circuit=model.circuit, program=model.program, event=model.mark, jump=model.stop)
+    module.__dict__.update(called)
     if not any(folder.rglob("*.nbi")):
-        say("compiling the circuit (once for each circuit, a few seconds)")
+        say(f"compiling the {next(iter(called))} (once for each, a few seconds)")
     sys.modules[spec.name] = module  # before it runs: Numba's cache looks its functions' module up by name
     try:
         spec.loader.exec_module(module)
@@ -280,12 +304,12 @@ def _loaded(
         from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
         if isinstance(problem, NumbaError | UnsupportedBytecodeError):
-            raise RunError(_reason(problem, model)) from None
+            raise RunError(_reason(problem, next(iter(called.values())))) from None
         raise
     return module
 
 
-def _reason(problem: Exception, model: Model) -> str:
+def _reason(problem: Exception, function: Callable[..., Any]) -> str:
     """What Numba has to say, without the layers around it: the innermost message, and where it arose."""
     text = re.sub(r"\x1b\[[0-9;]*m", "", str(problem))
     told = [line.strip() for line in text.splitlines()]
@@ -308,7 +332,7 @@ def _reason(problem: Exception, model: Model) -> str:
     ]
     reason = (typing or causes or ["no reason given"])[0 if not typing else -1]
     where = f" ({places[0][1]}, line {places[0][2]})" if places else ""
-    return f"{model.circuit.__qualname__} or a function that it reaches cannot be compiled: {reason[:300]}{where}"
+    return f"{function.__qualname__} or a function that it reaches cannot be compiled: {reason[:300]}{where}"
 
 
 def _select_form(condition: Any, a: Any, b: Any) -> Any:

@@ -1,0 +1,1 @@
+"""Angle and speed from the edges of a coarse encoder, and from the inlet pressure."""

@@ -1,0 +1,38 @@
+"""What every estimator has in common.
+
+An estimator is a pure step, `step(memory, reading, settings) -> (memory, estimate)`, taken at every sample. Between
+samples angle(t) = angle + speed (t - time of the sample) holds.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from vvdp.base.kinds import Angle, Count, Speed
+
+
+class Estimate(NamedTuple):
+    """What is believed at a sample. Deviations are NaN where an estimator does not know them.
+
+    `innovation` is by how much the edge of this sample differed from what was expected, `innovation_deviation` by how
+    much it was expected to differ; both are 0 at samples without an edge that was used. `missed_edges` counts the
+    edges that have been passed over since the start.
+    """
+
+    angle: Angle
+    speed: Speed
+    angle_deviation: float
+    speed_deviation: float
+    innovation: float
+    innovation_deviation: float
+    missed_edges: Count
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """An estimator with its values, ready to be run in a simulation, over a log or in a comparison."""
+
+    title: str
+    step: Callable[[Any, Any, Any], tuple[Any, Estimate]]
+    memory: Any
+    settings: Any

@@ -1,0 +1,1 @@
+"""The coarse encoder: code wheel, light spot, comparator, sampling, faults."""

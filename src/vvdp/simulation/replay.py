@@ -1,0 +1,80 @@
+"""A sampled step (sensor, estimator, controller) run over a record of its inputs, compiled.
+
+A step is `step(memory, reading, settings) -> (memory, shown)`, plain functions over NamedTuples of floats; in a
+simulation a program calls it at each sample, here it goes through rows that lie ready. What it has reached is in its
+memory, so a record may come in portions.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import RunError
+from vvdp.numerics.tableaus import Array
+from vvdp.simulation.link import Classes, built, compiled_module, heading, quiet, written
+from vvdp.simulation.values import as_value, flat, leaves
+
+Step = Callable[[Any, Any, Any], tuple[Any, Any]]
+
+
+class Replayed(NamedTuple):
+    """What a step has left: its memory after the last row, and what it showed at each."""
+
+    memory: Any
+    shown: Array  # (rows, m)
+
+
+class Replay:
+    """`step` compiled for memories, readings and settings of one shape; calls release the interpreter's lock.
+
+    Raises RunError where step, memory, reading and settings do not fit together.
+    """
+
+    def __init__(
+        self,
+        step: Step,
+        memory: Any,
+        reading: Any,
+        settings: Any,
+        *,
+        cache: Path | None = None,
+        say: Callable[[str], None] = quiet,
+    ) -> None:
+        after, shown = step(memory, reading, settings)
+        before, found = [path for path, _, _ in leaves(memory)], [path for path, _, _ in leaves(after)]
+        if before != found or flat(memory).size != flat(after).size:
+            odd = sorted(set(before) ^ set(found)) or [f"{flat(memory).size} numbers against {flat(after).size}"]
+            raise RunError(f"{step.__qualname__} returns a memory that differs from the one given in {', '.join(odd)}")
+        self.columns = tuple(path for path, _, _ in leaves(shown))
+        self.width = flat(reading).size
+        self._example, self._settings = memory, settings
+        classes = Classes()
+        source = _source(memory, reading, settings, shown, classes)
+        self._run = compiled_module(source, {"step": step}, classes, cache, say).replay
+
+    def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
+        """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""
+        rows = np.ascontiguousarray(rows, float)
+        if rows.ndim != 2 or rows.shape[1] != self.width:
+            raise RunError(f"rows of shape {rows.shape}; expected (samples, {self.width})")
+        reached, shown = flat(memory), np.empty((rows.shape[0], len(self.columns)))
+        self._run(reached, flat(self._settings if settings is None else settings), rows, shown)
+        return Replayed(as_value(self._example, reached), shown)
+
+
+def _source(memory: Any, reading: Any, settings: Any, shown: Any, classes: Classes) -> str:
+    lines = [
+        "@njit(void(float64[::1], float64[::1], *[float64[:, ::1]] * 2), cache=True, error_model='numpy', nogil=True)"
+    ]
+    lines += ["def replay(m, z, rows, out):"]
+    lines += [f"    settings = {built(settings, 'z', 0, classes)[0]}"]
+    lines += [f"    memory = {built(memory, 'm', 0, classes)[0]}"]
+    lines += ["    for i in range(rows.shape[0]):", "        r, o = rows[i], out[i]"]
+    lines += [f"        memory, shown = step(memory, {built(reading, 'r', 0, classes)[0]}, settings)"]
+    inner: list[str] = []
+    written(shown, "shown", "o", 0, inner)
+    lines += [f"    {line}" for line in inner]
+    written(memory, "memory", "m", 0, lines)
+    return "\n".join([*heading(classes), "", "", *lines]) + "\n"

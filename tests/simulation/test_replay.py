@@ -1,0 +1,98 @@
+"""A sampled step over a record: the compiled pass is the plain one, in one go or in portions."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import RunError
+from vvdp.base.kinds import Ratio, Time
+from vvdp.base.params import Params
+from vvdp.numerics.kalman import observed
+from vvdp.numerics.random import Random, normal, random_start
+from vvdp.simulation.replay import Replay
+
+
+class Sample(NamedTuple):
+    time: float
+    value: float
+
+
+class Memory(NamedTuple):
+    sum: float
+    random: Random
+    last: np.ndarray
+
+
+class Shown(NamedTuple):
+    mean: float
+    noise: float
+    oldest: float
+
+
+class Settings(Params):
+    share: Ratio
+    times: Time
+
+
+def averaged(memory, sample, settings):
+    random, noise = normal(memory.random)
+    last = np.empty(3)
+    last[1:] = memory.last[:2]
+    last[0] = sample.value
+    mean, _ = observed(np.zeros(2), np.eye(2), np.array([1.0, 0.0]), sample.value + noise, settings.share)
+    total = memory.sum + mean[0]
+    return Memory(total, random, last), Shown(total / sample.time, noise, last[2])
+
+
+def forgetful(memory, sample, settings):
+    return memory.sum, Shown(0.0, 0.0, 0.0)
+
+
+START = Memory(0.0, random_start(7.0), np.zeros(3))
+SETTINGS = Settings(share=0.5, times=1.0)
+ROWS = np.column_stack([np.arange(1.0, 201.0), np.sin(np.arange(200.0))])
+
+
+@pytest.fixture(scope="module")
+def replay():
+    return Replay(averaged, START, Sample(1.0, 0.0), SETTINGS)
+
+
+def test_compiled_pass_is_the_plain_one(replay):
+    found = replay(START, ROWS)
+    memory, plain = START, []
+    for row in ROWS.tolist():
+        memory, shown = averaged(memory, Sample(*row), SETTINGS)
+        plain.append(shown)
+    assert replay.columns == ("mean", "noise", "oldest")
+    np.testing.assert_allclose(found.shown, plain, rtol=1e-13, atol=1e-13)
+    assert found.memory.random == memory.random  # whole numbers below 2^53: exact
+    np.testing.assert_array_equal(found.memory.last, memory.last)
+
+
+def test_portions_give_the_same_to_the_last_bit(replay):
+    whole = replay(START, ROWS)
+    first = replay(START, ROWS[:77])
+    second = replay(first.memory, ROWS[77:])
+    np.testing.assert_array_equal(np.vstack([first.shown, second.shown]), whole.shown)
+    assert second.memory.sum == whole.memory.sum
+
+
+def test_the_memory_that_was_given_is_left_alone(replay):
+    replay(START, ROWS)
+    assert START.sum == 0.0
+    assert not START.last.any()
+
+
+def test_other_settings_need_no_new_compilation(replay):
+    """Gain 1/(1 + R): with R = 0 the measured value itself."""
+    found = replay(START, ROWS[:1], Settings(share=0.0, times=1.0))
+    assert found.shown[0, 0] == pytest.approx(0.0 + found.shown[0, 1], abs=1e-15)
+
+
+def test_what_does_not_fit_is_refused(replay):
+    with pytest.raises(RunError, match=r"expected \(samples, 2\)"):
+        replay(START, np.zeros((5, 3)))
+    with pytest.raises(RunError, match="memory that differs"):
+        Replay(forgetful, START, Sample(1.0, 0.0), SETTINGS)
