@@ -24,7 +24,7 @@ DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 def layout(system: System, ready: Prepared) -> str:
     """The C header with the place of every value in the flat vectors."""
-    parts = {"P": system.case.params, "Y": system.case.state, "U": system.case.command}
+    parts = {"P": system.case.params, "Y": system.case.state, "U": system.case.command.conditions}
     lines = [f"#define STATES {ready.state.size}", f"#define ACTIVE {ready.active}"]
     for prefix, value in parts.items():
         paths = [(path, np.size(x)) for path, x, _ in leaves(value)]

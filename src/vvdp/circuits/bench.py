@@ -19,7 +19,7 @@ from vvdp.base.params import Params
 from vvdp.base.select import minimum
 from vvdp.base.signal import signal_stop, signal_value
 from vvdp.circuits.supply import (
-    Conditions,
+    Command,
     Supplied,
     Supply,
     SupplyParams,
@@ -132,10 +132,11 @@ class OrificeBenchState(NamedTuple):
 
 
 def orifice_bench(
-    t: float, s: OrificeBenchState, u: Conditions, p: OrificeBenchParams
+    t: float, s: OrificeBenchState, command: Command, p: OrificeBenchParams
 ) -> tuple[OrificeBenchState, BenchOutputs]:
     """Rates and outputs of the supply that feeds a line and, from it, an orifice to the tank."""
-    line, oil = fluid_state(s.load_pressure, p.supply.oil), p.supply.oil
+    u, oil = command.conditions, p.supply.oil
+    line = fluid_state(s.load_pressure, oil)
     flows = supply(t, s.supply, u, s.load_pressure, line, p.supply)
     load = passage(
         orifice_flow(signal_value(t, p.load.area), s.load_pressure - u.tank_pressure, u.density, p.load),
@@ -196,10 +197,10 @@ class SourceBenchState(NamedTuple):
 
 
 def source_bench(
-    t: float, s: SourceBenchState, u: Conditions, p: SourceBenchParams
+    t: float, s: SourceBenchState, command: Command, p: SourceBenchParams
 ) -> tuple[SourceBenchState, BenchOutputs]:
     """Rates and outputs of the supply that works against a pressure source, which also feeds the valve's leakage."""
-    load_pressure = signal_value(t, p.load.pressure)
+    u, load_pressure = command.conditions, signal_value(t, p.load.pressure)
     source = fluid_state(load_pressure, p.supply.oil)
     flows = supply(t, s.supply, u, load_pressure, source, p.supply)
     load_power = (flows.load_flow - flows.leakage) * (source.enthalpy - u.tank.enthalpy)

@@ -1,8 +1,8 @@
 """The part that both benches share: pump, inlet volume, relief valve, rotary valve and its spool."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from vvdp.base.books import Nothing
+from vvdp.base.books import NOTHING, Nothing
 from vvdp.base.kinds import (
     Angle,
     Conductance,
@@ -97,6 +97,16 @@ class Conditions(NamedTuple):
     ports: PortShape
 
 
+class Command(NamedTuple):
+    """What a bench is given at each sample: the conditions, and what its program has to show, such as an estimate.
+
+    What is shown is recorded with the run; the circuit does not read it.
+    """
+
+    conditions: Conditions
+    shown: Any = NOTHING
+
+
 class Supplied(NamedTuple):
     """Energy that comes in. `tank_oil` is what the oil itself brings out of a tank that is not at the reference
     pressure, net of what it takes back."""
@@ -157,9 +167,9 @@ def conditions(t: float, p: SupplyParams) -> Conditions:
     )
 
 
-def supply_program(t: float, memory: Nothing, measured: object, settings: SupplyParams) -> tuple[Nothing, Conditions]:
+def supply_program(t: float, memory: Nothing, measured: object, settings: SupplyParams) -> tuple[Nothing, Command]:
     """The program of a bench: nothing is controlled, the conditions are read."""
-    return memory, conditions(t, settings)
+    return memory, Command(conditions(t, settings), NOTHING)
 
 
 def supply(t: float, s: SupplyState, u: Conditions, load_pressure: float, load: FluidState, p: SupplyParams) -> Supply:

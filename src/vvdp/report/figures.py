@@ -1,8 +1,6 @@
 """The figures of a report. Each is drawn from a result directory alone, and drawn again it has the same bytes."""
 
-import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +8,7 @@ import numpy as np
 from vvdp.base.signal import signal_value
 from vvdp.numerics.spectrum import amplitude_spectrum
 from vvdp.numerics.tableaus import Array
+from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
 from vvdp.report.losses import causes, components
 from vvdp.report.reading import BAR, LPM, Detail, Reading, Rows
 from vvdp.report.wording import fixed, number, percent, plain
@@ -18,56 +17,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-INLET, LOAD, TANK, RELIEF, INK, FAINT = "#d9730d", "#0b3c6f", "#6aaed6", "#5a5a5a", "#1b1f24", "#c9ced4"
-"""Colours that keep apart for the colour-blind; their lightness differs for print in grey."""
-
-STYLE: Mapping[str, Any] = {
-    "font.family": "DejaVu Sans",
-    "font.size": 8.0,
-    "axes.labelsize": 8.0,
-    "axes.titlesize": 8.5,
-    "axes.edgecolor": "#6b747d",
-    "axes.linewidth": 0.7,
-    "axes.labelcolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.unicode_minus": True,
-    "grid.color": "#e6e9ec",
-    "grid.linewidth": 0.6,
-    "xtick.color": "#4b545d",
-    "ytick.color": "#4b545d",
-    "xtick.major.width": 0.7,
-    "ytick.major.width": 0.7,
-    "legend.frameon": False,
-    "legend.fontsize": 8.0,
-    "legend.handlelength": 2.4,
-    "legend.borderaxespad": 0.0,
-    "lines.linewidth": 1.3,
-    "svg.fonttype": "path",
-}
-PAGE_WIDTH = 7.1
-DOTS = 160
 SHORTEST_SPECTRUM = 64
 """Fewest samples from which a spectrum is drawn."""
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A figure with the name of its files and the words below it."""
-
-    name: str
-    caption: str
-    svg: str
-    png: bytes
 
 
 def figures(reading: Reading) -> Iterator[Drawn]:
     """All figures that this run gives."""
     detail = reading.detail()
     what = _detail_words(reading, detail)
-    yield _drawn(
+    yield drawn(
         "cycle-time", f"Pressures, flows and open areas over time. {what}", 4.45, _cycle(reading, detail, False)
     )
     if detail.periods:
@@ -75,37 +33,17 @@ def figures(reading: Reading) -> Iterator[Drawn]:
             f"The same over the spool's angle within a PWM period; the last {_periods(detail.periods)} lie on top of "
             "each other where the run repeats itself. Load and tank port are open in turn."
         )
-        yield _drawn("cycle-angle", caption, 4.45, _cycle(reading, detail, True))
-    yield _drawn("run", _run_caption(reading), 3.2, lambda figure: _run(figure, reading))
-    yield _drawn("speed", _speed_caption(reading), _speed_height(reading), lambda figure: _speed(figure, reading))
-    yield _drawn("losses", _loss_caption(reading), 3.0, lambda figure: _losses(figure, reading))
+        yield drawn("cycle-angle", caption, 4.45, _cycle(reading, detail, True))
+    yield drawn("run", _run_caption(reading), 3.2, lambda figure: _run(figure, reading))
+    yield drawn("speed", _speed_caption(reading), _speed_height(reading), lambda figure: _speed(figure, reading))
+    yield drawn("losses", _loss_caption(reading), 3.0, lambda figure: _losses(figure, reading))
     ripple = _ripple(reading)
     if ripple is not None:
-        yield _drawn("spectrum", ripple[2], 2.4, lambda figure: _spectrum(figure, reading, ripple[0], ripple[1]))
-
-
-def _drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], None]) -> Drawn:
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    style: Any = {**STYLE, "svg.hashsalt": name}
-    with mpl.rc_context(style):
-        figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
-        FigureCanvasAgg(figure)
-        draw(figure)
-        svg, png = io.StringIO(), io.BytesIO()
-        figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
-        figure.savefig(png, format="png", dpi=DOTS, metadata={"Software": None})
-    return Drawn(name, caption, svg.getvalue(), png.getvalue())
+        yield drawn("spectrum", ripple[2], 2.4, lambda figure: _spectrum(figure, reading, ripple[0], ripple[1]))
 
 
 def _periods(count: int) -> str:
     return "PWM period" if count == 1 else f"{count} PWM periods"
-
-
-def _legend(axes: "Axes", columns: int) -> None:
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=columns)
 
 
 def _detail_words(reading: Reading, detail: Detail) -> str:
@@ -139,7 +77,7 @@ def _cycle(reading: Reading, detail: Detail, over_angle: bool) -> Callable[["Fig
         line(pressures, (reading.output("load_pressure") - reading.reference) / BAR, LOAD, "-", "load", 1.7)
         pressures.set_ylabel("pressure [bar]")
         pressures.set_ylim(bottom=min(0.0, pressures.get_ylim()[0]))
-        _legend(pressures, 2)
+        legend(pressures, 2)
         for name, colour, style, words in (
             ("pump_flow", FAINT, "-", "pump"),
             ("load_flow", LOAD, "-", "to load"),
@@ -148,13 +86,13 @@ def _cycle(reading: Reading, detail: Detail, over_angle: bool) -> Callable[["Fig
         ):
             line(flows, reading.output(name) / LPM, colour, style, words, 2.4 if name == "pump_flow" else 1.3)
         flows.set_ylabel("flow [lpm]")
-        _legend(flows, 4)
+        legend(flows, 4)
         area = 1e6 * reading.supply.valve.nozzle_area
         line(areas, area * reading.output("load_opening"), LOAD, "-", "load port")
         line(areas, area * reading.output("tank_opening"), TANK, "-", "tank port")
         areas.set_ylabel("open area [mm²]")
         areas.set_xlabel("spool angle within the PWM period [°]" if over_angle else "time [ms]")
-        _legend(areas, 2)
+        legend(areas, 2)
         if over_angle:
             areas.set_xlim(0.0, pitch)
             areas.set_xticks(np.linspace(0.0, pitch, 9))
@@ -208,7 +146,7 @@ def _run(figure: "Figure", reading: Reading) -> None:
     flows.set_ylim(min(0.0, bottom), top + 0.12 * (top - min(0.0, bottom)))
     flows.set_xlabel("time [s]")
     flows.set_xlim(t[0], t[-1])
-    _legend(pressures, 3)
+    legend(pressures, 3)
     figure.align_ylabels()
 
 
@@ -260,7 +198,7 @@ def _speed(figure: "Figure", reading: Reading) -> None:
     rpm = axes.secondary_yaxis("right", functions=in_rpm)
     rpm.set_ylabel("spool speed [rpm]")
     rpm.spines["right"].set_visible(True)
-    _legend(axes, 4)
+    legend(axes, 4)
     if not steady:
         panels[1].plot(t, _duty_ratios(reading, t), color=INK)
         panels[1].set_ylabel("duty ratio [1]")

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.report.diagram import circuit_diagram
-from vvdp.report.figures import Drawn, figures
+from vvdp.report.drawing import Drawn
+from vvdp.report.figures import figures
 from vvdp.report.html import figure, text
 from vvdp.report.reading import Reading, reading
 from vvdp.report.references import bibliography

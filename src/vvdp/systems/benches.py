@@ -27,6 +27,7 @@ from vvdp.circuits.bench import (
     source_bench_stored,
 )
 from vvdp.circuits.supply import (
+    Command,
     Inlet,
     Operation,
     Spool,
@@ -146,14 +147,14 @@ def _orifice_case(tables: Mapping[str, Any]) -> Case:
     supply, initial = _supply(tables), tables["initial"]
     params = OrificeBenchParams(supply=supply, load_line=tables["load_line"], load=tables["load"])
     state = OrificeBenchState(_supply_start(initial), initial.load_pressure, _blank_books())
-    return Case(state, params, command=conditions(0.0, supply), settings=supply)
+    return Case(state, params, command=Command(conditions(0.0, supply)), settings=supply)
 
 
 def _source_case(tables: Mapping[str, Any]) -> Case:
     supply = _supply(tables)
     params = SourceBenchParams(supply=supply, load=tables["load"])
     state = SourceBenchState(_supply_start(tables["initial"]), _blank_books())
-    return Case(state, params, command=conditions(0.0, supply), settings=supply)
+    return Case(state, params, command=Command(conditions(0.0, supply)), settings=supply)
 
 
 BENCHES: Mapping[str, Bench] = {

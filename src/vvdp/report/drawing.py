@@ -1,0 +1,74 @@
+"""How every figure of a report looks, and how it becomes SVG and PNG; drawn again it has the same bytes."""
+
+import io
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INLET, LOAD, TANK, RELIEF, INK, FAINT = "#d9730d", "#0b3c6f", "#6aaed6", "#5a5a5a", "#1b1f24", "#c9ced4"
+"""Colours that keep apart for the colour-blind; their lightness differs for print in grey."""
+
+STYLE: Mapping[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.edgecolor": "#6b747d",
+    "axes.linewidth": 0.7,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": "#e6e9ec",
+    "grid.linewidth": 0.6,
+    "xtick.color": "#4b545d",
+    "ytick.color": "#4b545d",
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "legend.handlelength": 2.4,
+    "legend.borderaxespad": 0.0,
+    "lines.linewidth": 1.3,
+    "svg.fonttype": "path",
+}
+PAGE_WIDTH = 7.1
+DOTS = 160
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure with the name of its files and the words below it."""
+
+    name: str
+    caption: str
+    svg: str
+    png: bytes
+
+
+def drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], None]) -> Drawn:
+    """The figure that `draw` fills, as wide as the page and `height` inches high."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    style: Any = {**STYLE, "svg.hashsalt": name}
+    with mpl.rc_context(style):
+        figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        draw(figure)
+        svg, png = io.StringIO(), io.BytesIO()
+        figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
+        figure.savefig(png, format="png", dpi=DOTS, metadata={"Software": None})
+    return Drawn(name, caption, svg.getvalue(), png.getvalue())
+
+
+def legend(axes: "Axes", columns: int) -> None:
+    """A legend above the axes, in `columns` columns."""
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=columns)
