@@ -92,9 +92,15 @@ FLOW_COEFFICIENT = Kind("flow coefficient", "m^3/(s*Pa^0.5)", 0.0, 1e-2, "1.2e-7
 ENERGY_DENSITY = Kind("energy per volume", "J/m^3", -1e12, 1e12, "10 MJ/m^3", scale=1e5)
 PRESSURE_TIME = Kind("pressure over time", "Pa*s", -1e15, 1e15, "1 bar*s", accumulates=True)
 DURATION = Kind("duration", "s", -1e9, 1e9, "1 s", accumulates=True)
-ANGULAR_VARIANCE = Kind("angular variance", "rad^2", 0.0, 1e6, "3.5e-3 rad^2")
-SPEED_VARIANCE = Kind("variance of a rotational speed", "rad^2/s^2", 0.0, 1e10, "1000 rad^2/s^2")
-ACCELERATION_DENSITY = Kind("spectral density of an angular acceleration", "rad^2/s^3", 0.0, 1e12, "0.25 rad^2/s^3")
+# The radian has no dimension, so that a deviation would pass for a variance.
+ANGULAR_VARIANCE = Kind("angular variance", "rad^2", 0.0, 1e6, "3.5e-3 rad^2", units=("rad^2", "deg^2"))
+SPEED_VARIANCE = Kind(
+    "variance of a rotational speed", "rad^2/s^2", 0.0, 1e10, "1000 rad^2/s^2", units=("rad^2/s^2", "rpm^2")
+)
+ACCELERATION_DENSITY = Kind(
+    "spectral density of an angular acceleration", "rad^2/s^3", 0.0, 1e12, "0.25 rad^2/s^3", units=("rad^2/s^3",)
+)
+DRIFT = Kind("relative drift", "1", -0.1, 0.1, "1e-4")
 COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
 
 Scalar: TypeAlias = float
@@ -143,6 +149,7 @@ EnergyDensity = Annotated[float, ENERGY_DENSITY]
 PressureTime = Annotated[float, PRESSURE_TIME]
 Duration = Annotated[float, DURATION]
 Coupling = Annotated[float, COUPLING]
+Drift = Annotated[float, DRIFT]
 AngularVariance = Annotated[float, ANGULAR_VARIANCE]
 SpeedVariance = Annotated[float, SPEED_VARIANCE]
 AccelerationDensity = Annotated[float, ACCELERATION_DENSITY]

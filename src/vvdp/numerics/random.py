@@ -10,8 +10,8 @@ import numpy as np
 
 FIRST_MODULUS, FIRST_FACTOR = 2147483563.0, 40014.0
 SECOND_MODULUS, SECOND_FACTOR = 2147483399.0, 40692.0
-SPREAD = 69621.0
-"""Multiplier that keeps the states of neighbouring seeds apart."""
+STIRRING_MODULUS, STIRRINGS = 67108859.0, 8
+"""A prime whose square stays below 2^52, and how often a seed is squared into the state."""
 
 
 class Random(NamedTuple):
@@ -22,13 +22,27 @@ class Random(NamedTuple):
 
 
 def random_start(seed: float) -> Random:
-    """The generator for a whole number `seed` >= 0; different seeds give sequences that do not resemble each other."""
-    first = np.floor(seed) % (FIRST_MODULUS - 1.0) + 1.0
-    second = (np.floor(seed) * SPREAD) % (SECOND_MODULUS - 1.0) + 1.0
+    """The generator for a whole number `seed` from 0 to 2^53; other seeds give sequences that do not resemble it.
+
+    Both generators are linear: states that differ by d give sequences that differ by the same numbers whatever the
+    state, and over seeds 0, 1, 2, ... every draw would run through a lattice. Squares in between undo that.
+
+    Source  ours, docs/models/encoder.md
+    """
+    whole = np.floor(seed)
+    first = whole % (FIRST_MODULUS - 1.0) + 1.0
+    second = np.floor(whole / (FIRST_MODULUS - 1.0)) % (SECOND_MODULUS - 1.0) + 1.0
     state = Random(first, second)
-    for _ in range(20):
-        state, _ = uniform(state)
+    for _ in range(STIRRINGS):
+        state, _ = uniform(_stirred(state))
     return state
+
+
+def _stirred(state: Random) -> Random:
+    a, b = state.first % STIRRING_MODULUS, state.second % STIRRING_MODULUS
+    first = (a * a + state.second) % (FIRST_MODULUS - 1.0) + 1.0
+    second = (b * b + first) % (SECOND_MODULUS - 1.0) + 1.0
+    return Random(first, second)
 
 
 def uniform(state: Random) -> tuple[Random, float]:

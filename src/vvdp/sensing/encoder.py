@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Speed, Time
+from vvdp.base.kinds import Angle, Count, Drift, Fraction, FractionSignal, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.base.signal import signal_value
@@ -19,8 +19,8 @@ from vvdp.sensing.photodiode import LightSpot, photodiode_signal, ramp_width, sw
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below, edge_polarity, sector_widths
 
-MOST_EDGES = 64
-"""Edges that one interval between samples can hold; more means that the sampling is hopeless."""
+MOST_EDGES = 1000
+"""Edges that one interval between samples can hold; a shaft faster than that is not followed."""
 
 BISECTIONS = 48
 
@@ -71,7 +71,7 @@ class Faults(Params):
     dirt_angle: Angle
     dirt_width: Angle
     dirt_depth: Fraction
-    clock_drift: Fraction
+    clock_drift: Drift
     clock_jitter: Time
 
 
@@ -266,6 +266,8 @@ def encoder_reading(
             goal = crossing_angle(edge + 1.0, 1.0, threshold, disturbance, encoder)
             if goal == np.inf and angle >= edge_angle(edge + 2.0, encoder.wheel):
                 edge += 2.0  # a sector too dark, or too bright, to be seen
+                random, z = normal(random)
+                disturbance = encoder.noise * z
                 continue
             if angle < goal:
                 break
@@ -276,6 +278,8 @@ def encoder_reading(
             goal = crossing_angle(edge, -1.0, threshold, last, encoder)
             if goal == -np.inf and angle < edge_angle(edge - 1.0, encoder.wheel):
                 edge -= 2.0
+                random, z = normal(random)
+                last = encoder.noise * z
                 continue
             if angle >= goal:
                 break

@@ -1,12 +1,13 @@
 """What is simulated: a circuit and the functions that belong to it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.books import NOTHING, Nothing
+from vvdp.simulation.values import same
 
 
 def no_program(t: float, memory: Any, measured: Any, settings: Any) -> tuple[Any, Any]:
@@ -47,12 +48,19 @@ class Model:
         return self.circuit, self.program, self.mark, self.stop
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
-    """The values that a model runs with."""
+    """The values that a model runs with. Two cases are equal where all their numbers, at the same places, are."""
 
     state: Any
     params: Any
     command: Any = NOTHING
     memory: Any = NOTHING
     settings: Any = NOTHING
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Case) and all(
+            same(getattr(self, field.name), getattr(other, field.name)) for field in fields(self)
+        )
+
+    __hash__ = None  # type: ignore[assignment]

@@ -1,7 +1,7 @@
 """The result directory: what a run leaves on disk, and reading it back.
 
     system.toml     the system as it was resolved
-    result.h5       times, states, outputs, marks; every dataset with `units` and `long_name`
+    result.h5       times, states, outputs, what the program shows, marks; every dataset with `units` and `long_name`
     summary.json    the numbers that the run comes to
     meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
 
@@ -52,6 +52,7 @@ class Results:
     times: Array  # (rows,)
     states: Mapping[str, Series]
     outputs: Mapping[str, Series]
+    shown: Mapping[str, Series]  # by the program, such as an estimate; none where it shows nothing
     mark_times: Array  # (marks,)
     mark_states: Mapping[str, Series]
 
@@ -121,10 +122,22 @@ def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, 
         outputs = run.outputs
         for name, kind in field_kinds(type(outputs)).items():
             _dataset(file, f"outputs/{name}", getattr(outputs, name), *_described(name, kind))
+        for path, (values, kind) in shown(run).items():
+            _dataset(file, f"shown/{path}", values, *_described(path, kind))
         _dataset(file, "marks/time", run.mark_times, "s", "time of each mark")
         for column, (path, _, kind) in enumerate(leaves(run.case.state)):
             _dataset(file, f"marks/states/{path}", run.mark_states[:, column], *_described(path, kind))
     temporary.replace(folder / "result.h5")
+
+
+def shown(run: Run) -> dict[str, tuple[Array, Kind]]:
+    """What the program of a run showed at its recorded times, by path: the command's field `shown`, held in between."""
+    places, column = {}, 0
+    for path, value, kind in leaves(run.case.command):
+        if path.startswith("shown.") and kind:
+            places[path.removeprefix("shown.")] = run.commands[:, column], kind
+        column += int(np.size(value))
+    return places
 
 
 def _described(path: str, kind: Kind | None) -> tuple[str, str]:
@@ -160,6 +173,7 @@ def read_results(directory: Path) -> Results:
         summary = json.loads((directory / "summary.json").read_text("utf-8"))
         with h5py.File(directory / "result.h5", "r") as file:
             states, outputs = _series(file["states"]), _series(file["outputs"])
+            shown_series = _series(file["shown"]) if "shown" in file else {}
             mark_states = _series(file["marks/states"])
             times, marks = file["time"][:], file["marks/time"][:]
     except (OSError, KeyError, ValueError) as problem:
@@ -167,7 +181,7 @@ def read_results(directory: Path) -> Results:
     if meta.get("format") != FORMAT:
         raise unusable(directory, f"was written in format {meta.get('format')}; this version reads format {FORMAT}")
     text = (directory / "system.toml").read_text("utf-8")
-    return Results(directory, text, summary, meta, times, states, outputs, marks, mark_states)
+    return Results(directory, text, summary, meta, times, states, outputs, shown_series, marks, mark_states)
 
 
 def _series(group: Any, path: str = "") -> dict[str, Series]:

@@ -52,6 +52,15 @@ def leaves(value: Any, path: str = "", kind: Kind | None = None) -> Iterator[tup
         yield from leaves(getattr(value, name), f"{path}.{name}" if path else name, kinds.get(name))
 
 
+def same(one: Any, other: Any) -> bool:
+    """Whether two nested values are of the same classes and have the same numbers."""
+    if type(one) is not type(other) and (names(one) or names(other)):
+        return False
+    if inner := names(one):
+        return all(same(getattr(one, name), getattr(other, name)) for name in inner)
+    return np.array_equal(np.asarray(one, float), np.asarray(other, float), equal_nan=True)
+
+
 def rebuilt(example: Any, numbers: Iterator[Any]) -> Any:
     """A value of the shape of `example` with its leaves taken from `numbers`: floats, or whole columns of a record."""
     inner = names(example)
