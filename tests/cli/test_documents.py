@@ -13,6 +13,7 @@ DOCUMENTS = Path(__file__).parents[2] / "docs"
 ENDINGS = {
     "m^3/s": "_m3_s",
     "rad/s": "_rad_s",
+    "rad": "_rad",
     "Pa": "_Pa",
     "Hz": "_Hz",
     "W": "_W",
@@ -30,7 +31,7 @@ def described(verb: str) -> dict[str, str]:
     return dict(rows)
 
 
-@pytest.mark.parametrize(("verb", "options"), [("valve", ()), ("run", ("--until", "0.05 s", "--no-report"))])
+@pytest.mark.parametrize(("verb", "options"), [("valve", ()), ("run", ("--until", "0.52 s", "--no-report"))])
 def test_keys_are_those_described(vvdp, here, verb, options):
     found: set[str] = set()
     for name in shipped():

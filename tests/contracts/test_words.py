@@ -2,6 +2,7 @@
 
 import inspect
 import re
+from dataclasses import is_dataclass
 from enum import Enum
 
 import pytest
@@ -13,7 +14,7 @@ NO_QUANTITY = {"Stepping.method"}  # a choice
 
 
 def is_nested(hint) -> bool:
-    return isinstance(hint, type) and (issubclass(hint, Params) or hasattr(hint, "_fields"))
+    return isinstance(hint, type) and (issubclass(hint, Params) or hasattr(hint, "_fields") or is_dataclass(hint))
 
 
 def leaf_fields(classes):

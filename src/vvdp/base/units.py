@@ -41,6 +41,25 @@ def _unit(text: str) -> Any:
     return _registry().parse_units(powers.replace("^", "**"))
 
 
+def is_unit(text: str) -> bool:
+    """Whether the text is the name of a unit, such as `bar` or `m^3/s`."""
+    if text in _GAUGE_SUFFIX or text in _ABSOLUTE_SUFFIX:
+        return True
+    try:
+        return len(text) <= 40 and bool(_unit(text))
+    except Exception:  # pint raises many unrelated types on malformed unit text
+        return False
+
+
+def line_to_si(unit: str, kind: Kind) -> tuple[float, float]:
+    """Factor and offset with which numbers in `unit` become SI of `kind`: value = number * factor + offset.
+
+    Gauge and absolute levels as in `parsed`; no range is checked. Raises ParameterError.
+    """
+    text = f"1 {unit}".rstrip()
+    return _converted(1.0, unit, text, kind, level=False), _converted(0.0, unit, text, kind)
+
+
 def parsed(text: object, kind: Kind) -> float:
     """SI value of `text`, a number with a unit of `kind`, range checked. Pressure levels come out absolute [Pa].
 

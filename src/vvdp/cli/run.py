@@ -45,7 +45,7 @@ def run(
     from vvdp.systems.system import load_system, resolved_text
 
     loaded = load_system(system, settings or (), until)
-    directory = out if out is not None else _default_directory(loaded.name)
+    directory = out if out is not None else default_directory(loaded.name)
     with result_directory(directory, force=force) as folder:
         with _listener(loaded.stepping.until) as progress:
             done = simulate(loaded.model, loaded.case, loaded.stepping, progress=progress, say=say)
@@ -75,7 +75,7 @@ def run(
         raise typer.Exit(NOT_TRUSTED)
 
 
-def _default_directory(name: str) -> Path:
+def default_directory(name: str) -> Path:
     """A directory under `results` that does not exist yet."""
     stem = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     directory, number = Path("results", stem), 1
@@ -139,6 +139,8 @@ SHOWN = (
     ("load pressure, mean", ("mean_load_pressure_Pa",), (), "bar"),
     ("load pressure, lowest", ("load_pressure_min_Pa",), (), "bar"),
     ("load pressure, highest", ("load_pressure_max_Pa",), (), "bar"),
+    ("spool angle, error of the estimate", ("spool_angle_error_rms_rad",), (), "rad"),
+    ("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), (), "rad/s"),
     ("input power, pump shaft", ("input_power_W",), (), "W"),
     ("input power, spool motor", ("spool_motor_power_W",), (), "W"),
     ("load power", ("load_power_W",), (), "W"),

@@ -21,10 +21,10 @@ class Estimate(NamedTuple):
 
     angle: Angle
     speed: Speed
-    angle_deviation: float
-    speed_deviation: float
-    innovation: float
-    innovation_deviation: float
+    angle_deviation: Angle
+    speed_deviation: Speed
+    innovation: Angle
+    innovation_deviation: Angle
     missed_edges: Count
 
 

@@ -12,6 +12,7 @@ from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, dr
 from vvdp.report.losses import causes, components
 from vvdp.report.reading import BAR, LPM, Detail, Reading, Rows
 from vvdp.report.wording import fixed, number, percent, plain
+from vvdp.systems.watching import SETTLED, estimate_errors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,6 +37,8 @@ def figures(reading: Reading) -> Iterator[Drawn]:
         yield drawn("cycle-angle", caption, 4.45, _cycle(reading, detail, True))
     yield drawn("run", _run_caption(reading), 3.2, lambda figure: _run(figure, reading))
     yield drawn("speed", _speed_caption(reading), _speed_height(reading), lambda figure: _speed(figure, reading))
+    if reading.is_watched:
+        yield drawn("estimate", _estimate_caption(reading), 4.3, lambda figure: _estimate(figure, reading))
     yield drawn("losses", _loss_caption(reading), 3.0, lambda figure: _losses(figure, reading))
     ripple = _ripple(reading)
     if ripple is not None:
@@ -206,6 +209,44 @@ def _speed(figure: "Figure", reading: Reading) -> None:
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(t[0], t[-1])
     figure.align_ylabels(panels)
+
+
+def _estimate_caption(reading: Reading) -> str:
+    words = (
+        "The spool as its encoder and the event-based Kalman filter see it. Top: speed, true and estimated. Middle: "
+        "error of the angle, within half a turn; until the index of the code wheel is found the angle is off by whole "
+        "sectors. Bottom: error of the speed. Bands: two standard deviations, as the filter states them; it takes the "
+        "acceleration as noise, so the speed's ripple within each PWM period lies outside."
+    )
+    if "spool_angle_error_rms_rad" in reading.results.summary:
+        angle, speed = (reading.number(f"spool_{what}") for what in ("angle_error_rms_rad", "speed_error_rms_rad_s"))
+        words += f" Root mean square from 0.5 s on: {number(angle, 3)} rad and {number(speed, 3)} rad/s."
+    return words
+
+
+def _estimate(figure: "Figure", reading: Reading) -> None:
+    speeds, angles, errors = figure.subplots(3, 1, sharex=True, height_ratios=[1.3, 1.0, 1.0])
+    t, shown = reading.results.times, {name: series.values for name, series in reading.results.shown.items()}
+    speed = reading.state("supply.spool.speed")
+    angle_error, speed_error = estimate_errors(t, reading.state("supply.spool.angle"), speed, shown)
+    speeds.plot(t, speed, color=TANK, linewidth=0.9, label="true")
+    speeds.plot(t, shown["speed"], color=LOAD, linewidth=1.1, label="estimated")
+    speeds.set_ylabel("speed [rad/s]")
+    legend(speeds, 2)
+    for axes, error, deviation, label in (
+        (angles, angle_error, shown["angle_deviation"], "angle error [rad]"),
+        (errors, speed_error, shown["speed_deviation"], "speed error [rad/s]"),
+    ):
+        settled = t >= min(SETTLED, 0.5 * t[-1])
+        reach = 1.2 * max(float(np.max(np.abs(error[settled]))), float(np.max(2.0 * deviation[settled])))
+        axes.fill_between(t, -2.0 * deviation, 2.0 * deviation, facecolor="#f7dcc0", edgecolor="none")
+        axes.plot(t, error, color=LOAD, linewidth=0.8)
+        axes.axhline(0.0, color=INK, linewidth=0.6)
+        axes.set_ylabel(label)
+        axes.set_ylim(-2.0 * reach, 2.0 * reach)
+    errors.set_xlabel("time [s]")
+    errors.set_xlim(t[0], t[-1])
+    figure.align_ylabels()
 
 
 def _duty_ratios(reading: Reading, times: Array) -> Array:

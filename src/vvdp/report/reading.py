@@ -68,6 +68,11 @@ class Reading:
         """Whether the load makes its own pressure."""
         return "load_pressure" in self.results.states
 
+    @property
+    def is_watched(self) -> bool:
+        """Whether encoder and filter ran along."""
+        return "speed_deviation" in self.results.shown
+
     def number(self, key: str) -> float:
         """A value of the summary; nan where it has none."""
         return float(self.results.summary.get(key, np.nan))

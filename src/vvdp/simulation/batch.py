@@ -179,16 +179,16 @@ def _carried(
     with _threads(cores) as threads:
         # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
         order = np.concatenate([np.arange(first, count, threads) for first in range(threads)])
-        final, command, params, settings = (
+        final, command, memory, params, settings = (
             np.array([flat(getattr(cases[row], part)) for row in order]).reshape(count, -1)
-            for part in ("state", "command", "params", "settings")
+            for part in ("state", "command", "memory", "params", "settings")
         )
         low, high, clocks = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, loop.CLOCK))
         status = np.zeros(count, np.int64)
         times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
         loop.batch(
             *ready.linked[:-1],
-            *(final, command, ready.memory, params, settings, ready.atol, ready.rtol, ready.scale),
+            *(final, command, memory, params, settings, ready.atol, ready.rtol, ready.scale),
             *(ready.active, stepping.sample_period, stepping.until, marks_from),
             *(1e-3 * stepping.sample_period, stepping.method.value),
             *(times, states, low, high, clocks, status),
@@ -205,13 +205,13 @@ def _carried(
 
 
 def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
-    """What must be the same in all cases of a batch: the names of the values, their sizes, and the memory at the start.
+    """What must be the same in all cases of a batch: the names of the values and their sizes.
 
     A constant and a step, say, are signals of different shapes.
     """
     parts = ("state", "params", "command", "memory", "settings")
     sizes = ((f"{part}.{path}", np.size(value)) for part in parts for path, value, _ in leaves(getattr(case, part)))
-    return (*sizes, ("the memory at the start", flat(case.memory).tobytes()))
+    return tuple(sizes)
 
 
 def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, object], ...]) -> str | None:
@@ -219,8 +219,6 @@ def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, o
         return None
     mine, others = dict(shape), dict(other)
     name = next(name for name in (*mine, *others) if mine.get(name) != others.get(name))
-    if isinstance(mine.get(name), bytes):
-        return f"{name} has other numbers"
     return f"{name} has {mine.get(name, 'no')} numbers against {others.get(name, 'none')}"
 
 

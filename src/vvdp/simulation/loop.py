@@ -346,7 +346,7 @@ def run(
 
 BATCH = types.void(
     RATES, SAMPLE, MARK, STOP,
-    MATRIX, MATRIX, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR,
+    MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR,
     int64, float64, float64, float64, float64, int64,
     MATRIX, float64[:, :, ::1], MATRIX, MATRIX, MATRIX, int64[::1],
 )  # fmt: skip
@@ -361,18 +361,17 @@ def batch(
 ):  # fmt: skip
     """Runs one case per row of `params` and `y` on all cores; of the marks keeps the first and the last.
 
-    `y` and `command` are changed in place.
+    `y`, `command` and `memory` are changed in place.
     """
     for case in prange(params.shape[0]):
         n = y.shape[1]
-        own_memory = memory.copy()
         low[case, :] = y[case]
         high[case, :] = y[case]
         clocks[case, STEP] = step
         clocks[case, METHOD] = STIFF if method == ONLY_STIFF else EXPLICIT
         status[case] = run(
             rates, sample, mark, stop,
-            y[case], command[case], own_memory, params[case], settings[case], atol, rtol, scale, clocks[case],
+            y[case], command[case], memory[case], params[case], settings[case], atol, rtol, scale, clocks[case],
             active, period, t_end, marks_from, method, 1e300, 1,
             np.zeros(0), np.zeros((0, n)), np.zeros((0, command.shape[1])), mark_times[case], mark_states[case],
             low[case], high[case],

@@ -45,6 +45,7 @@ from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.simulation.model import Case, Model
+from vvdp.systems.watching import watched
 from vvdp.valve.rotary import RotaryValve
 
 
@@ -105,6 +106,13 @@ class Bench:
     model: Model
     tables: Mapping[str, type[Params]]
     case: Callable[[Mapping[str, Any]], Case]
+
+    def built(self, tables: Mapping[str, Any]) -> tuple[Model, Case]:
+        """The model and the case that `tables` make; its spool is watched where they have an encoder."""
+        case = self.case(tables)
+        if "encoder" not in tables:
+            return self.model, case
+        return watched(self.model, case, tables["encoder"], tables["spool_filter"])
 
 
 def operation(table: DutyOperation | Operation, helix_length: float) -> Operation:

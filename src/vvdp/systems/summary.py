@@ -6,9 +6,11 @@ from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid.oil import density
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
+from vvdp.simulation.results import shown
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves, names
 from vvdp.systems.system import System
+from vvdp.systems.watching import SETTLED, estimate_errors
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.operating_point import OperatingPoint, operating_point
 
@@ -32,6 +34,7 @@ UNITS = {
     "_Pa": "Pa gauge",
     "_Hz": "Hz",
     "_W": "W",
+    "_rad": "rad",
     "_s": "s",
 }
 
@@ -64,7 +67,7 @@ def summary(system: System, run: Run) -> Summary:
     described in docs/keys.md.
     """
     simulated = simulated_summary(outcome(run, system.average_from), system)
-    return simulated | analytic_summary(simulated, system)
+    return simulated | watching_summary(run) | analytic_summary(simulated, system)
 
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
@@ -144,6 +147,26 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "wall_time_s": run.seconds,
     }
     return {key: bool(value) if isinstance(value, bool | np.bool_) else float(value) for key, value in found.items()}
+
+
+def watching_summary(run: Run) -> Summary:
+    """How far the estimate of a watched spool was off, from `SETTLED` on; empty for a shorter run, or no encoder.
+
+    Root means square over time, by the trapezoidal rule over the recorded rows.
+    """
+    estimate = {path: values for path, (values, _) in shown(run).items()}
+    late = run.times >= SETTLED
+    if not estimate or np.count_nonzero(late) < 2:
+        return {}
+    spool = run.state.supply.spool
+    errors = estimate_errors(run.times, spool.angle, spool.speed, estimate)
+    t = run.times[late]
+    angle, speed = (float(np.sqrt(np.trapezoid(e[late] ** 2, t) / (t[-1] - t[0]))) for e in errors)
+    return {
+        "spool_angle_error_rms_rad": angle,
+        "spool_speed_error_rms_rad_s": speed,
+        "spool_missed_edges": float(estimate["missed_edges"][-1]),
+    }
 
 
 def is_steady(system: System) -> bool:

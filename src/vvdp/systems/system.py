@@ -18,6 +18,7 @@ from vvdp.circuits.supply import Operation
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
 from vvdp.systems.benches import BENCHES, Bench
+from vvdp.systems.watching import WATCHING
 
 HEADINGS = ("title", "circuit")
 
@@ -135,8 +136,10 @@ def built_system(table: Table, name: str) -> System:
     """The system that a parsed table describes. Raises ConfigError with all its faults."""
     faults: list[Fault] = []
     bench = _bench(table, faults)
-    classes: dict[str, type[Params]] = {**bench.tables, "run": RunTable} if bench else {}
     content = dict(table.content)
+    classes: dict[str, type[Params]] = {**bench.tables, "run": RunTable} if bench else {}
+    if bench and not WATCHING.keys().isdisjoint(content):
+        classes |= WATCHING
     method = Method.AUTOMATIC
     if isinstance(content.get("run"), Mapping):
         content["run"] = run = dict(content["run"])
@@ -151,7 +154,7 @@ def built_system(table: Table, name: str) -> System:
     if bench:
         for key in content:
             if key not in classes and key not in HEADINGS:
-                message = f"unknown table; expected {', '.join(classes)}"
+                message = f"unknown table; expected {', '.join({**classes, **WATCHING})}"
                 faults.append(Fault(table.place, table.lines.get(key, 0), key, message))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
@@ -163,10 +166,10 @@ def built_system(table: Table, name: str) -> System:
             continue
         values[key], found = build(cls, part, key, table, faults)
         rows += found
-    case = stepping = None
+    model = case = stepping = None
     if not faults and bench:
         try:
-            case = bench.case(values)
+            model, case = bench.built(values)
             r = values["run"]
             stepping = Stepping(
                 until=r.until,
@@ -179,14 +182,12 @@ def built_system(table: Table, name: str) -> System:
             )
         except ParameterError as problem:
             faults.append(Fault(table.place, 0, "", str(problem)))
-    if faults or bench is None or case is None or stepping is None:
+    if faults or model is None or case is None or stepping is None:
         raise ConfigError(faults)
     title = str(table.content.get("title", name))
     kept = {k: v for k, v in table.content.items() if k not in HEADINGS}
     circuit = str(table.content["circuit"])
-    return System(
-        name, title, circuit, bench.model, case, stepping, values["run"].average_from, values, tuple(rows), kept
-    )
+    return System(name, title, circuit, model, case, stepping, values["run"].average_from, values, tuple(rows), kept)
 
 
 def resolved_text(system: System) -> str:

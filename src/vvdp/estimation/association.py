@@ -1,0 +1,115 @@
+"""Which edge of the wheel an observed edge was. The wheel is taken to turn forward only: numbers never fall."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Angle, AngularVariance, Count
+from vvdp.base.select import maximum, minimum
+from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, edge_below, edge_polarity, nearest_edge
+
+FARTHEST = 7.0
+"""Deviations, those after a manoeuvre, that an early edge may lie from where it was expected [1]."""
+
+REMEMBERED = 64.0
+"""Edges over which the share of irregular ones is averaged [1]."""
+
+RAREST = 1e-3
+"""Least share of missed edges that is reckoned with [1]."""
+
+
+class Sighting(NamedTuple):
+    """An edge was seen: where the spool should be by now, and what came since the last edge that was used.
+
+    `variance` is that with which the edge was expected, `manoeuvre_variance` what it would be had a manoeuvre begun at
+    the last edge used, `manoeuvre_odds` the logarithm of the odds against that. `advance` is how far the spool should
+    have come since then, `ignored` how many edges were taken for bounce since, `fresh` how many came since the last
+    sample. `irregular` is the share of edges that were missed or ignored of late.
+    """
+
+    angle: Angle
+    advance: Angle
+    variance: AngularVariance
+    manoeuvre_variance: AngularVariance
+    manoeuvre_odds: float
+    ignored: Count
+    fresh: Count
+    polarity: float
+    irregular: float
+
+
+class Association(NamedTuple):
+    """Number of the edge that was seen, and 1 where it is to be used, 0 where it was none."""
+
+    edge: float
+    used: float
+
+
+def sector(wheel: CodeWheel) -> float:
+    """Mean width of a sector [rad]."""
+    return TURN / len(wheel.edges)
+
+
+def counted_edge(last: float, edges: float, polarity: float) -> float:
+    """Number of the edge seen, `edges` after the edge numbered `last`; one more where its polarity says so.
+
+    polarity  +1 rising, -1 falling, 0 unknown
+
+    Source  wang2017, eq. 3.2; the polarity is ours, docs/models/event-filter.md
+    """
+    number = last + edges
+    return number + 1.0 if polarity * edge_polarity(number) < 0.0 else number
+
+
+def first_edge(angle: float, polarity: float, wheel: CodeWheel) -> float:
+    """Number of the first edge that passes after the wheel stood at `angle` [rad], known to half a sector.
+
+    Source  ours, docs/models/event-filter.md
+    """
+    if polarity == 0.0:
+        return edge_below(angle, wheel) + 1.0
+    return nearest_edge(angle + 0.5 * sector(wheel), polarity, wheel)
+
+
+def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Association:
+    """Which edge was seen by a filter that knows where it is.
+
+    The likelier of two: the nearest of the observed polarity, with edges missed in between, or the next by count,
+    where it was expected or after a manoeuvre. Edges for which too little of a sector has passed are the bounce of
+    the last one: pairs of them are left out, a single one is none.
+
+    last  number of the last edge used
+
+    Source  ours, docs/models/event-filter.md
+    """
+    next_sector = edge_angle(last + 1.0, wheel) - edge_angle(last, wheel)
+    fresh = sighting.fresh
+    while fresh > 1.0 and sighting.advance < (fresh - 0.5) * next_sector:
+        fresh -= 2.0
+    counted = counted_edge(last, sighting.ignored + fresh, sighting.polarity)
+    nearest = nearest_edge(sighting.angle, sighting.polarity, wheel)
+    away = edge_angle(counted, wheel) - sighting.angle
+    early = sighting.advance < 0.5 * next_sector
+    far = away * away > FARTHEST * FARTHEST * sighting.manoeuvre_variance
+    if fresh < 0.5 or (early and far):
+        return Association(counted, 0.0)
+    if nearest <= last or nearest == counted:
+        return Association(counted, 1.0)
+
+    S, S_m = sighting.variance, sighting.manoeuvre_variance
+    manoeuvre = sighting.manoeuvre_odds + 0.5 * away * away / S_m + 0.5 * np.log(S_m / S)
+    count_cost = minimum(0.5 * away * away / S, manoeuvre)
+    off = edge_angle(nearest, wheel) - sighting.angle
+    missed = nearest - last - sighting.ignored - fresh
+    nearest_cost = 0.5 * off * off / S - maximum(missed, 0.0) * np.log(maximum(sighting.irregular, RAREST))
+    return Association(nearest if nearest_cost < count_cost else counted, 1.0)
+
+
+def irregular_share(share: float, irregular: float, regular: float) -> float:
+    """Share of edges that were missed or ignored [1], after `irregular` more of them and `regular` others.
+
+    Source  ours, docs/models/event-filter.md
+    """
+    kept = 1.0 - 1.0 / REMEMBERED
+    grown: float = (1.0 - (1.0 - share) * kept**irregular) * kept**regular
+    return grown

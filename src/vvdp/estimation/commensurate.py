@@ -1,0 +1,101 @@
+"""Whether edges and samples march in step, so that part of the angle's error hides from every estimator.
+
+Edges that are only sampled fall at a place within the sampling period that cannot be seen. When p edges take exactly q
+samples, only p different places occur, for ever, and their mean error does not die out. Derived in
+docs/models/simple-estimators.md, "Edges in step with the samples".
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+
+
+class Commensurate(NamedTuple):
+    """`edges` edges take very nearly `samples` samples, in lowest terms; rates in 1/s."""
+
+    edges: int
+    samples: int
+    edge_rate: float
+    sample_rate: float
+
+
+def commensurate_clock(
+    edge_rate: float, sample_rate: float, tolerance: float = 1e-3, largest: int = 8
+) -> Commensurate | None:
+    """The fraction p/q, q <= `largest`, of the sampling rate that the edge rate is, or None where it is none.
+
+    None also where the edge rate is 0 or above the sampling rate, when edges are lost and nothing can be said.
+    Edges that a capture unit stamps are free of all this.
+
+    edge_rate    edges a second of the whole wheel [1/s]
+    sample_rate  [1/s]
+    tolerance    relative deviation of the edge rate that still counts as in step
+    Raises ParameterError for a sampling rate that is not positive, a tolerance below 0, or `largest` below 1.
+
+    Source  ours, docs/models/simple-estimators.md
+    """
+    if not sample_rate > 0.0:
+        raise ParameterError(f"a sampling rate of {sample_rate:g}/s; expected more than 0")
+    if not tolerance >= 0.0 or largest < 1:
+        raise ParameterError(f"tolerance {tolerance:g} and samples up to {largest}; expected at least 0 and 1")
+    if not 0.0 < edge_rate < sample_rate:
+        return None
+    ratio = edge_rate / sample_rate
+    for samples in range(1, largest + 1):  # the first that fits is in lowest terms, and hides most
+        edges = round(ratio * samples)
+        if edges and abs(ratio * samples / edges - 1.0) <= tolerance:
+            return Commensurate(edges, samples, edge_rate, sample_rate)
+    return None
+
+
+def hidden_angle(found: Commensurate, sector_width: float) -> float:
+    """The largest constant error of the angle that stays hidden [rad]: sector / (2 q) = omega dT / (2 p).
+
+    For equal sectors; one edge out of place among n changes it by at most omega dT / n.
+    Evenly distributed between plus and minus this, depending on where in the sampling period the edges fall.
+
+    Source  ours, docs/models/simple-estimators.md
+    """
+    return sector_width / (2.0 * found.samples)
+
+
+def hidden_speed(found: Commensurate, sector_width: float) -> float:
+    """By how much the speed is shown too high between two jumps of the hidden angle [rad/s]: sector (p/q f_s - f_e).
+
+    The speed that is shown is the one exactly in step.
+
+    Source  ours, docs/models/simple-estimators.md
+    """
+    return sector_width * (found.edges * found.sample_rate / found.samples - found.edge_rate)
+
+
+def beat_time(found: Commensurate) -> float:
+    """Time after which the hidden error has gone through all its values [s]: 1/|q f_e - p f_s|, infinite in step.
+
+    A mean of the error over a time T >= this keeps at most beat / (4 T) of the hidden angle.
+
+    Source  ours, docs/models/simple-estimators.md
+    """
+    beat = abs(found.samples * found.edge_rate - found.edges * found.sample_rate)
+    return 1.0 / beat if beat > 0.0 else np.inf
+
+
+def commensurate_warning(found: Commensurate, sector_width: float) -> str:
+    """A sentence for people that says what is hidden, with numbers; the angle in rad and as a share of a sector."""
+    p, q, beat = found.edges, found.samples, beat_time(found)
+    off = abs(found.edge_rate * q / (p * found.sample_rate) - 1.0)
+    places = "one place" if p == 1 else f"{p} places"
+    if np.isinf(beat):
+        lasting = "no average removes it"
+    else:
+        lasting = (
+            f"it takes all its values once in {beat:.3g} s, an average over {2.5 * beat:.3g} s removes nine tenths"
+        )
+    return (
+        f"The edge rate of {found.edge_rate:.6g}/s is {p}/{q} of the sampling rate of {found.sample_rate:.6g}/s within "
+        f"{off:.2g}: edges fall on {places} in the sampling period, which hides an error of the angle of up to "
+        f"{hidden_angle(found, sector_width):.3g} rad (1/{2 * q} of a sector); {lasting}. "
+        "Stamp the edges with a capture unit, or sample at another rate."
+    )

@@ -1,0 +1,279 @@
+"""The event-based Kalman filter: angle and speed of the spool from the times at which edges passed.
+
+The belief is kept at the time of the last edge. A sample without an edge costs a prediction and nothing else.
+Derived in docs/models/event-filter.md.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import AccelerationDensity, AngularVariance, Count, Ratio, Speed, SpeedVariance
+from vvdp.base.params import Params
+from vvdp.base.select import maximum
+from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
+from vvdp.estimation.estimator import Estimate, Estimator
+from vvdp.estimation.index import IndexMemory, index_after_edge, index_start
+from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
+
+SLACK = 1.0
+"""Normalised innovation that counts as none when innovations of one sign are summed up [1]."""
+
+RELIABLE = 0.01
+"""Share of irregular edges that is assumed at first [1]."""
+
+UNBELIEVABLE = 0.4
+"""Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
+
+
+class EventFilter(Params):
+    """Settings of the event-based Kalman filter; `event_filter` has the usual ones.
+
+    `edge_variance` is the part of the noise that is an angle, the other follows from the interval in which an edge
+    passed, taken at no less than `lowest_speed`. Edges are counted until the speed is known to
+    `association_speed_deviation`. A manoeuvre is declared when the sum of innovations exceeds `manoeuvre_gate`; the
+    acceleration then has `manoeuvre_density`, which fades over `manoeuvre_edges` edges. The index has been found when
+    `index_turns` turns agree about it; 0 where the wheel has none.
+    """
+
+    wheel: CodeWheel
+    acceleration_density: AccelerationDensity
+    edge_variance: AngularVariance
+    lowest_speed: Speed
+    angle_variance: AngularVariance
+    speed_variance: SpeedVariance
+    association_speed_deviation: Speed
+    manoeuvre_density: AccelerationDensity
+    manoeuvre_gate: Ratio
+    manoeuvre_edges: Count
+    index_turns: Count = 0.0
+
+    def check(self) -> None:
+        if not self.edge_variance > 0.0:
+            raise ParameterError("EventFilter.edge_variance: 0 rad^2; no edge is known exactly, expected above 0")
+        if not self.manoeuvre_edges >= 1.0:
+            raise ParameterError(f"EventFilter.manoeuvre_edges: {self.manoeuvre_edges:g}; expected at least 1")
+        if self.manoeuvre_density < self.acceleration_density:
+            raise ParameterError(
+                f"EventFilter.manoeuvre_density: {self.manoeuvre_density:g} rad^2/s^3 is below the "
+                f"acceleration_density of {self.acceleration_density:g} rad^2/s^3"
+            )
+        if self.index_turns > 0.0 and not self.wheel.has_index:
+            raise ParameterError(
+                f"EventFilter.index_turns: {self.index_turns:g}, but the wheel with edges at {self.wheel.edges} rad "
+                "looks the same after less than a turn; expected 0"
+            )
+
+
+class EventFilterMemory(NamedTuple):
+    """What the filter carries from sample to sample: its belief at the last edge that it used, and that edge.
+
+    `started` is 1 after the first edge, `associating` once edges are told by the belief and no longer counted.
+    `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored.
+    `density` is that of the acceleration, `rise` and `fall` are the sums of innovations.
+    """
+
+    time: float
+    belief: AngleSpeed
+    edge: float
+    started: float
+    associating: float
+    ignored: float
+    missed_edges: float
+    irregular: float
+    density: float
+    rise: float
+    fall: float
+    search: IndexMemory
+
+
+def event_filter(wheel: CodeWheel) -> EventFilter:
+    """The published settings, completed; change one with `dataclasses.replace`.
+
+    Source  wang2017, section 3.5; manoeuvre, association and index are ours, docs/models/event-filter.md
+    """
+    return EventFilter(
+        wheel=wheel,
+        acceleration_density=0.25,
+        edge_variance=3.47e-3,  # with the sampling part, 2.06e-3 at 157 rad/s and 1 ms, the published 5.53e-3
+        lowest_speed=2.0 * np.pi,
+        angle_variance=1000.0,
+        speed_variance=1000.0,
+        association_speed_deviation=10.0,
+        manoeuvre_density=2e4,
+        manoeuvre_gate=6.0,
+        manoeuvre_edges=4.0,
+        index_turns=2.0 if wheel.has_index else 0.0,
+    )
+
+
+def event_filter_start(settings: EventFilter, time: float, angle: float, speed: float) -> EventFilterMemory:
+    """Memory before the first sample.
+
+    time   [s]
+    angle  where the wheel stands, as far as is known [rad]
+    speed  expected [rad/s]
+    """
+    belief = AngleSpeed(angle, speed, settings.angle_variance, 0.0, settings.speed_variance)
+    q, wheel = settings.acceleration_density, settings.wheel
+    edge = edge_below(angle, wheel)
+    return EventFilterMemory(time, belief, edge, 0.0, 0.0, 0.0, 0.0, RELIABLE, q, 0.0, 0.0, index_start(wheel))
+
+
+def event_filter_step(
+    memory: EventFilterMemory, reading: Reading, settings: EventFilter
+) -> tuple[EventFilterMemory, Estimate]:
+    """Memory and estimate after a sample.
+
+    An edge corrects the belief at the time of the edge; the estimate is predicted from there to the sample.
+
+    Source  wang2017, eqs. 3.5 to 3.10, corrected: docs/errata.md
+    """
+    innovation, deviation = 0.0, 0.0
+    if reading.edges > 0.0:
+        memory, innovation, deviation = after_edge(memory, reading, settings)
+    belief = propagated(memory.belief, reading.time - memory.time, memory.density)
+    estimate = Estimate(
+        belief.angle,
+        belief.speed,
+        np.sqrt(belief.angle_variance),
+        np.sqrt(belief.speed_variance),
+        innovation,
+        deviation,
+        memory.missed_edges,
+    )
+    return memory, estimate
+
+
+def edge_angle_variance(speed: float, edge_interval: float, settings: EventFilter) -> float:
+    """Variance of the angle at which an edge was seen, R = (omega T)^2 / 12 + R_2 [rad^2].
+
+    speed          believed [rad/s]
+    edge_interval  T, in which the edge passed, 0 where it was time-stamped [s]
+
+    Source  wang2017, eq. 3.4, with the threshold's part an angle: docs/errata.md
+    """
+    passed = maximum(speed, settings.lowest_speed) * edge_interval
+    return passed * passed / 12.0 + settings.edge_variance
+
+
+def after_edge(
+    memory: EventFilterMemory, reading: Reading, settings: EventFilter
+) -> tuple[EventFilterMemory, float, float]:
+    """Memory after a sample with edges, the innovation and its deviation [rad], both 0 if the edge was not used.
+
+    Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
+    """
+    wheel, q, q_m = settings.wheel, settings.acceleration_density, settings.manoeuvre_density
+    h = reading.edge_time - memory.time
+    prior, wide = propagated(memory.belief, h, memory.density), propagated(memory.belief, h, q_m)
+    R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
+    edges = memory.ignored + reading.edges
+    associating, density = memory.associating, memory.density
+    if memory.started == 0.0:
+        number = first_edge(memory.belief.angle, reading.polarity, wheel)
+        edges = number - memory.edge
+    elif associating == 0.0:
+        number = counted_edge(memory.edge, edges, reading.polarity)
+    else:
+        if density <= q and vague(prior, wheel) > 0.0:  # after a long time without edges anything may have happened
+            prior, associating = wide, 0.0
+        odds = maximum(2.0 * SLACK * (settings.manoeuvre_gate - maximum(memory.rise, memory.fall)), 0.0)
+        sighting = Sighting(
+            prior.angle,
+            h * prior.speed,
+            prior.angle_variance + R,
+            wide.angle_variance + R,
+            odds,
+            memory.ignored,
+            reading.edges,
+            reading.polarity,
+            memory.irregular,
+        )
+        seen = associated_edge(memory.edge, sighting, wheel)
+        number = seen.edge
+        if seen.used == 0.0:
+            return ignoring(memory, edges), 0.0, 0.0
+
+    innovation = edge_angle(number, wheel) - prior.angle
+    z = innovation / np.sqrt(prior.angle_variance + R)
+    rise, fall = 0.0, 0.0
+    density = maximum(density * (1.0 - 1.0 / settings.manoeuvre_edges), q)
+    if associating > 0.0:
+        rise = maximum(memory.rise + z - SLACK, 0.0)
+        fall = maximum(memory.fall - z - SLACK, 0.0)
+        if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
+            prior, density, rise, fall = wide, q_m, 0.0, 0.0
+
+    skipped = maximum(number - memory.edge - edges, 0.0)
+    irregular = irregular_share(memory.irregular, skipped * associating, 1.0)
+    if irregular > UNBELIEVABLE:
+        prior = AngleSpeed(
+            prior.angle,
+            prior.speed,
+            prior.angle_variance,
+            prior.covariance,
+            maximum(prior.speed * prior.speed, settings.speed_variance),  # it may have been anything
+        )
+        associating, irregular = 0.0, RELIABLE
+
+    deviation = np.sqrt(prior.angle_variance + R)
+    belief = corrected(prior, innovation, R)
+    speed_limit = settings.association_speed_deviation * settings.association_speed_deviation
+    if vague(belief, wheel) == 0.0 and belief.speed_variance < speed_limit:
+        associating = 1.0
+    search = memory.search
+    if settings.index_turns > 0.0 and associating > 0.0:
+        found = index_after_edge(search, number, reading.edge_time, reading.polarity, R, settings.index_turns, wheel)
+        search, number = found.memory, number + found.edges
+        belief = AngleSpeed(
+            belief.angle + found.edges * sector(wheel),
+            belief.speed,
+            belief.angle_variance,
+            belief.covariance,
+            belief.speed_variance,
+        )
+    missed = memory.missed_edges + skipped
+    after = EventFilterMemory(
+        reading.edge_time, belief, number, 1.0, associating, 0.0, missed, irregular, density, rise, fall, search
+    )
+    return after, innovation, deviation
+
+
+def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
+    """1 where three deviations of the angle are half a sector or more, else 0.
+
+    Source  ours, docs/models/event-filter.md
+    """
+    return 1.0 if 6.0 * np.sqrt(belief.angle_variance) >= sector(wheel) else 0.0
+
+
+def ignoring(memory: EventFilterMemory, edges: float) -> EventFilterMemory:
+    """The memory with `edges` ignored since the last used one."""
+    m = memory
+    irregular = irregular_share(m.irregular, edges - m.ignored, 0.0)
+    return EventFilterMemory(
+        m.time,
+        m.belief,
+        m.edge,
+        m.started,
+        m.associating,
+        edges,
+        m.missed_edges,
+        irregular,
+        m.density,
+        m.rise,
+        m.fall,
+        m.search,
+    )
+
+
+def event_filter_estimator(
+    settings: EventFilter, time: float = 0.0, angle: float = 0.0, speed: float = 0.0
+) -> Estimator:
+    """The event-based Kalman filter, ready to run; `angle` [rad] and `speed` [rad/s] as far as they are known."""
+    memory = event_filter_start(settings, time, angle, speed)
+    return Estimator("event-based Kalman filter", event_filter_step, memory, settings)

@@ -1,0 +1,135 @@
+"""Which edge of the wheel is which, told by the index: one sector wider, one narrower than the others.
+
+Over the last turn of edges a straight line, theta = omega t + b, is fitted for each way in which the wheel could be
+turned; the one with the least sum of squares fits the widths of the sectors. Times are kept by the number of the edge
+modulo a turn, so that missed edges leave gaps and nothing else.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.select import clip, maximum
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.wheel import CodeWheel, edge_angle
+
+ONE_TURN = 8.0
+"""Most that a single turn may say for or against a hypothesis, in logarithms of the likelihood ratio [1]."""
+
+CERTAIN = 16.0
+"""Evidence, in the same measure, at which a numbering once found is given up: 1e-7 by chance [1]."""
+
+
+class IndexMemory(NamedTuple):
+    """Edges of the last turn and what the turns have said.
+
+    `verdict` is by how many edges the last turn would have shifted the numbers, `turns` how many turns in a row have
+    said so, `found` 1 once enough have. `evidence` for each shift is gathered only from then on.
+    """
+
+    numbers: Array
+    times: Array
+    evidence: Array
+    turn_start: float
+    verdict: float
+    turns: float
+    found: float
+
+
+class Shift(NamedTuple):
+    """The memory after an edge, and the edges to be added to all numbers, mostly none."""
+
+    memory: IndexMemory
+    edges: float
+
+
+def index_start(wheel: CodeWheel) -> IndexMemory:
+    """Memory before the first edge."""
+    n = len(wheel.edges)
+    return IndexMemory(np.full(n, -np.inf), np.zeros(n), np.zeros(n), -np.inf, 0.0, 0.0, 0.0)
+
+
+def shift_of(hypothesis: float, edges: float) -> float:
+    """Edges by which hypothesis 0, 1, 2, ... of a wheel with `edges` edges shifts the numbers, the shortest way."""
+    return hypothesis - edges if hypothesis > 0.5 * edges else hypothesis
+
+
+def squares_about_line(numbers: Array, times: Array, shift: float, wheel: CodeWheel) -> float:
+    """Sum of squares [rad^2] of the edges numbered `numbers` + `shift` about the straight line through their times.
+
+    Numbers of -inf are left out.
+
+    times  [s]
+
+    Source  ours, docs/models/event-filter.md
+    """
+    n, t_mean, y_mean = 0.0, 0.0, 0.0
+    for i in range(numbers.size):
+        if numbers[i] > -np.inf:
+            n += 1.0
+            t_mean += times[i]
+            y_mean += edge_angle(numbers[i] + shift, wheel)
+    t_mean, y_mean = t_mean / n, y_mean / n
+    tt, ty, yy = 0.0, 0.0, 0.0
+    for i in range(numbers.size):
+        if numbers[i] > -np.inf:
+            t, y = times[i] - t_mean, edge_angle(numbers[i] + shift, wheel) - y_mean
+            tt, ty, yy = tt + t * t, ty + t * y, yy + y * y
+    return yy - ty * ty / tt
+
+
+def index_after_edge(
+    memory: IndexMemory, number: float, time: float, polarity: float, variance: float, needed: float, wheel: CodeWheel
+) -> Shift:
+    """What is known after the edge taken for `number` passed at `time` [s].
+
+    The numbers are found when `needed` turns in a row agree; after that they are watched: a shift must gather
+    evidence, sum of (SSE_0 - SSE_s) / (2 sigma^2) over the turns (a cumulative sum that does not fall below 0).
+    sigma^2 is `variance` [rad^2] or, where larger, what the best line leaves, so that a turn at changing speed says
+    little. With a known polarity numbers can only be off by pairs.
+
+    Source  ours, docs/models/event-filter.md
+    """
+    n = memory.numbers.size
+    numbers, times = np.empty(n), np.empty(n)
+    present = 0.0
+    for i in range(n):
+        kept = memory.numbers[i] > number - n
+        numbers[i] = memory.numbers[i] if kept else -np.inf
+        times[i] = memory.times[i]
+        present += 1.0 if kept else 0.0
+    slot = int(number - n * np.floor(number / n))
+    numbers[slot], times[slot] = number, time
+    start = memory.turn_start if memory.turn_start > -np.inf else number
+    if number - start < n or present < 4.0:
+        waiting = IndexMemory(numbers, times, memory.evidence, start, memory.verdict, memory.turns, memory.found)
+        return Shift(waiting, 0.0)
+
+    step = 1 if polarity == 0.0 else 2
+    squares = np.full(n, np.inf)
+    for k in range(0, n, step):
+        squares[k] = squares_about_line(numbers, times, shift_of(k, n), wheel)
+    best = 0
+    for k in range(0, n, step):
+        best = k if squares[k] < squares[best] else best
+    sigma2 = maximum(variance, squares[best] / (present - 2.0))
+    evidence = np.zeros(n)
+    strongest = 0
+    for k in range(0, n, step):
+        said = clip((squares[0] - squares[k]) / (2.0 * sigma2), -ONE_TURN, ONE_TURN)
+        evidence[k] = maximum(memory.evidence[k] + said, 0.0) * memory.found
+        strongest = k if evidence[k] > evidence[strongest] else strongest
+
+    verdict = shift_of(best, n)
+    turns = memory.turns + 1.0 if verdict == memory.verdict else 1.0
+    shift = 0.0
+    found = memory.found
+    if found == 0.0 and turns >= needed:
+        found, shift = 1.0, verdict
+    elif evidence[strongest] > CERTAIN:
+        shift = shift_of(strongest, n)
+    if shift != 0.0:
+        verdict = 0.0
+        numbers = numbers + shift
+        evidence = np.zeros(n)
+    return Shift(IndexMemory(numbers, times, evidence, number + shift, verdict, turns, found), shift)

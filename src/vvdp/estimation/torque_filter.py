@@ -1,0 +1,418 @@
+"""Angle and speed from edges by a filter that knows what drives the spool and what holds it back.
+
+At a constant flow the spool's speed is a first-order lag, so that every interval is propagated exactly. The third
+spin is how much more torque there is than the model says. Derived in docs/models/torque-filter.md.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import AccelerationDensity, AngularVariance, Flow, Kind, Ratio, Speed, SpeedVariance, Temperature
+from vvdp.base.params import Params
+from vvdp.base.select import maximum
+from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
+from vvdp.estimation.estimator import Estimate, Estimator
+from vvdp.fluid.oil import Oil, density, kinematic_viscosity
+from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
+from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.torque import flow_damping, friction_coefficient, spool_inertia, stall_torque
+
+SLACK = 1.0
+"""Normalised innovation that counts as none when innovations of one sign are summed up [1]."""
+
+ExcessDensity = Annotated[float, Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")]
+ExcessVariance = Annotated[float, Kind("variance of a ratio", "1", 0.0, 1e6, "0.09")]
+
+
+class TorqueFilter(Params):
+    """Settings of the filter with the torque balance; `torque_filter` has the usual ones.
+
+    `excess_density` is how fast the variance of the torque's excess over the model grows, `excess_variance` what it is
+    at the start. When the sum of innovations exceeds `manoeuvre_gate`, the torque is taken to have changed suddenly, by
+    a share of it with the variance `change_variance`. The other words are those of the event filter.
+    """
+
+    acceleration_density: AccelerationDensity
+    excess_density: ExcessDensity
+    edge_variance: AngularVariance
+    lowest_speed: Speed
+    angle_variance: AngularVariance
+    speed_variance: SpeedVariance
+    excess_variance: ExcessVariance
+    change_variance: ExcessVariance
+    manoeuvre_gate: Ratio
+    association_speed_deviation: Speed
+    wheel: CodeWheel
+    oil: Oil
+    valve: RotaryValve
+
+    def check(self) -> None:
+        """Refuse edges without any error: the covariance would become singular."""
+        if not self.edge_variance > 0.0:
+            raise ParameterError("TorqueFilter.edge_variance is 0 rad^2; no edge is known exactly, expected above 0")
+
+
+class TorqueReading(NamedTuple):
+    """What the filter learns at a sample: of the edges, and the oil that turned the spool since the sample before.
+
+    `flow` is the mean over that interval [m^3/s]; below zero it counts as none. `temperature` is that of the oil [K].
+    """
+
+    reading: Reading
+    flow: Flow
+    temperature: Temperature
+
+
+class SpoolBelief(NamedTuple):
+    """Mean and covariance of angle [rad], speed [rad/s] and excess, the torque over that of the model, less 1 [1]."""
+
+    angle: float
+    speed: float
+    excess: float
+    angle_variance: float
+    angle_speed: float
+    angle_excess: float
+    speed_variance: float
+    speed_excess: float
+    excess_variance: float
+
+
+class TorqueFilterMemory(NamedTuple):
+    """What the filter carries from sample to sample: its belief at the last sample, and the last edge it used.
+
+    `started` is 1 after the first edge, `associating` once edges are told by the belief and no longer counted;
+    `ignored` edges have come since the last used one, `irregular` is the share of edges that were
+    missed or ignored of late. `rise` and `fall` are the sums of innovations, and `calm_time`
+    is when both were 0 last.
+    """
+
+    time: float
+    belief: SpoolBelief
+    edge: float
+    calm_time: float
+    started: float
+    associating: float
+    ignored: float
+    missed_edges: float
+    irregular: float
+    rise: float
+    fall: float
+
+
+class Spin(NamedTuple):
+    """The spool at some flow: it accelerates by drive - damping speed."""
+
+    drive: float  # b [rad/s^2]
+    damping: float  # a [1/s]
+
+
+class Lag(NamedTuple):
+    """A first-order lag exp(-a t) over an interval h, and its integrals."""
+
+    decay: float  # exp(-a h)
+    once: float  # f1, its integral over h [s]
+    twice: float  # f2, that of f1 [s^2]
+    thrice: float  # f3 [s^3]
+    once_squared: float  # integral of f1^2 [s^3]
+    twice_squared: float  # integral of f2^2 [s^5]
+
+
+def torque_filter(wheel: CodeWheel, oil: Oil, valve: RotaryValve) -> TorqueFilter:
+    """The usual settings; change one with `dataclasses.replace`.
+
+    Source  ours, docs/models/torque-filter.md; edge variance and start after wang2017, section 3.5
+    """
+    return TorqueFilter(
+        acceleration_density=0.25,
+        excess_density=1e-4,
+        edge_variance=3.47e-3,
+        lowest_speed=2.0 * np.pi,
+        angle_variance=1000.0,
+        speed_variance=1000.0,
+        excess_variance=0.09,
+        change_variance=0.02,
+        manoeuvre_gate=6.0,
+        association_speed_deviation=10.0,
+        wheel=wheel,
+        oil=oil,
+        valve=valve,
+    )
+
+
+def pump_delivery(pump_speed: float, displacement: float, volumetric_efficiency: float) -> float:
+    """Flow that a pump sends through the valve [m^3/s]: eta_v D omega_p.
+
+    pump_speed             measured or commanded [rad/s]
+    displacement           D [m^3/rad]
+    volumetric_efficiency  eta_v [1]
+
+    Source  ours, docs/models/torque-filter.md
+    """
+    return volumetric_efficiency * displacement * pump_speed
+
+
+def spool_spin(flow: float, temperature: float, oil: Oil, valve: RotaryValve) -> Spin:
+    """Drive and damping of the spool of the fully open valve: b = stall torque / J, a = (k_f + rho R_out^2 Q) / J.
+
+    flow         [m^3/s]
+    temperature  of the oil [K]
+
+    Source  wang2017, eqs. 2.6, 2.7 and 2.9
+    """
+    J, Q = spool_inertia(valve), maximum(flow, 0.0)
+    rho = density(temperature, oil)
+    friction = friction_coefficient(rho * kinematic_viscosity(temperature, oil), valve)
+    return Spin(stall_torque(Q, rho, valve) / J, (friction + flow_damping(Q, rho, valve)) / J)
+
+
+def lag(duration: float, damping: float) -> Lag:
+    """A first-order lag over `duration` [s] of either sign, and its integrals; damping [1/s].
+
+    In closed form, or by its power series in x = a h where the closed form would lose digits.
+
+    Source  ours, docs/models/torque-filter.md
+    """
+    h, a = duration, damping
+    x = a * h
+    if abs(x) > 0.7:
+        e, f1 = np.exp(-x), -np.expm1(-x) / a
+        f2 = (h - f1) / a
+        f3 = (0.5 * h * h - f2) / a
+        f4 = (h * h * h / 6.0 - f3) / a
+        return Lag(e, f1, f2, f3, (f2 - 0.5 * f1 * f1) / a, (h * f3 - f4 - 0.5 * f2 * f2) / a)
+    # Sums of (-x)^k/(k+3)!, of (2^n - 2) (-x)^(n-2)/((n+1) n!) and of (2^n - 2 n - 2) (-x)^(n-4)/((n+1) n!).
+    power, factorial, two = 1.0, 2.0, 4.0
+    third, first_squared, second_squared = 0.0, 0.0, 0.0
+    for k in range(18):
+        n = 2.0 + k
+        first_squared += (two - 2.0) / ((n + 1.0) * factorial) * power
+        factorial *= n + 1.0
+        third += power / factorial
+        four = 4.0 * two
+        second_squared += (four - 2.0 * (n + 3.0)) / ((n + 3.0) * factorial * (n + 2.0)) * power
+        two *= 2.0
+        power *= -x
+    f3 = h * h * h * third
+    f2 = 0.5 * h * h - a * f3
+    f1 = h - a * f2
+    return Lag(1.0 - a * f1, f1, f2, f3, h * h * h * first_squared, h * h * h * h * h * second_squared)
+
+
+def turned(
+    belief: SpoolBelief, duration: float, spin: Spin, acceleration_density: float, excess_density: float
+) -> SpoolBelief:
+    """The belief after `duration` [s] at one flow without an edge; a negative one goes back and takes noise out again.
+
+    omega' = b (1 + e) - a omega + w,  e' = v, with white noises w and v. Exact: F = [[1, f1, b f2], [0, exp(-a h),
+    b f1], [0, 0, 1]], F P F' + Q, with f1, f2 and Q as in `lag`.
+
+    acceleration_density  of w, q [rad^2/s^3]
+    excess_density        of v, q_e [1/s]
+
+    Source  ours, docs/models/torque-filter.md
+    """
+    b, q, q_e = spin.drive, acceleration_density, excess_density
+    E, f1, f2, f3, f11, f22 = lag(duration, spin.damping)
+    g1, g2 = b * f1, b * f2
+    x = belief
+    P11, P12, P13 = x.angle_variance, x.angle_speed, x.angle_excess
+    P22, P23, P33 = x.speed_variance, x.speed_excess, x.excess_variance
+    # Rows of F P: r of the angle, s of the speed.
+    r1, r2, r3 = P11 + f1 * P12 + g2 * P13, P12 + f1 * P22 + g2 * P23, P13 + f1 * P23 + g2 * P33
+    s2, s3 = E * P22 + g1 * P23, E * P23 + g1 * P33
+    return SpoolBelief(
+        x.angle + f1 * x.speed + g2 * (1.0 + x.excess),
+        E * x.speed + g1 * (1.0 + x.excess),
+        x.excess,
+        r1 + f1 * r2 + g2 * r3 + q * f11 + q_e * b * b * f22,
+        E * r2 + g1 * r3 + 0.5 * q * f1 * f1 + 0.5 * q_e * g2 * g2,
+        r3 + q_e * b * f3,
+        E * s2 + g1 * s3 + 0.5 * q * f1 * (1.0 + E) + q_e * b * b * f11,
+        s3 + q_e * g2,
+        P33 + q_e * duration,
+    )
+
+
+def sighted(belief: SpoolBelief, innovation: float, measurement_variance: float) -> SpoolBelief:
+    """The belief after an edge at an angle that differs from the expected one by `innovation` [rad].
+
+    K = P H / S, S = P11 + R, P+ = P - K S K'; the row of the angle as R/S of what it was, without cancellation.
+
+    measurement_variance  R [rad^2]
+
+    Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
+    """
+    x, R = belief, measurement_variance
+    P11, P12, P13 = x.angle_variance, x.angle_speed, x.angle_excess
+    S = P11 + R
+    k1, k2, k3 = P11 / S, P12 / S, P13 / S
+    left = R / S
+    return SpoolBelief(
+        x.angle + k1 * innovation,
+        x.speed + k2 * innovation,
+        x.excess + k3 * innovation,
+        left * P11,
+        left * P12,
+        left * P13,
+        x.speed_variance - k2 * P12,
+        x.speed_excess - k2 * P13,
+        x.excess_variance - k3 * P13,
+    )
+
+
+def doubted(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: float) -> SpoolBelief:
+    """The belief when the torque may have changed suddenly `duration` [s] ago: P + V g g', g = (b f2, b f1, 1).
+
+    excess_variance  V, of the change of the excess [1]
+
+    Source  ours, docs/models/torque-filter.md
+    """
+    past, x, V = lag(duration, spin.damping), belief, excess_variance
+    g1, g2 = spin.drive * past.once, spin.drive * past.twice
+    return SpoolBelief(
+        x.angle,
+        x.speed,
+        x.excess,
+        x.angle_variance + V * g2 * g2,
+        x.angle_speed + V * g2 * g1,
+        x.angle_excess + V * g2,
+        x.speed_variance + V * g1 * g1,
+        x.speed_excess + V * g1,
+        x.excess_variance + V,
+    )
+
+
+def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed: float) -> TorqueFilterMemory:
+    """Memory before the first sample.
+
+    time   [s]
+    angle  where the wheel stands, as far as is known [rad]
+    speed  expected [rad/s]
+
+    Source  ours, docs/models/torque-filter.md
+    """
+    P, V, W = settings.angle_variance, settings.speed_variance, settings.excess_variance
+    belief = SpoolBelief(angle, speed, 0.0, P, 0.0, 0.0, V, 0.0, W)
+    return TorqueFilterMemory(time, belief, edge_below(angle, settings.wheel), time, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def torque_filter_step(
+    memory: TorqueFilterMemory, reading: TorqueReading, settings: TorqueFilter
+) -> tuple[TorqueFilterMemory, Estimate]:
+    """Memory and estimate after a sample: forward to the edge, if there was one, and on to the sample.
+
+    Source  ours, docs/models/torque-filter.md, as wang2017 suggests in section 3.6
+    """
+    now = reading.reading.time
+    spin = spool_spin(reading.flow, reading.temperature, settings.oil, settings.valve)
+    innovation, deviation = 0.0, 0.0
+    if reading.reading.edges > 0.0:
+        memory, innovation, deviation = _after_edge(memory, reading.reading, spin, settings)
+    q, q_e = settings.acceleration_density, settings.excess_density
+    belief = turned(memory.belief, now - memory.time, spin, q, q_e)
+    m = memory
+    memory = TorqueFilterMemory(
+        now,
+        belief,
+        m.edge,
+        m.calm_time,
+        m.started,
+        m.associating,
+        m.ignored,
+        m.missed_edges,
+        m.irregular,
+        m.rise,
+        m.fall,
+    )
+    estimate = Estimate(
+        belief.angle,
+        belief.speed,
+        np.sqrt(belief.angle_variance),
+        np.sqrt(belief.speed_variance),
+        innovation,
+        deviation,
+        memory.missed_edges,
+    )
+    return memory, estimate
+
+
+def _after_edge(
+    memory: TorqueFilterMemory, reading: Reading, spin: Spin, settings: TorqueFilter
+) -> tuple[TorqueFilterMemory, float, float]:
+    wheel, gate, m = settings.wheel, settings.manoeuvre_gate, memory
+    prior = turned(m.belief, reading.edge_time - m.time, spin, settings.acceleration_density, settings.excess_density)
+    wide = doubted(prior, reading.edge_time - m.calm_time, spin, settings.change_variance)
+    passed = maximum(prior.speed, settings.lowest_speed) * reading.edge_interval
+    R = passed * passed / 12.0 + settings.edge_variance
+    edges = m.ignored + reading.edges
+    if m.started == 0.0:
+        number = first_edge(m.belief.angle, reading.polarity, wheel)
+        edges = number - m.edge
+    elif m.associating == 0.0:
+        number = counted_edge(m.edge, edges, reading.polarity)
+    else:
+        sighting = Sighting(
+            prior.angle,
+            prior.angle - edge_angle(m.edge, wheel),
+            prior.angle_variance + R,
+            wide.angle_variance + R,
+            maximum(2.0 * SLACK * (gate - maximum(m.rise, m.fall)), 0.0),
+            m.ignored,
+            reading.edges,
+            reading.polarity,
+            m.irregular,
+        )
+        seen = associated_edge(m.edge, sighting, wheel)
+        number = seen.edge
+        if seen.used == 0.0:
+            ignoring = TorqueFilterMemory(
+                m.time,
+                m.belief,
+                m.edge,
+                m.calm_time,
+                m.started,
+                m.associating,
+                edges,
+                m.missed_edges,
+                irregular_share(m.irregular, reading.edges, 0.0),
+                m.rise,
+                m.fall,
+            )
+            return ignoring, 0.0, 0.0
+
+    innovation = edge_angle(number, wheel) - prior.angle
+    rise, fall = 0.0, 0.0
+    if m.associating > 0.0:
+        z = innovation / np.sqrt(prior.angle_variance + R)
+        rise, fall = maximum(m.rise + z - SLACK, 0.0), maximum(m.fall - z - SLACK, 0.0)
+        if maximum(rise, fall) > gate:
+            prior, rise, fall = wide, 0.0, 0.0
+    belief = sighted(prior, innovation, R)
+    known = 6.0 * np.sqrt(belief.angle_variance) < sector(wheel)
+    limit = settings.association_speed_deviation * settings.association_speed_deviation
+    skipped = maximum(number - m.edge - edges, 0.0)
+    after = TorqueFilterMemory(
+        reading.edge_time,
+        belief,
+        number,
+        reading.edge_time if maximum(rise, fall) == 0.0 else m.calm_time,
+        1.0,
+        1.0 if m.associating > 0.0 or (known and belief.speed_variance < limit) else 0.0,
+        0.0,
+        m.missed_edges + skipped,
+        irregular_share(m.irregular, skipped * m.associating, 1.0),
+        rise,
+        fall,
+    )
+    return after, innovation, np.sqrt(prior.angle_variance + R)
+
+
+def torque_filter_estimator(
+    settings: TorqueFilter, time: float = 0.0, angle: float = 0.0, speed: float = 0.0
+) -> Estimator:
+    """The filter with the torque balance, ready to run; `angle` [rad] and `speed` [rad/s] as far as they are known."""
+    memory = torque_filter_start(settings, time, angle, speed)
+    return Estimator("Kalman filter with torque balance", torque_filter_step, memory, settings)

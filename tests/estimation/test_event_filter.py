@@ -1,0 +1,214 @@
+"""The event filter's step: by hand, against filterpy, in all situations that an acquisition can bring about."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ParameterError
+from vvdp.estimation.event_filter import (
+    edge_angle_variance,
+    event_filter,
+    event_filter_estimator,
+    event_filter_start,
+    event_filter_step,
+)
+from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import edge_angle, equal_wheel
+from vvdp.simulation.replay import Replay
+
+WHEEL, INDEXED = equal_wheel(8), equal_wheel(8, 0.25)
+SECTOR = np.pi / 4.0
+PUBLISHED = event_filter(WHEEL)
+STEADY = replace(PUBLISHED, manoeuvre_gate=1e6)
+NOTHING = Reading(1.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def steady_rows(edge_times, speed=155.0, duration=1.0, phase=0.3, wheel=WHEEL, deviation=0.0, seed=0):
+    rng = np.random.default_rng(seed)
+    numbers, angles = edge_times.angles(wheel.edges, 1, int(duration * speed / SECTOR) + 16)
+    times = (angles + deviation * rng.normal(size=angles.size)) / speed
+    return edge_times.clocked(times, 1.0 - 2.0 * (numbers % 2.0), phase, duration)
+
+
+def test_noise_by_hand():
+    """157.08 rad/s in 1 ms: 0.15708^2/12 = 2.0562e-3, and 3.47e-3 to it: the published 5.53e-3 rad^2."""
+    assert edge_angle_variance(157.08, 1e-3, PUBLISHED) == pytest.approx(5.5262e-3, abs=1e-7)
+    assert edge_angle_variance(68.7, 1e-3, PUBLISHED) == pytest.approx(3.47e-3 + 3.9331e-4, abs=1e-7)
+    assert edge_angle_variance(157.08, 0.0, PUBLISHED) == 3.47e-3
+    lowest = (2.0 * np.pi * 1e-3) ** 2 / 12.0 + 3.47e-3
+    assert edge_angle_variance(1.0, 1e-3, PUBLISHED) == edge_angle_variance(-5.0, 1e-3, PUBLISHED) == lowest
+
+
+def test_first_edge_by_hand():
+    """Falling edge 1 at pi/4, stamped at 10 ms, seen at 11 ms. P11- = 2 + 0.01^2 x 1000 = 2.1 (and q h^3/3 = 8.3e-8),
+    P12- = 10 (and 1.25e-5); R = 0.01; innovation 0.785398 - 0.5 = 0.285398. S = 2.11: K = (0.995261, 4.739342).
+    """
+    settings = replace(PUBLISHED, edge_variance=0.01, angle_variance=2.0)
+    memory = event_filter_start(settings, 0.0, 0.0, 50.0)
+    memory, estimate = event_filter_step(memory, Reading(0.011, 1.0, 0.01, 0.0, -1.0), settings)
+    assert memory.edge == 1.0
+    assert estimate.innovation == pytest.approx(0.285398, abs=1e-6)
+    assert estimate.innovation_deviation == pytest.approx(np.sqrt(2.11), rel=1e-6)
+    assert memory.belief.angle == pytest.approx(0.5 + 0.995261 * 0.285398, abs=2e-6)
+    assert estimate.speed == pytest.approx(50.0 + 4.739342 * 0.285398, abs=2e-5)
+    assert estimate.angle == pytest.approx(memory.belief.angle + 1e-3 * estimate.speed, abs=1e-12)
+    assert memory.belief.angle_variance == pytest.approx(2.1 * 0.01 / 2.11, rel=1e-6)
+
+
+def test_samples_between_edges_are_predictions(edge_times):
+    """Taken with every sample or with the edges alone, the estimates at the edges are the same."""
+    rows = steady_rows(edge_times)
+    memory, whole = event_filter_estimator(PUBLISHED, speed=50.0).memory, []
+    sparse = memory
+    for row in rows.tolist():
+        reading = Reading(*row)
+        memory, estimate = event_filter_step(memory, reading, PUBLISHED)
+        belief = propagated(memory.belief, reading.time - memory.time, memory.density)
+        assert estimate[:4] == pytest.approx(
+            (belief.angle, belief.speed, np.sqrt(belief.angle_variance), np.sqrt(belief.speed_variance)), rel=1e-12
+        )
+        if reading.edges:
+            sparse, shown = event_filter_step(sparse, reading, PUBLISHED)
+            assert shown == estimate
+        else:
+            assert estimate.innovation == estimate.innovation_deviation == 0.0
+        whole.append(estimate)
+    speeds = np.array([estimate.speed for estimate in whole])
+    assert np.all(np.diff(speeds)[rows[1:, 1] == 0.0] == 0.0)
+
+
+def test_filterpy_gives_the_same(edge_times):
+    from filterpy.kalman import KalmanFilter
+
+    rows = steady_rows(edge_times, deviation=0.05)
+    other = KalmanFilter(dim_x=2, dim_z=1)
+    other.x, other.P = np.array([[0.0], [50.0]]), np.diag([1000.0, 1000.0])
+    other.H = np.array([[1.0, 0.0]])
+    memory = event_filter_estimator(STEADY, speed=50.0).memory
+    used = 0
+    for row in rows.tolist():
+        before = memory
+        memory, estimate = event_filter_step(memory, Reading(*row), STEADY)
+        if estimate.innovation_deviation == 0.0:
+            continue
+        h = memory.time - before.time
+        other.F = np.array([[1.0, h], [0.0, 1.0]])
+        other.Q = 0.25 * np.array([[h**3 / 3.0, h**2 / 2.0], [h**2 / 2.0, h]])
+        other.R = np.array([[edge_angle_variance(before.belief.speed, 1e-3, STEADY)]])
+        other.predict()
+        other.update(edge_angle(memory.edge, WHEEL))
+        b = memory.belief
+        np.testing.assert_allclose([b.angle, b.speed], other.x[:, 0], rtol=1e-9)
+        np.testing.assert_allclose([b.angle_variance, b.covariance, b.speed_variance], other.P.ravel()[[0, 1, 3]], 1e-9)
+        used += 1
+    assert used > 150
+
+
+def test_plain_and_compiled_agree(edge_times, filtered):
+    for settings, deviation in ((PUBLISHED, 0.06), (event_filter(INDEXED), 0.06)):
+        rows = steady_rows(edge_times, wheel=settings.wheel, deviation=deviation, duration=0.6)
+        estimator = event_filter_estimator(settings, speed=140.0)
+        memory, plain = estimator.memory, []
+        for row in rows.tolist():
+            memory, estimate = event_filter_step(memory, Reading(*row), settings)
+            plain.append(estimate)
+        shown, last = filtered(settings, rows, speed=140.0)
+        np.testing.assert_allclose(shown, plain, rtol=1e-12, atol=1e-12)
+        np.testing.assert_array_equal(last.search.numbers, memory.search.numbers)
+        assert last.edge == memory.edge
+        assert last.search.found == settings.index_turns / 2.0
+
+
+def test_portions_and_another_origin_of_time_change_nothing(edge_times, filtered):
+    """2^10 s and millisecond steps in binary: times stay exact to 2e-13 s."""
+    rows = steady_rows(edge_times, deviation=0.05)
+    shown, _ = filtered(PUBLISHED, rows, speed=100.0)
+    later = rows.copy()
+    later[:, [0, 2]] += 1024.0
+    moved, _ = filtered(PUBLISHED, later, time=1024.0, speed=100.0)
+    np.testing.assert_allclose(moved, shown, rtol=1e-7, atol=1e-7)
+    estimator = event_filter_estimator(PUBLISHED, speed=100.0)
+    replay = Replay(estimator.step, estimator.memory, NOTHING, PUBLISHED)
+    first = replay(estimator.memory, rows[:333])
+    np.testing.assert_array_equal(np.vstack([first.shown, replay(first.memory, rows[333:]).shown]), shown)
+
+
+def test_before_any_edge_the_start_is_carried_on():
+    estimator = event_filter_estimator(PUBLISHED, time=5.0, angle=0.3, speed=2.0)
+    _, estimate = event_filter_step(estimator.memory, Reading(6.0, 0.0, 0.0, 0.0, 0.0), PUBLISHED)
+    expected = propagated(AngleSpeed(0.3, 2.0, 1000.0, 0.0, 1000.0), 1.0, 0.25)
+    assert estimate.angle == pytest.approx(2.3)
+    assert estimate.angle_deviation == pytest.approx(np.sqrt(expected.angle_variance))
+    assert estimate.speed_deviation == pytest.approx(np.sqrt(1000.25))
+    assert np.all(np.isfinite(estimate))
+
+
+@pytest.mark.parametrize("interval", [0.0, 1e-3])
+@pytest.mark.parametrize("known", [True, False])
+def test_time_stamps_and_unknown_polarity(edge_times, filtered, interval, known):
+    """Exact time stamps of a steady wheel leave no error but rounding once the start has faded: 1/n^2 of 2.6 rad/s
+    and below 1e-3 rad/s after 1 s. Without a polarity the sectors are told by counting alone.
+    """
+    speed = 155.0
+    numbers, angles = edge_times.angles(WHEEL.edges, 1, 240)
+    times = angles / speed
+    rows = edge_times.clocked(times, 1.0 - 2.0 * (numbers % 2.0), 0.4, 1.0)
+    if interval == 0.0:
+        rows[rows[:, 1] > 0.0, 2] = times[: int(np.sum(rows[:, 1]))]
+        rows[:, 3] = 0.0
+    if not known:
+        rows[:, 4] = 0.0
+    shown, _ = filtered(PUBLISHED, rows, speed=150.0)
+    late = rows[:, 0] > 0.8
+    tolerance = (1e-3, 2e-3) if interval == 0.0 else (0.04, 0.5)
+    assert np.max(np.abs(shown[late, 0] - speed * rows[late, 0])) < tolerance[0]
+    assert np.max(np.abs(shown[late, 1] - speed)) < tolerance[1]
+
+
+def test_printed_gain_diverges(edge_times):
+    """K = P H as printed in equation 3.8 has the unit rad^2: by 1 s the angle is off by thousands of rad.
+
+    The same data with the right gain stay within 0.1 rad.
+    """
+    rng = np.random.default_rng(0)
+    speed = 157.08
+    _, angles = edge_times.angles(WHEEL.edges, 1, 199)
+    belief, time = AngleSpeed(0.0, 50.0, 1000.0, 0.0, 1000.0), 0.0
+    for angle in angles:
+        passed = angle / speed + 1e-3 * (rng.random() - 0.5)
+        belief, time = propagated(belief, passed - time, 0.25), passed
+        P = np.array([[belief.angle_variance, belief.covariance], [belief.covariance, belief.speed_variance]])
+        gain = P[:, 0]
+        P = np.linalg.inv(np.linalg.inv(P) + np.diag([1.0 / 5.53e-3, 0.0]))
+        innovation = angle - belief.angle
+        belief = AngleSpeed(
+            belief.angle + gain[0] * innovation, belief.speed + gain[1] * innovation, P[0, 0], P[0, 1], P[1, 1]
+        )
+    assert abs(belief.angle - speed * time) > 1000.0
+    assert abs(belief.speed - speed) > 1000.0
+
+
+def test_settings_that_contradict_are_refused():
+    with pytest.raises(ParameterError, match="no edge is known exactly"):
+        replace(PUBLISHED, edge_variance=0.0)
+    with pytest.raises(ParameterError, match=r"manoeuvre_edges: 0\.5"):
+        replace(PUBLISHED, manoeuvre_edges=0.5)
+    with pytest.raises(ParameterError, match=r"below the acceleration_density of 0\.25"):
+        replace(PUBLISHED, manoeuvre_density=0.1)
+    with pytest.raises(ParameterError, match="looks the same after less than a turn"):
+        replace(PUBLISHED, index_turns=2.0)
+    assert PUBLISHED.index_turns == 0.0
+    assert event_filter(INDEXED).index_turns == 2.0
+
+
+def test_memory_given_is_left_alone(edge_times):
+    settings = event_filter(INDEXED)
+    memory = event_filter_estimator(settings, speed=150.0).memory
+    for row in steady_rows(edge_times, wheel=INDEXED, duration=0.2).tolist():
+        kept = [memory.search.numbers.copy(), memory.search.times.copy(), memory.search.evidence.copy()]
+        later, _ = event_filter_step(memory, Reading(*row), settings)
+        for before, now in zip(kept, memory.search[:3], strict=True):
+            np.testing.assert_array_equal(before, now)
+        memory = later
