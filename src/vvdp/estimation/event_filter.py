@@ -12,7 +12,15 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AccelerationDensity, AngularVariance, Count, Ratio, Speed, SpeedVariance
 from vvdp.base.params import Params
 from vvdp.base.select import maximum
-from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
+from vvdp.estimation.association import (
+    Association,
+    Sighting,
+    associated_edge,
+    counted_edge,
+    first_edge,
+    irregular_share,
+    sector,
+)
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.estimation.index import IndexMemory, index_after_edge, index_start
 from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
@@ -29,17 +37,15 @@ UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
 
 
-class EventFilter(Params):
-    """Settings of the event-based Kalman filter; `event_filter` has the usual ones.
+class EventFilterValues(Params):
+    """The numbers of the event-based Kalman filter, for any wheel; `event_filter` has the usual ones.
 
     `edge_variance` is the part of the noise that is an angle, the other follows from the interval in which an edge
     passed, taken at no less than `lowest_speed`. Edges are counted until the speed is known to
     `association_speed_deviation`. A manoeuvre is declared when the sum of innovations exceeds `manoeuvre_gate`; the
-    acceleration then has `manoeuvre_density`, which fades over `manoeuvre_edges` edges. The index has been found when
-    `index_turns` turns agree about it; 0 where the wheel has none.
+    acceleration then has `manoeuvre_density`, which fades over `manoeuvre_edges` edges.
     """
 
-    wheel: CodeWheel
     acceleration_density: AccelerationDensity
     edge_variance: AngularVariance
     lowest_speed: Speed
@@ -49,7 +55,6 @@ class EventFilter(Params):
     manoeuvre_density: AccelerationDensity
     manoeuvre_gate: Ratio
     manoeuvre_edges: Count
-    index_turns: Count = 0.0
 
     def check(self) -> None:
         if not self.edge_variance > 0.0:
@@ -61,6 +66,19 @@ class EventFilter(Params):
                 f"EventFilter.manoeuvre_density: {self.manoeuvre_density:g} rad^2/s^3 is below the "
                 f"acceleration_density of {self.acceleration_density:g} rad^2/s^3"
             )
+
+
+class EventFilter(EventFilterValues):
+    """Settings of the event-based Kalman filter.
+
+    The index of the `wheel` has been found when `index_turns` turns agree about it; 0 where it has none.
+    """
+
+    wheel: CodeWheel
+    index_turns: Count = 0.0
+
+    def check(self) -> None:
+        super().check()
         if self.index_turns > 0.0 and not self.wheel.has_index:
             raise ParameterError(
                 f"EventFilter.index_turns: {self.index_turns:g}, but the wheel with edges at {self.wheel.edges} rad "
@@ -170,77 +188,70 @@ def after_edge(
     wheel, q, q_m = settings.wheel, settings.acceleration_density, settings.manoeuvre_density
     h = reading.edge_time - memory.time
     prior, wide = propagated(memory.belief, h, memory.density), propagated(memory.belief, h, q_m)
+    associating = memory.associating
+    if associating > 0.0 and memory.density <= q and vague(prior, wheel) > 0.0:
+        prior, associating = wide, 0.0  # after a long time without edges anything may have happened
     R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
+    seen = seen_edge(memory, reading, prior, wide, R, settings)
     edges = memory.ignored + reading.edges
-    associating, density = memory.associating, memory.density
-    if memory.started == 0.0:
-        number = first_edge(memory.belief.angle, reading.polarity, wheel)
-        edges = number - memory.edge
-    elif associating == 0.0:
-        number = counted_edge(memory.edge, edges, reading.polarity)
-    else:
-        if density <= q and vague(prior, wheel) > 0.0:  # after a long time without edges anything may have happened
-            prior, associating = wide, 0.0
-        odds = maximum(2.0 * SLACK * (settings.manoeuvre_gate - maximum(memory.rise, memory.fall)), 0.0)
-        sighting = Sighting(
-            prior.angle,
-            h * prior.speed,
-            prior.angle_variance + R,
-            wide.angle_variance + R,
-            odds,
-            memory.ignored,
-            reading.edges,
-            reading.polarity,
-            memory.irregular,
-        )
-        seen = associated_edge(memory.edge, sighting, wheel)
-        number = seen.edge
-        if seen.used == 0.0:
-            return ignoring(memory, edges), 0.0, 0.0
+    if seen.used == 0.0:
+        return ignoring(memory, edges), 0.0, 0.0
 
-    innovation = edge_angle(number, wheel) - prior.angle
-    z = innovation / np.sqrt(prior.angle_variance + R)
-    rise, fall = 0.0, 0.0
-    density = maximum(density * (1.0 - 1.0 / settings.manoeuvre_edges), q)
-    if associating > 0.0:
-        rise = maximum(memory.rise + z - SLACK, 0.0)
-        fall = maximum(memory.fall - z - SLACK, 0.0)
-        if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
-            prior, density, rise, fall = wide, q_m, 0.0, 0.0
+    innovation = edge_angle(seen.edge, wheel) - prior.angle
+    z = associating * innovation / np.sqrt(prior.angle_variance + R)
+    rise = associating * maximum(memory.rise + z - SLACK, 0.0)
+    fall = associating * maximum(memory.fall - z - SLACK, 0.0)
+    density = maximum(memory.density * (1.0 - 1.0 / settings.manoeuvre_edges), q)
+    if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
+        prior, density, rise, fall = wide, q_m, 0.0, 0.0
 
-    skipped = maximum(number - memory.edge - edges, 0.0)
+    skipped = memory.started * maximum(seen.edge - memory.edge - edges, 0.0)
     irregular = irregular_share(memory.irregular, skipped * associating, 1.0)
     if irregular > UNBELIEVABLE:
-        prior = AngleSpeed(
-            prior.angle,
-            prior.speed,
-            prior.angle_variance,
-            prior.covariance,
-            maximum(prior.speed * prior.speed, settings.speed_variance),  # it may have been anything
-        )
-        associating, irregular = 0.0, RELIABLE
+        prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
 
-    deviation = np.sqrt(prior.angle_variance + R)
     belief = corrected(prior, innovation, R)
     speed_limit = settings.association_speed_deviation * settings.association_speed_deviation
     if vague(belief, wheel) == 0.0 and belief.speed_variance < speed_limit:
         associating = 1.0
-    search = memory.search
+    number, search = seen.edge, memory.search
     if settings.index_turns > 0.0 and associating > 0.0:
         found = index_after_edge(search, number, reading.edge_time, reading.polarity, R, settings.index_turns, wheel)
-        search, number = found.memory, number + found.edges
-        belief = AngleSpeed(
-            belief.angle + found.edges * sector(wheel),
-            belief.speed,
-            belief.angle_variance,
-            belief.covariance,
-            belief.speed_variance,
-        )
+        number, search = number + found.edges, found.memory
+        belief = turned(belief, found.edges * sector(wheel))
     missed = memory.missed_edges + skipped
     after = EventFilterMemory(
         reading.edge_time, belief, number, 1.0, associating, 0.0, missed, irregular, density, rise, fall, search
     )
-    return after, innovation, deviation
+    return after, innovation, np.sqrt(prior.angle_variance + R)
+
+
+def seen_edge(
+    memory: EventFilterMemory,
+    reading: Reading,
+    prior: AngleSpeed,
+    wide: AngleSpeed,
+    variance: float,
+    settings: EventFilter,
+) -> Association:
+    """Which edge the last of a reading was: the first, the next by count, or that which the belief tells.
+
+    prior     belief at the time of the edge
+    wide      the same had a manoeuvre begun at the last edge
+    variance  of the angle at which the edge was seen [rad^2]
+
+    Source  ours, docs/models/event-filter.md
+    """
+    m, wheel, polarity = memory, settings.wheel, reading.polarity
+    if m.started == 0.0:
+        return Association(first_edge(m.belief.angle, polarity, wheel), 1.0)
+    if m.associating == 0.0:
+        return Association(counted_edge(m.edge, m.ignored + reading.edges, polarity), 1.0)
+    advance = (reading.edge_time - m.time) * prior.speed
+    odds = maximum(2.0 * SLACK * (settings.manoeuvre_gate - maximum(m.rise, m.fall)), 0.0)
+    S, S_m = prior.angle_variance + variance, wide.angle_variance + variance
+    sighting = Sighting(prior.angle, advance, S, S_m, odds, m.ignored, reading.edges, polarity, m.irregular)
+    return associated_edge(m.edge, sighting, wheel)
 
 
 def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
@@ -249,6 +260,22 @@ def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
     Source  ours, docs/models/event-filter.md
     """
     return 1.0 if 6.0 * np.sqrt(belief.angle_variance) >= sector(wheel) else 0.0
+
+
+def doubted(belief: AngleSpeed, settings: EventFilter) -> AngleSpeed:
+    """The belief whose speed may have been anything, a multiple or a fraction of the true one.
+
+    Source  ours, docs/models/event-filter.md
+    """
+    b = belief
+    anything = maximum(b.speed * b.speed, settings.speed_variance)
+    return AngleSpeed(b.angle, b.speed, b.angle_variance, b.covariance, anything)
+
+
+def turned(belief: AngleSpeed, angle: float) -> AngleSpeed:
+    """The belief about a wheel whose edges turn out to be `angle` [rad] further on."""
+    b = belief
+    return AngleSpeed(b.angle + angle, b.speed, b.angle_variance, b.covariance, b.speed_variance)
 
 
 def ignoring(memory: EventFilterMemory, edges: float) -> EventFilterMemory:

@@ -1,0 +1,368 @@
+"""Encoder and inlet pressure together: the edges of the pressure wave are a second, coarser encoder on the same spool.
+
+The event filter keeps angle and speed; beside them go the phase of the wave, its lag and the duty ratio, which the
+pressure needs and the encoder does not. Derived in docs/models/pressure-fusion.md.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Ratio, Time
+from vvdp.base.params import Params
+from vvdp.base.select import maximum
+from vvdp.estimation.association import sector
+from vvdp.estimation.estimator import Estimate
+from vvdp.estimation.event_filter import (
+    EventFilter,
+    EventFilterMemory,
+    edge_angle_variance,
+    event_filter_start,
+    event_filter_step,
+)
+from vvdp.estimation.threshold import AngleDrift
+from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.reading import Reading
+
+RATIO_DRIFT = Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")
+TIME_VARIANCE = Kind("variance of a time", "s^2", 0.0, 1.0, "1e-8 s^2")
+LAG = Kind("lag", "s", -1.0, 1.0, "0.2 ms")
+
+RatioDrift = Annotated[float, RATIO_DRIFT]
+TimeVariance = Annotated[float, TIME_VARIANCE]
+Lag = Annotated[float, LAG]
+
+SILENT_SECTORS = 4.0
+"""Sectors that pass without an edge until the encoder counts as lost."""
+
+
+class Fusion(Params):
+    """Settings of the fusion; `fusion` has the usual ones.
+
+    `pressure_variance` is sigma_p^2, of a pressure edge as an angle, besides its time resolution. The wave is that of a
+    spool with `sections`, its duty ratio larger by `duty_excess`, late by the phase (mounting angle) and by `lag`;
+    `lag_variance` 0 takes the lag as known. `duty_sensor_variance` is that of a measured duty ratio. A pressure edge
+    further than `gate` deviations from where it is expected is refused; after `patience` of them in a row something
+    else has changed.
+    """
+
+    filter: EventFilter
+    sections: Count
+    pressure_variance: AngularVariance
+    phase: Angle
+    phase_variance: AngularVariance
+    phase_drift: AngleDrift
+    duty_ratio: DutyRatio
+    duty_ratio_variance: Ratio
+    duty_ratio_drift: RatioDrift
+    duty_sensor_variance: Ratio
+    duty_excess: DutyRatio
+    lag: Lag
+    lag_variance: TimeVariance
+    gate: Ratio
+    patience: Count
+
+    def check(self) -> None:
+        if not self.sections >= 1.0:
+            raise ParameterError(f"Fusion.sections: {self.sections:g}; expected 1 or more")
+        if not (self.pressure_variance > 0.0 and self.duty_sensor_variance > 0.0):
+            raise ParameterError(
+                f"Fusion: pressure_variance {self.pressure_variance:g} rad^2 and duty_sensor_variance "
+                f"{self.duty_sensor_variance:g}; no sensor is exact, expected both above 0"
+            )
+
+
+class FusionMemory(NamedTuple):
+    """The event filter with its belief at the last edge of either sensor; mean (5,) and covariance (5, 5) of angle,
+    speed, phase, duty ratio and lag at that time; when the encoder last spoke, and how many pressure edges in a row
+    were refused."""
+
+    filter: EventFilterMemory
+    mean: Array
+    covariance: Array
+    encoder_time: Time
+    refused: Count
+
+
+class FusionReading(NamedTuple):
+    """The encoder's reading, the pressure's edge (as in `PressureReading`), and the duty ratio that an axial sensor
+    measures; NaN without one."""
+
+    encoder: Reading
+    pressure_edges: Count
+    pressure_edge_time: Time
+    pressure_edge_interval: Time
+    pressure_polarity: float
+    duty_ratio: float
+
+
+class FusionEstimate(NamedTuple):
+    """What is believed at a sample: angle and speed (the innovation shown is the encoder's), and the pressure wave."""
+
+    estimate: Estimate
+    phase: Angle
+    phase_deviation: float
+    duty_ratio: DutyRatio
+    duty_deviation: float
+    lag: Time
+    lag_deviation: float
+
+
+def fusion(settings: EventFilter) -> Fusion:
+    """The usual settings for a spool of three sections whose wave is unknown; change one with `dataclasses.replace`.
+
+    The phase is anywhere within a section, the duty ratio anywhere. 0.04 rad for a pressure edge is assumed.
+
+    Source  ours, docs/models/pressure-fusion.md
+    """
+    return Fusion(
+        filter=settings,
+        sections=3.0,
+        pressure_variance=0.04**2.0,
+        phase=0.0,
+        phase_variance=(2.0 * np.pi / 3.0) ** 2.0 / 12.0,
+        phase_drift=1e-5,
+        duty_ratio=0.5,
+        duty_ratio_variance=0.2**2.0,
+        duty_ratio_drift=1e-4,
+        duty_sensor_variance=0.01**2.0,
+        duty_excess=0.0,
+        lag=0.0,
+        lag_variance=0.0,
+        gate=5.0,
+        patience=4.0,
+    )
+
+
+def pressure_edge_angle(
+    number: float, polarity: float, duty_ratio: float, phase: float, lag: float, speed: float, sections: float
+) -> float:
+    """Angle of the spool when a pressure edge is seen [rad]: (k -/+ d/2) 2 pi/N + phi + omega l.
+
+    number      k, of the pulse
+    polarity    +1 tank to load, -1 load to tank
+    duty_ratio  d, of the wave [1]
+    phase       phi, mounting angle [rad]
+    lag         l, of the pressure behind the ports [s]
+    speed       omega [rad/s]
+    sections    N [1]
+
+    Source  ours, docs/models/pressure-fusion.md, with the openings of docs/models/rotary-valve.md
+    """
+    angle: float = (number - 0.5 * polarity * duty_ratio) * 2.0 * np.pi / sections + phase + speed * lag
+    return angle
+
+
+def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> FusionMemory:
+    """Memory before the first sample.
+
+    time   [s]
+    angle  where the wheel stands, as far as is known [rad]
+    speed  expected [rad/s]
+    """
+    start = event_filter_start(settings.filter, time, angle, speed)
+    mean, P = _with_blank_wave(start.belief, settings)
+    return FusionMemory(start, mean, P, time, 0.0)
+
+
+def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusionEstimate]:
+    """Memory and estimate after a sample. The pressure is listened to once the encoder has told the angle.
+
+    The Kalman filter for x = (theta, omega, phi, d, l). An encoder edge has H = [1, 0, 0, 0, 0] and concerns angle and
+    speed as if they were alone: the event filter handles it, and the wave follows with the same innovation. A pressure
+    edge has H = [1, -l, -1, +-pi/N, -omega].
+
+    Source  ours, docs/models/pressure-fusion.md
+    """
+    encoder = reading.encoder
+    memory, innovation, deviation = _after_encoder(memory, encoder, settings)
+    # The encoder comes first: a pressure edge may be met at a time before the last edge, an encoder edge may not.
+    if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.associating > 0.0:
+        memory = _after_pressure_edge(memory, reading, settings)
+    last = memory.filter
+    belief = propagated(last.belief, encoder.time - last.time, last.density)
+    estimate = Estimate(
+        belief.angle,
+        belief.speed,
+        np.sqrt(belief.angle_variance),
+        np.sqrt(belief.speed_variance),
+        innovation,
+        deviation,
+        last.missed_edges,
+    )
+    shown = FusionEstimate(
+        estimate,
+        memory.mean[2],
+        np.sqrt(memory.covariance[2, 2]),
+        memory.mean[3],
+        np.sqrt(memory.covariance[3, 3]),
+        memory.mean[4],
+        np.sqrt(memory.covariance[4, 4]),
+    )
+    return memory, shown
+
+
+def lag_of_phases(speeds: Array, phases: Array) -> tuple[float, float]:
+    """Mounting angle [rad] and lag [s] that phases [rad] found at several speeds [rad/s], shape (n,), come from.
+
+    Least squares through phi = phi_0 + omega l, for phases that were estimated with a lag of 0.
+    Raises ParameterError where the speeds are all the same: then any lag fits.
+
+    Source  ours, docs/models/pressure-fusion.md
+    """
+    spread = speeds - np.mean(speeds)
+    if not np.dot(spread, spread) > 0.0:
+        raise ParameterError(f"{speeds.size} phases at one speed; a lag shows only where the speed changes")
+    lag = float(np.dot(spread, phases) / np.dot(spread, spread))
+    return float(np.mean(phases) - lag * np.mean(speeds)), lag
+
+
+def _with_blank_wave(belief: AngleSpeed, settings: Fusion) -> tuple[Array, Array]:
+    mean, P = np.zeros(5), np.zeros((5, 5))
+    mean[2], mean[3], mean[4] = settings.phase, settings.duty_ratio, settings.lag
+    P[2, 2], P[3, 3], P[4, 4] = settings.phase_variance, settings.duty_ratio_variance, settings.lag_variance
+    return _with_belief(mean, P, belief)
+
+
+def _with_belief(mean: Array, covariance: Array, belief: AngleSpeed) -> tuple[Array, Array]:
+    x, P = mean.copy(), covariance.copy()
+    x[0], x[1] = belief.angle, belief.speed
+    P[0, 0], P[0, 1] = belief.angle_variance, belief.covariance
+    P[1, 0], P[1, 1] = belief.covariance, belief.speed_variance
+    return x, P
+
+
+def _moved(mean: Array, covariance: Array, h: float) -> tuple[Array, Array]:
+    """Mean and covariance h [s] later or, if negative, earlier, as if nothing but the speed moved the angle."""
+    x, P = mean.copy(), covariance.copy()
+    x[0] += h * x[1]
+    for i in range(5):
+        P[0, i] += h * P[1, i]
+    for i in range(5):
+        P[i, 0] += h * P[i, 1]
+    return x, P
+
+
+def _drifted(covariance: Array, h: float, acceleration_density: float, settings: Fusion) -> Array:
+    P, q = covariance.copy(), acceleration_density
+    P[0, 0] += q * h * h * h / 3.0
+    P[0, 1] += 0.5 * q * h * h
+    P[1, 0] = P[0, 1]
+    P[1, 1] += q * h
+    P[2, 2] += settings.phase_drift * h
+    P[3, 3] += settings.duty_ratio_drift * h
+    return P
+
+
+def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> tuple[FusionMemory, float, float]:
+    before = memory.filter
+    after, estimate = event_filter_step(before, encoder, settings.filter)
+    innovation, deviation = estimate.innovation, estimate.innovation_deviation
+    if not deviation > 0.0:
+        still = FusionMemory(after, memory.mean, memory.covariance, memory.encoder_time, memory.refused)
+        return still, innovation, deviation
+    S = deviation * deviation
+    R = edge_angle_variance(before.belief.speed, encoder.edge_interval, settings.filter)
+    h = after.time - before.time
+    mean, P = _moved(memory.mean, memory.covariance, h)
+    P = _drifted(P, maximum(h, 0.0), 0.0, settings)
+    # The covariance before the edge follows from the one after it, whatever noise the filter has let in before it.
+    P12 = after.belief.covariance * S / R
+    prior = AngleSpeed(mean[0], mean[1], S - R, P12, after.belief.speed_variance + P12 * P12 / S)
+    mean, P = _with_belief(mean, P, prior)
+    mean, P = _observed(mean, P, np.array([1.0, 0.0, 0.0, 0.0, 0.0]), innovation, R)
+    # Once the index is found, all angles are counted from another edge than before.
+    mean[2] += after.belief.angle - mean[0]
+    mean, P = _with_belief(mean, P, after.belief)
+    return FusionMemory(after, mean, P, encoder.time, memory.refused), innovation, deviation
+
+
+def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> FusionMemory:
+    before, event = memory.filter, settings.filter
+    h = reading.pressure_edge_time - before.time
+    mean, P = _moved(memory.mean, memory.covariance, h)
+    # An edge is confirmed late and met where it happened. What noise came in since is not taken out for it: over these
+    # few samples it is small, and could leave less than nothing.
+    P = _drifted(P, maximum(h, 0.0), before.density, settings)
+    if reading.duty_ratio == reading.duty_ratio:
+        H = np.array([0.0, 0.0, 0.0, 1.0, 0.0])
+        mean, P = _observed(mean, P, H, reading.duty_ratio - mean[3], settings.duty_sensor_variance)
+
+    s, N, lag = reading.pressure_polarity, settings.sections, mean[4]
+    per_duty, pitch = s * np.pi / N, 2.0 * np.pi / N
+    angle = mean[0] - mean[2] - mean[1] * lag + per_duty * (mean[3] + settings.duty_excess)
+    innovation = pitch * np.floor(angle / pitch + 0.5) - angle
+    H = np.array([1.0, -lag, -1.0, per_duty, -mean[1]])
+    passed = maximum(mean[1], event.lowest_speed) * reading.pressure_edge_interval
+    R = passed * passed / 12.0 + settings.pressure_variance
+    S = R
+    for i in range(5):
+        for j in range(5):
+            S += H[i] * P[i, j] * H[j]
+    density, refused = before.density, 0.0
+    silent = (reading.encoder.time - memory.encoder_time) * maximum(mean[1], event.lowest_speed) > (
+        SILENT_SECTORS * sector(event.wheel)
+    )
+    wave_lost = False
+    if innovation * innovation < settings.gate * settings.gate * S:
+        mean, P = _observed(mean, P, H, innovation, R)
+        if silent:
+            density = maximum(density * (1.0 - 1.0 / event.manoeuvre_edges), event.acceleration_density)
+    else:
+        refused = memory.refused + 1.0
+        if refused >= settings.patience:
+            # With an encoder that speaks it is the wave that has changed, without one it must be the speed.
+            wave_lost, refused = not silent, 0.0
+            density = event.manoeuvre_density if silent else density
+
+    if wave_lost:
+        mean, P = _with_blank_wave(_belief(mean, P), settings)
+    time = before.time
+    if h < 0.0:
+        mean, P = _moved(mean, P, -h)
+    else:
+        time = reading.pressure_edge_time
+    after = _believing(before, time, _belief(mean, P), density)
+    return FusionMemory(after, mean, P, memory.encoder_time, refused)
+
+
+def _belief(mean: Array, covariance: Array) -> AngleSpeed:
+    return AngleSpeed(mean[0], mean[1], covariance[0, 0], covariance[0, 1], covariance[1, 1])
+
+
+def _believing(memory: EventFilterMemory, time: float, belief: AngleSpeed, density: float) -> EventFilterMemory:
+    m = memory
+    return EventFilterMemory(
+        time,
+        belief,
+        m.edge,
+        m.started,
+        m.associating,
+        m.ignored,
+        m.missed_edges,
+        m.irregular,
+        density,
+        m.rise,
+        m.fall,
+        m.search,
+    )
+
+
+def _observed(
+    mean: Array, covariance: Array, observation: Array, innovation: float, variance: float
+) -> tuple[Array, Array]:
+    """As `vvdp.numerics.kalman.observed`; in loops a small filter compiles and runs several times faster."""
+    n = mean.size
+    g, x, P = np.zeros(n), mean.copy(), covariance.copy()
+    S = variance
+    for i in range(n):
+        for j in range(n):
+            g[i] += covariance[i, j] * observation[j]
+        S += observation[i] * g[i]
+    for i in range(n):
+        x[i] += g[i] / S * innovation
+        for j in range(n):
+            P[i, j] -= g[i] * g[j] / S
+    return x, P
