@@ -44,13 +44,18 @@ SETTINGS = DutyWave(valve=VALVE, flow=FLOW, density=DENSITY, tank_pressure=TANK)
 NO_EDGE = PressureReading(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+def told(pressure, speed):
+    """A reading at a spool that turns with `speed` since time 0."""
+    return DutyReading(pressure, speed * pressure.time, speed)
+
+
 def edge(time, polarity, level=57e5 + TANK, interval=0.0):
     return PressureReading(time, 1.0, time, interval, polarity, level, 0.0, 0.0)
 
 
 def test_wave_by_hand():
-    """8 ms at 150 rad/s and 3 sections: 8e-3 * 150 * 3 / (2 pi) = 0.57296."""
-    assert wave_duty_ratio(0.1, 0.108, 150.0, 3.0) == pytest.approx(0.572958, rel=1e-5)
+    """1.2 rad and 3 sections: 1.2 * 3 / (2 pi) = 0.57296."""
+    assert wave_duty_ratio(0.1, 1.3, 3.0) == pytest.approx(0.572958, rel=1e-5)
 
 
 def test_opening_by_hand():
@@ -75,7 +80,7 @@ def test_excess_by_hand():
 
 
 @settings(deadline=None)
-@given(st.floats(0.05, 0.95), st.floats(40e5, 100e5))
+@given(st.floats(-0.05, 1.05), st.floats(40e5, 100e5))
 def test_correction_inverts_the_quasi_steady_wave(duty, level):
     """The wave of an ideal relief valve and stiff oil, at any duty ratio, crossed on 1000 angles of half a period."""
     cycle = quasi_steady_cycle(duty, 100e5 + TANK, 120e5 + TANK, 0.0, TANK, FLOW, DENSITY, VALVE)
@@ -111,11 +116,11 @@ def test_lag_is_the_time_constant_of_the_inlet_volume():
 
 def test_pulses_of_a_known_wave():
     memory = duty_start()
-    memory, shown = duty_step(memory, DutyReading(NO_EDGE, 150.0), SETTINGS)
+    memory, shown = duty_step(memory, told(NO_EDGE, 150.0), SETTINGS)
     assert np.isnan(shown.duty_ratio)
-    memory, shown = duty_step(memory, DutyReading(edge(0.1, 1.0, interval=1e-4), 150.0), SETTINGS)
+    memory, shown = duty_step(memory, told(edge(0.1, 1.0, interval=1e-4), 150.0), SETTINGS)
     assert np.isnan(shown.wave_duty_ratio)
-    memory, shown = duty_step(memory, DutyReading(edge(0.108, -1.0, interval=1e-4), 150.0), SETTINGS)
+    memory, shown = duty_step(memory, told(edge(0.108, -1.0, interval=1e-4), 150.0), SETTINGS)
     assert shown.wave_duty_ratio == pytest.approx(0.572958, rel=1e-5)
     assert shown.duty_ratio == pytest.approx(0.572958 - duty_excess(57e5, FLOW, DENSITY, VALVE), abs=1e-6)
     # 1e-4 s / sqrt(12) twice, times 150 * 3/(2 pi) = 71.62 per second
@@ -125,17 +130,17 @@ def test_pulses_of_a_known_wave():
 def test_a_lost_rising_edge_makes_no_long_pulse():
     memory = duty_start()
     for at, polarity in ((0.1, 1.0), (0.108, -1.0), (0.122, -1.0)):
-        memory, shown = duty_step(memory, DutyReading(edge(at, polarity), 150.0), SETTINGS)
+        memory, shown = duty_step(memory, told(edge(at, polarity), 150.0), SETTINGS)
     assert shown.wave_duty_ratio == pytest.approx(0.572958, rel=1e-5)
 
 
 def test_without_a_speed_the_period_of_the_wave_serves():
     memory = duty_start()
     for at, polarity in ((0.1, 1.0), (0.106, -1.0)):
-        memory, shown = duty_step(memory, DutyReading(edge(at, polarity), 0.0), SETTINGS)
+        memory, shown = duty_step(memory, told(edge(at, polarity), 0.0), SETTINGS)
     assert np.isnan(shown.wave_duty_ratio)
     for at, polarity in ((0.115, 1.0), (0.121, -1.0)):
-        memory, shown = duty_step(memory, DutyReading(edge(at, polarity), 0.0), SETTINGS)
+        memory, shown = duty_step(memory, told(edge(at, polarity), 0.0), SETTINGS)
     assert shown.wave_duty_ratio == pytest.approx(6.0 / 15.0, rel=1e-9)
 
 
@@ -143,7 +148,7 @@ def test_without_a_speed_the_period_of_the_wave_serves():
 def duty_replays():
     start = pressure_edges_start(0.0, 1e5)
     edges = Replay(pressure_edges_step, start, PressureSample(0.0, 1e5), pressure_edges())
-    duty = Replay(duty_step, duty_start(), DutyReading(NO_EDGE, 100.0), SETTINGS)
+    duty = Replay(duty_step, duty_start(), told(NO_EDGE, 100.0), SETTINGS)
     return edges, duty
 
 
@@ -162,13 +167,14 @@ def duties(run, period, replays):
     state = run.state.supply
     t = np.arange(0.05, 0.999, period)
     pressure = np.interp(t, run.times, state.inlet_pressure)
-    told = edges(pressure_edges_start(t[0], pressure[0]), np.column_stack([t, pressure])).shown
-    shown = duty(duty_start(), np.column_stack([told, np.interp(t, run.times, state.spool.speed)])).shown
-    return shown[(told[:, 1] > 0.0) & (told[:, 4] < 0.0) & (t > 0.6)]
+    found = edges(pressure_edges_start(t[0], pressure[0]), np.column_stack([t, pressure])).shown
+    spool = [np.interp(t, run.times, x) for x in (state.spool.angle, state.spool.speed)]
+    shown = duty(duty_start(), np.column_stack([found, *spool])).shown
+    return shown[(found[:, 1] > 0.0) & (found[:, 4] < 0.0) & (t > 0.6)]
 
 
 @pytest.mark.parametrize("duty", [0.2, 0.5, 0.8])
-@pytest.mark.parametrize(("period", "left"), [(2e-5, 0.005), (2e-4, 0.006), (1e-3, 0.035)])
+@pytest.mark.parametrize(("period", "left"), [(2e-5, 0.003), (2e-4, 0.005), (1e-3, 0.035)])
 def test_correction_takes_the_valve_out_of_simulated_waves(simulated_waves, duty_replays, duty, period, left):
     """As it stands the wave is 0.07 to 0.1 too long. What is left at fine sampling is the lag's change along the edge;
     at 1 kHz an edge of a quarter of a millisecond is resolved to half a sample, 0.5e-3 * 62 Hz = 0.03."""
@@ -186,12 +192,12 @@ def test_simulated_edges_lie_where_the_geometry_has_them(simulated_waves, duty_r
     state = run.state.supply
     t = np.arange(0.05, 0.999, 2e-5)
     pressure = np.interp(t, run.times, state.inlet_pressure)
-    told = edges(pressure_edges_start(t[0], pressure[0]), np.column_stack([t, pressure])).shown
-    told = told[(told[:, 1] > 0.0) & (t > 0.6)]
-    assert told.shape[0] > 40
-    angles, speeds = (np.interp(told[:, 2], run.times, x) for x in (state.spool.angle, state.spool.speed))
+    found = edges(pressure_edges_start(t[0], pressure[0]), np.column_stack([t, pressure])).shown
+    found = found[(found[:, 1] > 0.0) & (t > 0.6)]
+    assert found.shape[0] > 40
+    angles, speeds = (np.interp(found[:, 2], run.times, x) for x in (state.spool.angle, state.spool.speed))
     pitch, left = 2.0 * np.pi / 3.0, []
-    for angle, speed, s, level in zip(angles, speeds, told[:, 4], told[:, 5], strict=True):
+    for angle, speed, s, level in zip(angles, speeds, found[:, 4], found[:, 5], strict=True):
         drop = level - TANK
         wave = duty + duty_excess(drop, FLOW, DENSITY, VALVE)
         lag = pressure_lag(drop, FLOW, DENSITY, SUPPLY.inlet.volume, bulk_modulus(level, SUPPLY.oil), VALVE)
@@ -200,12 +206,23 @@ def test_simulated_edges_lie_where_the_geometry_has_them(simulated_waves, duty_r
     assert np.max(np.abs(left)) < 0.006
 
 
+def test_a_speed_that_swings_within_the_pulse_does_no_harm(duty_replays):
+    """Load at the relief setting: no flow, so no torque, while the load port is open, and the spool's speed swings by
+    16 %. By times and one speed 0.64 came out."""
+    chosen = ["operation.duty_ratio=0.7", "run.window=1 s"]
+    system = load_system("prototype", chosen, until="1 s")
+    run = simulate(system.model, system.case, system.stepping)
+    speed = run.state.supply.spool.speed[run.times > 0.9]
+    assert np.ptp(speed) / speed.mean() > 0.1
+    assert duties(run, 2e-5, duty_replays)[:, 0].mean() == pytest.approx(0.7, abs=0.005)
+
+
 def test_compiled_step_is_the_plain_one(duty_replays):
     rng = np.random.default_rng(3)
     memory, plain, rows = duty_start(), [], []
     for k in range(200):
-        reading = DutyReading(edge(0.1 + 4e-3 * k + 1e-3 * rng.random(), 1.0 - 2.0 * (k % 2), interval=1e-4), 150.0)
-        rows.append([*reading.pressure, reading.speed])
+        reading = told(edge(0.1 + 4e-3 * k + 1e-3 * rng.random(), 1.0 - 2.0 * (k % 2), interval=1e-4), 150.0)
+        rows.append([*reading.pressure, reading.angle, reading.speed])
         memory, shown = duty_step(memory, reading, SETTINGS)
         plain.append(shown)
     np.testing.assert_allclose(duty_replays[1](duty_start(), np.array(rows)).shown, plain, rtol=1e-12, atol=1e-12)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Density, Flow, Pressure, Speed, Time
+from vvdp.base.kinds import Angle, Density, Flow, Pressure, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum
 from vvdp.estimation.pressure_edges import PressureReading
@@ -34,9 +34,10 @@ class DutyWave(Params):
 
 class DutyWaveMemory(NamedTuple):
     """The last rising edge and the one before it, 1 while no falling edge has followed, and the last duty ratios.
-    Times before an edge are NaN."""
+    Before an edge its time and angle are NaN."""
 
     rise_time: Time
+    rise_angle: Angle
     rise_interval: Time
     rise_level: Pressure
     rise_before: Time
@@ -47,9 +48,11 @@ class DutyWaveMemory(NamedTuple):
 
 
 class DutyReading(NamedTuple):
-    """A reading of the pressure's edges, with the spool speed believed at its time; 0: unknown."""
+    """A reading of the pressure's edges, with the spool's unwrapped angle and its speed as believed at its time; speed
+    0: neither is known."""
 
     pressure: PressureReading
+    angle: Angle
     speed: Speed
 
 
@@ -62,16 +65,15 @@ class DutyEstimate(NamedTuple):
     deviation: float
 
 
-def wave_duty_ratio(rise_time: float, fall_time: float, speed: float, sections: float) -> float:
-    """Share of a PWM period between two crossings [1]: (t_fall - t_rise) omega N / (2 pi).
+def wave_duty_ratio(rise_angle: float, fall_angle: float, sections: float) -> float:
+    """Share of a PWM period between two crossings [1]: (theta_fall - theta_rise) N / (2 pi).
 
-    rise_time, fall_time  [s]
-    speed                 of the spool [rad/s]
-    sections              N [1]
+    rise_angle, fall_angle  of the spool at the crossings [rad]
+    sections                N [1]
 
     Source  ours, docs/models/pressure-fusion.md
     """
-    share: float = (fall_time - rise_time) * speed * sections / (2.0 * np.pi)
+    share: float = (fall_angle - rise_angle) * sections / (2.0 * np.pi)
     return share
 
 
@@ -159,38 +161,36 @@ def duty_start() -> DutyWaveMemory:
 
     Source  ours, docs/models/pressure-fusion.md
     """
-    return DutyWaveMemory(np.nan, np.nan, np.nan, np.nan, 0.0, np.nan, np.nan, np.nan)
+    return DutyWaveMemory(np.nan, np.nan, np.nan, np.nan, np.nan, 0.0, np.nan, np.nan, np.nan)
 
 
 def duty_step(memory: DutyWaveMemory, reading: DutyReading, settings: DutyWave) -> tuple[DutyWaveMemory, DutyEstimate]:
     """The memory after a sample, and the duty ratio of the last pulse that is complete.
 
-    Where the speed is unknown, the time between the last two rising edges stands for it.
+    Where the speed is unknown, shares of the time between the last two rising edges stand for shares of the angle.
 
     Source  wang2017, section 7.3, for the idea; docs/models/pressure-fusion.md
     """
-    edge = reading.pressure
-    rise_time, rise_interval = memory.rise_time, memory.rise_interval
+    edge, N = reading.pressure, settings.valve.sections
+    rise_time, rise_angle, rise_interval = memory.rise_time, memory.rise_angle, memory.rise_interval
     rise_level, rise_before, within = memory.rise_level, memory.rise_before, memory.within_pulse
     duty, wave, deviation = memory.duty_ratio, memory.wave_duty_ratio, memory.deviation
+    angle = reading.angle - reading.speed * (edge.time - edge.pressure_edge_time)
     if edge.pressure_edges > 0.0 and edge.pressure_polarity > 0.0:
-        rise_before, rise_time = rise_time, edge.pressure_edge_time
+        rise_before, rise_time, rise_angle = rise_time, edge.pressure_edge_time, angle
         rise_interval, rise_level, within = edge.pressure_edge_interval, edge.level, 1.0
-    speed = reading.speed
-    N = settings.valve.sections
-    if not speed > 0.0 and rise_time > rise_before:
-        speed = 2.0 * np.pi / (N * (rise_time - rise_before))
     falling = edge.pressure_edges > 0.0 and edge.pressure_polarity < 0.0
-    if falling and within > 0.0 and speed > 0.0:
-        per_second = speed * N / (2.0 * np.pi)
-        wave = wave_duty_ratio(rise_time, edge.pressure_edge_time, speed, N)
+    known = reading.speed > 0.0
+    if falling and within > 0.0 and (known or rise_time > rise_before):
+        frequency = reading.speed * N / (2.0 * np.pi) if known else 1.0 / (rise_time - rise_before)
+        wave = wave_duty_ratio(rise_angle, angle, N) if known else frequency * (edge.pressure_edge_time - rise_time)
         spread = rise_interval * rise_interval + edge.pressure_edge_interval * edge.pressure_edge_interval
-        deviation = per_second * np.sqrt(spread / 12.0)
+        deviation = frequency * np.sqrt(spread / 12.0)
         drop = 0.5 * (rise_level + edge.level) - settings.tank_pressure
         opening = crossing_opening(drop, settings.flow, settings.density, settings.valve)
         duty = corrected_duty_ratio(wave, opening, port_shape(settings.valve))
     within = 0.0 if falling else within
     return (
-        DutyWaveMemory(rise_time, rise_interval, rise_level, rise_before, within, duty, wave, deviation),
+        DutyWaveMemory(rise_time, rise_angle, rise_interval, rise_level, rise_before, within, duty, wave, deviation),
         DutyEstimate(duty, wave, deviation),
     )

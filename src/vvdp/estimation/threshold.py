@@ -43,9 +43,9 @@ GOLDEN = 0.6180339887498949
 class ThresholdAdaptation(Params):
     """Settings of the adaptation with feedback.
 
-    `gain` is gamma; `ramp_slope` w, the angle over which the light changes divided by the swing of the signal. The
-    threshold stays between `lowest` and `highest`. `dither` is the full width of a known up and down of the threshold
-    from edge to edge; 0 is none, `dither_width` is what a sampled clock needs.
+    `threshold_adaptation` has the usual ones. `gain` is gamma; `ramp_slope` w, the angle over which the light changes
+    divided by the swing of the signal. The threshold stays between `lowest` and `highest`. `dither` is the full width
+    of a known up and down of the threshold from edge to edge; 0 is none, `dither_width` is what a sampled clock needs.
     """
 
     filter: EventFilter
@@ -62,6 +62,23 @@ class ThresholdAdaptation(Params):
             raise ParameterError("ThresholdAdaptation.ramp_slope: 0 rad; then the threshold has no influence")
         if not self.lowest < self.highest:
             raise ParameterError(f"ThresholdAdaptation.lowest: {self.lowest:g} is not below highest, {self.highest:g}")
+
+
+def threshold_adaptation(
+    settings: EventFilter, ramp_slope: float, sampling_period: float, highest_speed: float
+) -> ThresholdAdaptation:
+    """The usual settings for a signal with a swing of 1, with the dither that edges known to the sample alone need.
+
+    ramp_slope       w [rad per unit of the signal]
+    sampling_period  dT [s]; 0 where edges are time-stamped or interpolated, which need no dither
+    highest_speed    at which the threshold shall be found [rad/s]
+
+    Source  ours, docs/models/threshold-adaptation.md
+    """
+    dither = dither_width(highest_speed, sampling_period, ramp_slope)
+    return ThresholdAdaptation(
+        filter=settings, gain=0.02, ramp_slope=ramp_slope, lowest=0.1, highest=0.9, dither=dither
+    )
 
 
 class ThresholdMemory(NamedTuple):
