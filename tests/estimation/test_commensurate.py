@@ -1,5 +1,6 @@
 """Edges in step with the samples: what hides, how much and for how long, against brute force."""
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from math import gcd
@@ -19,6 +20,7 @@ from vvdp.estimation.commensurate import (
     hidden_angle,
     hidden_speed,
 )
+from vvdp.estimation.event_filter import event_filter
 from vvdp.estimation.time_stamping import time_stamping, time_stamping_estimator
 from vvdp.sensing.wheel import equal_wheel
 
@@ -127,11 +129,13 @@ def test_an_estimator_shows_the_bias_and_no_error_of_the_speed(sampled_edges, st
     [
         (200.0, (1, 5)),
         (200.19, (1, 5)),
-        (200.21, None),
+        (200.99, (1, 5)),  # beat 1/(5 x 0.99) = 0.2020 s
+        (201.01, None),
         (197.6, None),  # 24.7 Hz
         (500.0, (1, 2)),
         (125.0, (1, 8)),
-        (1000.0 / 9.0, None),
+        (1000.0 / 11.0, (1, 11)),
+        (1000.0 / 12.0, None),
         (999.5, (1, 1)),
         (1000.0, None),
         (1500.0, None),
@@ -145,17 +149,68 @@ def test_known_rates(rate, fraction):
 
 
 def test_more_samples_may_be_looked_at():
-    assert commensurate_clock(1000.0 / 9.0, 1000.0, largest=9)[:2] == (1, 9)
+    assert commensurate_clock(1000.0 / 13.0, 1000.0, largest=13)[:2] == (1, 13)
+
+
+@given(st.floats(10.0, 990.0), st.floats(0.01, 10.0))
+def test_in_step_is_what_beats_longer_than_the_memory(rate, memory):
+    """Also where p and q are large: at 7/8 of 1000/s a tenth of a percent beats in 1/(8 x 0.875) = 0.143 s."""
+    found = commensurate_clock(rate, 1000.0, 0.0, memory)
+    beats = [1.0 / max(abs(q * rate - 1000.0 * round(q * rate / 1000.0)), 1e-12) for q in range(1, 12)]
+    near = [q for q, beat in zip(range(1, 12), beats, strict=True) if beat >= memory and round(q * rate / 1000.0)]
+    assert (found is not None) == bool(near)
+    if found:
+        assert found.samples == near[0]
+        assert beat_time(found) >= memory
+
+
+def test_a_usual_warning_tells_where_the_filter_is_off_by_more_than_it_says(edge_times, filtered):
+    """Rates from 60/s to 700/s on 1000/s, every 3.4/s and about all fractions, 8 phases each, edges without noise.
+
+    Of 100 rates at which the RMS of the angle exceeds the filter's own deviation 9 in 10 are warned of, and none of
+    the others is off by more than 1.6 deviations; a fraction of up to 8 samples and 0.1 % alone would leave half of
+    them out, some off by more than 4 deviations.
+    """
+    settings = replace(event_filter(WHEEL), manoeuvre_gate=1e6)
+    near = [p / q * (1.0 + e) for q in range(1, 13) for p in range(1, q) if gcd(p, q) == 1
+            for e in (0.0, 5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 6e-3)]  # fmt: skip
+    rates = np.concatenate([np.arange(60.0, 700.0, 3.4), 1000.0 * np.array(near)])
+    rates = rates[rates < 700.0]
+    ratios = []
+    for rate in rates:
+        speed, squares = rate * SECTOR, []
+        for phase in range(8):
+            start = SECTOR * ((0.618 * phase) % 1.0)
+            numbers, angles = edge_times.angles(WHEEL.edges, 1, int(3.0 * rate) - 4)
+            times = (angles - start) / speed
+            rows = edge_times.clocked(times, 1.0 - 2.0 * (numbers % 2.0), (0.382 * phase) % 1.0, 2.9)
+            shown, _ = filtered(settings, rows, speed=speed - 5.0)
+            late = (rows[:, 0] > 1.5) & (rows[:, 0] < times[-1])
+            squares.append(np.mean(np.square(shown[late, 0] - start - speed * rows[late, 0])))
+        ratios.append(np.sqrt(np.mean(squares)) / np.mean(shown[late, 2]))
+    ratios = np.array(ratios)
+    warned = np.array([commensurate_clock(rate, 1000.0) is not None for rate in rates])
+    narrow = np.array([commensurate_clock(rate, 1000.0, 1e-3, np.inf, 8) is not None for rate in rates])
+    off = ratios > 1.0
+    even = np.arange(rates.size) < 189
+    print(f"off {off.sum()}, not warned of {np.sum(off & ~warned)} (0.1 %, q <= 8: {np.sum(off & ~narrow)}), warned of "
+          f"{warned[even].mean():.3f} of all rates, {off[even].mean():.3f} are off; worst {ratios[~warned].max():.2f} "
+          f"({ratios[~narrow].max():.2f})")  # fmt: skip
+    assert np.mean(warned[off]) > 0.9
+    assert ratios[~warned].max() < 1.6
+    assert np.mean(narrow[off]) < 0.6
+    assert ratios[~narrow].max() > 4.0
+    assert warned[even].mean() < 0.08
 
 
 @given(ratio=st.floats(1e-3, 0.9999), scale=st.floats(1e-2, 1e4), tolerance=st.floats(0.0, 5e-3))
 def test_what_is_found_is_so_and_what_is_not_found_is_not(ratio, scale, tolerance):
-    found = commensurate_clock(ratio, 1.0, tolerance)
+    found = commensurate_clock(ratio, 1.0, tolerance, np.inf, 8)
     near = [(p, q) for p, q in FRACTIONS if q <= 8 and abs(ratio * q / p - 1.0) <= tolerance]
     assert (found is not None) == bool(near)
     if found:
         assert found[:2] == min(near, key=lambda fraction: fraction[1])
-        again = commensurate_clock(ratio * scale, scale, tolerance * (1.0 + 1e-12) + 1e-15)
+        again = commensurate_clock(ratio * scale, scale, tolerance * (1.0 + 1e-12) + 1e-15, np.inf, 8)
         assert again[:2] == found[:2]
 
 
@@ -175,3 +230,5 @@ def test_nonsense_is_refused():
         commensurate_clock(200.0, 0.0)
     with pytest.raises(ParameterError, match="tolerance -1"):
         commensurate_clock(200.0, 1000.0, -1.0)
+    with pytest.raises(ParameterError, match="memory 0 s"):
+        commensurate_clock(200.0, 1000.0, 1e-3, 0.0)

@@ -7,6 +7,7 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.estimation.event_filter import (
+    EventFilterMemory,
     edge_angle_variance,
     event_filter,
     event_filter_estimator,
@@ -106,6 +107,65 @@ def test_filterpy_gives_the_same(edge_times):
     assert used > 150
 
 
+def test_covariance_is_that_of_the_information_form(edge_times):
+    """P+ = (P-^-1 + H R^-1 H')^-1 and K = P+ H R^-1 (eqs. 3.8 and 3.9 put right), to 1e-9 at every edge."""
+    memory, compared = event_filter_estimator(STEADY, speed=50.0).memory, 0
+    for row in steady_rows(edge_times, deviation=0.05).tolist():
+        before = memory
+        memory, estimate = event_filter_step(memory, Reading(*row), STEADY)
+        if estimate.innovation_deviation == 0.0:
+            continue
+        prior = propagated(before.belief, memory.time - before.time, STEADY.acceleration_density)
+        R = edge_angle_variance(before.belief.speed, 1e-3, STEADY)
+        P = np.array([[prior.angle_variance, prior.covariance], [prior.covariance, prior.speed_variance]])
+        after = np.linalg.inv(np.linalg.inv(P) + np.diag([1.0 / R, 0.0]))
+        b = memory.belief
+        np.testing.assert_allclose([b.angle_variance, b.covariance, b.speed_variance], after.ravel()[[0, 1, 3]], 1e-9)
+        gain = after[:, 0] / R * estimate.innovation
+        np.testing.assert_allclose([b.angle - prior.angle, b.speed - prior.speed], gain, rtol=1e-8, atol=1e-12)
+        compared += 1
+    assert compared > 150
+
+
+def covariances(s, t, p, q):
+    """Covariance of (theta, omega) at s with (theta, omega) at t >= s, as they were diag(p, p) at 0.
+
+    omega = omega_0 + W and theta = theta_0 + omega_0 t + int W, with E[W(s) W(t)] = q min(s, t).
+    """
+    return np.array(
+        [
+            [p + p * s * t + q * s * s * (3.0 * t - s) / 6.0, p * s + 0.5 * q * s * s],
+            [p * t + q * s * (t - 0.5 * s), p + q * s],
+        ]
+    )
+
+
+@pytest.mark.parametrize("edges", [1, 2, 5, 20])
+def test_it_is_the_posterior_of_the_whole_record(edge_times, edges):
+    """All angles at once: the joint normal distribution of the record, conditioned on its edges without a recursion."""
+    memory, times, angles, variances = event_filter_estimator(STEADY, speed=50.0).memory, [], [], []
+    for row in steady_rows(edge_times, deviation=0.05, seed=edges).tolist():
+        before = memory
+        memory, estimate = event_filter_step(memory, Reading(*row), STEADY)
+        if estimate.innovation_deviation > 0.0:
+            times.append(memory.time)
+            angles.append(edge_angle(memory.edge, WHEEL))
+            variances.append(edge_angle_variance(before.belief.speed, 1e-3, STEADY))
+        if len(times) == edges:
+            break
+    t, p, q = np.array(times), 1000.0, STEADY.acceleration_density
+    seen = np.array([[covariances(min(a, b), max(a, b), p, q)[0, 0] for a in t] for b in t]) + np.diag(variances)
+    last = np.array([covariances(a, t[-1], p, q)[0] for a in t])  # of each angle with the last angle and speed
+    weights = np.linalg.solve(seen, last).T
+    mean = np.array([50.0 * t[-1], 50.0]) + weights @ (np.array(angles) - 50.0 * t)
+    covariance = covariances(t[-1], t[-1], p, q) - weights @ last
+    b = memory.belief
+    np.testing.assert_allclose([b.angle, b.speed], mean, rtol=1e-7)
+    np.testing.assert_allclose(
+        [b.angle_variance, b.covariance, b.speed_variance], covariance.ravel()[[0, 1, 3]], rtol=1e-5, atol=1e-9
+    )
+
+
 def test_plain_and_compiled_agree(edge_times, filtered):
     for settings, deviation in ((PUBLISHED, 0.06), (event_filter(INDEXED), 0.06)):
         rows = steady_rows(edge_times, wheel=settings.wheel, deviation=deviation, duration=0.6)
@@ -165,6 +225,22 @@ def test_time_stamps_and_unknown_polarity(edge_times, filtered, interval, known)
     tolerance = (1e-3, 2e-3) if interval == 0.0 else (0.04, 0.5)
     assert np.max(np.abs(shown[late, 0] - speed * rows[late, 0])) < tolerance[0]
     assert np.max(np.abs(shown[late, 1] - speed)) < tolerance[1]
+
+
+@pytest.mark.parametrize(("rise", "fall", "edge"), [(0.0, 0.0, 507.0), (5.6, 0.0, 507.0), (0.0, 5.6, 505.0)])
+def test_only_late_edges_make_a_slower_wheel_likely(rise, fall, edge):
+    """Three edges of 503 to 507 missed at 68.5 rad/s, the fourth just where it is expected: -3 ln 0.15 = 5.7. 505, the
+    next that falls, is 2 sectors = 1.57 rad behind: after a manoeuvre 1.96 deviations, sqrt(2e4 0.0459^3/3) = 0.8
+    and ln(0.80/0.075) = 2.4: 4.3, and the odds against it, 12 or, after late edges only, 2 (6 - 5.6) = 0.8: 5.1.
+    """
+    still = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
+    belief = AngleSpeed(edge_angle(503.0, WHEEL), 68.5, 1.1e-3, 7e-3, 0.04)
+    memory = EventFilterMemory(
+        0.0, belief, 503.0, 1.0, 1.0, 0.0, 0.0, 0.15, PUBLISHED.acceleration_density, rise, fall, still.search
+    )
+    passed = 4.0 * SECTOR / 68.5
+    after, _ = event_filter_step(memory, Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), PUBLISHED)
+    assert after.edge == edge
 
 
 def test_printed_gain_diverges(edge_times):

@@ -17,14 +17,17 @@ REMEMBERED = 64.0
 RAREST = 1e-3
 """Least share of missed edges that is reckoned with [1]."""
 
+DROPOUT = 1e-6
+"""Chance at an edge that the sensor falls silent, for however long [1]."""
+
 
 class Sighting(NamedTuple):
     """An edge was seen: where the spool should be by now, and what came since the last edge that was used.
 
-    `variance` is that with which the edge was expected, `manoeuvre_variance` what it would be had a manoeuvre begun at
-    the last edge used, `manoeuvre_odds` the logarithm of the odds against that. `advance` is how far the spool should
-    have come since then, `ignored` how many edges were taken for bounce since, `fresh` how many came since the last
-    sample. `irregular` is the share of edges that were missed or ignored of late.
+    `variance` is that with which the edge was expected, `manoeuvre_variance` what it would be had the wheel begun to
+    slow down at the last edge used, `manoeuvre_odds` the logarithm of the odds against that. `advance` is how far the
+    spool should have come since then, `ignored` how many edges were taken for bounce since, `fresh` how many came since
+    the last sample. `irregular` is the share of edges that were missed or ignored of late.
     """
 
     angle: Angle
@@ -74,9 +77,9 @@ def first_edge(angle: float, polarity: float, wheel: CodeWheel) -> float:
 def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Association:
     """Which edge was seen by a filter that knows where it is.
 
-    The likelier of two: the nearest of the observed polarity, with edges missed in between, or the next by count,
-    where it was expected or after a manoeuvre. Edges for which too little of a sector has passed are the bounce of
-    the last one: pairs of them are left out, a single one is none.
+    The likelier of two: the nearest of the observed polarity, with edges missed in between or the sensor silent, or
+    the next by count, where it was expected or after a manoeuvre. Edges for which too little of a sector has passed
+    are the bounce of the last one: pairs of them are left out, a single one is none.
 
     last  number of the last edge used
 
@@ -100,8 +103,9 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     manoeuvre = sighting.manoeuvre_odds + 0.5 * away * away / S_m + 0.5 * np.log(S_m / S)
     count_cost = minimum(0.5 * away * away / S, manoeuvre)
     off = edge_angle(nearest, wheel) - sighting.angle
-    missed = nearest - last - sighting.ignored - fresh
-    nearest_cost = 0.5 * off * off / S - maximum(missed, 0.0) * np.log(maximum(sighting.irregular, RAREST))
+    missed = maximum(nearest - last - sighting.ignored - fresh, 0.0)
+    silence = maximum(maximum(sighting.irregular, RAREST) ** missed, DROPOUT)
+    nearest_cost = 0.5 * off * off / S - np.log(silence)
     return Association(nearest if nearest_cost < count_cost else counted, 1.0)
 
 

@@ -22,31 +22,36 @@ class Commensurate(NamedTuple):
 
 
 def commensurate_clock(
-    edge_rate: float, sample_rate: float, tolerance: float = 1e-3, largest: int = 8
+    edge_rate: float, sample_rate: float, tolerance: float = 1e-3, memory: float = 0.2, largest: int = 11
 ) -> Commensurate | None:
     """The fraction p/q, q <= `largest`, of the sampling rate that the edge rate is, or None where it is none.
 
     None also where the edge rate is 0 or above the sampling rate, when edges are lost and nothing can be said.
-    Edges that a capture unit stamps are free of all this.
+    Edges that a capture unit stamps are free of all this. The usual values suit the event filter as published.
 
     edge_rate    edges a second of the whole wheel [1/s]
     sample_rate  [1/s]
     tolerance    relative deviation of the edge rate that still counts as in step
-    Raises ParameterError for a sampling rate that is not positive, a tolerance below 0, or `largest` below 1.
+    memory       of the estimator [s]; it follows the hidden error, in step or not, where the beat lasts longer
+    Raises ParameterError for a sampling rate or memory that is not positive, a tolerance below 0, `largest` below 1.
 
     Source  ours, docs/models/simple-estimators.md
     """
     if not sample_rate > 0.0:
         raise ParameterError(f"a sampling rate of {sample_rate:g}/s; expected more than 0")
-    if not tolerance >= 0.0 or largest < 1:
-        raise ParameterError(f"tolerance {tolerance:g} and samples up to {largest}; expected at least 0 and 1")
+    if not (tolerance >= 0.0 and memory > 0.0 and largest >= 1):
+        raise ParameterError(
+            f"tolerance {tolerance:g}, memory {memory:g} s, samples up to {largest}; expected at least 0, above 0, at "
+            "least 1"
+        )
     if not 0.0 < edge_rate < sample_rate:
         return None
     ratio = edge_rate / sample_rate
     for samples in range(1, largest + 1):  # the first that fits is in lowest terms, and hides most
         edges = round(ratio * samples)
-        if edges and abs(ratio * samples / edges - 1.0) <= tolerance:
-            return Commensurate(edges, samples, edge_rate, sample_rate)
+        found = Commensurate(edges, samples, edge_rate, sample_rate)
+        if edges and (abs(ratio * samples / edges - 1.0) <= tolerance or beat_time(found) >= memory):
+            return found
     return None
 
 

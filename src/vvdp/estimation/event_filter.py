@@ -11,7 +11,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AccelerationDensity, AngularVariance, Count, Ratio, Speed, SpeedVariance
 from vvdp.base.params import Params
-from vvdp.base.select import maximum
+from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import (
     Association,
     Sighting,
@@ -35,6 +35,9 @@ RELIABLE = 0.01
 
 UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
+
+BURST = 4.0
+"""Edges missed in a row that count as irregular; a longer gap is one dropout [1]."""
 
 
 class EventFilterValues(Params):
@@ -188,15 +191,15 @@ def after_edge(
     wheel, q, q_m = settings.wheel, settings.acceleration_density, settings.manoeuvre_density
     h = reading.edge_time - memory.time
     prior, wide = propagated(memory.belief, h, memory.density), propagated(memory.belief, h, q_m)
-    associating = memory.associating
-    if associating > 0.0 and memory.density <= q and vague(prior, wheel) > 0.0:
-        prior, associating = wide, 0.0  # after a long time without edges anything may have happened
     R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
     seen = seen_edge(memory, reading, prior, wide, R, settings)
     edges = memory.ignored + reading.edges
     if seen.used == 0.0:
         return ignoring(memory, edges), 0.0, 0.0
 
+    associating = memory.associating
+    if associating > 0.0 and memory.density <= q and vague(prior, wheel) > 0.0:
+        prior, associating = wide, 0.0  # after a long time without edges anything may have happened
     innovation = edge_angle(seen.edge, wheel) - prior.angle
     z = associating * innovation / np.sqrt(prior.angle_variance + R)
     rise = associating * maximum(memory.rise + z - SLACK, 0.0)
@@ -206,7 +209,7 @@ def after_edge(
         prior, density, rise, fall = wide, q_m, 0.0, 0.0
 
     skipped = memory.started * maximum(seen.edge - memory.edge - edges, 0.0)
-    irregular = irregular_share(memory.irregular, skipped * associating, 1.0)
+    irregular = irregular_share(memory.irregular, associating * minimum(skipped, BURST), 1.0)
     if irregular > UNBELIEVABLE:
         prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
 
@@ -248,7 +251,7 @@ def seen_edge(
     if m.associating == 0.0:
         return Association(counted_edge(m.edge, m.ignored + reading.edges, polarity), 1.0)
     advance = (reading.edge_time - m.time) * prior.speed
-    odds = maximum(2.0 * SLACK * (settings.manoeuvre_gate - maximum(m.rise, m.fall)), 0.0)
+    odds = 2.0 * SLACK * (settings.manoeuvre_gate - m.fall)  # in doubt the next edge by count is behind: slower
     S, S_m = prior.angle_variance + variance, wide.angle_variance + variance
     sighting = Sighting(prior.angle, advance, S, S_m, odds, m.ignored, reading.edges, polarity, m.irregular)
     return associated_edge(m.edge, sighting, wheel)

@@ -66,7 +66,7 @@ def corrected(belief: AngleSpeed, innovation: float, measurement_variance: float
 def moved(mean: Array, covariance: Array, transition: Array, noise: Array) -> tuple[Array, Array]:
     """Mean (n,) and covariance (n, n) after a linear step: F x, F P F' + Q.
 
-    Source  ours, docs/models/estimators.md
+    Source  ours, docs/models/event-filter.md
     """
     return np.dot(transition, mean), np.dot(np.dot(transition, covariance), transition.T.copy()) + noise
 
@@ -76,7 +76,7 @@ def observed(
 ) -> tuple[Array, Array]:
     """Mean (n,) and covariance (n, n) after one scalar measurement with row `observation` (n,), Joseph form.
 
-    Source  ours, docs/models/estimators.md
+    Source  ours, docs/models/event-filter.md
     """
     g = np.dot(covariance, observation)
     S = np.dot(observation, g) + measurement_variance

@@ -7,24 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import (
-    AccelerationDensity,
-    Angle,
-    AngularVariance,
-    Count,
-    Fraction,
-    FractionSignal,
-    Length,
-    Ratio,
-    Speed,
-    SpeedVariance,
-    Time,
-)
+from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length, Speed, Time
 from vvdp.base.params import Params
 from vvdp.circuits.supply import Command, SupplyParams, conditions
 from vvdp.estimation.event_filter import (
     EventFilter,
     EventFilterMemory,
+    EventFilterValues,
     event_filter,
     event_filter_start,
     event_filter_step,
@@ -67,21 +56,7 @@ class EncoderTable(Params):
             raise ParameterError(f"sectors = {self.sectors:g}, seed = {self.seed:g}; expected whole numbers")
 
 
-class FilterTable(Params):
-    """The [spool_filter] table: the numbers of `EventFilter`."""
-
-    acceleration_density: AccelerationDensity
-    edge_variance: AngularVariance
-    lowest_speed: Speed
-    angle_variance: AngularVariance
-    speed_variance: SpeedVariance
-    association_speed_deviation: Speed
-    manoeuvre_density: AccelerationDensity
-    manoeuvre_gate: Ratio
-    manoeuvre_edges: Count
-
-
-WATCHING: Mapping[str, type[Params]] = {"encoder": EncoderTable, "spool_filter": FilterTable}
+WATCHING: Mapping[str, type[Params]] = {"encoder": EncoderTable, "spool_filter": EventFilterValues}
 """Tables of a watched bench; a system file has both or neither."""
 
 
@@ -147,10 +122,10 @@ def encoder_of(table: EncoderTable) -> Encoder:
     )
 
 
-def watched(model: Model, case: Case, table: EncoderTable, values: FilterTable) -> tuple[Model, Case]:
+def watched(model: Model, case: Case, table: EncoderTable, values: EventFilterValues) -> tuple[Model, Case]:
     """Model and case of a bench with an encoder and a filter that knows nothing at the start but the wheel."""
     encoder = encoder_of(table)
-    numbers = {field.name: getattr(values, field.name) for field in fields(FilterTable)}
+    numbers = {field.name: getattr(values, field.name) for field in fields(EventFilterValues)}
     settings = WatchSettings(
         supply=case.params.supply, encoder=encoder, filter=replace(event_filter(encoder.wheel), **numbers)
     )
