@@ -1,0 +1,96 @@
+"""The event filter's update compiled against filterpy's, and what a sample costs every estimator."""
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from filterpy.kalman import KalmanFilter
+
+from benchmarks.measure import interleaved, machine, ratios, report, spread
+from vvdp.base.kinds import AccelerationDensity, AngularVariance
+from vvdp.base.params import Params
+from vvdp.comparison.estimators import contenders
+from vvdp.comparison.scenarios import scenarios
+from vvdp.comparison.trials import compiled_encoder, compiled_step, estimated, recorded
+from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.simulation.replay import Replay
+
+UPDATES, SAMPLES = 2000, 200_000
+"""Measured by filterpy in a round; samples that an estimator goes through."""
+SAMPLE_TARGET, RATIO_TARGET = 200.0, 100.0
+START = AngleSpeed(0.0, 150.0, 1000.0, 0.0, 1000.0)
+
+
+class Edge(NamedTuple):
+    interval: float
+    angle: float
+
+
+class Densities(Params):
+    acceleration_density: AccelerationDensity
+    edge_variance: AngularVariance
+
+
+def updated(belief: AngleSpeed, edge: Edge, settings: Densities) -> tuple[AngleSpeed, AngleSpeed]:
+    """One prediction and one update: what both sides are timed on."""
+    prior = propagated(belief, edge.interval, settings.acceleration_density)
+    after = corrected(prior, edge.angle - prior.angle, settings.edge_variance)
+    return after, after
+
+
+def filterpy_updates(edges: np.ndarray, settings: Densities) -> np.ndarray:
+    """Angle and speed after each edge, shape (edges, 2)."""
+    q = settings.acceleration_density
+    rival = KalmanFilter(dim_x=2, dim_z=1)
+    rival.x, rival.P = np.array([START.angle, START.speed]), 1000.0 * np.eye(2)
+    rival.H, rival.R = np.array([[1.0, 0.0]]), np.array([[settings.edge_variance]])
+    found = np.empty((len(edges), 2))
+    for i, (h, angle) in enumerate(edges):
+        rival.predict(F=np.array([[1.0, h], [0.0, 1.0]]), Q=q * np.array([[h**3 / 3, h**2 / 2], [h**2 / 2, h]]))
+        rival.update(angle)
+        found[i] = rival.x
+    return found
+
+
+def against_filterpy() -> None:
+    """The same edges through both; they must agree before their times mean anything."""
+    random, settings = np.random.default_rng(1), Densities(acceleration_density=0.25, edge_variance=5.5e-3)
+    sector = np.pi / 4
+    intervals = np.full(UPDATES, sector / 150.0) * (1.0 + 0.1 * random.uniform(-1.0, 1.0, UPDATES))
+    angles = 150.0 * np.cumsum(intervals) + 0.07 * random.standard_normal(UPDATES)
+    edges = np.column_stack([intervals, angles])
+    replay = Replay(updated, START, Edge(0.005, 0.0), settings)
+    many = np.tile(edges, (SAMPLES // UPDATES, 1))
+    apart = np.max(np.abs(replay(START, edges).shown[:, :2] - filterpy_updates(edges, settings)))
+    report("largest difference of the two", f"{apart:.2g} rad, rad/s", "1e-9", apart < 1e-9)
+    times = interleaved({"vvdp": lambda: replay(START, many), "filterpy": lambda: filterpy_updates(edges, settings)})
+    report("predict and update, vvdp", spread(times["vvdp"], "ns", 1e9 / len(many)))
+    report("predict and update, filterpy", spread(times["filterpy"], "ns", 1e9 / UPDATES))
+    found = [ratio * len(many) / UPDATES for ratio in ratios(times, "filterpy", "vvdp")]
+    report("filterpy over vvdp", spread(found, "times"), f"{RATIO_TARGET:g}", float(np.median(found)) >= RATIO_TARGET)
+
+
+def cost_per_sample() -> None:
+    """Every estimator over the same readings: 8 sectors, 24.7 turns a second, 1 kHz."""
+    scenario = scenarios()[0]
+    record = recorded(scenario, compiled_encoder(scenario), 0, SAMPLES)
+    variants = {}
+    for each in contenders():
+        variants[each.name] = partial(estimated, each, compiled_step(each), record, each.rows(scenario, record))
+    times = interleaved(variants)
+    for name, taken in times.items():
+        met = float(np.median(taken)) * 1e9 / SAMPLES < SAMPLE_TARGET
+        report(f"{name}, one sample", spread(taken, "ns", 1e9 / SAMPLES), f"{SAMPLE_TARGET:g}", met)
+        if name != "event-filter":
+            report("  over event-filter", spread(ratios(times, name, "event-filter"), "times"))
+
+
+def main() -> None:
+    """Both questions, on one core."""
+    print(machine())
+    against_filterpy()
+    cost_per_sample()
+
+
+if __name__ == "__main__":
+    main()

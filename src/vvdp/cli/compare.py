@@ -1,0 +1,206 @@
+"""`vvdp compare`."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Protocol, TypeVar
+
+import typer
+
+from vvdp.cli.options import Force
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from vvdp.comparison.estimators import Contender
+    from vvdp.comparison.results import Comparison
+    from vvdp.comparison.scenarios import Scenario
+    from vvdp.comparison.scores import Measured
+
+INTERRUPTED = 130
+
+app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+Chosen = TypeVar("Chosen", bound=_Named)
+
+
+@app.callback()
+def compare() -> None:
+    """Compare methods with each other, against a known truth."""
+
+
+@app.command()
+def estimators(
+    scenario: Annotated[
+        list[str] | None, typer.Option("--scenario", metavar="NAME", help="Only this one; may be repeated.")
+    ] = None,
+    estimator: Annotated[
+        list[str] | None, typer.Option("--estimator", metavar="NAME", help="Only this one; may be repeated.")
+    ] = None,
+    seeds: Annotated[int, typer.Option("--seeds", min=1, help="Random runs of each scenario.")] = 200,
+    sectors: Annotated[int, typer.Option("--sectors", min=2, help="Of the code wheel, bright and dark.")] = 8,
+    rate: Annotated[
+        str, typer.Option("--rate", metavar="FREQUENCY", help='At which the encoder is sampled, for example "1 kHz".')
+    ] = "1 kHz",
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Where to write; by default results/compare-estimators-DATE-TIME."),
+    ] = None,
+    force: Force = False,
+    cores: Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print all scores as one JSON object in SI units, and nothing else.")
+    ] = False,
+    show: Annotated[bool, typer.Option("--list", help="List scenarios and estimators, and run nothing.")] = False,
+) -> None:
+    """Run estimators on the same readings of a simulated encoder.
+
+    Ctrl-C ends the comparison early and keeps the runs that are done.
+    """
+    from vvdp.cli.run import default_directory
+    from vvdp.cli.screen import print_json, say
+    from vvdp.comparison.estimators import contenders
+    from vvdp.comparison.results import write_comparison
+    from vvdp.comparison.scenarios import scenarios
+    from vvdp.comparison.trials import compare
+    from vvdp.report.comparison import write_comparison_report
+    from vvdp.simulation.results import result_directory
+
+    frequency = _frequency(rate)
+    chosen = _chosen("--scenario", scenario, scenarios(sectors, frequency))
+    rivals = _chosen("--estimator", estimator, contenders(sectors, frequency))
+    if show:
+        _print_names(chosen, rivals)
+        return
+    directory = out if out is not None else default_directory("compare-estimators")
+    with result_directory(directory, force=force) as folder:
+        with _listener() as progress:
+            found = compare(chosen, rivals, seeds, cores=cores, progress=progress, say=say)
+        write_comparison(folder, found)
+        write_comparison_report(folder)
+    if json:
+        print_json({**found.content, "out": str(directory)})
+    else:
+        _print(found)
+        typer.echo(f"results: {directory}\nreport: {directory / 'report.html'}")
+    if not found.finished:
+        done = sum(played.runs for played in found.scenarios.values())
+        say(f"interrupted after {done} of {seeds * len(chosen)} runs; these were written")
+        raise typer.Exit(INTERRUPTED)
+
+
+def _frequency(rate: str) -> float:
+    from vvdp.base.errors import ParameterError, unusable
+    from vvdp.base.kinds import FREQUENCY
+    from vvdp.base.units import parsed
+
+    try:
+        return parsed(rate, FREQUENCY)
+    except ParameterError as problem:
+        raise unusable("--rate", str(problem)) from None
+
+
+def _chosen(option: str, names: list[str] | None, known: Sequence[Chosen]) -> list[Chosen]:
+    """Those of `known` that are named, all without names. Raises ConfigError with every name that is not known."""
+    from vvdp.base.errors import ConfigError, Fault
+    from vvdp.base.tables import nearest
+
+    by_name = {each.name: each for each in known}
+    unknown = [name for name in names or () if name not in by_name]
+    faults = [Fault(option, 0, name, f"unknown{nearest(name, list(by_name))}") for name in unknown]
+    if faults:
+        raise ConfigError(faults)
+    return [by_name[name] for name in dict.fromkeys(names or by_name)]
+
+
+def _print_names(scenarios: Sequence["Scenario"], contenders: Sequence["Contender"]) -> None:
+    from vvdp.cli.screen import console, grid
+
+    table = grid("scenario", "what happens", title="Scenarios")
+    for scenario in scenarios:
+        table.add_row(scenario.name, scenario.title)
+    console().print(table)
+    table = grid("estimator", "what it is", title="Estimators")
+    for contender in contenders:
+        table.add_row(contender.name, contender.title)
+    console().print(table)
+
+
+def _print(found: "Comparison") -> None:
+    """A table for every scenario: what matters; the rest stands in the files."""
+    from vvdp.cli.screen import console, grid
+
+    screen = console()
+    for scenario, (title, changes, runs) in found.scenarios.items():
+        if not runs:
+            continue
+        columns = ["speed rms", "95 %", "angle rms", "95 %", "lost", "NIS", *(("settles", "delay") if changes else ())]
+        table = grid("estimator", *columns, title=f"{scenario}: {title}", right=tuple(columns))
+        for estimator in found.estimators:
+            table.add_row(estimator, *_cells(found.scores[scenario, estimator], changes))
+        screen.print(table)
+    typer.echo(
+        "speed in rad/s, angle in rad, lost in sectors, settling (median) and delay in ms; estimate less truth\n"
+    )
+    screen.print(_robustness(found))
+    runs = sum(played.runs for played in found.scenarios.values())
+    typer.echo(
+        f"{runs} runs of {len(found.estimators)} estimators in {found.seconds:.1f} s; "
+        f"{found.sectors} sectors, {found.rate:g} Hz"
+    )
+
+
+def _robustness(found: "Comparison") -> "Table":
+    """What each estimator costs, and in which scenarios it loses count in one run or more."""
+    from vvdp.cli.screen import grid
+
+    table = grid("estimator", "ns per sample", "sectors lost in", title="Cost and robustness", right=("ns per sample",))
+    for estimator, cost in found.costs.items():
+        lost = [
+            scenario
+            for scenario, played in found.scenarios.items()
+            if played.runs and found.scores[scenario, estimator]["lost_sectors"].value > 0.0
+        ]
+        table.add_row(estimator, f"{1e9 * cost.value:.0f}", ", ".join(lost) or "none")
+    return table
+
+
+def _cells(figures: Mapping[str, "Measured"], changes: bool) -> list[str]:
+    from vvdp.report.comparison import size
+
+    names = ("speed_error_rms_rad_s", "speed_error_95_rad_s", "angle_error_rms_rad", "angle_error_95_rad")
+    cells = [size(figures[name].value) for name in names]
+    cells += [size(figures["lost_sectors"].value, 2), size(figures["nis"].value)]
+    if changes:
+        cells += [size(1e3 * figures["settling_median_s"].value), size(1e3 * figures["delay_s"].value)]
+    return cells
+
+
+@contextmanager
+def _listener() -> Iterator[Callable[[int, int], None]]:
+    """What hears how many runs are done, of all: a bar on a terminal, now and then a line elsewhere; both on stderr."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if not screen.is_terminal:
+        tenth = -1
+
+        def line(done: int, total: int) -> None:
+            nonlocal tenth
+            if 10 * done // total > tenth:
+                tenth = 10 * done // total
+                say(f"{done} of {total} runs")
+
+        yield line
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    with Progress(MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
+        task = bar.add_task("")
+        yield lambda done, total: bar.update(task, completed=done, total=total)

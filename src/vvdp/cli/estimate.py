@@ -1,0 +1,255 @@
+"""`vvdp estimate`."""
+
+import shlex
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vvdp.cli.options import AsJson, Force
+
+if TYPE_CHECKING:
+    from vvdp.base.errors import ConfigError
+    from vvdp.logs.channel import Log
+    from vvdp.logs.config import Estimation, Option
+    from vvdp.logs.kept import Finding
+
+INTERRUPTED = 130
+LINE_INTERVAL = 2.0
+"""Seconds between two lines on a stderr that is no terminal."""
+
+
+def estimate(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="CSV, TDMS, MDF4, HDF5, MATLAB or Parquet.")],
+    edges: Annotated[
+        str | None, typer.Option("--edges", metavar="COLUMN", help="Column of edge times, one row for each edge.")
+    ] = None,
+    falling: Annotated[
+        str | None, typer.Option("--falling", metavar="COLUMN", help="Column of the falling edges, if apart.")
+    ] = None,
+    counts: Annotated[str | None, typer.Option("--counts", metavar="COLUMN", help="Counter of edges.")] = None,
+    wave: Annotated[str | None, typer.Option("--wave", metavar="COLUMN", help="Wave of a photodiode.")] = None,
+    sectors: Annotated[
+        int | None, typer.Option("--sectors", metavar="N", help="Bright and dark sectors together; by default 8.")
+    ] = None,
+    index_shift: Annotated[
+        float | None, typer.Option("--index-shift", metavar="SHARE", help="Of the index edge, in sectors.")
+    ] = None,
+    sample_rate: Annotated[
+        str | None, typer.Option("--sample-rate", metavar="RATE", help='Without a clock, for example "10 kHz".')
+    ] = None,
+    clock: Annotated[str | None, typer.Option("--time", metavar="COLUMN", help="The clock of the log.")] = None,
+    pressure: Annotated[
+        str | None, typer.Option("--pressure", metavar="COLUMN", help="Inlet pressure, for the duty ratio.")
+    ] = None,
+    fuse: Annotated[bool, typer.Option("--fuse", help="Let the pressure's edges tell the angle as well.")] = False,
+    sections: Annotated[
+        int | None, typer.Option("--sections", metavar="N", help="PWM periods in a turn; by default 3.")
+    ] = None,
+    output_rate: Annotated[
+        str | None, typer.Option("--output-rate", metavar="RATE", help='Of the result; by default "1 kHz".')
+    ] = None,
+    smooth: Annotated[bool, typer.Option("--smooth", help="Also what the whole log tells of each instant.")] = False,
+    config: Annotated[
+        Path | None, typer.Option("--config", metavar="FILE", help="Settings, a TOML file; options go before it.")
+    ] = None,
+    write_config: Annotated[
+        Path | None, typer.Option("--write-config", metavar="FILE", help="Write a config to start from; run nothing.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Where to write; by default results/LOG-DATE-TIME.")
+    ] = None,
+    force: Force = False,
+    json: AsJson = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
+) -> None:
+    """Estimate the spool's angle and speed from a measured log.
+
+    One of --wave, --counts and --edges names the channel, or a config does. Ctrl-C keeps what was reached.
+    """
+    from vvdp.cli.screen import plain, print_json, say
+    from vvdp.logs.config import SOURCES, Option, load_estimation
+    from vvdp.logs.estimate import estimate as estimated
+    from vvdp.logs.estimate import opened
+    from vvdp.simulation.results import result_directory
+
+    named = {
+        "sensor.edges": ("--edges", edges),
+        "sensor.falling": ("--falling", falling),
+        "sensor.counts": ("--counts", counts),
+        "sensor.wave": ("--wave", wave),
+        "sensor.sectors": ("--sectors", sectors),
+        "sensor.index_shift": ("--index-shift", index_shift),
+        "log.sample_rate": ("--sample-rate", sample_rate),
+        "log.time": ("--time", clock),
+        "pressure.channel": ("--pressure", pressure),
+        "pressure.fuse": ("--fuse", fuse or None),
+        "valve.sections": ("--sections", sections),
+        "output.rate": ("--output-rate", output_rate),
+        "output.smooth": ("--smooth", smooth or None),
+    }
+    options = [Option(key, option, value) for key, (option, value) in named.items() if value is not None]
+    if write_config is not None:
+        _write_config(log, write_config, config, options, force)
+        return
+    if config is None and not any(f"sensor.{key}" in {option.key for option in options} for key in SOURCES):
+        raise _nothing_named(log, options)
+    wanted = load_estimation(config, options)
+    with opened(log, wanted) as source:
+        directory = out if out is not None else _default_directory(log)
+        with result_directory(directory, force=force) as folder:
+            with _listener() as progress:
+                done = estimated(
+                    source, wanted, folder, progress=progress, say=say, more=plain(_origin(config, options))
+                )
+            if not done.finished:
+                say(f"interrupted after {done.summary['duration_s']:.6g} s of the log; what was reached is kept")
+    if json:
+        print_json({"log": str(log), **done.summary, "out": str(directory)})
+    else:
+        _print(log, wanted, done.summary, done.findings)
+        typer.echo(f"results: {directory}")
+    if not no_report:
+        from vvdp.report.log_report import write_log_report
+
+        report = write_log_report(directory)
+        if not json:
+            typer.echo(f"report: {report}")
+    if not done.finished:
+        raise typer.Exit(INTERRUPTED)
+
+
+def _write_config(log: Path, target: Path, config: Path | None, options: "list[Option]", force: bool) -> None:
+    from vvdp.logs.config import SOURCES, config_text, load_estimation, write_config
+    from vvdp.logs.guess import guessed_options
+
+    given = {option.key for option in options}
+    with _looked_at(log, options) as source:
+        if config is None and not given & {f"sensor.{key}" for key in SOURCES}:
+            options = [*options, *(found for found in guessed_options(source) if found.key not in given)]
+        wanted = load_estimation(config, options)
+        write_config(target, config_text(wanted, source.channels(), log.name), force=force)
+    channel = wanted.source.channel
+    typer.echo(f"{target} written, with the edges from {channel!r}; run it with: vvdp estimate {log} --config {target}")
+
+
+def _looked_at(log: Path, options: "list[Option]") -> "Log":
+    """The log, opened to see what channels it has."""
+    from vvdp.base.kinds import FREQUENCY
+    from vvdp.base.units import parsed
+    from vvdp.logs.source import open_log
+
+    text = {option.key: str(option.value) for option in options}
+    rate = 1.0 if "sensor.edges" in text else None
+    if "log.sample_rate" in text:
+        rate = parsed(text["log.sample_rate"], FREQUENCY)
+    return open_log(log, time=text.get("log.time"), rate=rate)
+
+
+def _nothing_named(log: Path, options: "list[Option]") -> "ConfigError":
+    """What channels there are, and how to go on with those that are probably meant."""
+    from vvdp.base.errors import ConfigError, Fault, unusable
+    from vvdp.logs.guess import guessed_options
+
+    with _looked_at(log, options) as source:
+        channels, guessed = source.channels(), guessed_options(source)
+    if not channels:
+        return unusable(log, "has no channels of numbers")
+    named = "\n".join(f"  {info.name}{f' [{info.unit}]' if info.unit else ''}" for info in channels)
+    words = {"sensor.wave": "--wave", "sensor.counts": "--counts", "sensor.edges": "--edges",
+             "pressure.channel": "--pressure"}  # fmt: skip
+    command = shlex.join(["vvdp", "estimate", str(log)])
+    probably = shlex.join(part for option in guessed for part in (words[option.key], str(option.value)))
+    message = (
+        "no channel is named that holds the edges; give --wave, --counts or --edges with one of its channels, which "
+        f"are\n{named}\nprobably:  {command} {probably}\n"
+        f"or write a config to start from:  {command} --write-config {shlex.quote(f'{log.stem}.toml')}"
+    )
+    return ConfigError([Fault(str(log), 0, "", message)])
+
+
+def _default_directory(log: Path) -> Path:
+    """A directory under `results` that does not exist yet."""
+    stem = f"{log.stem}-{time.strftime('%Y%m%d-%H%M%S')}"
+    directory, number = Path("results", stem), 1
+    while directory.exists():
+        number += 1
+        directory = Path("results", f"{stem}-{number}")
+    return directory
+
+
+def _origin(config: Path | None, options: "list[Option]") -> dict[str, Any]:
+    return {
+        "config": str(config) if config is not None else None,
+        "options": {option.name: option.value for option in options},
+        "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+    }
+
+
+@contextmanager
+def _listener() -> Iterator[Callable[[float], None]]:
+    """What hears the share of the log that is done: a bar on a terminal, now and then a line elsewhere; on stderr."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if not screen.is_terminal:
+        last = time.monotonic()
+
+        def line(done: float) -> None:
+            nonlocal last
+            if done < 1.0 and time.monotonic() - last >= LINE_INTERVAL:
+                last = time.monotonic()
+                say(f"{100.0 * done:.0f} % of the log")
+
+        yield line
+        return
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
+
+    with Progress(TaskProgressColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda done: bar.update(task, completed=done)
+
+
+# What a person is shown: label, key, name of the unit.
+SHOWN = (
+    ("spool speed, mean", "spool_speed_mean_rad_s", "rpm"),
+    ("spool speed, standard deviation", "spool_speed_std_rad_s", "rpm"),
+    ("spool speed, lowest", "spool_speed_min_rad_s", "rpm"),
+    ("spool speed, highest", "spool_speed_max_rad_s", "rpm"),
+    ("PWM frequency, mean", "pwm_frequency_mean_Hz", "Hz"),
+    ("deviation of the angle, mean", "angle_deviation_mean_rad", "rad"),
+    ("deviation of the speed, mean", "speed_deviation_mean_rad_s", "rad/s"),
+    ("edges", "edges", ""),
+    ("missed edges", "missed_edges", ""),
+    ("double edges", "double_edges", ""),
+    ("squared innovations, mean", "nis_mean", ""),
+    ("largest offset of an edge", "edge_offset_max_rad", "rad"),
+    ("threshold", "threshold", ""),
+    ("threshold, suggested", "threshold_suggested", ""),
+    ("duty ratio of the pressure, mean", "duty_ratio_mean", ""),
+)
+
+
+def _print(log: Path, wanted: "Estimation", found: dict[str, Any], findings: "tuple[Finding, ...]") -> None:
+    from vvdp.base.units import ATMOSPHERE
+    from vvdp.cli.screen import amount, console, grid, warn
+
+    out = console()
+    out.print(
+        f"{log.name}: {found['duration_s']:.6g} s, edges from {wanted.source.channel!r}, {found['sectors']} sectors",
+        soft_wrap=True,
+    )
+    table = grid("quantity", "value", "unit", right=("value",))
+    for label, key, unit in SHOWN:
+        value = found.get(key)
+        if key in found:
+            text = "-" if value is None else str(value) if isinstance(value, int) else amount(value, unit)
+            table.add_row(label, text, unit)
+    if (pressure := found.get("inlet_pressure_mean_Pa")) is not None:
+        table.add_row("inlet pressure, mean (gauge)", amount(pressure - ATMOSPHERE, "bar"), "bar")
+    out.print(table)
+    for finding in findings:
+        warn(f"{finding.title}: {finding.found} {finding.remedy}")

@@ -1,0 +1,1 @@
+"""Estimators against a known truth: scenarios, trials on many random seeds, scores."""

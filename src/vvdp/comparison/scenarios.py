@@ -1,0 +1,212 @@
+"""What the estimators are put through: how the shaft turns, what the encoder is like, what counts."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.signal import constant, ramp
+from vvdp.comparison.motion import Motion, steady
+from vvdp.comparison.scores import Truth
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, captured
+from vvdp.sensing.photodiode import LightSpot
+from vvdp.sensing.wheel import TURN, equal_wheel
+from vvdp.systems.system import load_system
+from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.torque import (
+    equilibrium_speed,
+    flow_damping,
+    friction_coefficient,
+    spool_inertia,
+    spool_time_constant,
+    stall_torque,
+)
+
+LPM = 1e-3 / 60.0
+SLOW_FLOW, FAST_FLOW = 26.7 * LPM, 40.0 * LPM
+"""Pump flows before and after the step [m^3/s]: wang2017, section 3.6."""
+WARM_OIL = 313.15
+
+RATE = 1000.0
+"""At which the published encoder was sampled [Hz]: wang2017, section 3.5."""
+SECTORS, SPOT_SHARE, SECTOR_LENGTH = 8, 0.625, 8e-3
+"""The published wheel: a spot of 5 mm on sectors of 8 mm: wang2017, section 3.2."""
+LIGHT_NOISE = 0.098
+"""Standard deviation of the light at the comparator [1]: edges of the published wheel then scatter by 0.048 rad, as
+much as the published triangle of 1.5 ms at 25 Hz."""
+
+SLOWEST, FASTEST = 100.0, 1e5
+"""Rates between which a comparison makes sense and fits into memory [Hz]."""
+
+USUAL_TURNS = 24.7
+"""Turns per second where nothing else is said: near the published 25, but in step with no usual clock."""
+
+SETTLED = 0.5
+"""Errors count from this time on [s]: all estimators have begun by then."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A shaft that moves in a known way, and the encoder on it, sampled at `rate` [Hz] until `until` [s].
+
+    Errors count from `scored_from` [s] on. Clock phase, wheel angle and noise are drawn anew for each seed. Raises
+    ParameterError for a rate at which there is nothing to see or too much to keep.
+    """
+
+    name: str
+    title: str
+    motion: Motion
+    encoder: Encoder
+    rate: float
+    until: float
+    scored_from: float = SETTLED
+
+    def __post_init__(self) -> None:
+        if not SLOWEST <= self.rate <= FASTEST:
+            raise ParameterError(f"a sampling rate of {self.rate:g} Hz; expected {SLOWEST:g} Hz to {FASTEST:g} Hz")
+
+    @property
+    def samples(self) -> int:
+        """How many samples there are."""
+        return int(np.floor(self.until * self.rate))
+
+    @property
+    def sectors(self) -> int:
+        """How many sectors the code wheel has."""
+        return len(self.encoder.wheel.edges)
+
+    @property
+    def sector(self) -> float:
+        """Mean width of a sector [rad]."""
+        return TURN / self.sectors
+
+
+class Record(NamedTuple):
+    """What happened in one run, and what the encoder said of it."""
+
+    seed: int
+    truth: Truth
+    readings: Array  # (samples, fields of Reading)
+
+
+def encoder_of(sectors: int) -> Encoder:
+    """A sampled encoder of equal sectors without faults; the spot covers 5/8 of a sector, as published.
+
+    Raises ParameterError for an odd number of sectors.
+    """
+    length = SECTOR_LENGTH * SECTORS / sectors
+    return Encoder(
+        wheel=equal_wheel(sectors),
+        spot=LightSpot(width=SPOT_SHARE * length, track_radius=sectors * length / TURN, roundness=0.0),
+        threshold=constant(0.5),
+        hysteresis=0.0,
+        noise=LIGHT_NOISE,
+        counter_bits=16.0,
+        acquisition=SAMPLED,
+        faults=NO_FAULTS,
+    )
+
+
+class Drive(NamedTuple):
+    """What turns the spool of the prototype: its valve, and its oil at 40 degC."""
+
+    valve: RotaryValve
+    oil: Oil
+    density: float  # [kg/m^3]
+    viscosity: float  # dynamic [Pa s]
+
+
+@cache
+def drive() -> Drive:
+    """The drive of the shipped prototype."""
+    supply = load_system("prototype").case.params.supply
+    return Drive(supply.valve, supply.oil, density(WARM_OIL, supply.oil), dynamic_viscosity(WARM_OIL, supply.oil))
+
+
+def flow_step(at: float) -> Motion:
+    """The spool of the prototype, fully open and spun by its flow, when that steps from 26.7 to 40 lpm at `at` [s].
+
+    At a constant flow the balance of torques is linear in the speed, so the spool follows as a first-order lag.
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    valve, _, rho, mu = drive()
+    before, after = (equilibrium_speed(flow, rho, mu, valve) for flow in (SLOW_FLOW, FAST_FLOW))
+    return Motion(float(before), float(after), at, float(spool_time_constant(FAST_FLOW, rho, mu, valve)))
+
+
+def driving_flow(motion: Motion, time: Array) -> Array:
+    """The flow that makes the prototype's spool move as `motion` says [m^3/s], positive.
+
+    From J omega' = rho Q^2 (R_in/A_in + R_out/A_out,eff) - (k_f + rho R_out^2 Q) omega, quadratic in Q.
+
+    Source  wang2017, eqs. 2.6, 2.7 and 2.9
+    """
+    valve, _, rho, mu = drive()
+    omega = motion.speed(time)
+    a, b = stall_torque(1.0, rho, valve), flow_damping(1.0, rho, valve) * omega
+    c = friction_coefficient(mu, valve) * omega + spool_inertia(valve) * motion.acceleration(time)
+    flow: Array = (b + np.sqrt(b * b + 4.0 * a * np.clip(c, 0.0, None))) / (2.0 * a)
+    return flow
+
+
+def scenarios(sectors: int = SECTORS, rate: float = RATE) -> tuple[Scenario, ...]:
+    """All scenarios, for a wheel of `sectors` sectors sampled at `rate` [Hz].
+
+    Raises ParameterError for an odd number of sectors, and for a rate outside 100 Hz to 100 kHz.
+    """
+    sound = encoder_of(sectors)
+    sharp = replace(sound, noise=0.0)
+    usual = steady(USUAL_TURNS * TURN)
+    in_step = commensurate_turns(sectors, rate)
+
+    def faulty(**faults: float) -> Encoder:
+        return replace(sound, faults=replace(NO_FAULTS, **faults))
+
+    def scenario(name: str, title: str, motion: Motion, encoder: Encoder = sound, until: float = 2.5) -> Scenario:
+        return Scenario(name, title, motion, encoder, rate, until)
+
+    return (
+        scenario("constant", "24.7 Hz, the edges fall anywhere between two samples", usual),
+        scenario(
+            "commensurate",
+            f"{in_step:.4g} Hz, a sector takes a whole number of samples, sharp edges",
+            steady(in_step * TURN),
+            sharp,
+        ),
+        scenario("step", "pump flow steps from 26.7 to 40 lpm at 1 s", flow_step(1.0)),
+        scenario(
+            "start", "from rest to 24.7 Hz, time constant 0.5 s", Motion(0.0, USUAL_TURNS * TURN, 0.2, 0.5), until=4.0
+        ),
+        scenario("missed-edges", "24.7 Hz, a fifth of the edges missed", usual, faulty(missed_edges=0.2)),
+        scenario("double-edges", "24.7 Hz, one edge in twenty bounces", usual, faulty(double_edges=0.05)),
+        scenario("dropout", "24.7 Hz, no edges from 1 s to 1.3 s", usual, faulty(dropout_begin=1.0, dropout_end=1.3)),
+        scenario(
+            "long-dropout", "24.7 Hz, no edges from 1 s to 2 s", usual, faulty(dropout_begin=1.0, dropout_end=2.0), 3.0
+        ),
+        scenario("threshold-bias", "24.7 Hz, threshold at 0.65", usual, replace(sound, threshold=constant(0.65))),
+        scenario(
+            "threshold-drift",
+            "24.7 Hz, threshold from 0.35 to 0.65 within 2 s",
+            usual,
+            replace(sound, threshold=ramp(0.35, 0.65, 0.5, 2.5)),
+        ),
+        scenario("eccentric", "24.7 Hz, wheel off centre by 0.05 of its radius", usual, faulty(eccentricity=0.05)),
+        scenario("captured", "24.7 Hz, sharp edges, each stamped", usual, replace(sharp, acquisition=captured(0.0))),
+    )
+
+
+def commensurate_turns(sectors: int, rate: float) -> float:
+    """The turns per second closest to 25 for which a sector takes a whole number of samples [1/s].
+
+    sectors  of the wheel
+    rate     of sampling [Hz]
+
+    Source  ours, docs/comparison.md
+    """
+    samples = max(1.0, round(rate / (25.0 * sectors)))
+    return rate / (samples * sectors)

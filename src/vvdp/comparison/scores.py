@@ -1,0 +1,190 @@
+"""How far an estimate is from the truth, run by run, and what many runs come to."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.comparison.motion import Motion
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.wheel import TURN
+
+ALIGNED_OVER = 0.1
+"""Time [s] at the begin and at the end of what is scored over which whole sectors are counted."""
+
+BAND = 0.05
+"""Share of a step within which a speed counts as settled."""
+
+LONGEST_DELAY = 0.2
+"""The longest equivalent delay that is looked for [s]."""
+MOST_SAMPLES = 4000
+"""Roughly as many samples, evenly picked, are looked at for it."""
+
+
+class Score(NamedTuple):
+    """What one run of one estimator came to. NaN where there is nothing to measure.
+
+    Errors are estimate less truth. The angle's is taken modulo a turn, after the whole number of pairs of sectors has
+    been taken off that fits best at the begin: a wheel without an index does not tell it. `tail` is what is exceeded in
+    5 % of the time; `settling` is infinite where the speed does not stay within 5 % of the step; `delay` is by how much
+    the true speed has to be shifted to come closest to the estimate; `lost_sectors` were gained or lost on the way.
+    """
+
+    angle_mean_square: float  # [rad^2]
+    angle_tail: float  # [rad]
+    angle_worst: float  # [rad]
+    angle_bias: float  # [rad]
+    speed_mean_square: float  # [rad^2/s^2]
+    speed_tail: float  # [rad/s]
+    speed_worst: float  # [rad/s]
+    speed_bias: float  # [rad/s]
+    settling: float  # [s]
+    delay: float  # [s]
+    lost_sectors: float
+    nis: float
+
+
+class Traces(NamedTuple):
+    """What an estimator showed, sample by sample, each (samples,)."""
+
+    angle: Array
+    speed: Array
+    innovation: Array
+    innovation_deviation: Array
+
+
+class Truth(NamedTuple):
+    """What really happened at the samples, each (samples,)."""
+
+    time: Array
+    angle: Array
+    speed: Array
+
+
+def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sector: float) -> Score:
+    """The score of one run from `scored_from` [s] on, on a wheel with sectors `sector` [rad] wide."""
+    part = truth.time >= scored_from
+    time = truth.time[part]
+    apart = traces.angle[part] - truth.angle[part]
+    at_begin = float(np.median(apart[time < time[0] + ALIGNED_OVER]))
+    at_end = float(np.median(apart[time > time[-1] - ALIGNED_OVER]))
+    unknown = 2.0 * sector * np.round(0.5 * at_begin / sector)
+    angle = np.mod(apart - unknown + 0.5 * TURN, TURN) - 0.5 * TURN
+    speed = traces.speed[part] - truth.speed[part]
+    return Score(
+        *_sizes(angle),
+        *_sizes(speed),
+        settling_time(truth.time, traces.speed, motion),
+        equivalent_delay(time, traces.speed[part], motion),
+        abs(float(np.round((at_end - at_begin) / sector))),
+        _mean_nis(traces.innovation[part], traces.innovation_deviation[part]),
+    )
+
+
+def _sizes(error: Array) -> tuple[float, float, float, float]:
+    """Mean square, what is exceeded in 5 % of the time, the worst, and the mean of an error."""
+    size = np.abs(error)
+    tail = np.partition(size, int(0.95 * size.size))[int(0.95 * size.size)]
+    return float(np.mean(error * error)), float(tail), float(np.max(size)), float(np.mean(error))
+
+
+def _mean_nis(innovation: Array, deviation: Array) -> float:
+    used = deviation > 0.0  # NaN is not
+    return float(np.mean((innovation[used] / deviation[used]) ** 2)) if np.any(used) else np.nan
+
+
+def settling_time(time: Array, speed: Array, motion: Motion) -> float:
+    """Time after the step from which on `speed` stays within 5 % of the step of its final value [s].
+
+    NaN where the speed does not change; infinite where the last sample lies outside still.
+    """
+    if not motion.changes:
+        return np.nan
+    outside = np.abs(speed - motion.after) > BAND * abs(motion.after - motion.before)
+    late = np.flatnonzero(outside & (time >= motion.change_at))
+    if not late.size:
+        return 0.0
+    if late[-1] == time.size - 1:
+        return np.inf
+    return float(time[late[-1] + 1] - motion.change_at)
+
+
+def equivalent_delay(time: Array, speed: Array, motion: Motion) -> float:
+    """The lag L >= 0 for which the true speed at t - L comes closest to `speed` at t in the mean square [s].
+
+    Sought on the grid of the samples, then between them by a parabola. NaN where the speed does not change.
+    """
+    if not motion.changes:
+        return np.nan
+    thin = max(1, time.size // MOST_SAMPLES)
+    time, speed = time[::thin], speed[::thin]
+    period = float(time[-1] - time[0]) / (time.size - 1)
+    lags = int(np.ceil(LONGEST_DELAY / period))
+    every = time[0] + period * np.arange(-lags, time.size)
+    true = motion.speed(every)
+    squares = np.concatenate([[0.0], np.cumsum(true * true)])
+    energy = squares[time.size :] - squares[: -time.size]
+    misfit = (energy - 2.0 * np.correlate(true, speed, "valid"))[::-1]  # place k: k periods ago
+    best = int(np.argmin(misfit))
+    if not 0 < best < lags:
+        return best * period
+    left, middle, right = misfit[best - 1 : best + 2]
+    return float(period * (best + 0.5 * (left - right) / (left - 2.0 * middle + right)))
+
+
+class Measured(NamedTuple):
+    """A figure over all seeds and its standard error, NaN where there is none."""
+
+    value: float
+    error: float = np.nan
+
+
+def summary(scores: Array) -> dict[str, Measured]:
+    """What the rows of `scores`, shape (seeds, fields of Score), come to; keys end in the unit.
+
+    Standard errors: of means sd/sqrt(n), of root mean squares the same by the delta method, of quantiles half the
+    distance of the ordered values one binomial standard deviation to either side.
+    """
+    column: Mapping[str, Array] = dict(zip(Score._fields, scores.T, strict=True))
+    found: dict[str, Measured] = {}
+    for name, unit in (("angle", "rad"), ("speed", "rad_s")):
+        runs = np.sort(np.sqrt(column[f"{name}_mean_square"]))
+        found[f"{name}_error_rms_{unit}"] = _root_mean(column[f"{name}_mean_square"])
+        found[f"{name}_error_rms_low_{unit}"] = quantile(runs, 0.05)
+        found[f"{name}_error_rms_high_{unit}"] = quantile(runs, 0.95)
+        found[f"{name}_error_95_{unit}"] = _mean(column[f"{name}_tail"])
+        found[f"{name}_error_worst_{unit}"] = Measured(float(np.max(column[f"{name}_worst"])))
+        found[f"{name}_error_mean_{unit}"] = _mean(column[f"{name}_bias"])
+    found["settling_median_s"] = quantile(column["settling"], 0.5)
+    found["settling_90_s"] = quantile(column["settling"], 0.9)
+    found["settled"] = _mean(np.where(np.isnan(column["settling"]), np.nan, np.isfinite(column["settling"])))
+    found["delay_s"] = _mean(column["delay"])
+    found["lost_sectors"] = _mean(column["lost_sectors"])
+    found["nis"] = _mean(column["nis"])
+    return found
+
+
+def _mean(values: Array) -> Measured:
+    n = values.size
+    return Measured(float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(n)) if n > 1 else np.nan)
+
+
+def _root_mean(squares: Array) -> Measured:
+    mean, error = _mean(squares)
+    root = float(np.sqrt(mean))
+    return Measured(root, error / (2.0 * root) if root > 0.0 else 0.0)
+
+
+def quantile(values: Array, share: float) -> Measured:
+    """The value that `share` of the `values` do not exceed, with its standard error; infinite values are large ones.
+
+    NaN where a value is not known. The number of values below the quantile is binomial, with deviation
+    sqrt(n share (1 - share)).
+    """
+    if np.isnan(values).any():
+        return Measured(np.nan)
+    ordered, n = np.sort(values), values.size
+    place, spread = share * (n - 1), np.sqrt(n * share * (1.0 - share))
+    low, middle, high = (ordered[int(np.clip(round(place + d), 0, n - 1))] for d in (-spread, 0.0, spread))
+    error = 0.5 * (high - low) if np.isfinite(high) else np.nan
+    return Measured(float(middle), float(error) if n > 1 else np.nan)

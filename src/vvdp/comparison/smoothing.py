@@ -1,0 +1,67 @@
+"""The smoother among the estimators: the event filter tells which edges passed, all of them count for every instant.
+
+It sees the future, so it is no rival but the mark: what the best use of the same edges would give.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Angle, AngularVariance, Time
+from vvdp.base.params import Params
+from vvdp.comparison.scores import Traces
+from vvdp.estimation.event_filter import EventFilter, EventFilterMemory, edge_angle_variance, event_filter_step
+from vvdp.estimation.smoother import Step, smoothed, smoothed_at
+from vvdp.numerics.kalman import AngleSpeed
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import edge_angle
+from vvdp.simulation.replay import Replay
+
+
+class UsedEdge(NamedTuple):
+    """The edge that the event filter used last: when, its unwrapped angle, the variance of that; `used` 1 if now."""
+
+    time: Time
+    angle: Angle
+    variance: AngularVariance
+    used: float
+
+
+def used_edge_step(
+    memory: EventFilterMemory, reading: Reading, settings: EventFilter
+) -> tuple[EventFilterMemory, UsedEdge]:
+    """A sample of the event filter, and the edge that it used.
+
+    Source  ours, docs/models/smoother.md
+    """
+    after, estimate = event_filter_step(memory, reading, settings)
+    variance = edge_angle_variance(after.belief.speed, reading.edge_interval, settings)
+    used = 1.0 if estimate.innovation_deviation > 0.0 else 0.0
+    return after, UsedEdge(after.time, edge_angle(after.edge, settings.wheel), variance, used)
+
+
+def smoothed_traces(time: Array, shown: Array, settings: EventFilter) -> Traces:
+    """Smoothed angle and speed at `time` [s], from what `used_edge_step` has shown, shape (samples, 4).
+
+    All NaN with fewer than two edges. There are no innovations: nothing is predicted.
+    """
+    times, angles, variances, _ = shown[shown[:, 3] > 0.0].T
+    unknown = np.full(time.size, np.nan)
+    if times.size < 2:
+        return Traces(unknown, unknown, unknown, unknown)
+    mean_speed = float((angles[-1] - angles[0]) / (times[-1] - times[0]))
+    prior = AngleSpeed(float(angles[0]), mean_speed, settings.angle_variance, 0.0, settings.speed_variance)
+    motion = smoothed(times, angles, variances, settings.acceleration_density, prior, _compiled_run)
+    there = smoothed_at(time, motion)
+    return Traces(there.angle, there.speed, unknown, unknown)
+
+
+def _compiled_run(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
+    if step not in _compiled:
+        _compiled[step] = Replay(step, memory, row, settings)
+    replayed = _compiled[step](memory, rows, settings)
+    return replayed.memory, replayed.shown
+
+
+_compiled: dict[Step, Replay] = {}

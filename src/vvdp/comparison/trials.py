@@ -1,0 +1,219 @@
+"""Estimators side by side: the same readings for all of them, many random seeds, all cores."""
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.comparison.estimators import AdaptingSettings, Contender, adapting_start
+from vvdp.comparison.results import Comparison, Entered, Played, Traced
+from vvdp.comparison.scenarios import Record, Scenario
+from vvdp.comparison.scores import Measured, Score, Traces, Truth, score, summary
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
+from vvdp.sensing.wheel import TURN
+from vvdp.simulation.link import quiet
+from vvdp.simulation.replay import Replay
+
+COST_SAMPLES = 20_000
+"""Samples of the record on which estimators are timed."""
+COST_ROUNDS = 9
+"""How often each is timed, in turns with the others."""
+
+
+class _Ran(NamedTuple):
+    scenario: str
+    seed: int
+    scores: Mapping[str, Score]
+    traced: Traced | None
+
+
+def silent(done: int, total: int) -> None:
+    """Says nothing: the default listener to progress."""
+
+
+def recorded(scenario: Scenario, encoder: Replay, seed: int, samples: int | None = None) -> Record:
+    """The record of one run: clock phase, wheel angle and all noise follow from `seed`.
+
+    `encoder` is the compiled encoder of the scenario; `samples` those until its end unless given.
+    """
+    random = np.random.default_rng([seed, 3])
+    count = scenario.samples if samples is None else samples
+    times: Array = (random.uniform() + np.arange(float(count))) / scenario.rate
+    angles: Array = random.uniform(0.0, TURN) + scenario.motion.angle(times)
+    truth = Truth(times, angles, scenario.motion.speed(times))
+    memory = encoder_start(scenario.encoder, times[0], angles[0], float(seed))
+    return Record(seed, truth, encoder(memory, np.column_stack(truth), scenario.encoder).shown)
+
+
+@dataclass(frozen=True)
+class _Field:
+    """All that is needed for a run: the compiled encoders of the scenarios, the compiled steps of the contenders."""
+
+    contenders: Sequence[Contender]
+    encoders: Mapping[str, Replay]
+    steps: Mapping[str, Replay]
+    loops: Mapping[tuple[str, str], Replay]  # by estimator and scenario
+    traced: str
+
+    def run(self, scenario: Scenario, seed: int) -> _Ran:
+        record = recorded(scenario, self.encoders[scenario.name], seed)
+        scores: dict[str, Score] = {}
+        speeds: dict[str, Array] = {}
+        for contender in self.contenders:
+            traces = self.traces(contender, scenario, record)
+            scores[contender.name] = score(traces, record.truth, scenario.motion, scenario.scored_from, scenario.sector)
+            speeds[contender.name] = traces.speed
+        shown = seed == 0 and scenario.name == self.traced
+        traced = Traced(scenario.name, record.truth.time, record.truth.speed, speeds) if shown else None
+        return _Ran(scenario.name, seed, scores, traced)
+
+    def traces(self, contender: Contender, scenario: Scenario, record: Record) -> Traces:
+        if contender.loop is None:
+            return estimated(contender, self.steps[contender.name], record, contender.rows(scenario, record))
+        loop = self.loops[contender.name, scenario.name]
+        memory = adapting_start(scenario, record, contender.settings)
+        return _shown_traces(loop, loop(memory, np.column_stack(record.truth)).shown)
+
+
+def estimated(contender: Contender, step: Replay, record: Record, rows: Array) -> Traces:
+    """What a contender makes of its `rows`; `step` is its own, compiled."""
+    shown = step(contender.memory, rows).shown
+    if contender.afterwards is not None:
+        return contender.afterwards(record.truth.time, shown, contender.settings)
+    return _shown_traces(step, shown)
+
+
+def _shown_traces(step: Replay, shown: Array) -> Traces:
+    """The fields of `Estimate` in what a step shows, by itself or as its field `estimate`."""
+    place = {column.removeprefix("estimate."): place for place, column in reversed(list(enumerate(step.columns)))}
+    return Traces(*(shown[:, place[name]] for name in Traces._fields))
+
+
+def compare(
+    scenarios: Sequence[Scenario],
+    contenders: Sequence[Contender],
+    seeds: int,
+    *,
+    cores: int | None = None,
+    progress: Callable[[int, int], None] = silent,
+    say: Callable[[str], None] = quiet,
+    cache: Path | None = None,
+) -> Comparison:
+    """What every contender scores in every scenario over `seeds` random runs, on all cores unless told otherwise.
+
+    All contenders get the same readings. `progress` hears how many runs are done, of all. Ctrl-C ends the comparison
+    and keeps the runs that are done. Raises ParameterError where there is nothing to compare.
+    """
+    if not scenarios or not contenders or seeds < 1:
+        raise ParameterError(
+            f"{len(scenarios)} scenarios, {len(contenders)} estimators and {seeds} seeds; expected at least one each"
+        )
+    began = time.perf_counter()
+    traced = next((scenario for scenario in scenarios if scenario.motion.changes), scenarios[0])
+    field = _Field(
+        contenders=contenders,
+        encoders={each.name: compiled_encoder(each, cache=cache, say=_named(say, "encoder")) for each in scenarios},
+        steps={each.name: compiled_step(each, cache=cache, say=_named(say, each.name)) for each in contenders},
+        loops={
+            (each.name, scenario.name): compiled_loop(each, scenario, cache=cache, say=_named(say, each.name))
+            for each in contenders
+            if each.loop is not None
+            for scenario in scenarios
+        },
+        traced=traced.name,
+    )
+    costs = _costs(field, scenarios[0])  # before the threads: these would slow each other, and all is compiled then
+    progress(0, len(scenarios) * seeds)
+    done, finished = _all_runs(field, scenarios, seeds, cores, progress)
+    if not done:
+        raise KeyboardInterrupt  # nothing to keep
+    done.sort(key=lambda ran: ran.seed)  # sums then do not depend on which thread was faster
+    runs = {scenario.name: [ran for ran in done if ran.scenario == scenario.name] for scenario in scenarios}
+    return Comparison(
+        sectors=scenarios[0].sectors,
+        rate=scenarios[0].rate,
+        seeds=seeds,
+        scenarios={each.name: Played(each.title, each.motion.changes, len(runs[each.name])) for each in scenarios},
+        estimators={each.name: Entered(each.title, each.afterwards is None) for each in contenders},
+        scores={
+            (name, contender.name): summary(np.array([ran.scores[contender.name] for ran in found]))
+            for name, found in runs.items()
+            if found
+            for contender in contenders
+        },
+        costs=costs,
+        traced=next((ran.traced for ran in done if ran.traced), None),
+        seconds=time.perf_counter() - began,
+        finished=finished,
+    )
+
+
+def _named(say: Callable[[str], None], name: str) -> Callable[[str], None]:
+    """Says what is being compiled, in place of a line that is the same for all."""
+
+    def named(_: str) -> None:
+        say(f"compiling {name} (once, a few seconds)")
+
+    return named
+
+
+def compiled_encoder(scenario: Scenario, *, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Replay:
+    """The encoder of a scenario, compiled."""
+    memory = encoder_start(scenario.encoder, 0.0, 0.0, 0.0)
+    return Replay(encoder_step, memory, Shaft(0.0, 0.0, 0.0), scenario.encoder, cache=cache, say=say)
+
+
+def compiled_step(contender: Contender, *, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Replay:
+    """The step of an estimator, compiled."""
+    return Replay(contender.step, contender.memory, contender.reading, contender.settings, cache=cache, say=say)
+
+
+def compiled_loop(
+    contender: Contender, scenario: Scenario, *, cache: Path | None = None, say: Callable[[str], None] = quiet
+) -> Replay:
+    """An estimator in a loop with the encoder of a scenario, compiled."""
+    assert contender.loop is not None
+    truth = Truth(np.zeros(1), np.zeros(1), np.zeros(1))
+    memory = adapting_start(scenario, Record(0, truth, np.zeros((1, 5))), contender.settings)
+    settings = AdaptingSettings(encoder=scenario.encoder, estimator=contender.settings)
+    return Replay(contender.loop, memory, Shaft(0.0, 0.0, 0.0), settings, cache=cache, say=say)
+
+
+def _all_runs(
+    field: _Field, scenarios: Sequence[Scenario], seeds: int, cores: int | None, progress: Callable[[int, int], None]
+) -> tuple[list[_Ran], bool]:
+    """The runs that came to an end, seed by seed through all scenarios, and whether these are all."""
+    done: list[_Ran] = []
+    with ThreadPoolExecutor(cores or len(os.sched_getaffinity(0))) as pool:
+        waiting = [pool.submit(field.run, scenario, seed) for seed in range(seeds) for scenario in scenarios]
+        try:
+            for run in as_completed(waiting):
+                done.append(run.result())
+                progress(len(done), len(waiting))
+        except BaseException as problem:
+            pool.shutdown(wait=True, cancel_futures=True)
+            if not isinstance(problem, KeyboardInterrupt):
+                raise
+            return done, False
+    return done, True
+
+
+def _costs(field: _Field, scenario: Scenario) -> dict[str, Measured]:
+    """Time that a sample takes each contender on one core [s]: the least of all rounds, as other work only adds to it;
+    its error is by how much the median of the rounds is longer."""
+    record = recorded(scenario, field.encoders[scenario.name], 0, COST_SAMPLES)
+    rows = {contender.name: contender.rows(scenario, record) for contender in field.contenders}
+    taken: dict[str, list[float]] = {name: [] for name in rows}
+    for _ in range(COST_ROUNDS):
+        for contender in field.contenders:
+            began = time.perf_counter()
+            estimated(contender, field.steps[contender.name], record, rows[contender.name])
+            taken[contender.name].append((time.perf_counter() - began) / COST_SAMPLES)
+    return {name: Measured(min(times), float(np.median(times)) - min(times)) for name, times in taken.items()}

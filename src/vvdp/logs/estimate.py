@@ -1,0 +1,706 @@
+"""From a measured log to angle and speed, in one pass and in bounded memory.
+
+The record goes by in portions: edges are found, bounces taken out, the event filter taken over them, rows written. A
+smoother, where asked for, is a second pass over the edges that were written.
+"""
+
+import hashlib
+import platform
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import FrameType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import vvdp
+from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
+from vvdp.base.kinds import PRESSURE_LEVEL, TIME
+from vvdp.base.units import line_to_si
+from vvdp.estimation.fusion import fusion
+from vvdp.estimation.pressure_edges import PressureSample, pressure_edges_start, pressure_edges_step
+from vvdp.estimation.smoother import Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
+from vvdp.logs.channel import Log, Portion
+from vvdp.logs.config import Counts, Estimation, Stamps, Wave, config_text, source_channels
+from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges
+from vvdp.logs.findings import Sums, findings, summary
+from vvdp.logs.kept import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Finding, Store, write_texts
+from vvdp.logs.source import open_log
+from vvdp.logs.tracking import Tracked, Tracker, Waves, no_waves
+from vvdp.numerics.kalman import AngleSpeed
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.wheel import TURN, sector_widths
+from vvdp.simulation.link import quiet
+from vvdp.simulation.replay import Replay
+
+SAMPLES_AT_ONCE = 1_000_000
+USUAL_RATE = 1000.0
+"""Rows a second of the time base, unless the log has fewer samples or another rate is asked for."""
+FEWEST = 3
+EXCERPT_TURNS = 3
+LARGEST_EXCERPT = 20_000
+ANGLES = 360
+"""Bins of a turn in which the pressure is collected."""
+SMOOTHED_EDGES = 50_000
+FORGOTTEN = 1e-4
+"""Edges count for a smoothed instant until their share has fallen to this."""
+
+
+class Estimated(NamedTuple):
+    """What an estimation came to."""
+
+    summary: dict[str, Any]
+    findings: tuple[Finding, ...]
+    finished: bool
+
+
+def opened(path: Path, wanted: Estimation) -> Log:
+    """The log, opened with the clock that was named; columns of edge times need none.
+
+    Raises ConfigError where it cannot be read, or lacks a channel that is asked for.
+    """
+    if isinstance(wanted.source, Stamps):
+        return _opened_stamps(path, wanted)
+    log = open_log(path, time=wanted.time, rate=wanted.sample_rate, time_unit=wanted.time_unit)
+    check_channels(log, wanted)
+    return log
+
+
+def _opened_stamps(path: Path, wanted: Estimation) -> Log:
+    faults = [
+        Fault("log", 0, word, "edge times are a clock themselves; leave it out")
+        for word, value in (("time", wanted.time), ("sample_rate", wanted.sample_rate))
+        if value is not None
+    ]
+    if wanted.pressure is not None:
+        faults.append(
+            Fault("pressure", 0, "", "a pressure needs a clock of its own, which a table of edge times does not have")
+        )
+    if faults:
+        raise ConfigError(faults)
+    log = open_log(path, rate=1.0)  # rows are counted, their times are of no use
+    check_channels(log, wanted)
+    try:
+        log.portions(source_channels(wanted), 1)
+    except ConfigError:
+        log.close()
+        log = open_log(path)  # a file whose channels have a clock
+    return log
+
+
+def check_channels(log: Log, wanted: Estimation) -> None:
+    """Raises ConfigError for every channel that the log does not have, and for units that are none."""
+    faults: list[Fault] = []
+    names = source_channels(wanted) + ((wanted.pressure.channel,) if wanted.pressure is not None else ())
+    for name in names:
+        try:
+            log.channel(name)
+        except ConfigError as problem:
+            faults.extend(problem.faults)
+    if not faults and wanted.pressure is not None:
+        name = wanted.pressure.channel
+        unit = wanted.pressure.unit or log.channel(name).unit
+        try:
+            line_to_si(unit, PRESSURE_LEVEL)
+        except ParameterError:
+            told = f"is in {unit!r}, which is no unit of a pressure" if unit else "has no unit"
+            words = f'channel {name!r} {told}; name its unit in [pressure] unit, for example "bar"'
+            faults.append(Fault(str(log.path), 0, "", words))
+    if faults:
+        raise ConfigError(faults)
+
+
+def estimate(
+    log: Log,
+    wanted: Estimation,
+    folder: Path,
+    *,
+    progress: Callable[[float], None] = lambda done: None,
+    say: Callable[[str], None] = quiet,
+    more: Mapping[str, Any] | None = None,
+) -> Estimated:
+    """Runs an estimation over a log and writes all of it into `folder`.
+
+    progress  hears the share of the log that is done, 0 to 1; KeyboardInterrupt raised there, and Ctrl-C, end the
+              record where it is, and all that was reached is kept
+    more      is added to meta.json
+    Raises ConfigError where the log has no edges to go by or the file is damaged, KeyboardInterrupt where it ended
+    before anything was reached.
+    """
+    began = time.perf_counter()
+    with Store(folder / "result.h5") as store:
+        run = _Run(log, wanted, store, say)
+        finished = run.through(progress)
+        if not run.sums.rows:
+            if not finished:
+                raise KeyboardInterrupt
+            raise unusable(log.path, run.nothing_found())
+        if wanted.smooth:
+            run.smooth()
+        run.keep_pictures()
+    found = summary(run.sums, wanted) | {"finished": finished, "wall_time_s": time.perf_counter() - began}
+    told = findings(found, run.sums, wanted, log)
+    found["warnings"] = "; ".join(f"{finding.title}: {finding.found}" for finding in told)
+    found = {key: _plain(value) for key, value in found.items()}
+    meta = {
+        "vvdp": vvdp.__version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "log": str(log.path),
+        "log_bytes": log.path.stat().st_size,
+        "log_sha256": _hash(log.path),
+        "remarks": list(log.remarks),
+        "finished": finished,
+        "seconds": found["wall_time_s"],
+        **(more or {}),
+    }
+    write_texts(folder, config_text(wanted, log.channels(), log.path.name), found, told, meta)
+    return Estimated(found, told, finished)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@contextmanager
+def _interrupt_noted() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl-C was pressed, to be asked where the record can be left; a second one ends everything at once."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    pressed = False
+
+    def note(number: int, frame: FrameType | None) -> None:
+        nonlocal pressed
+        if pressed:
+            raise KeyboardInterrupt
+        pressed = True
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: pressed
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@dataclass
+class _Excerpt:
+    """Some turns of the record as it was measured, for the figures."""
+
+    times: Array
+    values: Array
+    level: float
+    band: float
+    edges: Edges
+    pressure: Portion | None
+
+
+@dataclass
+class _Pressure:
+    """The inlet pressure on its way: samples that wait for the angle, the wave's edges, and the fold over a turn."""
+
+    factor: float
+    offset: float
+    replay: Replay
+    memory: Any = None
+    waiting_times: Array = field(default_factory=lambda: np.empty(0))
+    waiting: Array = field(default_factory=lambda: np.empty(0))
+    rise_angle: float = np.nan
+    waves: Waves = field(default_factory=no_waves)
+    """Edges that wait for the speed."""
+    clock: int = 0
+    """How often the time of this channel went back."""
+    last_time: float = -np.inf
+    later: list[tuple[int, Array, Array]] = field(default_factory=list)
+    """Stretches after times that went back, which the edges have not reached yet: their clock, times and values."""
+
+    LONGEST = 4_000_000
+
+    def restart(self) -> None:
+        """Forget what came before: the time went back."""
+        self.memory, self.rise_angle, self.waves = None, np.nan, no_waves()
+        self.waiting_times, self.waiting = np.empty(0), np.empty(0)
+
+
+class _Run:
+    """One pass over a log."""
+
+    def __init__(self, log: Log, wanted: Estimation, store: Store, say: Callable[[str], None]) -> None:
+        self.log, self.wanted, self.store, self.say = log, wanted, store, say
+        self.sums = Sums(len(wanted.wheel.edges))
+        self.period = 0.0
+        self.tracker: Tracker | None = None
+        narrowest = min(sector_widths(wanted.wheel)) * len(wanted.wheel.edges) / TURN
+        self.debounce = Debounce(shortest=min(0.15, 0.4 * narrowest))
+        self.last_time = self.clock_at = -np.inf
+        self.clock = 0  # how often the time went back
+        self.excerpt: _Excerpt | None = None
+        self.pressure = self._pressure()
+        self._rows: tuple[Array, Array] | None = None
+        match wanted.source:
+            case Wave(comparator=comparator):
+                self.finder: WaveEdges | CountEdges | StampEdges = WaveEdges(comparator)
+            case Counts():
+                self.finder = CountEdges()
+            case Stamps(falling=falling):
+                self.finder = StampEdges(bool(falling))
+        self.sums.finder = self.finder
+        self._stamp_factor = self._seconds_of_stamps()
+
+    def _seconds_of_stamps(self) -> float:
+        if not isinstance(self.wanted.source, Stamps):
+            return 1.0
+        unit = self.wanted.time_unit or self.log.channel(self.wanted.source.channel).unit
+        if not unit:
+            self.log.remark(f"{self.wanted.source.channel!r} has no unit; taken as s")
+            return 1.0
+        try:
+            return line_to_si(unit, TIME)[0]
+        except ParameterError:
+            raise unusable(
+                self.log.path, f"channel {self.wanted.source.channel!r} is in {unit!r}; edge times are in s, ms or us"
+            ) from None
+
+    def _pressure(self) -> _Pressure | None:
+        wanted = self.wanted.pressure
+        if wanted is None:
+            return None
+        factor, offset = line_to_si(wanted.unit or self.log.channel(wanted.channel).unit, PRESSURE_LEVEL)
+        replay = Replay(
+            pressure_edges_step, pressure_edges_start(0.0, 0.0), PressureSample(0.0, 0.0), wanted.edges, say=self.say
+        )
+        return _Pressure(factor, offset, replay)
+
+    def through(self, progress: Callable[[float], None]) -> bool:
+        """Takes in the whole log; False where it was interrupted."""
+        names = source_channels(self.wanted)
+        if self.wanted.pressure is not None:
+            names += (self.wanted.pressure.channel,)
+        wanted_names = tuple(dict.fromkeys(names))
+        finished = True
+        with _interrupt_noted() as interrupted:
+            for portion in self.log.portions(wanted_names, SAMPLES_AT_ONCE):
+                self._take(portion)
+                try:
+                    progress(self.log.done)
+                except KeyboardInterrupt:
+                    finished = False
+                if interrupted() or not finished:
+                    finished = False
+                    break
+                if self.wanted.end is not None and self.last_time > self.wanted.end:
+                    break
+            self._close_clock()
+            self._pressure_up_to(np.inf)
+        return finished
+
+    # --- what goes in
+
+    def _take(self, portion: Mapping[str, Portion]) -> None:
+        match self.wanted.source, self.finder:
+            case Stamps(channel=channel, falling=falling), StampEdges() as finder:
+                rising = portion[channel].values * self._stamp_factor
+                other = portion[falling].values * self._stamp_factor if falling else np.empty(0)
+                self.sums.samples += rising.size
+                self._edges(self._within(finder.push(rising, other, last=False)))
+            case ((Wave(channel=channel) | Counts(channel=channel)), _):
+                if self.pressure is not None and self.wanted.pressure is not None:
+                    self._take_pressure(portion[self.wanted.pressure.channel])
+                self._take_samples(portion[channel])
+
+    def _within(self, edges: Edges) -> Edges:
+        begin, end = self._range()
+        inside = (edges.times >= begin) & (edges.times <= end)
+        return Edges(*(column[inside] for column in edges))
+
+    def _range(self) -> tuple[float, float]:
+        begin, end = self.wanted.begin, self.wanted.end
+        return (-np.inf if begin is None else begin), (np.inf if end is None else end)
+
+    def _take_samples(self, portion: Portion) -> None:
+        times, values = portion
+        self.sums.samples += times.size
+        sound = np.isfinite(values) & np.isfinite(times)
+        self.sums.not_numbers += int(times.size - np.count_nonzero(sound))
+        if times.size:
+            finite = times[np.isfinite(times)]
+            self.last_time = float(finite[-1]) if finite.size else self.last_time
+        begin, end = self._range()
+        inside = np.isfinite(times) & (times >= begin) & (times <= end)
+        if not self.period and np.count_nonzero(inside) > 1:
+            self._meet_clock(times[inside])
+        self._watch_clock(times[inside])
+        sound &= inside
+        if not sound.all():
+            times, values = times[sound], values[sound]
+        if not times.size:
+            return
+        steps = np.diff(np.concatenate([[self.sums.end if np.isfinite(self.sums.end) else times[0]], times]))
+        back = np.flatnonzero(steps < 0.0)
+        for i, (first, last) in enumerate(zip([0, *back], [*back, times.size], strict=True)):
+            if i:
+                self.sums.backward += 1
+                self._close_clock()
+            if last > first:
+                self._take_stretch(times[first:last], values[first:last])
+
+    def _watch_clock(self, times: Array) -> None:
+        """Gaps between samples, whatever their values."""
+        if not times.size:
+            return
+        before = self.clock_at if np.isfinite(self.clock_at) else times[0]
+        steps = np.diff(np.concatenate([[before], times]))
+        self.clock_at = float(times[-1])
+        self.sums.gaps += int(np.count_nonzero(steps > GAP * self.period)) if self.period else 0
+        self.sums.longest_gap = max(self.sums.longest_gap, float(np.max(steps, initial=0.0)))
+        self.sums.measured += float(np.sum(steps[steps > 0.0]))
+
+    def _take_stretch(self, times: Array, values: Array) -> None:
+        if isinstance(self.finder, WaveEdges):
+            found = self.finder.push(times, values, self.period)
+        else:
+            assert isinstance(self.finder, CountEdges)
+            found = self.finder.push(times, values)
+        self.sums.begin = min(self.sums.begin, float(times[0]))
+        self.sums.end = float(times[-1])
+        self._keep_excerpt(times, values, found)
+        self._edges(found)
+
+    def _meet_clock(self, times: Array) -> None:
+        steps = np.diff(times)
+        ahead = steps[steps > 0.0]
+        self.period = float(np.median(ahead)) if ahead.size else 1.0 / USUAL_RATE
+        self.sums.period = self.period
+
+    def _edges(self, found: Edges) -> None:
+        """Edges as they were found, up to where the record is known."""
+        stamps = isinstance(self.wanted.source, Stamps)
+        if stamps:
+            for i, ahead in enumerate(self._ahead(found)):
+                if i:
+                    self._close_clock()
+                self._forward(ahead)
+        else:
+            self._forward(found)
+
+    def _ahead(self, found: Edges) -> Iterator[Edges]:
+        """Times of edges cut where they go back: a column of several records, one below the other."""
+        before = self.sums.end if np.isfinite(self.sums.end) else -np.inf
+        back = np.flatnonzero(np.diff(np.concatenate([[before], found.times])) < 0.0)
+        self.sums.backward += back.size
+        for first, last in zip([0, *back], [*back, found.times.size], strict=True):
+            yield Edges(*(column[first:last] for column in found))
+
+    def _forward(self, found: Edges) -> None:
+        if isinstance(self.wanted.source, Stamps) and found.times.size:
+            steps = np.diff(found.times)
+            self.sums.measured += float(np.sum(steps))
+            if np.isfinite(self.sums.end):
+                self.sums.measured += max(0.0, float(found.times[0]) - self.sums.end)
+            self.sums.begin = min(self.sums.begin, float(found.times[0]))
+            self.sums.end = float(found.times[-1])
+        self._track(self.debounce.push(found), last=False)
+
+    def _track(self, settled: Edges, *, last: bool) -> None:
+        tracker = self._meet_tracker(np.empty(0))
+        waiting = self.debounce.waiting_from
+        horizon = min(self.sums.end, waiting)
+        self.sums.edges += float(np.sum(settled.counts))
+        for tracked in tracker.push(settled, horizon, last=last):
+            self._write(tracked)
+        self._pressure_up_to(tracker.reached)
+
+    def _meet_tracker(self, times: Array) -> Tracker:
+        """The tracker, made when the first samples have told their clock."""
+        if self.tracker is None:
+            if not self.period and times.size > 1 and not isinstance(self.wanted.source, Stamps):
+                self._meet_clock(times)
+            self.tracker = self._tracker()
+        return self.tracker
+
+    def _tracker(self) -> Tracker:
+        usual = USUAL_RATE if not self.period else min(USUAL_RATE, 1.0 / self.period)
+        rate = self.wanted.output_rate or _round_rate(usual)
+        self.sums.rate = rate
+        wanted, together = self.wanted, None
+        if wanted.pressure is not None and wanted.pressure.fused:
+            told = wanted.pressure
+            together = replace(
+                fusion(wanted.filter),
+                sections=float(wanted.sections),
+                duty_excess=told.duty_excess,
+                lag=told.lag,
+                lag_variance=told.lag_deviation**2,
+            )
+        more = {**(PRESSURE_ROW if self.pressure is not None else {}), **(FUSED_ROWS if together is not None else {})}
+        self.store.columns("", {**ROWS, **more})
+        self.store.columns("edges", EDGES)
+        return Tracker(wanted.filter, rate, wanted.sections, together, self.say)
+
+    def _close_clock(self) -> None:
+        """Nothing follows on this clock: what waits is settled."""
+        found = no_edges()
+        if isinstance(self.finder, StampEdges):
+            found = self._within(self.finder.push(np.empty(0), np.empty(0), last=True))
+            if found.times.size:
+                self.sums.end = max(self.sums.end, float(found.times[-1]))
+        else:
+            self.finder.restart()
+        settled = joined([self.debounce.push(found), self.debounce.push(no_edges(), last=True)])
+        self._track(settled, last=True)
+        self.sums.doubled = self.debounce.doubled
+        if self.tracker is not None:
+            self.sums.taken_from(self.tracker)
+        if self.pressure is not None:
+            self._pressure_up_to(np.inf)
+            self.pressure.restart()
+            self._rows = None
+            self.clock += 1
+            later, self.pressure.later = self.pressure.later, []
+            for clock, times, values in later:
+                if clock == self.clock:
+                    self._take_pressures(times, values)
+                elif clock > self.clock:
+                    self.pressure.later.append((clock, times, values))
+
+    # --- what comes out
+
+    def _write(self, tracked: Tracked) -> None:
+        rows = dict(tracked.rows)
+        if rows["time"].size:
+            if self.pressure is not None:
+                rows["inlet_pressure"] = self._pressure_at(rows["time"])
+                self._remember(rows)
+            self.store.append("", rows)
+        if tracked.edges:
+            self.store.append("edges", tracked.edges)
+        self.sums.add(tracked)
+
+    def _remember(self, rows: Mapping[str, Array]) -> None:
+        times, angles = rows["time"], rows["angle"]
+        if self._rows is not None:
+            times, angles = np.concatenate([self._rows[0], times]), np.concatenate([self._rows[1], angles])
+        self._rows = (times, angles)
+
+    def _take_pressure(self, portion: Portion) -> None:
+        pressure = self.pressure
+        assert pressure is not None
+        sound = np.isfinite(portion.values) & np.isfinite(portion.times)
+        times, values = portion.times[sound], portion.values[sound] * pressure.factor + pressure.offset
+        if not times.size:
+            return
+        back = np.flatnonzero(np.diff(np.concatenate([[pressure.last_time], times])) < 0.0)
+        pressure.last_time = float(times[-1])
+        for i, (first, last) in enumerate(zip([0, *back], [*back, times.size], strict=True)):
+            pressure.clock += 1 if i else 0
+            if first == last:
+                continue
+            if pressure.clock > self.clock:
+                pressure.later.append((pressure.clock, times[first:last], values[first:last]))
+            elif pressure.clock == self.clock:
+                self._take_pressures(times[first:last], values[first:last])
+
+    def _take_pressures(self, times: Array, values: Array) -> None:
+        """Pressures [Pa] on the clock that the edges are on."""
+        pressure = self.pressure
+        assert pressure is not None
+        if pressure.memory is None:
+            pressure.memory = pressure_edges_start(float(times[0]), float(values[0]))
+        pressure.waiting_times = np.concatenate([pressure.waiting_times, times])[-pressure.LONGEST :]
+        pressure.waiting = np.concatenate([pressure.waiting, values])[-pressure.LONGEST :]
+        done = pressure.replay(pressure.memory, np.column_stack([times, values]))
+        pressure.memory = done.memory
+        columns = dict(zip(pressure.replay.columns, done.shown.T, strict=True))
+        at = np.flatnonzero(columns["pressure_edges"] > 0.0)
+        names = ("time", "pressure_edge_time", "pressure_edge_interval", "pressure_polarity")
+        found = Waves(*(columns[name][at] for name in names))
+        pressure.waves = Waves(*(np.concatenate(both) for both in zip(pressure.waves, found, strict=True)))
+        if self.wanted.pressure is not None and self.wanted.pressure.fused:
+            self._meet_tracker(times).hear(found)
+
+    def _pressure_at(self, times: Array) -> Array:
+        pressure = self.pressure
+        assert pressure is not None
+        if not pressure.waiting.size:
+            return np.full(times.size, np.nan)
+        return np.interp(times, pressure.waiting_times, pressure.waiting, left=np.nan, right=np.nan)
+
+    def _pressure_up_to(self, until: float) -> None:
+        """Folds the pressure over the angle and takes its duty ratio, as far as the angle is known."""
+        pressure = self.pressure
+        if pressure is None or self._rows is None or not pressure.waiting.size:
+            return
+        row_times, angles = self._rows
+        until = min(until, float(row_times[-1]))
+        ready = int(np.searchsorted(pressure.waiting_times, until, side="right"))
+        if not ready:
+            return
+        times, values = pressure.waiting_times[:ready], pressure.waiting[:ready]
+        pressure.waiting_times, pressure.waiting = pressure.waiting_times[ready:], pressure.waiting[ready:]
+        known = times >= row_times[0]
+        angle = np.interp(times, row_times, angles)
+        self.sums.pressures(values, np.where(known, np.mod(angle, TURN), np.nan))
+        waves = pressure.waves
+        ready = int(np.searchsorted(waves.known, until, side="right"))
+        pressure.waves = Waves(*(column[ready:] for column in waves))
+        edge_times = waves.times[:ready]
+        self._duty(np.interp(edge_times, row_times, angles, left=np.nan), waves.polarities[:ready] > 0.0)
+        kept = max(int(np.searchsorted(row_times, times[-1])) - 1, 0)
+        self._rows = (row_times[kept:], angles[kept:])
+
+    def _duty(self, angles: Array, rising: Chosen) -> None:
+        """Takes in each pulse: the angles of a rising edge and of the falling one that follows it."""
+        pressure = self.pressure
+        assert pressure is not None
+        rises = np.concatenate([[pressure.rise_angle], np.where(rising, angles, np.nan)])  # NaN after a falling edge
+        shares = ((angles - rises[:-1]) * (self.wanted.sections / TURN))[~rising]
+        excess = self.wanted.pressure.duty_excess if self.wanted.pressure is not None else 0.0
+        self.sums.duties(shares[(shares > 0.0) & (shares < 1.0)] - excess)
+        pressure.rise_angle = float(rises[-1])
+
+    def _keep_excerpt(self, times: Array, values: Array, found: Edges) -> None:
+        """The last turns of this stretch, until half of the log has gone by."""
+        turn = len(self.wanted.wheel.edges)
+        if found.times.size < 2 or (self.excerpt is not None and self.log.done > 0.55):
+            return
+        shown = Edges(*(column[-EXCERPT_TURNS * turn :] for column in found))
+        margin = float(shown.times[-1] - shown.times[0]) / shown.times.size
+        begin, end = np.searchsorted(times, [shown.times[0] - margin, shown.times[-1] + margin])
+        begin = max(begin, end - LARGEST_EXCERPT)
+        pressure = None
+        if self.pressure is not None:
+            t = self.pressure.waiting_times
+            a, b = np.searchsorted(t, [times[begin], times[end - 1]])
+            a = max(a, b - LARGEST_EXCERPT)
+            pressure = Portion(t[a:b].copy(), self.pressure.waiting[a:b].copy())
+        wave = isinstance(self.finder, WaveEdges)
+        level = self.finder.level if isinstance(self.finder, WaveEdges) else np.nan
+        band = self.finder.band if isinstance(self.finder, WaveEdges) else np.nan
+        kept = (times[begin:end].copy(), values[begin:end].copy()) if wave else (np.empty(0), np.empty(0))
+        self.excerpt = _Excerpt(*kept, level, band, shown, pressure)
+
+    def keep_pictures(self) -> None:
+        """Writes what only the figures need."""
+        put = self.store.put
+        if self.excerpt is not None:
+            e = self.excerpt
+            put("excerpt/time", e.times, "s", "time of the samples")
+            unit = self.log.channel(self.wanted.source.channel).unit
+            put("excerpt/wave", e.values, unit, "wave as recorded")
+            put("excerpt/level", np.array([e.level, e.band]), "1", "threshold and half of the hysteresis")
+            put("excerpt/edge_time", e.edges.times, "s", "edges in the excerpt")
+            put("excerpt/edge_polarity", e.edges.polarities, "1", "their polarity")
+            if e.pressure is not None:
+                put("excerpt/pressure_time", e.pressure.times, "s", "time of the pressure samples")
+                put("excerpt/pressure", e.pressure.values, "Pa", "inlet pressure (absolute)")
+        sums = self.sums
+        put("wheel/offset", sums.offsets, "rad", "mean innovation of each edge of the wheel")
+        put("wheel/offset_deviation", sums.offset_deviations, "rad", "standard error of that mean")
+        put("wheel/edges", sums.wheel_counts, "1", "edges that it was taken from")
+        put("innovations/histogram", sums.histogram, "1", "edges by squared normalised innovation")
+        put("innovations/bins", sums.bins, "1", "bounds of the bins")
+        if self.pressure is not None:
+            put("folded/angle", (np.arange(ANGLES) + 0.5) * TURN / ANGLES, "rad", "estimated spool angle")
+            put("folded/mean", sums.folded_mean, "Pa", "mean inlet pressure there (absolute)")
+            put("folded/low", sums.folded_low, "Pa", "lowest inlet pressure there (absolute)")
+            put("folded/high", sums.folded_high, "Pa", "highest inlet pressure there (absolute)")
+
+    def smooth(self) -> None:
+        """The second pass: every row again, given the edges before and after it."""
+        file = self.store.file
+        self.store.flush()
+        self.store.columns("", SMOOTHED)
+        pieces, numbers = file["piece"][:], file["edges/piece"][:]
+        nan = {name: np.full(pieces.size, np.nan) for name in SMOOTHED}
+        self.store.append("", nan)
+        self.store.flush()
+        runs: dict[Any, Replay] = {}
+
+        def run(step: Any, memory: Any, row: Any, settings: Any, rows: Array) -> tuple[Any, Array]:
+            if step not in runs:
+                runs[step] = Replay(step, memory, row, settings, say=self.say)
+            done = runs[step](memory, rows, settings)
+            return done.memory, done.shown
+
+        for piece in np.unique(numbers):
+            first, last = np.searchsorted(numbers, [piece, piece + 0.5])
+            begin, end = np.searchsorted(pieces, [piece, piece + 0.5])
+            for smoothed in self._smoothed(int(first), int(last), run):
+                self._write_smoothed(smoothed, int(begin), int(end))
+
+    def _smoothed(self, first: int, last: int, run: Any) -> Iterator[Smoothed]:
+        file, q = self.store.file["edges"], self.wanted.filter.acceleration_density
+        portions = list(range(first, last, SMOOTHED_EDGES))
+
+        def columns(begin: int) -> tuple[Array, Array, Array]:
+            end = min(begin + SMOOTHED_EDGES, last)
+            t, angle, variance = (file[name][begin:end] for name in ("time", "angle", "variance"))
+            used = np.isfinite(angle)
+            used[1:] &= np.diff(t) > 0.0
+            return t[used], angle[used], variance[used]
+
+        t, angle, variance = columns(first)
+        if t.size < 2 or not q > 0.0:
+            return
+        start = AngleSpeed(
+            float(angle[0]), self.sums.speed.mean, self.wanted.filter.angle_variance, 0.0,
+            self.wanted.filter.speed_variance,
+        )  # fmt: skip
+        period = float(np.median(np.diff(t)))
+        overlap = smoothing_overlap(q, float(np.median(variance)), period, FORGOTTEN)
+        yield from smoothed_portions((columns(begin) for begin in portions), q, start, overlap, run)
+
+    def _write_smoothed(self, smoothed: Smoothed, begin: int, end: int) -> None:
+        file = self.store.file
+        times = file["time"][begin:end]
+        a, b = np.searchsorted(times, smoothed.times[[0, -1]])
+        if begin + b < end and b == times.size - 1:
+            b = times.size
+        if b <= a:
+            return
+        for start in range(int(a), int(b), SMOOTHED_EDGES):
+            stop = min(start + SMOOTHED_EDGES, int(b))
+            motion = smoothed_at(times[start:stop], smoothed)
+            values = (motion.angle, motion.speed, np.sqrt(motion.angle_variance), np.sqrt(motion.speed_variance))
+            for name, column in zip(SMOOTHED, values, strict=True):
+                file[name][begin + start : begin + stop] = column
+
+    def nothing_found(self) -> str:
+        """Why there is no estimate."""
+        edges = f"{self.sums.edges:g} edges were found"
+        channel = self.wanted.source.channel
+        if isinstance(self.finder, WaveEdges) and not np.isfinite(self.finder.level):
+            return (
+                f"channel {channel!r} does not go up and down between two levels, so there is no threshold and no "
+                "edge; name the right channel, or give threshold.level in a config"
+            )
+        if not self.sums.samples:
+            return f"channel {channel!r} has no samples"
+        if isinstance(self.finder, CountEdges) and self.finder.fractions:
+            return (
+                f"{edges} in channel {channel!r}, and {self.finder.fractions} of its {self.sums.samples} values are no "
+                "whole numbers, so it is no counter; if it is a wave, name it with --wave"
+            )
+        if not self.sums.edges and (self.wanted.begin is not None or self.wanted.end is not None):
+            return f"no edges of {channel!r} lie in the time range that was asked for"
+        return f"{edges} in channel {channel!r}; an estimate needs at least {FEWEST} on one clock"
+
+
+def _round_rate(rate: float) -> float:
+    """A rate without the rounding of time stamps: 9999.9999 becomes 10000."""
+    near = round(rate, 3 - int(np.floor(np.log10(rate)))) if rate > 0.0 else rate
+    return near if abs(near - rate) < 1e-4 * rate else rate

@@ -1,0 +1,593 @@
+"""What a record comes to: sums taken on the way, the summary made of them, and what a person should know of it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from vvdp.estimation.commensurate import Commensurate, commensurate_clock, commensurate_warning, hidden_angle
+from vvdp.logs.alignment import Alignment
+from vvdp.logs.channel import Log
+from vvdp.logs.config import Counts, Estimation, Stamps, Wave
+from vvdp.logs.edges import Chosen, CountEdges, StampEdges, WaveEdges
+from vvdp.logs.kept import Finding
+from vvdp.logs.tracking import Tracked, Tracker, bridged_time
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.wheel import TURN
+
+PATTERN = 4096
+"""Edges whose innovations are searched for a period."""
+SURE = 4.0
+"""A mean is said to differ from zero beyond so many standard errors."""
+SHARE_OF_SECTOR = 0.02
+"""Offsets of edges below this share of a sector are not worth a word."""
+NIS_LOW, NIS_HIGH = 0.7, 1.3
+"""Mean squared innovations outside of these say that the noise settings do not fit."""
+SLOWEST, FASTEST = TURN * 0.2, TURN * 200.0
+"""Mean speeds outside of these [rad/s] suggest a wrong unit or number of sectors."""
+LEVEL_DRIFT = 0.1
+FEW_SAMPLES = 3.0
+HISTOGRAM_END = 8.0
+HISTOGRAM_BINS = 40
+ANGLES = 360
+
+
+@dataclass
+class Moments:
+    """Count, mean, deviation and extremes of values that come in portions."""
+
+    count: int = 0
+    mean: float = np.nan
+    squares: float = 0.0
+    low: float = np.inf
+    high: float = -np.inf
+
+    def add(self, values: Array) -> None:
+        """Takes in `values`; those that are not finite are left out."""
+        values = values[np.isfinite(values)]
+        if not values.size:
+            return
+        n, mean = values.size, float(np.mean(values))
+        squares = float(np.sum((values - mean) ** 2))
+        if not self.count:
+            self.mean = mean
+        shift, total = mean - self.mean, self.count + n
+        self.squares += squares + shift * shift * self.count * n / total
+        self.mean += shift * n / total
+        self.count = total
+        self.low, self.high = min(self.low, float(np.min(values))), max(self.high, float(np.max(values)))
+
+    @property
+    def deviation(self) -> float:
+        return float(np.sqrt(self.squares / self.count)) if self.count else np.nan
+
+
+@dataclass
+class Sums:
+    """Everything that is added up while a record goes by."""
+
+    sectors: int
+    samples: int = 0
+    not_numbers: int = 0
+    gaps: int = 0
+    longest_gap: float = 0.0
+    backward: int = 0
+    measured: float = 0.0
+    """Time that the record covers [s], summed over its clocks."""
+    begin: float = np.inf
+    end: float = -np.inf
+    period: float = 0.0
+    rate: float = 0.0
+    edges: float = 0.0
+    doubled: int = 0
+    rows: int = 0
+    finder: WaveEdges | CountEdges | StampEdges | None = None
+    speed: Moments = field(default_factory=Moments)
+    early_speed: Moments = field(default_factory=Moments)
+    angle_deviation: Moments = field(default_factory=Moments)
+    speed_deviation: Moments = field(default_factory=Moments)
+    nis: Moments = field(default_factory=Moments)
+    squared_innovation: Moments = field(default_factory=Moments)
+    expected_square: Moments = field(default_factory=Moments)
+    measured_variance: Moments = field(default_factory=Moments)
+    """Of an edge's angle, as the filter takes it [rad^2]."""
+    alternating: Moments = field(default_factory=Moments)
+    duty_ratio: Moments = field(default_factory=Moments)
+    pressure: Moments = field(default_factory=Moments)
+    turned: float = 0.0
+    pieces: int = 0
+    missed: float = 0.0
+    left_out: int = 0
+    longest_bridged: float = 0.0
+    alignments: list[Alignment] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        n = self.sectors
+        self.bins = np.linspace(0.0, HISTOGRAM_END, HISTOGRAM_BINS + 1)
+        self.histogram = np.zeros(HISTOGRAM_BINS)
+        self._counts, self._totals, self._squares = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._products, self._product_count = 0.0, 0
+        self._pattern = np.full(PATTERN, np.nan)
+        self._first_number: float | None = None
+        self._fold_total, self._fold_count = np.zeros(ANGLES), np.zeros(ANGLES)
+        self._fold_low, self._fold_high = np.full(ANGLES, np.inf), np.full(ANGLES, -np.inf)
+
+    def add(self, tracked: Tracked) -> None:
+        """Takes in rows and edges as they come from the filter."""
+        rows, settled = tracked.rows, tracked.settled
+        self.rows += int(np.count_nonzero(np.isfinite(rows["angle"])))
+        self.speed.add(rows["speed"][settled])
+        self.angle_deviation.add(rows["angle_deviation"][settled])
+        self.speed_deviation.add(rows["speed_deviation"][settled])
+        if not self.speed.count:
+            self.early_speed.add(rows["speed"])
+        if tracked.edges:
+            self._add_edges(tracked.edges)
+
+    def _add_edges(self, edges: dict[str, Array]) -> None:
+        chosen = (edges["settled"] > 0.0) & np.isfinite(edges["innovation"])
+        nu, number = edges["innovation"][chosen], edges["number"][chosen]
+        normalised = edges["normalised_innovation"][chosen] ** 2
+        if not nu.size:
+            return
+        self.nis.add(normalised)
+        self.squared_innovation.add(nu**2)
+        self.expected_square.add(edges["innovation_deviation"][chosen] ** 2)
+        self.measured_variance.add(edges["variance"][chosen])
+        self.histogram += np.histogram(np.clip(normalised, 0.0, HISTOGRAM_END * (1.0 - 1e-9)), self.bins)[0]
+        polarity = edges["polarity"][chosen]
+        self.alternating.add((polarity * nu)[polarity != 0.0])
+        sector = edges["sector"][chosen].astype(int)
+        self._counts += np.bincount(sector, minlength=self.sectors)
+        self._totals += np.bincount(sector, nu, self.sectors)
+        self._squares += np.bincount(sector, nu * nu, self.sectors)
+        self._products += float(np.sum(nu[1:] * nu[:-1]))
+        self._product_count += nu.size - 1
+        if self._first_number is None:
+            self._first_number = float(number[0])
+        place = number - self._first_number
+        inside = (place >= 0) & (place < PATTERN)
+        self._pattern[place[inside].astype(int)] = nu[inside]
+        self.turned = (float(number[-1]) - self._first_number) / self.sectors
+
+    def taken_from(self, tracker: Tracker) -> None:
+        """What the tracker has counted so far."""
+        self.pieces, self.missed, self.left_out = tracker.pieces, tracker.missed_edges, tracker.left_out
+        self.longest_bridged, self.alignments = tracker.longest_bridged, tracker.alignments
+
+    def duties(self, shares: Array) -> None:
+        """Takes in the duty ratios of pulses of the pressure."""
+        self.duty_ratio.add(shares)
+
+    def pressures(self, values: Array, angles: Array) -> None:
+        """Takes in samples of the pressure [Pa] and the angles within the turn [rad] they belong to."""
+        self.pressure.add(values)
+        known = np.isfinite(angles)
+        place = np.clip((angles[known] * (ANGLES / TURN)).astype(int), 0, ANGLES - 1)
+        self._fold_total += np.bincount(place, values[known], ANGLES)
+        self._fold_count += np.bincount(place, minlength=ANGLES)
+        np.minimum.at(self._fold_low, place, values[known])  # noqa: TID251 - in place
+        np.maximum.at(self._fold_high, place, values[known])  # noqa: TID251
+
+    @property
+    def folded_mean(self) -> Array:
+        found: Array = np.where(self._fold_count > 0, self._fold_total / np.fmax(self._fold_count, 1.0), np.nan)
+        return found
+
+    @property
+    def folded_low(self) -> Array:
+        found: Array = np.where(self._fold_count > 0, self._fold_low, np.nan)
+        return found
+
+    @property
+    def folded_high(self) -> Array:
+        found: Array = np.where(self._fold_count > 0, self._fold_high, np.nan)
+        return found
+
+    @property
+    def wheel_counts(self) -> Array:
+        """Edges seen at each edge of the wheel."""
+        return self._counts
+
+    @property
+    def offsets(self) -> Array:
+        """By how much each edge of the wheel lies further on than the wheel has it [rad], mean of all zero."""
+        means = np.where(self._counts > 0, -self._totals / np.fmax(self._counts, 1.0), np.nan)
+        found: Array = means - (np.nanmean(means) if np.isfinite(means).any() else 0.0)
+        return found
+
+    @property
+    def offset_deviations(self) -> Array:
+        """Standard errors of the offsets [rad]."""
+        counts = np.fmax(self._counts, 1.0)
+        spread = np.fmax(self._squares / counts - (self._totals / counts) ** 2, 0.0)
+        found: Array = np.where(self._counts > 1, np.sqrt(spread / counts), np.nan)
+        return found
+
+    @property
+    def neighbours(self) -> float:
+        """Correlation of innovations that follow one another: above 0 where the filter lags behind."""
+        if not self._product_count or not self.squared_innovation.mean > 0.0:
+            return 0.0
+        return self._products / self._product_count / self.squared_innovation.mean
+
+    def period_of_pattern(self, hidden_variance: float) -> tuple[int, float, float] | None:
+        """The number of edges after which the innovations repeat, where that is not the wheel's: with the correlation
+        there, and that after as many edges as the wheel has. None where nothing speaks against the wheel, or the
+        pattern is no larger than what sampling makes of itself, which repeats too (`hidden_variance` [rad^2])."""
+        x = self._pattern - (np.nanmean(self._pattern) if np.isfinite(self._pattern).any() else 0.0)
+        whole = float(np.nanmean(x * x)) if np.isfinite(x).any() else 0.0
+        if not whole > 0.0:
+            return None
+        lags = range(2, min(4 * self.sectors, 256) + 1)
+        found = {lag: correlated for lag in lags if (correlated := _correlation(x, lag, whole)) is not None}
+        if self.sectors not in found:
+            return None
+        most = max(found.values())
+        own = found[self.sectors]
+        plain = (0.01 * TURN / self.sectors) ** 2 + 2.0 * hidden_variance
+        if most < 0.3 or own > most - 0.2 or most * whole < plain:
+            return None
+        first = min(lag for lag, correlated in found.items() if correlated > most - 0.1)
+        return first, found[first], own
+
+
+def _correlation(x: Array, lag: int, whole: float) -> float | None:
+    products = x[lag:] * x[:-lag]
+    known: Chosen = np.isfinite(products)
+    return float(np.mean(products[known])) / whole if np.count_nonzero(known) >= 8 * lag else None
+
+
+def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
+    """The numbers of docs/keys.md, `vvdp estimate`, as far as the estimation has them."""
+    speed = sums.speed if sums.speed.count else sums.early_speed
+    low, high = nis_band(sums.nis.count)
+    found: dict[str, Any] = {
+        "edge_source": {Wave: "wave", Counts: "counts", Stamps: "edges"}[type(wanted.source)],
+        "duration_s": sums.measured,
+        "samples": sums.samples,
+        "sample_rate_Hz": 1.0 / sums.period if sums.period else np.nan,
+        "output_rate_Hz": sums.rate,
+        "sectors": sums.sectors,
+        "edges": int(sums.edges),
+        "missed_edges": int(sums.missed),
+        "double_edges": sums.doubled,
+        "gaps": sums.gaps,
+        "not_numbers": sums.not_numbers,
+        "backward_times": sums.backward,
+        "pieces": sums.pieces,
+        "spool_speed_mean_rad_s": speed.mean,
+        "spool_speed_std_rad_s": speed.deviation,
+        "spool_speed_min_rad_s": speed.low,
+        "spool_speed_max_rad_s": speed.high,
+        "settled": sums.speed.count > 0,
+        "pwm_frequency_mean_Hz": speed.mean * wanted.sections / TURN,
+        "angle_deviation_mean_rad": sums.angle_deviation.mean,
+        "speed_deviation_mean_rad_s": sums.speed_deviation.mean,
+        "nis_mean": sums.nis.mean,
+        "nis_edges": sums.nis.count,
+        "nis_low": low,
+        "nis_high": high,
+        "index_found": all(a.index_found for a in sums.alignments) if wanted.wheel.has_index else None,
+        "commensurate": in_step(sums, wanted) is not None,
+        "edge_offset_max_rad": _largest(sums.offsets),
+    }
+    if isinstance(sums.finder, WaveEdges):
+        finder = sums.finder
+        swing = finder.plateaus.swing if finder.plateaus is not None else np.nan
+        suggested = suggested_level(sums, wanted)
+        found |= {
+            "threshold": float(np.mean(finder.levels)) if finder.levels else finder.level,
+            "wave_swing": swing,
+            "wave_noise": finder.plateaus.noise if finder.plateaus is not None else np.nan,
+            "threshold_bias_rad": -sums.alternating.mean,
+            "threshold_suggested": suggested,
+        }
+    elif isinstance(wanted.source, Stamps) and wanted.source.falling:
+        found["threshold_bias_rad"] = -sums.alternating.mean
+    if wanted.pressure is not None:
+        found |= {
+            "duty_ratio_mean": sums.duty_ratio.mean,
+            "duty_ratio_std": sums.duty_ratio.deviation,
+            "pressure_pulses": sums.duty_ratio.count,
+            "inlet_pressure_mean_Pa": sums.pressure.mean,
+            "inlet_pressure_min_Pa": sums.pressure.low if sums.pressure.count else np.nan,
+            "inlet_pressure_max_Pa": sums.pressure.high if sums.pressure.count else np.nan,
+        }
+    return found
+
+
+def nis_band(count: int) -> tuple[float, float]:
+    """Where the mean of `count` squared normalised innovations lies with a chance of 95 % if the settings fit."""
+    if not count:
+        return np.nan, np.nan
+    from scipy.stats import chi2
+
+    return float(chi2.ppf(0.025, count)) / count, float(chi2.ppf(0.975, count)) / count
+
+
+def _largest(values: Array) -> float:
+    return float(np.nanmax(np.abs(values))) if np.isfinite(values).any() else np.nan
+
+
+def in_step(sums: Sums, wanted: Estimation) -> Commensurate | None:
+    """Whether edges that are only sampled march in step with the samples."""
+    sampled = isinstance(wanted.source, Counts) or (
+        isinstance(wanted.source, Wave) and not wanted.source.comparator.interpolated
+    )
+    speed = sums.speed.mean
+    if not sampled or not sums.period or not np.isfinite(speed) or speed <= 0.0:
+        return None
+    return commensurate_clock(speed * sums.sectors / TURN, 1.0 / sums.period)
+
+
+def suggested_level(sums: Sums, wanted: Estimation) -> float:
+    """The threshold at which rising and falling edges would agree, in the unit of the channel; NaN if unknown.
+
+    A threshold too high by e sees rising edges late and falling ones early by the angle e/(dv/dtheta), with the slope
+    dv/dtheta = (dv/dt)/omega at the crossings; s nu has that mean with the opposite sign.
+    """
+    finder = sums.finder
+    speed = sums.speed.mean
+    if not isinstance(finder, WaveEdges) or not finder.found or not finder.levels or not sums.alternating.count:
+        return np.nan
+    slope = finder.slopes / finder.found / speed
+    sign = -1.0 if finder.comparator.inverted else 1.0
+    return float(np.mean(finder.levels)) + sign * sums.alternating.mean * slope
+
+
+def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) -> tuple[Finding, ...]:
+    """What is wrong with the record or in doubt, gravest first."""
+    told = [
+        *_of_the_course(found, sums, wanted),
+        *_of_the_record(sums, wanted),
+        *_of_the_source(sums, wanted),
+        *_of_the_filter(found, sums, wanted),
+        *_of_the_wheel(sums, wanted),
+    ]
+    told += [Finding("Taken for granted", f"{remark}.", "Nothing to do, if that is right.") for remark in log.remarks]
+    return tuple(sorted(told, key=lambda finding: not finding.grave))
+
+
+def _of_the_course(found: dict[str, Any], sums: Sums, wanted: Estimation) -> Iterator[Finding]:
+    if not found["finished"]:
+        yield Finding(
+            "Interrupted", f"The estimation was stopped after {sums.measured:.6g} s of the log.", "Run it again.", True
+        )
+    if not found["settled"]:
+        yield Finding(
+            "Too short",
+            f"{sums.edges:g} edges are less than two turns of {sums.sectors}: the filter has not settled, and means "
+            "are over all that there is.",
+            "Take a longer record.",
+            True,
+        )
+    speed = found["spool_speed_mean_rad_s"]
+    if not SLOWEST <= speed <= FASTEST:
+        yield Finding(
+            "Speed hardly possible",
+            f"The mean speed is {speed:.4g} rad/s ({speed * 60 / TURN:.4g} rpm).",
+            f"Look at the unit of the times, the sample rate, and the number of sectors ({sums.sectors}).",
+            True,
+        )
+
+
+def _of_the_record(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
+    if sums.gaps:
+        yield Finding(
+            "Gaps in the record",
+            f"{_times(sums.gaps).capitalize()} no sample came for more than 3.5 usual intervals; the longest gap is "
+            f"{sums.longest_gap:.4g} s.",
+            "Edges inside a gap count as missed; a gap that cannot be bridged starts the filter anew.",
+        )
+    if sums.not_numbers:
+        yield Finding(
+            "Values that are no numbers",
+            f"{sums.not_numbers} of {sums.samples} samples are NaN and were left out.",
+            "Look at the logger.",
+        )
+    if sums.backward:
+        yield Finding(
+            "Time runs backwards",
+            f"{_times(sums.backward).capitalize()} the clock went back; the record was cut there, and each piece has "
+            "its own times.",
+            "Look at the column piece of result.h5 before joining anything over time.",
+            True,
+        )
+    if sums.pieces > 1 + sums.backward:
+        bridge = bridged_time(TURN / sums.sectors / sums.speed.mean, wanted.filter) if sums.speed.mean > 0.0 else np.nan
+        yield Finding(
+            "Pauses without edges",
+            f"The filter was started {_times(sums.pieces)}: without an edge it can go on for {bridge:.3g} s at the "
+            "mean speed, until three deviations of its angle reach half a sector.",
+            "Between pieces the estimate is NaN, and turns that passed there are only guessed.",
+        )
+    if sums.left_out:
+        yield Finding(
+            "Edges left out",
+            f"{sums.left_out} edges stand so alone that no speed can be said there.",
+            "Nothing to do, if the spool was at rest.",
+        )
+    if sums.doubled:
+        yield Finding(
+            "Double edges",
+            f"{sums.doubled} edges came much sooner after another than edges do there; they were taken as bounces.",
+            "Widen the hysteresis, or look for noise on the line.",
+        )
+    if sums.missed:
+        yield Finding(
+            "Missed edges",
+            f"{sums.missed:g} edges did not show, {100.0 * sums.missed / (sums.edges + sums.missed):.2g} % of all.",
+            "The filter passes over them. Look at the threshold, the sample rate, and the wheel for dirt.",
+        )
+
+
+def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
+    finder, speed = sums.finder, sums.speed.mean
+    if sums.period and speed > 0.0 and isinstance(finder, WaveEdges | CountEdges):
+        per_sector = TURN / sums.sectors / speed / sums.period
+        if per_sector < FEW_SAMPLES:
+            yield Finding(
+                "Few samples",
+                f"There are {per_sector:.2g} samples for each sector at the mean speed.",
+                "Sample faster; edges get lost.",
+            )
+    if isinstance(finder, CountEdges):
+        if finder.fractions:
+            yield Finding(
+                "Counts that are not whole",
+                f"{finder.fractions} of {sums.samples} values of the counter are no whole numbers.",
+                "Is the channel a wave? Then name it with --wave.",
+                True,
+            )
+        if finder.resets:
+            yield Finding("Counter reset", f"The counter fell {_times(finder.resets)} without rolling over.",
+                          "Edges at a reset count as missed.", True)  # fmt: skip
+        if finder.rollovers:
+            yield Finding("Counter rolled over", f"The counter went over its end {_times(finder.rollovers)}.",
+                          "The edges were counted on.")  # fmt: skip
+        if finder.downward:
+            yield Finding("Counter counts down", "Its steps were taken as forward.", "Swap the lines of the counter.")
+        if finder.backward:
+            yield Finding("Counter went back", f"{finder.backward} steps of the counter went against its way.",
+                          "They were taken as jitter at an edge.")  # fmt: skip
+    if isinstance(finder, WaveEdges):
+        if finder.lost:
+            yield Finding("Edges in gaps", f"{finder.lost} edges fell into gaps and were not placed.",
+                          "They count as missed.")  # fmt: skip
+        if finder.plateaus is not None and len(finder.levels) > 1:
+            drift = max(finder.levels) - min(finder.levels)
+            if drift > LEVEL_DRIFT * finder.plateaus.swing:
+                yield Finding(
+                    "The wave drifts",
+                    f"Midway between its plateaus went from {min(finder.levels):.4g} to {max(finder.levels):.4g}, "
+                    f"{100.0 * drift / finder.plateaus.swing:.2g} % of the swing.",
+                    "The threshold followed it. Look at the lamp and its supply.",
+                )
+    if (step := in_step(sums, wanted)) is not None:
+        words = commensurate_warning(step, TURN / sums.sectors)
+        yield Finding(
+            "Edges in step with the clock",
+            words.rpartition("; ")[0] + ".",
+            f"The angle may be off by up to {hidden_angle(step, TURN / sums.sectors):.3g} rad, and no deviation shows "
+            "it. Stamp the edges, interpolate the crossings of a wave, or sample at another rate.",
+            True,
+        )
+
+
+def _of_the_filter(found: dict[str, Any], sums: Sums, wanted: Estimation) -> Iterator[Finding]:
+    mean, low, high = found["nis_mean"], found["nis_low"], found["nis_high"]
+    if not np.isfinite(mean) or low <= mean <= high or NIS_LOW <= mean <= NIS_HIGH:
+        return
+    tuning = wanted.filter
+    # What is measured of the innovations is, like what is expected of them, R and a share for the prediction.
+    share = sums.measured_variance.mean / sums.expected_square.mean
+    fitting = sums.squared_innovation.mean * share - (sums.measured_variance.mean - tuning.edge_variance)
+    numbers = (
+        f"The squared innovations are {mean:.3g} of what the filter expects, on average over {sums.nis.count} edges; "
+        f"{low:.3g} to {high:.3g} would be chance."
+    )
+    if mean < low:
+        tune = (
+            f"An edge_variance of about {fitting:.2g} rad^2 would fit"
+            if fitting > 0.0
+            else f"An edge_variance well below {tuning.edge_variance:.2g} rad^2 would fit"
+        )
+        yield Finding(
+            "Noise settings too large",
+            f"{numbers} The estimate is better than its deviations say.",
+            f"{tune} in place of {tuning.edge_variance:.3g} rad^2.",
+        )
+    elif sums.neighbours > 0.2:
+        yield Finding(
+            "The filter lags behind",
+            f"{numbers} Innovations that follow one another agree (correlation {sums.neighbours:.2g}): the speed "
+            "changes more than the settings allow.",
+            f"Raise acceleration_density above {tuning.acceleration_density:.3g} rad^2/s^3.",
+        )
+    else:
+        yield Finding(
+            "Noise settings too small",
+            f"{numbers} The edges scatter more than the settings say.",
+            f"An edge_variance of about {fitting:.2g} rad^2 would fit in place of {tuning.edge_variance:.3g} rad^2; "
+            "look at the offsets of the edges first.",
+        )
+
+
+def _of_the_wheel(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
+    sector = TURN / sums.sectors
+    if wanted.wheel.has_index and not all(a.index_found for a in sums.alignments):
+        yield Finding(
+            "Index not found",
+            "No first edge makes the turns agree with the sectors of the wheel; the angle is counted from an edge that "
+            "was chosen.",
+            f"Look at index_shift or widths, and at the number of sectors ({sums.sectors}).",
+            True,
+        )
+    hidden = max(sums.measured_variance.mean - wanted.filter.edge_variance, 0.0) if sums.nis.count else 0.0
+    if (pattern := sums.period_of_pattern(hidden)) is not None:
+        period, there, own = pattern
+        yield Finding(
+            "Perhaps a wrong number of sectors",
+            f"The innovations repeat after {period} edges (correlation {there:.2f}), not after {sums.sectors} "
+            f"({own:.2f}).",
+            f"Count the sectors of the wheel; bright and dark ones together, {period} would fit.",
+            True,
+        )
+    bias, error = -sums.alternating.mean, _error(sums.alternating)
+    biased = abs(bias) > SURE * error and abs(bias) > SHARE_OF_SECTOR * sector
+    if biased:
+        yield _biased(sums, wanted, bias)
+    offsets = sums.offsets
+    if biased:
+        even = np.arange(sums.sectors) % 2 == 0
+        offsets = offsets - np.where(even, np.nanmean(offsets[even]), np.nanmean(offsets[~even]))
+    worst = int(np.nanargmax(np.abs(offsets))) if np.isfinite(offsets).any() else 0
+    sure = abs(offsets[worst]) > SURE * sums.offset_deviations[worst]
+    if sure and abs(offsets[worst]) > SHARE_OF_SECTOR * sector and sums.wheel_counts[worst] >= 8 and pattern is None:
+        yield _unequal(sums, wanted, offsets, worst)
+
+
+def _times(count: int) -> str:
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def _error(moments: Moments) -> float:
+    return moments.deviation / np.sqrt(moments.count) if moments.count else np.inf
+
+
+def _biased(sums: Sums, wanted: Estimation, bias: float) -> Finding:
+    late, early = ("late", "early") if bias > 0.0 else ("early", "late")
+    level = suggested_level(sums, wanted)
+    remedy = (
+        f"Set threshold.level to about {level:.4g}"
+        if np.isfinite(level) and isinstance(sums.finder, WaveEdges)
+        else "Move the threshold"
+    )
+    other = "; bright sectors that are really wider or narrower than dark ones look the same."
+    return Finding(
+        "The threshold is off",
+        f"Rising edges come {late} and falling ones {early} by {abs(bias):.3g} rad, "
+        f"{100.0 * abs(bias) * sums.sectors / TURN:.2g} % of a sector.",
+        remedy + other,
+    )
+
+
+def _unequal(sums: Sums, wanted: Estimation, offsets: Array, worst: int) -> Finding:
+    n, sector = sums.sectors, TURN / sums.sectors
+    places = np.array(wanted.wheel.edges)
+    wave = 2.0 * abs(np.nanmean(offsets * np.exp(-1j * places)))
+    others = np.delete(offsets, worst)
+    if wave > 0.7 * float(np.sqrt(2.0 * np.nanmean(offsets**2))) and n > 4:
+        cause = f"They go up and down once in a turn by {wave:.3g} rad: the wheel or the spot is eccentric."
+    elif abs(offsets[worst]) > 4.0 * float(np.nanmax(np.abs(others - np.nanmean(others)))):
+        cause = "It stands alone: dirt, a damaged sector, or an index that the wheel was not told of (index_shift)."
+    else:
+        cause = "The sectors are not as wide as the wheel has them."
+    return Finding(
+        "Edges lie elsewhere on the wheel",
+        f"Edge {worst} lies {offsets[worst]:+.3g} rad from its place, {100.0 * abs(offsets[worst]) / sector:.2g} % of "
+        f"a sector. {cause}",
+        "Give the measured widths in [sensor] widths; the offsets of all edges stand in the report.",
+    )

@@ -1,0 +1,139 @@
+"""HDF5 files, vvdp's own results among them: every dataset of numbers is a channel.
+
+A dataset may carry its unit (attribute `units` or `unit`) and its clock (`dt` or `sample_rate`, `t0`; or a dimension
+scale, as netCDF writes it). Otherwise the dataset named as a time beside it or above it is the clock.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from vvdp.base.errors import unusable
+from vvdp.logs.channel import Log
+from vvdp.logs.clock import ClockChoice
+from vvdp.logs.tracks import Leaf, Reader, Tree, evenly
+from vvdp.numerics.tableaus import Array
+
+MOST_COLUMNS = 64
+"""A matrix with more columns is not a set of channels."""
+
+
+def hdf5_log(path: Path, choice: ClockChoice) -> Log:
+    """The log in an HDF5 file."""
+    file = opened(path)
+    tree = Tree(path, choice, "/")
+    for name in file:
+        _walk(tree, (name,), file.get(name))
+    return tree.log(file)
+
+
+def opened(path: Path) -> Any:
+    """The HDF5 file `path`, open for reading. Raises ConfigError where it is damaged."""
+    try:
+        return h5py.File(path, "r")
+    except OSError as problem:
+        raise unusable(path, f"cannot be read as HDF5, the file is damaged or cut off ({problem})") from None
+
+
+def _walk(tree: Tree, path: tuple[str, ...], item: Any) -> None:
+    if isinstance(item, h5py.Group):
+        for name in item:
+            _walk(tree, (*path, name), item.get(name))
+    elif isinstance(item, h5py.Dataset):
+        _add(tree, path, item)
+    else:
+        tree.refuse(path, "is a broken link" if item is None else "is a named type")
+
+
+def _add(tree: Tree, path: tuple[str, ...], dataset: Any) -> None:
+    if dataset.dtype.names:
+        for name in dataset.dtype.names:
+            if dataset.ndim == 1 and dataset.dtype[name].kind in "fiub" and not dataset.dtype[name].shape:
+                tree.add(Leaf((*path, name), len(dataset), field_reader(dataset, name)))
+            else:
+                tree.refuse((*path, name), "is not a column of numbers")
+        return
+    if why := unfit(dataset):
+        tree.refuse(path, why)
+        return
+    unit, clock = text(dataset.attrs.get("units", dataset.attrs.get("unit"))), _own_clock(dataset)
+    link = _linked(dataset)
+    if dataset.ndim == 1:
+        tree.add(Leaf(path, dataset.shape[0], _scaled(dataset, 0), unit, clock, link))
+    else:
+        for k in range(dataset.shape[1]):
+            column = (*path[:-1], f"{path[-1]}[{k}]")
+            tree.add(Leaf(column, dataset.shape[0], _scaled(dataset, k), unit, clock, link))
+
+
+def unfit(dataset: Any) -> str:
+    """Why a dataset is not one or several channels of numbers; empty where it is."""
+    if dataset.dtype.kind not in "fiub":
+        return "holds complex numbers" if dataset.dtype.kind == "c" else "holds no numbers"
+    if dataset.shape is None or not dataset.ndim:
+        return "is a single number"
+    if dataset.ndim > 2 or (dataset.ndim == 2 and dataset.shape[1] > MOST_COLUMNS):
+        return f"is an array of {' x '.join(map(str, dataset.shape))}"
+    return ""
+
+
+def field_reader(dataset: Any, name: str) -> Reader:
+    """Reads a field of a dataset of records."""
+    return lambda begin, end: np.asarray(dataset[begin:end][name], float)
+
+
+def _scaled(dataset: Any, column: int) -> Reader:
+    """Reads a column, with fill value, scale and offset as netCDF defines them."""
+    scale, offset = dataset.attrs.get("scale_factor"), dataset.attrs.get("add_offset")
+    fill = dataset.attrs.get("_FillValue")
+
+    def read(begin: int, end: int) -> Array:
+        raw = dataset[begin:end] if dataset.ndim == 1 else dataset[begin:end, column]
+        values = np.asarray(raw, float)
+        if scale is not None:
+            values = values * float(np.ravel(scale)[0])
+        if offset is not None:
+            values = values + float(np.ravel(offset)[0])
+        if fill is not None:
+            values = np.where(raw == np.ravel(fill)[0], np.nan, values)
+        return values
+
+    return read
+
+
+def _own_clock(dataset: Any) -> Reader | None:
+    for holder in (dataset, dataset.parent):
+        start = _number(holder.attrs.get("t0", 0.0)) or 0.0
+        for name in ("dt", "sample_interval"):
+            if increment := _number(holder.attrs.get(name)):
+                return evenly(start, increment)
+        for name in ("sample_rate", "sampling_rate", "fs"):
+            if rate := _number(holder.attrs.get(name)):
+                return lambda begin, end, start=start, rate=rate: start + np.arange(begin, end) / rate  # type: ignore[misc]
+    return None
+
+
+def _number(value: object) -> float | None:
+    try:
+        number = float(np.ravel(value)[0])  # type: ignore[call-overload]
+    except (TypeError, ValueError, IndexError):
+        return None
+    return number if np.isfinite(number) else None
+
+
+def _linked(dataset: Any) -> tuple[str, ...] | None:
+    """Path of the dimension scale along the first axis; None for a dataset that is itself one."""
+    if dataset.attrs.get("CLASS") == b"DIMENSION_SCALE" or not dataset.dims[0]:
+        return None
+    return tuple(dataset.dims[0][0].name.strip("/").split("/"))
+
+
+def text(value: Any) -> str:
+    """An attribute as text; empty where there is none."""
+    if isinstance(value, np.ndarray):
+        value = value.ravel()[0] if value.size == 1 else None
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    return str(value) if value is not None else ""

@@ -1,0 +1,427 @@
+"""The event filter taken over the edges of a record, portion by portion, onto a uniform time base.
+
+The record is cut where nothing could be said across a gap: where the prediction would be uncertain by half a sector,
+and not within three of the times that edges usually take there. After a cut the filter starts anew.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.estimation.event_filter import EventFilter, EventFilterMemory, event_filter_start, event_filter_step
+from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
+from vvdp.logs.alignment import Alignment, alignment, edges_wanted
+from vvdp.logs.edges import Chosen, Edges, joined, no_edges, part
+from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import TURN, edge_angle
+from vvdp.simulation.link import quiet
+from vvdp.simulation.replay import Replay
+
+SETTLING_TURNS = 2
+"""After so many turns of a piece its estimates count in means and extremes."""
+BRIDGED_EDGES = 3.0
+LONGEST_FILL = 600.0
+"""Up to so many seconds [s] without an estimate are rows of NaN; beyond, the time base jumps."""
+ROWS_AT_ONCE = 200_000
+FEWEST_EDGES = 3
+"""A piece of fewer edges is left out."""
+RECENT = 16
+
+
+class Shown(NamedTuple):
+    """What is kept of each row: the estimate, and the number of the last edge."""
+
+    angle: float
+    speed: float
+    angle_deviation: float
+    speed_deviation: float
+    innovation: float
+    innovation_deviation: float
+    missed_edges: float
+    edge: float
+
+
+def tracked_step(memory: EventFilterMemory, reading: Reading, settings: EventFilter) -> tuple[EventFilterMemory, Shown]:
+    """The event filter's step, showing the edge as well.
+
+    Source  wang2017, eqs. 3.5 to 3.10, corrected: docs/errata.md
+    """
+    memory, e = event_filter_step(memory, reading, settings)
+    shown = Shown(
+        e.angle,
+        e.speed,
+        e.angle_deviation,
+        e.speed_deviation,
+        e.innovation,
+        e.innovation_deviation,
+        e.missed_edges,
+        memory.edge,
+    )
+    return memory, shown
+
+
+class FusedShown(NamedTuple):
+    """The same of the fusion, and what it believes of the pressure's wave."""
+
+    encoder: Shown
+    phase: float
+    duty_ratio: float
+    duty_deviation: float
+    lag: float
+
+
+def fused_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusedShown]:
+    """The fusion's step, showing the edge as well.
+
+    Source  ours, docs/models/pressure-fusion.md
+    """
+    memory, f = fusion_step(memory, reading, settings)
+    e = f.estimate
+    shown = Shown(
+        e.angle,
+        e.speed,
+        e.angle_deviation,
+        e.speed_deviation,
+        e.innovation,
+        e.innovation_deviation,
+        e.missed_edges,
+        memory.filter.edge,
+    )
+    return memory, FusedShown(shown, f.phase, f.duty_ratio, f.duty_deviation, f.lag)
+
+
+class Waves(NamedTuple):
+    """Edges of the inlet pressure: when they were confirmed, when they were, within which interval, and which way."""
+
+    known: Array
+    times: Array
+    intervals: Array
+    polarities: Array
+
+
+def no_waves() -> Waves:
+    """An empty record."""
+    return Waves(*(np.empty(0) for _ in range(4)))
+
+
+FUSED_COLUMNS = ("pressure_phase", "pressure_duty_ratio", "pressure_duty_deviation", "pressure_lag")
+"""What a fused row has besides."""
+
+
+class Tracked(NamedTuple):
+    """Rows of the uniform time base and edges, each a mapping from name to column, as `kept` describes them."""
+
+    rows: dict[str, Array]
+    edges: dict[str, Array]
+    settled: Chosen
+    """Of each row, whether it counts."""
+
+
+@dataclass
+class _Piece:
+    memory: EventFilterMemory | FusionMemory
+    edges: int = 0
+    settled_at: float = np.inf
+    missed: float = 0.0
+
+
+class Tracker:
+    """Takes settled edges, gives rows and edges with what the filter makes of them."""
+
+    def __init__(
+        self,
+        settings: EventFilter,
+        rate: float,
+        sections: int,
+        fusion: Fusion | None = None,
+        say: Callable[[str], None] = quiet,
+    ) -> None:
+        example = Reading(0.0, 0.0, 0.0, 0.0, 0.0)
+        if fusion is None:
+            start = event_filter_start(settings, 0.0, 0.0, 0.0)
+            self._replay = Replay(tracked_step, start, example, settings, say=say)
+        else:
+            both = FusionReading(example, 0.0, 0.0, 0.0, 0.0, 0.0)
+            self._replay = Replay(fused_step, fusion_start(fusion, 0.0, 0.0, 0.0), both, fusion, say=say)
+        self._fusion, self._waves = fusion, no_waves()
+        self._filter, self.rate, self._sections = settings, rate, sections
+        self._sectors = len(settings.wheel.edges)
+        self._pending, self._held = no_edges(), 0.0
+        self._piece: _Piece | None = None
+        self._steps = np.empty(0)
+        self._last: tuple[float, float, float] | None = None  # time, number and speed at the last edge
+        self._next: int | None = None  # number of the next row
+        self.pieces = 0
+        self.left_out = 0
+        """Edges of pieces that were too short."""
+        self.missed_edges = 0.0
+        self.alignments: list[Alignment] = []
+        self.longest_bridged = 0.0
+        self.reached = -np.inf
+        """The rows go so far [s]."""
+
+    def hear(self, waves: Waves) -> None:
+        """Edges of the pressure, for the rows to come."""
+        self._waves = Waves(*(np.concatenate(both) for both in zip(self._waves, waves, strict=True)))
+
+    def push(self, edges: Edges, horizon: float, *, last: bool = False) -> Iterator[Tracked]:
+        """What can be said now that the record is known up to `horizon` [s]; `last`: nothing follows on this clock."""
+        self._pending = joined([self._pending, edges])
+        bridged = self._bridged()
+        while self._pending.times.size:
+            yield from self._segment(bridged, last)
+            if self._piece is None and self._pending.times.size and not last:
+                return  # a piece begins, but too little of it is known yet
+            if self._pending.times.size == 0:
+                break
+            bridged = self._bridged()
+        if self._piece is not None and self._last is not None:
+            yield from self._rows(no_edges(), min(horizon, self._lasting()))
+        if last:
+            self._end(forget=True)
+
+    def _bridged(self) -> Chosen:
+        """Of each pending edge, whether the time since the edge before it can be bridged."""
+        times = self._pending.times
+        before = np.concatenate([[self._last[0]] if self._last is not None and self._piece is not None else [], times])
+        steps = np.diff(before)
+        if times.size == steps.size + 1:  # the first edge of a piece has nothing before it
+            steps = np.concatenate([[0.0], steps])
+        usual = _medians(np.concatenate([self._steps, steps]))[self._steps.size :]
+        middle = float(np.median(usual)) if usual.size else 0.0
+        reach = bridged_time(middle, self._filter) if middle > 0.0 else np.inf
+        limits = np.fmax(reach, BRIDGED_EDGES * usual)
+        found: Chosen = steps <= limits
+        if self._fusion is not None:
+            for i in np.flatnonzero(~found):
+                heard = self._waves.times[(self._waves.times < times[i]) & (self._waves.times > times[i] - steps[i])]
+                between = np.diff(np.concatenate([[times[i] - steps[i]], heard, [times[i]]]))
+                found[i] = bool(np.all(between <= limits[i]))
+        return found
+
+    def _segment(self, bridged: Chosen, last: bool) -> Iterator[Tracked]:
+        """Takes in the pending edges up to the next cut."""
+        start = 1 if self._piece is None else 0
+        cuts = np.flatnonzero(~bridged[start:]) + start
+        end = int(cuts[0]) if cuts.size else self._pending.times.size
+        whole = bool(cuts.size) or last
+        if self._piece is None:
+            if end < edges_wanted(self._filter.wheel) and not whole:
+                return
+            if end < FEWEST_EDGES or not self._pending.times[end - 1] > self._pending.times[0]:
+                self.left_out += end
+                self._pending = part(self._pending, slice(end, None))
+                return
+            self._begin(part(self._pending, slice(0, min(end, edges_wanted(self._filter.wheel)))))
+        taken = part(self._pending, slice(0, end))
+        if end:
+            steps = np.diff(taken.times) if start else np.diff([self._last[0], *taken.times])  # type: ignore[index]
+            self.longest_bridged = max(self.longest_bridged, float(np.max(steps, initial=0.0)))
+            self._steps = np.concatenate([self._steps, steps])[-RECENT:]
+        self._pending = part(self._pending, slice(end, None))
+        if end:
+            yield from self._rows(taken, float(taken.times[-1] + 0.5 * taken.intervals[-1]))
+        if cuts.size:
+            assert self._last is not None
+            yield from self._rows(no_edges(), min(self._lasting(), float(self._pending.times[0])))
+            self._end(forget=False)
+
+    def _begin(self, first: Edges) -> None:
+        found = alignment(first, self._filter.wheel)
+        self.alignments.append(found)
+        number = self._continued(found, float(first.times[0]), float(first.polarities[0]))
+        half = 0.5 * TURN / self._sectors
+        angle = edge_angle(number, self._filter.wheel) - half  # the filter takes the edge half a sector ahead
+        time = float(first.times[0])
+        if self._fusion is None:
+            self._piece = _Piece(event_filter_start(self._filter, time, angle, found.speed))
+        else:
+            self._piece = _Piece(fusion_start(self._fusion, time, angle, found.speed))
+        self.pieces += 1
+
+    def _continued(self, found: Alignment, time: float, polarity: float) -> float:
+        """The number of a piece's first edge: on the turn that the last speed would have reached."""
+        if self._last is None:
+            return float(found.number)
+        last_time, last_number, speed = self._last
+        n = self._sectors
+        expected = last_number + max(1.0, (time - last_time) * speed * n / TURN)
+        if found.index_found:
+            number = found.number + n * np.round((expected - found.number) / n)
+            return float(number if number > last_number else number + n)
+        number = np.round(expected)
+        if polarity != 0.0 and (number % 2 == 0) != (polarity > 0.0):
+            number += 1
+        return float(max(number, last_number + 1.0))
+
+    def _end(self, *, forget: bool) -> None:
+        """Closes a piece; with `forget` also its clock, and the next piece may lie at any time."""
+        if self._piece is not None:
+            self.missed_edges += self._piece.missed
+        self._piece = None
+        self._steps = np.empty(0)
+        if forget:
+            if self._last is not None:
+                self._last = (0.0, self._last[1], 0.0)
+            self._next, self.reached = None, -np.inf
+
+    def _lasting(self) -> float:
+        """Until when rows can be given without another edge [s]."""
+        assert self._last is not None
+        end, reach = self._last[0], self._reach()
+        if self._fusion is not None:
+            for time in self._waves.times[self._waves.times > end].tolist():
+                if time > end + reach:
+                    break
+                end = time
+        return end + reach
+
+    def _reach(self) -> float:
+        """How long after the last edge the filter is still followed [s]."""
+        usual = float(np.median(self._steps)) if self._steps.size else 0.0
+        return max(bridged_time(usual, self._filter), BRIDGED_EDGES * usual) if usual > 0.0 else 0.0
+
+    def _rows(self, edges: Edges, until: float) -> Iterator[Tracked]:
+        """The filter over these edges and over the rows up to `until` [s]."""
+        piece = self._piece
+        assert piece is not None
+        known = edges.times + 0.5 * edges.intervals
+        if self._next is None:
+            self._next = int(np.ceil(float(known[0]) * self.rate - 1e-9)) if known.size else 0
+        elif piece.edges == 0 and known.size:
+            yield from self._filled(float(known[0]))
+        end, done = int(np.floor(until * self.rate + 1e-9)), 0
+        while True:
+            stop = min(self._next + ROWS_AT_ONCE, end + 1)
+            grid = np.arange(self._next, stop) / self.rate
+            upto = int(np.searchsorted(known, grid[-1], side="right")) if stop <= end else known.size
+            yield self._step(piece, part(edges, slice(done, upto)), grid)
+            done, self._next = upto, max(stop, self._next)
+            if stop > end:
+                return
+
+    def _filled(self, time: float) -> Iterator[Tracked]:
+        """Rows of NaN up to `time`, where no estimate exists; nothing where that would be very many."""
+        assert self._next is not None
+        begin = int(np.ceil(time * self.rate - 1e-9))
+        if (begin - self._next) / self.rate <= LONGEST_FILL:
+            for start in range(self._next, begin, ROWS_AT_ONCE):
+                grid = np.arange(start, min(start + ROWS_AT_ONCE, begin)) / self.rate
+                nothing = np.full((grid.size, len(self._replay.columns)), np.nan)
+                yield Tracked(self._named(grid, nothing), self._no_edges(), np.zeros(grid.size, bool))
+        self._next = max(begin, self._next)
+
+    def _step(self, piece: _Piece, edges: Edges, grid: Array) -> Tracked:
+        known = edges.times + 0.5 * edges.intervals
+        m = known.size
+        rows = np.zeros((m + grid.size, 5))
+        rows[:m] = np.column_stack([known, edges.counts, edges.times, edges.intervals, edges.polarities])
+        rows[m:, 0] = grid
+        if self._fusion is not None:
+            rows = self._with_waves(rows)
+        order = np.argsort(rows[:, 0], kind="stable")
+        done = self._replay(piece.memory, rows[order])
+        piece.memory = done.memory
+        shown = np.empty_like(done.shown)
+        shown[order] = done.shown
+        columns = self._of_edges(piece, edges, shown[:m]) if m else self._no_edges()
+        if grid.size:
+            self.reached = float(grid[-1])
+        settled = grid >= piece.settled_at
+        return Tracked(self._named(grid, shown[m : m + grid.size]), columns, settled)
+
+    def _with_waves(self, rows: Array) -> Array:
+        """Rows of the fusion: the encoder's, then those of the pressure's edges up to the last of them."""
+        until = float(np.max(rows[:, 0], initial=-np.inf))
+        heard = self._waves.known <= until
+        ready, self._waves = (Waves(*(column[chosen] for column in self._waves)) for chosen in (heard, ~heard))
+        found = np.zeros((rows.shape[0] + ready.known.size, 10))
+        found[:, 9] = np.nan  # no axial sensor
+        found[: rows.shape[0], :5] = rows
+        found[rows.shape[0] :, 0] = ready.known
+        ones = np.ones(ready.known.size)
+        found[rows.shape[0] :, 5:9] = np.column_stack([ones, ready.times, ready.intervals, ready.polarities])
+        return found
+
+    def _of_edges(self, piece: _Piece, edges: Edges, shown: Array) -> dict[str, Array]:
+        m = edges.times.size
+        speed, nu, deviation, number = shown[:, 1], shown[:, 4], shown[:, 5], shown[:, 7]
+        used = deviation > 0.0
+        place = piece.edges + np.arange(m)
+        settling = SETTLING_TURNS * self._sectors
+        if piece.edges <= settling < piece.edges + m:
+            piece.settled_at = float(edges.times[settling - piece.edges])
+        piece.edges += m
+        piece.missed = float(shown[-1, 6])
+        self._last = (float(edges.times[-1]), float(number[-1]), float(speed[-1]))
+        sector = np.mod(number, self._sectors)
+        angle = TURN * np.floor(number / self._sectors) + np.array(self._filter.wheel.edges)[sector.astype(int)]
+        sampled = np.fmax(speed, self._filter.lowest_speed) * edges.intervals
+        nothing = np.where(used, 0.0, np.nan)
+        return {
+            "time": edges.times,
+            "interval": edges.intervals,
+            "piece": np.full(m, float(self.pieces)),
+            "number": number + nothing,
+            "sector": sector + nothing,
+            "polarity": edges.polarities,
+            "angle": angle + nothing,
+            "variance": sampled**2 / 12.0 + self._filter.edge_variance,
+            "innovation": nu + nothing,
+            "innovation_deviation": deviation + nothing,
+            "normalised_innovation": nu / np.where(used, deviation, np.nan),
+            "settled": np.where(place > settling, 1.0, 0.0),
+        }
+
+    def _no_edges(self) -> dict[str, Array]:
+        return {}
+
+    def _named(self, grid: Array, shown: Array) -> dict[str, Array]:
+        angle, speed = shown[:, 0], shown[:, 1]
+        more = {} if self._fusion is None else dict(zip(FUSED_COLUMNS, shown[:, 8:].T, strict=True))
+        return more | {
+            "time": grid,
+            "piece": np.full(grid.size, float(self.pieces)),
+            "angle": angle,
+            "angle_in_turn": np.mod(angle, TURN),
+            "speed": speed,
+            "angle_deviation": shown[:, 2],
+            "speed_deviation": shown[:, 3],
+            "pwm_frequency": speed * self._sections / TURN,
+        }
+
+
+def bridged_time(period: float, settings: EventFilter) -> float:
+    """How long without an edge three deviations of the predicted angle stay below half a sector [s].
+
+    From the filter's steady state at an edge every `period` [s], with R_c = R T: P22 = sqrt(2) q^(3/4) R_c^(1/4),
+    P12 = sqrt(q R_c), P11 = sqrt(2) q^(1/4) R_c^(3/4).
+
+    Source  ours, docs/logs.md
+    """
+    sector = TURN / len(settings.wheel.edges)
+    q, R = max(settings.acceleration_density, 1e-12), settings.edge_variance * period
+    root = np.sqrt(2.0)
+    steady = AngleSpeed(0.0, 0.0, root * q**0.25 * R**0.75, np.sqrt(q * R), root * q**0.75 * R**0.25)
+    low, high = 0.0, 1e6
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if 3.0 * np.sqrt(propagated(steady, middle, q).angle_variance) < 0.5 * sector:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _medians(steps: Array) -> Array:
+    """The usual time between edges around each."""
+    from scipy.ndimage import median_filter
+
+    if not steps.size:
+        return steps
+    found: Array = median_filter(steps, size=min(RECENT, steps.size), mode="nearest")
+    return found

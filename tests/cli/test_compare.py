@@ -1,0 +1,115 @@
+"""`vvdp compare estimators`."""
+
+import csv
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+
+from vvdp.comparison import trials
+from vvdp.comparison.estimators import contenders
+from vvdp.comparison.scenarios import scenarios
+
+DOCUMENTS = Path(__file__).parents[2] / "docs"
+
+QUICK = ("--estimator", "inverse-time", "--estimator", "m-over-t", "--scenario", "constant", "--seeds", "2")
+
+
+def test_what_there_is_is_listed(vvdp, here):
+    answer = vvdp("compare", "estimators", "--list")
+    assert answer.code == 0
+    for name in ("event-filter", "no-manoeuvres", "tracking-loop", "smoother", "missed-edges", "dropout", "captured"):
+        assert f"  {name} " in answer.out
+    assert list(here.iterdir()) == []
+
+
+def test_files_and_table(vvdp, here):
+    answer = vvdp("compare", "estimators", *QUICK, "--out", "found")
+    assert answer.code == 0, answer.err
+    assert "inverse-time" in answer.out and "24.7 Hz" in answer.out and "ns per sample" in answer.out
+    assert "sectors lost in" in answer.out
+    assert "2 of 2 runs" in answer.err
+    names = {path.name for path in (here / "found").rglob("*.*")}
+    assert {
+        "comparison.csv",
+        "comparison.json",
+        "traces.csv",
+        "meta.json",
+        "report.html",
+        "delay-and-cost.png",
+    } <= names
+    rows = list(csv.DictReader((here / "found" / "comparison.csv").open()))
+    assert [row["estimator"] for row in rows] == ["inverse-time", "m-over-t"]
+    # One sector is 5.06 ms, timed as 4, 5 or 6: 196.3, 157.1 or 130.9 rad/s, at least 24 rad/s off where not 5.
+    assert 10.0 < float(rows[0]["speed_error_rms_rad_s"]) < 40.0
+    again = vvdp("compare", "estimators", *QUICK, "--out", "found")
+    assert again.code == 2 and "already exists" in again.err
+    assert vvdp("compare", "estimators", *QUICK, "--out", "found", "--force").code == 0
+    page = here / "found" / "report.html"
+    written = page.read_bytes()
+    page.unlink()
+    assert vvdp("report", "found").code == 0 and page.read_bytes() == written
+
+
+def test_the_example_of_the_guide_is_real(vvdp, here):
+    """All but the times that it took, which are those of a machine."""
+    guide = (DOCUMENTS / "command-line.md").read_text("utf-8")
+    command, _, rest = guide.partition("    $ vvdp compare estimators ")[2].partition("\n")
+    shown = [line.strip() for line in rest.partition("speed in rad/s")[0].splitlines() if line.strip()]
+    answer = vvdp("compare", "estimators", *shlex.split(command))
+    assert len(shown) == 5
+    assert [line for line in shown if line not in {line.strip() for line in answer.out.splitlines()}] == []
+
+
+def test_all_is_explained(vvdp, here):
+    page = (DOCUMENTS / "comparison.md").read_text("utf-8")
+    for each in (*scenarios(), *contenders()):
+        assert f"`{each.name}`" in page, each.name
+
+
+def test_json_alone_on_stdout(vvdp, here):
+    answer = vvdp("compare", "estimators", *QUICK, "--json", "--rate", "2 kHz", "--sectors", "16")
+    found = json.loads(answer.out)
+    assert (found["rate_Hz"], found["sectors"], found["finished"]) == (2000.0, 16, True)
+    assert len(found["scores"]) == 2
+    assert found["out"].startswith("results/compare-estimators-")
+    assert (here / found["out"] / "comparison.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--scenario", "stepp"), "did you mean 'step'"),
+        (("--estimator", "kalman"), "kalman"),
+        (("--rate", "1000"), "--rate: '1000' has no unit"),
+        (("--rate", "0 Hz"), "expected 100 Hz to 100000 Hz"),
+        (("--sectors", "7"), "7 sectors"),
+        (("--seeds", "0"), "--seeds"),
+    ],
+)
+def test_what_cannot_be_is_refused(vvdp, here, options, told):
+    answer = vvdp("compare", "estimators", *options)
+    assert answer.code == 2
+    assert told in answer.err
+    assert list(here.iterdir()) == []
+
+
+def test_an_interrupt_keeps_what_is_done(vvdp, here, monkeypatch):
+    def interrupted(*arguments, **options):
+        heard = options["progress"]
+
+        def stop(done, total):
+            heard(done, total)
+            if done >= 3:
+                raise KeyboardInterrupt
+
+        return trials_compare(*arguments, **{**options, "progress": stop})
+
+    trials_compare = trials.compare
+    monkeypatch.setattr(trials, "compare", interrupted)
+    answer = vvdp("compare", "estimators", *QUICK[:-1], "500", "--out", "found", "--cores", "1")
+    assert answer.code == 130
+    assert "interrupted after" in answer.err
+    assert json.loads((here / "found" / "comparison.json").read_text())["finished"] is False
+    assert "Not all runs were made" in (here / "found" / "report.html").read_text("utf-8")

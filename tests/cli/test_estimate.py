@@ -1,0 +1,293 @@
+"""`vvdp estimate`, from a log to a result directory, and what a person may get wrong."""
+
+import json
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vvdp as package
+from vvdp.logs.config import load_estimation
+from vvdp.logs.kept import read_kept
+
+SPEED = 2.0 * np.pi * 24.7
+PITCH = np.pi / 4.0
+FIXED_WORDS = {"spool_speed_mean_rad_s", "spool_speed_std_rad_s", "edges", "missed_edges", "nis_mean"}
+
+
+def table(path, **columns):
+    """A CSV file; a column is (unit, values)."""
+    head = ",".join(f"{name} [{unit}]" if unit else name for name, (unit, _) in columns.items())
+    rows = zip(*(values for _, values in columns.values()), strict=True)
+    path.write_text(head + "\n" + "\n".join(",".join(f"{x:.9g}" for x in row) for row in rows) + "\n")
+
+
+@pytest.fixture
+def stamps(here):
+    """A log of edge times alone, at 24.7 turns a second."""
+    table(here / "edges.csv", edge=("s", 0.2 + np.arange(600) * PITCH / SPEED))
+    return "edges.csv"
+
+
+@pytest.fixture
+def bench(here):
+    """A log of time, photodiode and inlet pressure, 1 s at 5 kHz."""
+    t = np.arange(0.0, 1.5, 2e-4)
+    angle = 0.3 + SPEED * t
+    light = np.clip(0.5 + 1.6 * np.sin(angle * 4.0), 0.0, 1.0)
+    inlet = np.clip(50.0 + 300.0 * np.sin(angle * 3.0), 5.0, 100.0)
+    table(here / "bench.csv", time=("s", t), photodiode=("V", 0.4 + 3.0 * light), inlet=("bar", inlet))
+    return "bench.csv"
+
+
+def test_the_words_that_scripts_rely_on(vvdp, stamps, here):
+    done = vvdp("estimate", stamps, "--edges", "edge", "--sectors", "8", "--json")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert found.keys() >= FIXED_WORDS
+    assert found["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-6)
+    assert (found["edges"], found["missed_edges"]) == (600, 0)
+    directory = Path(found["out"])
+    assert directory.parent == Path("results") and directory.name.startswith("edges-")
+    kept = read_kept(directory)
+    assert np.allclose(np.diff(kept.column("time")), 1e-3, atol=1e-9)
+    assert kept.size("angle") == kept.size("speed") == kept.size("time")
+    assert (directory / "report.html").is_file() and (directory / "figures" / "speed.png").is_file()
+    assert kept.meta["options"] == {"--edges": "edge", "--sectors": 8}
+
+
+def test_a_person_is_shown_a_table_and_warnings(vvdp, stamps):
+    done = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
+    assert done.code == 0
+    assert "spool speed, mean" in done.out and "1482" in done.out
+    assert "warning: Noise settings too large:" in done.out
+    assert done.out.rstrip().endswith("results: r")
+    again = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
+    assert again.code == 2 and "already exists" in again.err
+    assert vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r", "--force").code == 0
+
+
+def test_the_report_is_written_anew(vvdp, stamps, here):
+    assert vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r").code == 0
+    assert not (here / "r" / "report.html").exists()
+    again = vvdp("report", "r")
+    assert again.code == 0 and again.out.strip() == str(Path("r", "report.html"))
+    assert "Angle and speed from edges.csv" in (here / "r" / "report.html").read_text("utf-8")
+
+
+def test_a_wave_taken_for_a_counter_is_told(vvdp, here):
+    t = np.arange(0.0, 1.0, 1e-3)
+    angle = SPEED * t
+    table(here / "log.csv", time=("s", t), still=("V", 0.2 + 0.1 * np.sin(angle)), slope=("", angle / PITCH))
+    refused = vvdp("estimate", "log.csv", "--counts", "still", "--no-report")
+    assert refused.code == 2 and "so it is no counter; if it is a wave, name it with --wave" in refused.err
+    done = vvdp("estimate", "log.csv", "--counts", "slope", "--no-report")
+    assert done.code == 0 and "warning: Counts that are not whole" in done.out
+
+
+def test_a_wave_with_pressure_and_all_options(vvdp, bench):
+    options = ("--wave", "photodiode", "--pressure", "inlet", "--sections", "3", "--output-rate", "500 Hz", "--smooth")
+    done = vvdp("estimate", bench, *options, "--json", "--out", "r")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert found["output_rate_Hz"] == 500.0 and found["edge_source"] == "wave"
+    assert found["duty_ratio_mean"] == pytest.approx(0.5, abs=0.05)
+    assert found["threshold"] == pytest.approx(1.9, abs=0.1)
+    kept = read_kept(Path("r"))
+    assert {"smoothed_speed", "inlet_pressure"} <= {name for name in ("smoothed_speed", "inlet_pressure")
+                                                    if kept.has(name)}  # fmt: skip
+
+
+def test_a_config_is_written_and_used(vvdp, bench, here):
+    done = vvdp("estimate", bench, "--write-config", "bench.toml")
+    assert done.code == 0, done.err
+    assert "bench.toml written, with the edges from 'photodiode'" in done.out
+    text = (here / "bench.toml").read_text()
+    assert "#   inlet [bar]\n" in text
+    wanted = load_estimation(here / "bench.toml")
+    assert wanted.pressure is not None and wanted.pressure.channel == "inlet"
+    used = vvdp("estimate", bench, "--config", "bench.toml", "--json", "--no-report", "--out", "r")
+    assert used.code == 0, used.err
+    assert json.loads(used.out)["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-3)
+    assert vvdp("estimate", bench, "--write-config", "bench.toml").code == 2  # it is there already
+    assert vvdp("estimate", bench, "--write-config", "bench.toml", "--force").code == 0
+    # what was used can be used again
+    same = vvdp("estimate", bench, "--config", "r/estimate.toml", "--json", "--no-report", "--out", "s")
+    first, second = json.loads(used.out), json.loads(same.out)
+    assert {k: v for k, v in first.items() if k not in ("out", "wall_time_s")} == {
+        k: v for k, v in second.items() if k not in ("out", "wall_time_s")
+    }
+
+
+@pytest.mark.parametrize("kind", ["counts", "edges"])
+def test_a_config_is_guessed_for_other_logs(vvdp, here, kind):
+    t = np.arange(0.0, 1.0, 1e-3)
+    if kind == "counts":
+        table(here / "log.csv", time=("s", t), pulses=("", np.floor(SPEED * t / PITCH)))
+    else:
+        table(here / "log.csv", edge=("s", 0.2 + np.arange(200) * PITCH / SPEED))
+    assert vvdp("estimate", "log.csv", "--write-config", "c.toml").code == 0
+    done = vvdp("estimate", "log.csv", "--config", "c.toml", "--json", "--no-report")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["edge_source"] == kind
+
+
+def test_without_a_channel_those_of_the_log_are_named_and_a_way_on(vvdp, bench, here):
+    refused = vvdp("estimate", bench)
+    assert refused.code == 2 and not refused.out
+    lines = refused.err.splitlines()
+    assert [line.strip() for line in lines if line.startswith("  ")] == ["time [s]", "photodiode [V]", "inlet [bar]"]
+    (probably,) = (line.partition(":  ")[2] for line in lines if line.startswith("probably"))
+    assert probably == "vvdp estimate bench.csv --wave photodiode --pressure inlet"
+    assert vvdp(*shlex.split(probably)[1:], "--no-report", "--out", "r").code == 0
+    (config,) = (line.partition(":  ")[2] for line in lines if line.startswith("or write a config"))
+    assert vvdp(*shlex.split(config)[1:]).code == 0 and (here / "bench.toml").is_file()
+
+
+def test_a_clock_is_not_taken_for_a_wave(vvdp, here):
+    t = np.arange(0.0, 1.0, 1e-3)
+    table(here / "plain.csv", t=("", t), a=("", np.sign(np.sin(4.0 * SPEED * t))), b=("", t * t))
+    assert "--wave a\n" in vvdp("estimate", "plain.csv").err
+
+
+def test_separate_columns_of_rising_and_falling_edges(vvdp, here):
+    t = 0.2 + np.arange(400) * PITCH / SPEED
+    table(here / "two.csv", up=("s", t[0::2]), down=("s", t[1::2]))
+    done = vvdp("estimate", "two.csv", "--edges", "up", "--falling", "down", "--json", "--no-report")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["edges"] == 400
+    assert json.loads(done.out)["threshold_bias_rad"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_log_without_a_clock_needs_a_rate(vvdp, here):
+    t = np.arange(0.0, 1.0, 1e-3)
+    table(here / "bare.csv", n=("", np.floor(SPEED * t / PITCH)), m=("", t))
+    refused = vvdp("estimate", "bare.csv", "--counts", "n")
+    assert refused.code == 2 and "clock" in refused.err
+    done = vvdp("estimate", "bare.csv", "--counts", "n", "--sample-rate", "1 kHz", "--json", "--no-report")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=5e-3)
+
+
+GUIDE = Path(__file__).parents[2] / "docs" / "command-line.md"
+
+
+def shown_after(command):
+    """The lines that the guide shows after a command."""
+    text = GUIDE.read_text("utf-8").partition(f"    $ {command}\n")[2]
+    lines = [line.strip() for line in re.split(r"\n(?=[^ \n])", text, maxsplit=1)[0].splitlines()]
+    return [line for line in lines if line]
+
+
+def test_the_examples_of_the_guide_are_real(vvdp, here):
+    jitter = np.random.default_rng(0).normal(0.0, 0.055, 2000)
+    t = np.delete(0.2 + (np.arange(2000) * PITCH + jitter) / SPEED, [700, 1200])
+    (here / "edges.csv").write_text("edge [s]\n" + "\n".join(f"{x:.7f}" for x in t) + "\n")
+    for command in (
+        "vvdp estimate edges.csv --edges edge --sectors 8 --out results/edges",
+        "vvdp estimate edges.csv --edges edge --write-config edges.toml",
+        "vvdp estimate edges.csv",
+    ):
+        lines = shown_after(command)
+        done = vvdp(*shlex.split(command)[1:])
+        said = [line.strip() for line in (done.out + done.err).splitlines()]
+        assert lines and [line for line in lines if line not in said] == []
+
+
+BAD = [
+    (("--edges", "egde"), "did you mean 'edge'"),
+    ((), "no channel is named that holds the edges"),
+    (("--edges", "edge", "--wave", "edge"), "expected one of them"),
+    (("--edges", "edge", "--sectors", "7"), "--sectors: 7 sectors"),
+    (("--edges", "edge", "--sectors", "0"), "--sectors: 0; expected a whole number from 2"),
+    (("--edges", "edge", "--sectors", "8.5"), "--sectors"),
+    (("--edges", "edge", "--index-shift", "1.5"), "--index-shift: an index shift of 1.5"),
+    (("--edges", "edge", "--index-shift", "nan"), "--index-shift"),
+    (("--edges", "edge", "--falling", "edge"), "--falling:"),
+    (("--edges", "edge", "--falling", "none"), "no channel 'none'"),
+    (("--edges", "edge", "--sample-rate", "1 kHz"), "leave it out"),
+    (("--edges", "edge", "--time", "edge"), "leave it out"),
+    (("--counts", "edge", "--sample-rate", "10"), "--sample-rate: '10' has no unit"),
+    (("--counts", "edge", "--sample-rate", "-1 Hz"), "--sample-rate"),
+    (("--edges", "edge", "--output-rate", "0 Hz"), "--output-rate"),
+    (("--edges", "edge", "--output-rate", "1 m"), "--output-rate: '1 m' is not a frequency"),
+    (("--edges", "edge", "--sections", "0"), "--sections: 0; expected a whole number from 1 to 100"),
+    (("--edges", "edge", "--pressure", "edge"), "needs a clock of its own"),
+    (("--edges", "edge", "--fuse"), "--fuse: belongs to pressure.channel"),
+    (("--edges", "edge", "--config", "none.toml"), "none.toml: no such file"),
+    (("--edges", ""), "expected a name in quotes"),
+]
+
+
+@pytest.mark.parametrize(("options", "piece"), BAD)
+def test_bad_options_are_told_and_nothing_is_left(vvdp, stamps, here, options, piece):
+    refused = vvdp("estimate", stamps, *options)
+    assert refused.code == 2, refused
+    assert piece in refused.err and "Traceback" not in refused.err
+    assert not refused.out
+    assert [p.name for p in here.iterdir()] == ["edges.csv"] or list((here / "results").iterdir()) == []
+
+
+def test_several_faults_are_told_together(vvdp, stamps, here):
+    (here / "c.toml").write_text('[sensor]\nedges = "edge"\nsectors = 5\n[output]\nrate = "fast"\n')
+    refused = vvdp("estimate", stamps, "--config", "c.toml", "--sections", "0")
+    assert refused.code == 2
+    lines = refused.err.splitlines()
+    assert any(line.startswith("c.toml:3: sensor.sectors:") for line in lines)
+    assert any(line.startswith("c.toml:5: output.rate:") for line in lines)
+    assert any(line.startswith("--sections:") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "piece"),
+    [
+        ("none.csv", None, "no such file"),
+        ("empty.csv", b"", "is empty"),
+        ("log.xyz", b"a\n1\n", "extension"),
+        ("text.csv", b"edge [s]\nhello\n", ""),
+        ("few.csv", b"edge [s]\n1.0\n1.1\n", "2 edges were found"),
+        ("unit.csv", b"edge [bar]\n1.0\n1.1\n1.2\n", "edge times are in s"),
+        ("same.csv", b"edge [s]\n1.0\n1.0\n1.0\n1.0\n", "an estimate needs"),
+    ],
+)
+def test_bad_logs_are_refused(vvdp, here, name, content, piece):
+    if content is not None:
+        (here / name).write_bytes(content)
+    refused = vvdp("estimate", name, "--edges", "edge", "--no-report")
+    assert refused.code == 2, refused
+    assert piece in refused.err and "Traceback" not in refused.err
+
+
+def test_ctrl_c_keeps_what_was_reached(here):
+    h5py = pytest.importorskip("h5py")
+    n = 15_000_000
+    with h5py.File(here / "long.h5", "w") as file:
+        t = file.create_dataset("time", (n,), "f8", chunks=(1 << 16,), compression="gzip", compression_opts=1)
+        counts = file.create_dataset("count", (n,), "f4", chunks=(1 << 16,), compression="gzip", compression_opts=1)
+        t.attrs["units"], counts.attrs["units"] = "s", "1"
+        for begin in range(0, n, 3_000_000):
+            place = np.arange(begin, begin + 3_000_000)
+            t[begin : begin + place.size] = place * 1e-4
+            counts[begin : begin + place.size] = np.floor(place * 1e-4 * SPEED / PITCH)
+    environment = {**os.environ, "PYTHONPATH": str(Path(package.__file__).parents[1])}
+    command = [sys.executable, "-m", "vvdp", "estimate", "long.h5", "--counts", "count", "--no-report", "--out", "r"]
+    with subprocess.Popen(command, cwd=here, env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE,
+                          text=True) as running:  # fmt: skip
+        assert running.stderr is not None
+        for line in running.stderr:
+            if "of the log" in line:
+                break
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=60)
+    assert running.returncode == 130, err
+    assert "interrupted after" in err and "warning: Interrupted" in out
+    kept = read_kept(here / "r")
+    assert kept.summary["finished"] is False
+    assert 0.0 < kept.summary["duration_s"] < n * 1e-4
+    assert sorted(p.name for p in here.iterdir()) == ["long.h5", "r"]

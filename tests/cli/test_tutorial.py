@@ -1,0 +1,41 @@
+"""The tutorial "speed from a bad encoder": its blocks run, print what stands under them, and its pictures are there."""
+
+import importlib.util
+import re
+import shlex
+from pathlib import Path
+
+FOLDER = Path(__file__).parents[2] / "docs" / "tutorials"
+PAGE = (FOLDER / "speed-from-a-bad-encoder.md").read_text("utf-8")
+BLOCK = re.compile(r"```(python|sh)\n(.*?)```\n(?:```text\n(.*?)```\n)?", re.DOTALL)
+LARGEST = 100_000
+"""Bytes that a picture may have."""
+
+
+def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
+    """One program from the first block to the last; the shell's block finds the log that the one before has written."""
+    left, ran = {}, []
+    for kind, block, shown in BLOCK.findall(PAGE):
+        if kind == "sh":
+            command = shlex.split(block)
+            answer = vvdp(*command[1:])
+            assert command[0] == "vvdp" and answer.code == 0, answer.err
+            assert "squared innovations, mean" in answer.out and (here / "wheel" / "report.html").is_file()
+        else:
+            capsys.readouterr()
+            exec(block, left)
+            assert capsys.readouterr().out == shown, block
+        ran.append(kind)
+    assert ran.count("python") >= 12 and ran.count("sh") == 1
+
+
+def test_the_pictures_are_drawn_and_small(tmp_path):
+    spec = importlib.util.spec_from_file_location("tutorial_pictures", FOLDER / "pictures.py")
+    pictures = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(pictures)
+    pictures.main(tmp_path)
+    named = set(re.findall(r"\]\(([\w-]+\.png)\)", PAGE))
+    assert {path.name for path in tmp_path.iterdir()} == named
+    for name in named:
+        assert (FOLDER / name).stat().st_size < LARGEST
+        assert (tmp_path / name).stat().st_size < LARGEST

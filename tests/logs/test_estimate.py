@@ -1,0 +1,538 @@
+"""From records of known motions to angle and speed, and what is said of records with something wrong."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+import vvdp.logs.estimate as estimating
+from vvdp.base.errors import ConfigError
+from vvdp.estimation.event_filter import event_filter, event_filter_start
+from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
+from vvdp.estimation.pressure_edges import pressure_edges
+from vvdp.logs.config import Option, load_estimation
+from vvdp.logs.estimate import estimate, opened
+from vvdp.logs.kept import ROWS_IN_CHUNK, Store, read_kept
+from vvdp.logs.tracking import bridged_time, fused_step, tracked_step
+from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import TURN, equal_wheel
+from vvdp.simulation.replay import Replay
+from vvdp.simulation.values import flat
+
+SPEED = TURN * 24.7
+PITCH = TURN / 8.0
+INDEXED = equal_wheel(8, 0.25)
+JITTER = 0.03  # rad
+
+
+def angles_of(numbers, wheel):
+    numbers = np.asarray(numbers)
+    return TURN * np.floor(numbers / len(wheel.edges)) + np.array(wheel.edges)[np.mod(numbers, len(wheel.edges))]
+
+
+def passing_times(count, wheel=None, first=0, jitter=0.0, seed=0, speed=SPEED, start=0.25):
+    """Times at which edges `first` and on pass at a constant speed; the wheel stands at 0 at time `start` [s]."""
+    wheel = equal_wheel(8) if wheel is None else wheel
+    angles = angles_of(np.arange(first, first + count), wheel)
+    return start + (angles + np.random.default_rng(seed).normal(0.0, jitter, count)) / speed
+
+
+def brightness(angles, wheel, spot=0.49):
+    """Brightness 0 to 1 at angles [rad]: straight ramps `spot` wide about each edge."""
+    edges = np.array(wheel.edges)
+    away = np.mod(angles[:, None] - edges + np.pi, TURN) - np.pi
+    near = np.argmin(np.abs(away), axis=1)
+    sign = np.where(near % 2 == 0, 1.0, -1.0)
+    return np.clip(0.5 + sign * away[np.arange(angles.size), near] / spot, 0.0, 1.0)
+
+
+@pytest.fixture
+def estimated(tmp_path):
+    """Writes channels (name: values and unit) to a file, runs an estimation, and gives what it kept."""
+
+    def run(channels, progress=lambda done: None, **keys):
+        path = tmp_path / "log.h5"
+        with h5py.File(path, "w") as file:
+            for name, (values, unit) in channels.items():
+                file[name] = values
+                file[name].attrs["units"] = unit
+        wanted = load_estimation(None, [Option(key.replace("__", "."), key, value) for key, value in keys.items()])
+        folder = tmp_path / f"out{len(list(tmp_path.glob('out*')))}"
+        folder.mkdir()
+        with opened(path, wanted) as log:
+            estimate(log, wanted, folder, progress=progress)
+        return read_kept(folder)
+
+    return run
+
+
+def titles(kept):
+    return {finding.title for finding in kept.findings}
+
+
+def stamped(times):
+    return {"edge": (times, "s")}
+
+
+# --- the estimate itself
+
+
+def test_exact_stamps_give_the_exact_speed(estimated):
+    kept = estimated(stamped(passing_times(1000)), sensor__edges="edge")
+    found = kept.summary
+    assert found["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-9)
+    assert found["spool_speed_std_rad_s"] < 1e-6 * SPEED
+    assert (found["edges"], found["missed_edges"], found["double_edges"], found["pieces"]) == (1000, 0, 0, 1)
+    assert found["pwm_frequency_mean_Hz"] == pytest.approx(74.1)  # three sections
+    t, angle = kept.column("time"), kept.column("angle")
+    assert np.allclose(np.diff(t), 1e-3, rtol=0.0, atol=1e-9)
+    assert t[0] == pytest.approx(0.25) and np.allclose(t * 1000.0, np.round(t * 1000.0))
+    settled = t > 0.5
+    assert np.allclose(angle[settled], SPEED * (t[settled] - 0.25), atol=1e-6)
+    assert np.allclose(kept.column("angle_in_turn"), np.mod(angle, TURN))
+    assert np.allclose(kept.column("pwm_frequency"), kept.column("speed") * 3.0 / TURN)
+
+
+def test_noise_as_large_as_the_settings_say_gives_innovations_as_expected(estimated):
+    # Gaussian edges of variance R_2, no process noise: the mean of n squared innovations is chi^2_n / n, a little
+    # smaller because the filter allows for an acceleration that is not there: P/(P + R) = 8 % at most.
+    kept = estimated(
+        stamped(passing_times(4000, jitter=JITTER)), sensor__edges="edge", filter__edge_variance=f"{JITTER**2} rad^2"
+    )
+    n = kept.summary["nis_edges"]
+    low, high = chi2.ppf([1e-4, 1.0 - 1e-4], n) / n
+    assert 0.92 * low < kept.summary["nis_mean"] < high
+    assert not titles(kept)
+    t = kept.column("time")
+    late = t > 0.5
+    error = kept.column("angle") - SPEED * (t - 0.25)
+    assert np.std(error[late]) < 1.2 * np.mean(kept.column("angle_deviation")[late])
+    assert np.mean(np.abs(error[late]) < 2.0 * kept.column("angle_deviation")[late]) > 0.9
+
+
+def test_a_wave_with_an_index_gives_the_absolute_angle(estimated):
+    t = np.arange(0.0, 4.0, 1e-4)
+    true = 2.3 + SPEED * t
+    v = 0.5 + 3.0 * brightness(true, INDEXED) + np.random.default_rng(1).normal(0.0, 0.02, t.size)
+    kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__wave="diode", sensor__index_shift=0.25)
+    assert kept.summary["index_found"] is True
+    assert kept.summary["threshold"] == pytest.approx(2.0, abs=0.02)
+    rows = kept.column("time")
+    late = rows > 0.3
+    error = np.mod(kept.column("angle") - 2.3 - SPEED * rows + np.pi, TURN) - np.pi
+    # the threshold's 0.02 V of 3 V on a ramp of 0.49 rad: 3 mrad, which alternates
+    assert np.max(np.abs(error[late])) < 0.01
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-4)
+
+
+def test_a_counter_gives_the_speed_with_the_noise_of_its_sampling(estimated):
+    t = np.arange(0.0, 5.0, 1e-3)
+    counts = np.floor((0.4 + SPEED * t) / PITCH)
+    kept = estimated({"time": (t, "s"), "n": (counts, "")}, sensor__counts="n")
+    assert kept.summary["edges"] == counts[-1]
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-3)
+    assert not kept.summary["commensurate"] and "Perhaps a wrong number of sectors" not in titles(kept)
+
+
+def test_small_portions_give_the_same_as_large_ones(estimated, monkeypatch):
+    t = np.arange(0.0, 3.0, 2e-4)
+    v = brightness(0.7 + SPEED * t, INDEXED) + np.random.default_rng(2).normal(0.0, 0.01, t.size)
+    channels = {"time": (t, "s"), "diode": (v, "V")}
+    keys = {"sensor__wave": "diode", "sensor__index_shift": 0.25, "threshold__level": 0.5}
+    whole = estimated(channels, **keys)
+    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", 1009)
+    parts = estimated(channels, **keys)
+    for name in ("time", "angle", "speed", "piece", "edges/time", "edges/number"):
+        assert np.allclose(parts.column(name), whole.column(name), rtol=1e-3, atol=1e-3), name
+    assert parts.size("time") == whole.size("time")
+
+
+def test_the_smoother_is_better_than_the_filter(estimated):
+    rng = np.random.default_rng(4)
+    # a random walk of the speed as the filter assumes it, q = 25 rad^2/s^3, finely integrated
+    t = np.arange(0.0, 20.0, 1e-4)
+    speed = SPEED + np.cumsum(rng.normal(0.0, np.sqrt(25.0 * 1e-4), t.size))
+    angle = np.cumsum(speed) * 1e-4
+    edges = np.arange(1, int(angle[-1] / PITCH)) * PITCH
+    times = np.interp(edges + rng.normal(0.0, JITTER, edges.size), angle, t)
+    kept = estimated(
+        stamped(np.sort(times)),
+        sensor__edges="edge",
+        output__smooth=True,
+        filter__acceleration_density="25 rad^2/s^3",
+        filter__edge_variance=f"{JITTER**2} rad^2",
+    )
+    rows = kept.column("time")
+    late = (rows > 1.0) & (rows < 19.0)
+    true = np.interp(rows, t, speed)
+    filtered, smoothed = kept.column("speed") - true, kept.column("smoothed_speed") - true
+    assert np.std(smoothed[late]) < 0.8 * np.std(filtered[late])
+    ratio = np.std(smoothed[late]) / np.mean(kept.column("smoothed_speed_deviation")[late])
+    assert 0.8 < ratio < 1.2  # its own deviation is honest
+    assert np.isfinite(smoothed[late]).all()
+
+
+# --- what may be wrong with a record
+
+
+def test_missed_edges_are_counted_one_by_one(estimated):
+    times = passing_times(2000, jitter=0.01)
+    lost = np.random.default_rng(5).choice(np.arange(50, 1950), 40, replace=False)
+    kept = estimated(stamped(np.delete(times, lost)), sensor__edges="edge")
+    assert kept.summary["missed_edges"] == 40
+    assert kept.summary["edges"] == 1960
+    assert "Missed edges" in titles(kept)
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-3)
+    rows = kept.column("time")
+    late = rows > 0.5
+    assert np.max(np.abs(kept.column("angle") - SPEED * (rows - 0.25))[late]) < 0.5 * PITCH
+
+
+def test_double_edges_are_taken_out(estimated):
+    times = passing_times(1000, jitter=0.01)
+    kept = estimated(stamped(np.sort(np.concatenate([times, times[100:900:40] + 1e-4]))), sensor__edges="edge")
+    assert kept.summary["double_edges"] == 20
+    assert kept.summary["missed_edges"] == 0
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-4)
+
+
+def test_a_pause_starts_the_filter_anew_and_says_nothing_meanwhile(estimated):
+    times = passing_times(800)
+    pause = times[400] + 5.0
+    kept = estimated(stamped(np.concatenate([times[:400], times[400:] + 5.0])), sensor__edges="edge")
+    assert kept.summary["pieces"] == 2 and "Pauses without edges" in titles(kept)
+    t, angle = kept.column("time"), kept.column("angle")
+    assert np.allclose(np.diff(t), 1e-3, atol=1e-9)
+    bridge = bridged_time(PITCH / SPEED, event_filter(equal_wheel(8)))
+    inside = (t > times[399] + bridge + 2e-3) & (t < pause - 2e-3)
+    assert np.isnan(angle[inside]).all() and np.isfinite(angle[~inside]).mean() > 0.99
+    known = angle[np.isfinite(angle)]
+    assert known[-1] > known[0] + TURN * 90  # the unwrapped angle never falls back
+    assert set(np.unique(kept.column("piece"))) == {1.0, 2.0}
+
+
+def test_time_that_runs_backwards_cuts_the_record(estimated):
+    one, two = passing_times(300), passing_times(300, start=0.1)
+    kept = estimated(stamped(np.concatenate([one, two])), sensor__edges="edge")
+    assert kept.summary["backward_times"] == 1 and kept.summary["pieces"] == 2
+    assert "Time runs backwards" in titles(kept) and "Pauses without edges" not in titles(kept)
+    t, piece = kept.column("time"), kept.column("piece")
+    assert t[piece == 2.0][0] < t[piece == 1.0][-1]
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-6)
+    waves = np.arange(0.0, 1.5, 1e-3)
+    both = np.concatenate([waves, waves])
+    kept = estimated({"time": (both, "s"), "n": (np.floor(SPEED * np.arange(both.size) * 1e-3 / PITCH), "")},
+                     sensor__counts="n")  # fmt: skip
+    assert kept.summary["backward_times"] == 1 and kept.summary["pieces"] == 2
+
+
+def test_gaps_and_values_that_are_no_numbers_are_told(estimated):
+    t = np.arange(0.0, 3.0, 2e-4)
+    v = brightness(0.7 + SPEED * t, INDEXED)
+    v[5000:5003] = np.nan
+    present = (t < 1.5) | (t > 1.53)
+    kept = estimated({"time": (t[present], "s"), "diode": (v[present], "V")}, sensor__wave="diode",
+                     sensor__index_shift=0.25)  # fmt: skip
+    assert kept.summary["gaps"] == 1 and kept.summary["not_numbers"] == 3
+    assert {"Gaps in the record", "Values that are no numbers"} <= titles(kept)
+    assert kept.summary["pieces"] == 1  # 30 ms are bridged
+    # At 24.7 Hz 5.06 ms a sector: 0.03 s hold about six edges, of which those within are gone.
+    assert 4 <= kept.summary["missed_edges"] <= 7
+    rows = kept.column("time")
+    error = np.mod(kept.column("angle") - 0.7 - SPEED * rows + np.pi, TURN) - np.pi
+    assert np.max(np.abs(error[rows > 0.3])) < 0.05
+
+
+@pytest.mark.parametrize(("level", "inverted"), [(1.4, False), (2.5, False), (2.4, True)])
+def test_a_threshold_that_is_off_is_found_and_a_better_one_named(estimated, level, inverted):
+    t = np.arange(0.0, 3.0, 1e-4)
+    bright = brightness(0.3 + SPEED * t, equal_wheel(8))
+    v = 0.5 + 3.0 * (1.0 - bright if inverted else bright)
+    kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__wave="diode", threshold__level=level,
+                     sensor__inverted=inverted)  # fmt: skip
+    # A ramp of 0.49 rad over 3 V: edges are off by (level - 2) 0.49/3, late where too high, and not inverted.
+    expected = (level - 2.0) * 0.49 / 3.0 * (-1.0 if inverted else 1.0)
+    assert kept.summary["threshold_bias_rad"] == pytest.approx(expected, rel=0.1)
+    assert kept.summary["threshold_suggested"] == pytest.approx(2.0, abs=0.06)
+    assert "The threshold is off" in titles(kept)
+    assert "Edges lie elsewhere on the wheel" not in titles(kept)
+
+
+def test_edges_that_lie_elsewhere_are_found_on_the_wheel(estimated):
+    moved = np.array(equal_wheel(8).edges)
+    moved[3] += 0.06
+    numbers = np.arange(4000)
+    true = TURN * (numbers // 8) + moved[numbers % 8] + np.random.default_rng(6).normal(0.0, JITTER, numbers.size)
+    kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge")
+    offsets = kept.column("wheel/offset")
+    # The mean of all offsets cannot be seen: 0.06 (1 - 1/8) = 0.0525 at edge 3, -0.0075 elsewhere. The filter follows
+    # a part K = P/S of it, below 8 %.
+    assert offsets[3] == pytest.approx(0.0525, rel=0.1)
+    assert np.delete(offsets, 3) == pytest.approx(np.full(7, -0.0075), abs=4.0 * JITTER / np.sqrt(500))
+    (finding,) = [f for f in kept.findings if f.title == "Edges lie elsewhere on the wheel"]
+    assert finding.found.startswith("Edge 3 lies +0.05") and "stands alone" in finding.found
+
+
+def test_an_eccentric_wheel_is_called_one(estimated):
+    numbers = np.arange(4000)
+    nominal = numbers * PITCH
+    true = nominal + 0.05 * np.sin(nominal) + np.random.default_rng(7).normal(0.0, 0.01, numbers.size)
+    kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge")
+    (finding,) = [f for f in kept.findings if f.title == "Edges lie elsewhere on the wheel"]
+    assert "eccentric" in finding.found
+
+
+def test_a_wrong_number_of_sectors_is_suspected(estimated):
+    widths = np.array([1.0, 1.1, 0.9, 1.05, 1.0, 0.95, 1.1, 0.9, 1.0, 1.0])  # ten sectors, not quite equal
+    places = np.concatenate([[0.0], np.cumsum(widths)[:-1]]) * TURN / np.sum(widths)
+    numbers = np.arange(3000)
+    true = TURN * (numbers // 10) + places[numbers % 10]
+    kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge", sensor__sectors=8)
+    (finding,) = [f for f in kept.findings if f.title == "Perhaps a wrong number of sectors"]
+    assert "repeat after 10 edges" in finding.found
+    right = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge", sensor__sectors=10)
+    assert "Perhaps a wrong number of sectors" not in titles(right)
+
+
+def test_an_index_that_is_not_there_is_missed(estimated):
+    times = passing_times(800, jitter=JITTER)
+    kept = estimated(stamped(times), sensor__edges="edge", sensor__index_shift=0.25)
+    assert kept.summary["index_found"] is False and "Index not found" in titles(kept)
+    kept = estimated(stamped(passing_times(800, INDEXED, jitter=0.02)), sensor__edges="edge", sensor__index_shift=0.25)
+    assert kept.summary["index_found"] is True and "Index not found" not in titles(kept)
+
+
+def test_edges_in_step_with_the_clock_are_told(estimated):
+    t = np.arange(5000) / 1000.0
+    counts = np.floor((0.1 + TURN * 25.0 * t) / PITCH + 1e-9)
+    kept = estimated({"time": (t, "s"), "n": (counts, "")}, sensor__counts="n")
+    assert kept.summary["commensurate"] is True and "Edges in step with the clock" in titles(kept)
+
+
+def test_settings_that_do_not_fit_are_told_with_better_ones(estimated):
+    quiet = estimated(stamped(passing_times(3000, jitter=0.01)), sensor__edges="edge")
+    (finding,) = [f for f in quiet.findings if f.title == "Noise settings too large"]
+    named = float(finding.remedy.split("about ")[1].split()[0])
+    assert named == pytest.approx(0.01**2, rel=0.1)
+    loud = estimated(stamped(passing_times(3000, jitter=0.1)), sensor__edges="edge")
+    (finding,) = [f for f in loud.findings if f.title == "Noise settings too small"]
+    named = float(finding.remedy.split("about ")[1].split()[0])
+    assert named == pytest.approx(0.1**2, rel=0.25)
+
+
+def test_a_time_range_is_kept_to(estimated):
+    kept = estimated(stamped(passing_times(1000)), sensor__edges="edge", log__from="1 s", log__until="3 s")
+    t = kept.column("time")
+    assert t[0] >= 1.0 and t[-1] <= 3.0
+    assert kept.summary["edges"] == pytest.approx(2.0 * 24.7 * 8, abs=1)
+
+
+def test_edge_times_in_other_units(estimated):
+    kept = estimated({"edge": (1e3 * passing_times(400), "ms")}, sensor__edges="edge")
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-7)
+
+
+# --- pressure
+
+
+def pressure_of(angles, duty=0.4):
+    share = np.mod(3.0 * angles / TURN, 1.0)
+    return 5.0 + 95.0 * np.clip(np.minimum(share, duty - share) / 0.04 + 0.5, 0.0, 1.0)  # noqa: TID251
+
+
+@pytest.mark.parametrize("excess", [0.0, 0.08])
+def test_the_pressure_gives_the_duty_ratio_and_folds_onto_the_turn(estimated, excess):
+    t = np.arange(0.0, 3.0, 1e-4)
+    true = 0.3 + SPEED * t
+    kept = estimated(
+        {"time": (t, "s"), "diode": (brightness(true, INDEXED), "V"), "inlet": (pressure_of(true), "bar")},
+        sensor__wave="diode",
+        sensor__index_shift=0.25,
+        pressure__channel="inlet",
+        pressure__duty_excess=excess,
+    )
+    # Crossings of one half lie `duty` of a period apart; a level off by 5 % of the swing moves each by 0.05 x 0.04.
+    assert kept.summary["duty_ratio_mean"] == pytest.approx(0.4 - excess, abs=4e-3)
+    watched = 4.0 * pressure_edges().level_time  # before its plateaus are believed
+    assert kept.summary["pressure_pulses"] == pytest.approx((3.0 - watched) * 74.1, abs=3)
+    assert kept.summary["inlet_pressure_max_Pa"] == pytest.approx(100e5 + 101325.0, rel=1e-3)
+    angle, mean = kept.column("folded/angle"), kept.column("folded/mean")
+    assert np.allclose((mean - 101325.0) / 1e5, pressure_of(angle), atol=8.0)
+    assert np.nanmax(kept.column("inlet_pressure")) <= 100e5 + 101326.0
+
+
+@pytest.mark.parametrize("portion", [1_000_000, 7_000])
+def test_the_pressure_is_cut_where_time_runs_backwards(estimated, monkeypatch, portion):
+    """Three records in one file: each pressure belongs to the angle of its own record."""
+    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    t = np.arange(0.0, 2.0, 2e-4)
+    angles = np.concatenate([start + SPEED * t for start in (0.3, 2.1, 1.2)])
+    kept = estimated(
+        {
+            "time": (np.tile(t, 3), "s"),
+            "diode": (brightness(angles, INDEXED), "V"),
+            "inlet": (pressure_of(angles), "bar"),
+        },
+        sensor__wave="diode",
+        sensor__index_shift=0.25,
+        pressure__channel="inlet",
+    )
+    assert kept.summary["backward_times"] == 2 and kept.summary["index_found"]
+    assert kept.summary["duty_ratio_mean"] == pytest.approx(0.4, abs=4e-3)
+    watched = 4.0 * pressure_edges().level_time  # of each record, before its plateaus are believed
+    assert kept.summary["pressure_pulses"] == pytest.approx(3 * (2.0 - watched) * 74.1, abs=9)
+    angle, low, high = (kept.column(f"folded/{name}") for name in ("angle", "low", "high"))
+    flat_part = np.abs(np.mod(3.0 * angle / TURN, 1.0) - 0.2) < 0.12  # up, and far from either edge
+    assert np.allclose((low[flat_part] - 101325.0) / 1e5, 100.0, atol=1.0)
+    down = np.abs(np.mod(3.0 * angle / TURN, 1.0) - 0.7) < 0.22
+    assert np.allclose((high[down] - 101325.0) / 1e5, 5.0, atol=1.0)
+
+
+def test_rows_are_written_by_whole_chunks(tmp_path):
+    """What comes in portions of any size is what was given, whether a chunk is full or not."""
+    values = np.random.default_rng(1).normal(size=3 * ROWS_IN_CHUNK + 17)
+    with Store(tmp_path / "a.h5") as store:
+        store.columns("edges", {"x": ("1", "x")})
+        for part in np.split(values, [0, 10, ROWS_IN_CHUNK - 10, ROWS_IN_CHUNK, 3 * ROWS_IN_CHUNK + 1]):
+            store.append("edges", {"x": part})
+            assert store.file["edges/x"].shape[0] % ROWS_IN_CHUNK == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert np.array_equal(file["edges/x"][:], values)
+
+
+def test_the_pressure_carries_the_angle_where_the_encoder_is_silent(estimated):
+    t = np.arange(0.0, 6.0, 2e-4)
+    speed = SPEED * (1.0 + 0.02 * np.sin(TURN * 0.5 * t))
+    true = 0.3 + np.cumsum(speed) * 2e-4
+    v = brightness(true, INDEXED)
+    v[(t > 3.0) & (t < 4.5)] = 0.0
+    channels = {"time": (t, "s"), "diode": (v, "V"), "inlet": (pressure_of(true), "bar")}
+    keys = {"sensor__wave": "diode", "sensor__index_shift": 0.25, "pressure__channel": "inlet",
+            "pressure__duty_excess": 0.08, "pressure__lag": "0.1 ms",
+            "filter__acceleration_density": "25 rad^2/s^3", "threshold__level": 0.5}  # fmt: skip
+    alone = estimated(channels, **keys)
+    assert alone.summary["pieces"] == 2
+    fused = estimated(channels, **keys, pressure__fuse=True)
+    assert fused.summary["pieces"] == 1
+    rows = fused.column("time")
+    silent = (rows > 3.1) & (rows < 4.4)
+    error = np.mod(fused.column("angle") - np.interp(rows, t, true) + np.pi, TURN) - np.pi
+    assert np.max(np.abs(error[silent])) < 0.15
+    assert np.isnan(alone.column("angle")[(rows[: alone.size("time")] > 3.9) & silent[: alone.size("time")]]).any()
+    assert np.nanmean(fused.column("pressure_duty_ratio")[silent]) == pytest.approx(0.4 - 0.08, abs=0.03)
+    assert np.all(fused.column("pressure_lag")[silent] == 1e-4)  # taken as known
+
+
+# --- what cannot be estimated, and what is kept
+
+
+@pytest.mark.parametrize(
+    ("channels", "keys", "piece"),
+    [
+        ({"edge": (np.empty(0), "s")}, {"sensor__edges": "edge"}, "no samples"),
+        ({"edge": (np.array([0.1, 0.2]), "s")}, {"sensor__edges": "edge"}, "2 edges were found"),
+        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "edge", "log__from": "9 s"}, "time range"),
+        ({"edge": (passing_times(9), "V")}, {"sensor__edges": "edge"}, "edge times are in s"),
+        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "egde"}, "did you mean 'edge'"),
+        ({"time": (np.arange(900.0), "s"), "w": (np.ones(900), "V")}, {"sensor__wave": "w"}, "no threshold"),
+        (
+            {"edge": (passing_times(9), "s")},
+            {"sensor__edges": "edge", "pressure__channel": "edge"},
+            "needs a clock of its own",
+        ),
+        ({"edge": (passing_times(9), "s")}, {"sensor__edges": "edge", "log__time": "edge"}, "clock themselves"),
+        (
+            {"time": (np.arange(9.0), "s"), "w": (np.ones(9), "V"), "p": (np.ones(9), "kg")},
+            {"sensor__wave": "w", "pressure__channel": "p"},
+            "name its unit",
+        ),
+    ],
+)
+def test_what_cannot_be_estimated_is_refused(estimated, channels, keys, piece):
+    with pytest.raises(ConfigError, match=piece):
+        estimated(channels, **keys)
+
+
+def test_an_interruption_keeps_what_was_reached(estimated, monkeypatch):
+    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", 2000)
+
+    def stop(done):
+        if done > 0.4:
+            raise KeyboardInterrupt
+
+    t = np.arange(0.0, 10.0, 1e-3)
+    channels = {"time": (t, "s"), "n": (np.floor(SPEED * t / PITCH), "")}
+    kept = estimated(channels, progress=stop, sensor__counts="n")
+    assert kept.summary["finished"] is False and "Interrupted" in titles(kept)
+    assert 3.0 < kept.column("time")[-1] < 8.0
+
+
+def test_all_that_is_kept_has_units_and_names(estimated, tmp_path):
+    kept = estimated(stamped(passing_times(300)), sensor__edges="edge")
+    with h5py.File(kept.directory / "result.h5") as file:
+
+        def check(name, item):
+            if isinstance(item, h5py.Dataset):
+                assert item.attrs["units"] and item.attrs["long_name"], name
+
+        file.visititems(check)
+    assert len(kept.meta["log_sha256"]) == 64
+    json.dumps(kept.summary, allow_nan=False)
+    again = load_estimation(kept.directory / "estimate.toml")
+    assert again.source.channel == "edge"
+
+
+def test_a_damaged_result_is_refused(estimated):
+    kept = estimated(stamped(passing_times(300)), sensor__edges="edge")
+    (kept.directory / "summary.json").write_text("[")
+    with pytest.raises(ConfigError, match="is damaged"):
+        read_kept(kept.directory)
+    (kept.directory / "summary.json").unlink()
+    with pytest.raises(ConfigError, match=r"summary\.json missing"):
+        read_kept(kept.directory)
+
+
+# --- the steps
+
+
+def test_bridged_time_is_where_three_deviations_reach_half_a_sector():
+    settings = event_filter(equal_wheel(8))
+    T = PITCH / SPEED
+    h = bridged_time(T, settings)
+    # The steady state by brute force: predict and correct until nothing changes.
+    P = AngleSpeed(0.0, 0.0, 1.0, 0.0, 1.0)
+    for _ in range(20_000):
+        M = propagated(P, T, settings.acceleration_density)
+        S = M.angle_variance + settings.edge_variance
+        k1, k2 = M.angle_variance / S, M.covariance / S
+        P = AngleSpeed(0.0, 0.0, (1 - k1) * M.angle_variance, (1 - k1) * M.covariance,
+                       M.speed_variance - k2 * M.covariance)  # fmt: skip
+    reached = 3.0 * np.sqrt(propagated(P, h, settings.acceleration_density).angle_variance)
+    assert reached == pytest.approx(0.5 * PITCH, rel=0.02)  # the closed form is that of continuous measurements
+
+
+def test_plain_python_and_replay_agree():
+    settings = event_filter(INDEXED)
+    rng = np.random.default_rng(8)
+    times = np.cumsum(rng.uniform(4e-3, 6e-3, 200))
+    rows = np.column_stack([times, rng.integers(0, 3, 200), times - 5e-4, np.full(200, 1e-3), rng.integers(-1, 2, 200)])
+    cases = [
+        (tracked_step, event_filter_start(settings, 0.0, 0.0, 150.0), Reading(*[0.0] * 5), settings, rows),
+        (
+            fused_step,
+            fusion_start(fusion(settings), 0.0, 0.0, 150.0),
+            FusionReading(Reading(*[0.0] * 5), *[0.0] * 5),
+            fusion(settings),
+            np.column_stack([rows, rng.integers(0, 2, 200), times - 1e-3, np.full(200, 1e-4),
+                             rng.choice([-1.0, 1.0], 200), np.full(200, np.nan)]),
+        ),
+    ]  # fmt: skip
+    for step, memory, example, given, numbers in cases:
+        compiled = Replay(step, memory, example, given)(memory, numbers).shown
+        for row, shown in zip(numbers.tolist(), compiled, strict=True):
+            reading = Reading(*row) if step is tracked_step else FusionReading(Reading(*row[:5]), *row[5:])
+            memory, plain = step(memory, reading, given)
+            assert np.allclose(flat(plain), shown, rtol=1e-9, atol=1e-9, equal_nan=True)

@@ -1,0 +1,99 @@
+"""The report of an estimation is whole, stands alone, and is the same each time."""
+
+import re
+import shutil
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.logs.config import Option, load_estimation
+from vvdp.logs.estimate import estimate, opened
+from vvdp.report.log_report import write_log_report
+
+SPEED = 2.0 * np.pi * 24.7
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    """A result directory of an estimation with everything: wave, pressure, smoother."""
+    folder = tmp_path_factory.mktemp("measured")
+    t = np.arange(0.0, 2.0, 2e-4)
+    angle = 0.3 + SPEED * t
+    rng = np.random.default_rng(0)
+    wave = 0.4 + 3.0 * np.clip(0.5 + 1.6 * np.sin(4.0 * angle), 0.0, 1.0) + rng.normal(0.0, 0.02, t.size)
+    inlet = np.clip(50.0 + 300.0 * np.sin(3.0 * angle), 5.0, 100.0)
+    path = folder / "bench <b>.csv"
+    np.savetxt(path, np.column_stack([t, wave, inlet]), delimiter=",", fmt="%.7g", comments="",
+               header="time [s],photodiode [V],inlet [bar]")  # fmt: skip
+    options = {"sensor.wave": "photodiode", "pressure.channel": "inlet", "output.smooth": True}
+    wanted = load_estimation(None, [Option(key, key, value) for key, value in options.items()])
+    (folder / "run").mkdir()
+    with opened(path, wanted) as log:
+        estimate(log, wanted, folder / "run", more={"written": "2026-01-02T03:04:05+0000"})
+    return folder / "run"
+
+
+@pytest.fixture
+def directory(measured, tmp_path):
+    return shutil.copytree(measured, tmp_path / "run")
+
+
+@pytest.fixture(scope="module")
+def written(measured, tmp_path_factory):
+    """The same with its report; not to be written to."""
+    directory = shutil.copytree(measured, tmp_path_factory.mktemp("written") / "run")
+    write_log_report(directory)
+    return directory
+
+
+def test_the_page_stands_alone_with_every_figure(written):
+    directory, page = written, (written / "report.html").read_text("utf-8")
+    for name in ("wave", "speed", "innovations", "wheel", "pressure"):
+        ET.parse(directory / "figures" / f"{name}.svg")
+        assert (directory / "figures" / f"{name}.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+        assert f'id="figure-{name}"' in page
+    # pictures inside of an SVG are data, nothing is fetched
+    assert not re.search(r"url\((?!#)|@import|<script|<iframe|<link", page)
+    assert all(target.startswith(("#", "data:")) for target in re.findall(r'(?:src|href)="([^"]*)"', page))
+    identifiers = re.findall(r'\bid="([^"]+)"', page)
+    assert len(identifiers) == len(set(identifiers))
+    assert not list(directory.rglob("*.tmp"))
+
+
+def test_it_tells_numbers_findings_and_settings(written):
+    page = (written / "report.html").read_text("utf-8")
+    said = re.sub(r"<[^>]*>", "", page.partition("<body>")[2])
+    assert "1482" in said and "74.10 Hz" in said and "2 January 2026" in said
+    assert "Noise settings too large" in said
+    assert "wave = &quot;photodiode&quot;" in said
+    assert "bench &lt;b&gt;.csv" in said and "<b>.csv" not in page
+
+
+def test_made_again_it_has_the_same_bytes_and_stale_figures_go(written, directory):
+    (directory / "figures").mkdir()
+    (directory / "figures" / "old.svg").write_text("<svg/>")
+    write_log_report(directory)
+    one, two = ({path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+                for place in (written, directory))  # fmt: skip
+    assert one == two
+
+
+def test_what_is_no_estimation_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match="is not the result of an estimation"):
+        write_log_report(tmp_path)
+    with pytest.raises(ConfigError, match="no such directory"):
+        write_log_report(tmp_path / "none")
+
+
+def test_a_short_record_of_stamps_still_gives_a_report(tmp_path):
+    path = tmp_path / "few.csv"
+    path.write_text("edge [s]\n" + "\n".join(f"{0.1 + 0.005 * k:.4f}" for k in range(5)) + "\n")
+    wanted = load_estimation(None, [Option("sensor.edges", "--edges", "edge")])
+    (tmp_path / "run").mkdir()
+    with opened(path, wanted) as log:
+        estimate(log, wanted, tmp_path / "run")
+    page = write_log_report(tmp_path / "run").read_text("utf-8")
+    assert "Too short" in page and "the filter has not settled" in page
+    assert not (tmp_path / "run" / "figures" / "wave.svg").exists()
