@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vvdp.base.errors import ConfigError, ParameterError, VvdpError
-from vvdp.cli import check, listing, new, report, run, show, study, valve
+from vvdp.cli import check, compare, estimate, geometry, listing, new, report, run, show, study, valve
 
 BAD_INPUT = 2
 FAILED = 1
@@ -25,6 +25,9 @@ app = typer.Typer(
 app.command("run")(run.run)
 app.command("valve")(valve.valve)
 app.command("study")(study.study)
+app.command("estimate")(estimate.estimate)
+app.add_typer(compare.app, name="compare")
+app.command("geometry")(geometry.geometry)
 app.command("list")(listing.systems)
 app.command("show")(show.show)
 app.command("new")(new.new)

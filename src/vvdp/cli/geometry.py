@@ -1,0 +1,126 @@
+"""`vvdp geometry`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vvdp.cli.options import AsJson, Force, Settings, SystemName
+
+if TYPE_CHECKING:
+    from vvdp.geometry.measure import Comparison
+    from vvdp.report.geometry_product import Product
+    from vvdp.systems.system import System
+
+INTERRUPTED = 130
+
+
+def geometry(
+    system: SystemName,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Where to write; by default results/geometry-SYSTEM-DATE-TIME."),
+    ] = None,
+    shape: Annotated[
+        Path | None,
+        typer.Option("--shape", metavar="FILE", help="TOML with a table [geometry] of lengths other than shipped."),
+    ] = None,
+    angle: Annotated[
+        str, typer.Option("--angle", metavar="ANGLE", help="Spool angle of the oil's volumes; 0 is open to the load.")
+    ] = "0 deg",
+    fineness: Annotated[float, typer.Option("--fineness", min=8, max=200, help="Edges per spool radius.")] = 25.0,
+    frames: Annotated[int, typer.Option("--frames", min=0, help="Of the film of one PWM period; 0 for none.")] = 48,
+    step: Annotated[bool, typer.Option("--step", help="Write STEP files too; needs the cad extra.")] = False,
+    settings: Settings = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> None:
+    """Build spool, sleeve and oil volumes as solids, and draw them.
+
+    The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set as
+    --set geometry.KEY=VALUE. Ctrl-C keeps what is made.
+    """
+    from vvdp.base.signal import signal_value
+    from vvdp.cli.run import default_directory
+    from vvdp.cli.screen import print_json, say
+    from vvdp.geometry.domains import require_within_stroke
+    from vvdp.geometry.shape import given_shape
+    from vvdp.report.geometry_product import Order, write_product
+    from vvdp.simulation.results import result_directory
+    from vvdp.systems.system import load_system
+
+    if step:
+        from vvdp.geometry.exact import require_cad
+
+        require_cad()
+    own = [text for text in settings or () if text.strip().startswith("geometry.")]
+    loaded = load_system(system, [text for text in settings or () if text not in own])
+    supply = loaded.case.params.supply
+    made, rows = given_shape(supply.valve, shape, own)
+    position = float(signal_value(0.0, supply.operation.axial_position))
+    require_within_stroke(position, made, supply.valve)
+    order = Order(
+        title=loaded.title,
+        name=loaded.name,
+        valve=supply.valve,
+        shape=made,
+        rows=rows,
+        angle=_spool_angle(angle),
+        position=position,
+        fineness=fineness,
+        frames=frames,
+        step=step,
+    )
+    directory = out if out is not None else default_directory(f"geometry-{loaded.name}")
+    with result_directory(directory, force=force) as folder:
+        product = write_product(folder, order, say)
+    if json:
+        print_json({**product.summary, "out": str(directory)})
+    else:
+        _print(loaded, product)
+        typer.echo(f"results: {directory}\nreport: {directory / 'report.html'}")
+    if not product.finished:
+        say("interrupted; what was made is written")
+        raise typer.Exit(INTERRUPTED)
+
+
+def _spool_angle(text: str) -> float:
+    from vvdp.base.errors import ConfigError, Fault, ParameterError
+    from vvdp.base.kinds import ANGLE
+    from vvdp.base.units import parsed
+
+    try:
+        return parsed(text, ANGLE)
+    except ParameterError as problem:
+        raise ConfigError([Fault("--angle", 0, "", str(problem))]) from None
+
+
+def _print(system: "System", product: "Product") -> None:
+    from vvdp.cli.screen import console, grid
+    from vvdp.report.geometry_report import shown
+
+    out, s = console(), product.summary
+    out.print(system.title, soft_wrap=True)
+    out.print(f"duty ratio {s['duty_ratio']:.4g}, spool angle {shown(s['spool_angle_rad'], 'rad')}")
+    if product.comparisons:
+        out.print(_compared(product.comparisons, s.get("openings_difference")))
+    table = grid("", "volume", "triangles", right=("volume", "triangles"))
+    for name, volume, triangles in product.bodies:
+        table.add_row(name, shown(volume, "m^3"), str(triangles) if triangles else "-")
+    out.print(table)
+    for name in product.shut:
+        out.print(f"{name}: not made, the nozzles are shut to this side here", soft_wrap=True)
+
+
+def _compared(comparisons: "Sequence[Comparison]", openings: float | None) -> Any:
+    from vvdp.cli.screen import grid
+    from vvdp.report.geometry_report import shown
+
+    table = grid("quantity", "formula", "mesh", "difference", right=("formula", "mesh", "difference"))
+    for each in comparisons:
+        measured = shown(each.measured, each.unit)
+        table.add_row(each.title, shown(each.formula, each.unit), measured, f"{100.0 * each.difference:+.3f} %")
+    if openings is not None:
+        table.add_row("open share over a period, largest", "", "", f"{100.0 * openings:.3f} %")
+    return table
