@@ -156,12 +156,12 @@ OWN_RANGES = {"power_growth": {"ratio": (0.01, 200.0), "exponent": (0.0, 0.5)}}
 FORWARD = {"flow": (1e-4, 1e-3), "duty_ratio": (0.35, 0.65)}  # for formulas that say "> 0"
 ONLY_FORWARD = {
     "transition_loss", "closed_form_load_flow", "compression_regime", "equilibrium_speed", "friction_area_fitted",
-    "nozzle_reynolds_number", "spool_time_constant", "stall_torque", "flow_damping",
+    "nozzle_reynolds_number", "spool_time_constant", "stall_torque", "flow_damping", "driven_speed",
 }  # fmt: skip
 # Tables and texts over many angles, searches, and energies under a law that is handed over: not for the loop.
 NOT_IN_THE_LOOP = {
     "quasi_steady_cycle", "quasi_steady_mean", "mean_load_flow", "averaged_spool_speed", "operating_point",
-    "range_warnings", "best_relief_pressure", "specific_volume_exponent", "mean_modulus",
+    "range_warnings", "best_relief_pressure", "bearing_eccentricity", "specific_volume_exponent", "mean_modulus",
     "modulus.compression_energy_per_volume", "modulus.compression_energy_per_mass",
 }  # fmt: skip
 # Refuse a value with an error, which only plain numbers can.

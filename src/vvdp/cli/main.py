@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vvdp.base.errors import ConfigError, ParameterError, VvdpError
-from vvdp.cli import check, compare, estimate, geometry, listing, new, report, run, show, study, valve
+from vvdp.cli import check, compare, design, estimate, geometry, listing, new, report, run, show, study, valve
 
 BAD_INPUT = 2
 FAILED = 1
@@ -27,6 +27,7 @@ app.command("valve")(valve.valve)
 app.command("study")(study.study)
 app.command("estimate")(estimate.estimate)
 app.add_typer(compare.app, name="compare")
+app.add_typer(design.app, name="design")
 app.command("geometry")(geometry.geometry)
 app.command("list")(listing.systems)
 app.command("show")(show.show)

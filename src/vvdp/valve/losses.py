@@ -220,7 +220,12 @@ def range_warnings(
     """
     found = []
     kappa = transition_fraction(valve)
-    if not kappa <= duty_ratio <= 1.0 - kappa:
+    if kappa > 0.5:
+        found.append(
+            f"a transition takes {kappa:.4g} of a period: at no duty ratio do both ports open fully, and the closed "
+            f"form of the transition loss does not hold"
+        )
+    elif not kappa <= duty_ratio <= 1.0 - kappa:
         port = "load" if duty_ratio < kappa else "tank"
         found.append(
             f"duty ratio {duty_ratio:.4g} lies outside {kappa:.4g} to {1.0 - kappa:.4g}: the {port} port is never "

@@ -167,6 +167,25 @@ def equilibrium_speed(flow: float, density: float, viscosity: float, valve: Rota
     return stall_torque(flow, density, valve) / resistance
 
 
+def driven_speed(
+    motor_speed: float, coupling: float, flow: float, density: float, viscosity: float, valve: RotaryValve
+) -> float:
+    """Speed of the fully open valve's spool with a motor on a slipping coupling, or by itself at coupling 0 [rad/s].
+
+    omega = (tau_stall + K omega_m) / (k_f + rho R_out^2 Q + K)
+
+    motor_speed  [rad/s]
+    coupling     K, torque per slip [N m s]
+    flow         > 0 [m^3/s]
+    density      [kg/m^3]
+    viscosity    dynamic [Pa s]
+
+    Source  wang2017, eqs. 2.6, 2.7 and 2.9 in balance; the coupling is ours, docs/models/components.md
+    """
+    resistance = friction_coefficient(viscosity, valve) + flow_damping(flow, density, valve)
+    return (stall_torque(flow, density, valve) + coupling * motor_speed) / (resistance + coupling)
+
+
 def pwm_frequency(spool_speed: float, valve: RotaryValve) -> float:
     """Switching cycles per second, N omega / (2 pi) [Hz].
 

@@ -1,0 +1,401 @@
+"""`vvdp design`: optimum, trade-offs, tolerances and oil temperature of a valve."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from vvdp.cli.options import AsJson, Force, Settings, SystemName
+
+if TYPE_CHECKING:
+    from vvdp.design.optimise import Optimum
+    from vvdp.design.pareto import Front
+    from vvdp.design.proof import Proof
+    from vvdp.design.temperature import OverTemperature
+    from vvdp.design.tolerance import Tolerance
+
+INTERRUPTED = 130
+
+
+class _OptimumUnlessNamed(TyperGroup):
+    """`vvdp design SYSTEM` is `vvdp design optimum SYSTEM`: where no question is named, it is that one."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Puts the question in front where it is missing."""
+        if args and args[0] not in self.commands and args[0] not in ("-h", "--help"):
+            args = ["optimum", *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(cls=_OptimumUnlessNamed, no_args_is_help=True, rich_markup_mode=None)
+
+Bounds = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--bound", metavar="STATEMENT", help='Bound of a variable, as "radial_clearance <= 22.5 um"; may be repeated.'
+    ),
+]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--subject-to", metavar="STATEMENT", help='Demand on a result, as "pwm_frequency >= 72 Hz"; may be repeated.'
+    ),
+]
+Cycle = Annotated[
+    Path | None,
+    typer.Option("--cycle", metavar="FILE", help="Operating points with weights, a TOML file; see docs/design.md."),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Where to write; by default results/design-SYSTEM-DATE-TIME."),
+]
+
+
+@app.callback()
+def design() -> None:
+    """Design a rotary valve: optimum, trade-offs, tolerances.
+
+    `vvdp design SYSTEM` finds the optimum, as `vvdp design optimum SYSTEM` does.
+    """
+
+
+@app.command()
+def optimum(
+    system: SystemName,
+    minimise: Annotated[
+        str, typer.Option("--minimise", metavar="QUANTITY", help="What to make small, as loss_total.")
+    ] = "loss_total",
+    subject_to: Limits = None,
+    bound: Bounds = None,
+    cycle: Cycle = None,
+    settings: Settings = None,
+    starts: Annotated[int, typer.Option("--starts", min=1, help="Random starting points.")] = 20,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the random starting points.")] = 1,
+    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Do not simulate before and after.")] = False,
+    out: Out = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> None:
+    """Find the best valve, and write it as a new system.
+
+    Free are spool radius, nozzle area, outlet area and radial clearance, and what a --bound names.
+    """
+    from vvdp.cli.run import default_directory
+    from vvdp.cli.screen import print_json, say
+    from vvdp.design.optimise import optimised
+    from vvdp.design.problem import problem
+    from vvdp.design.proof import doubts, proofs
+    from vvdp.design.results import SYSTEM, flat_results, write_design
+    from vvdp.report.design_report import write_design_report
+    from vvdp.simulation.results import result_directory
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(system, settings or ())
+    asked = problem(loaded, minimise, subject_to or (), bound or (), cycle)
+    directory = out if out is not None else default_directory(f"design-{loaded.name}")
+    with result_directory(directory, force=force) as folder:
+        with _listener("starts") as progress:
+            found = optimised(asked, starts=starts, seed=seed, progress=progress)
+        doubted = doubts(asked, found.values)
+        proven: list[Proof] = []
+        if found.finished and not no_simulation:
+            with _listener("simulations") as progress:
+                proven = proofs(asked, found.values, progress=progress, say=say)
+        write_design(folder, found, proven, doubted)
+        write_design_report(folder)
+    if json:
+        simulated = {
+            f"{p.design}_simulated_{key}": value for p in proven if p.point == 0 for key, value in p.found.items()
+        }
+        print_json({"system": loaded.name, **flat_results(found), **simulated, "out": str(directory)})
+    else:
+        _print(found, proven, doubted)
+        typer.echo(f"system: {directory / SYSTEM}   run it with: vvdp run {directory / SYSTEM}")
+        typer.echo(f"report: {directory / 'report.html'}")
+    if not found.finished or (not no_simulation and len(proven) < 2 * len(asked.points)):
+        say("interrupted; what was found until then is written")
+        raise typer.Exit(INTERRUPTED)
+
+
+@app.command()
+def pareto(
+    system: SystemName,
+    minimise: Annotated[
+        list[str] | None, typer.Option("--minimise", metavar="QUANTITY", help="To be small; may be repeated.")
+    ] = None,
+    maximise: Annotated[
+        list[str] | None, typer.Option("--maximise", metavar="QUANTITY", help="To be large; may be repeated.")
+    ] = None,
+    subject_to: Limits = None,
+    bound: Bounds = None,
+    cycle: Cycle = None,
+    settings: Settings = None,
+    points: Annotated[int, typer.Option("--points", min=8, help="How many designs to spread over the front.")] = 60,
+    generations: Annotated[int, typer.Option("--generations", min=1, help="Of the evolution.")] = 60,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the evolution.")] = 1,
+    out: Out = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> None:
+    """Find the designs between which only a choice decides: small loss, ripple and size, high PWM frequency.
+
+    Each is written as a system.
+    """
+    from vvdp.cli.run import default_directory
+    from vvdp.cli.screen import print_json, say
+    from vvdp.design import pareto as study
+    from vvdp.design.problem import problem
+    from vvdp.report.design_report import write_front_report
+    from vvdp.simulation.results import result_directory
+    from vvdp.systems.system import load_system
+
+    wanted = study.objectives(minimise or (), maximise or ())
+    loaded = load_system(system, settings or ())
+    asked = problem(loaded, wanted[0].quantity, subject_to or (), bound or (), cycle)
+    directory = out if out is not None else default_directory(f"pareto-{loaded.name}")
+    with result_directory(directory, force=force) as folder:
+        with _listener("generations and designs") as progress:
+            found = study.front(asked, wanted, points=points, generations=generations, seed=seed, progress=progress)
+        study.write_front(folder, found)
+        write_front_report(folder)
+    if json:
+        print_json({"system": loaded.name, **study.flat_front(found), "out": str(directory)})
+    else:
+        _print_front(found)
+        typer.echo(f"systems: {directory / 'systems'}\nreport: {directory / 'report.html'}")
+    if not found.finished:
+        say("interrupted; the designs found until then are written")
+        raise typer.Exit(INTERRUPTED)
+
+
+def _print_front(found: "Front") -> None:
+    from vvdp.cli.screen import console, grid
+    from vvdp.design.pareto import point_name
+    from vvdp.design.problem import shown
+    from vvdp.design.quantities import KINDS
+
+    screen = console()
+    screen.print(found.problem.system.title, soft_wrap=True)
+    names = [each.quantity for each in found.objectives]
+    labels = [
+        f"{name.replace('_', ' ')} ({'large' if each.large else 'small'})"
+        for name, each in zip(names, found.objectives, strict=True)
+    ]
+    table = grid("system", *labels, right=tuple(labels))
+    table.add_row("as it was", *(shown(found.before[name], KINDS[name], 4) for name in names))
+    for number, row in enumerate(found.quantities, 1):
+        table.add_row(f"{point_name(number)}.toml", *(shown(row[name], KINDS[name], 4) for name in names))
+    screen.print(table)
+
+
+@app.command()
+def tolerance(
+    system: SystemName,
+    spread: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--spread",
+            metavar="STATEMENT",
+            help='Another spread, as "radial_clearance: 10 um to 16 um"; may be repeated.',
+        ),
+    ] = None,
+    samples: Annotated[int, typer.Option("--samples", min=1, help="Base samples, a power of two.")] = 1024,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    settings: Settings = None,
+    out: Out = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> None:
+    """Show how drop, PWM frequency and efficiency scatter with parts and oil, and which input matters."""
+    from vvdp.cli.run import default_directory
+    from vvdp.cli.screen import print_json
+    from vvdp.design import tolerance as study
+    from vvdp.design.results import write_columns, write_numbers
+    from vvdp.report.design_report import TOLERANCE, write_tolerance_report
+    from vvdp.simulation.results import result_directory
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(system, settings or ())
+    taken = study.spreads(loaded, spread or ())
+    directory = out if out is not None else default_directory(f"tolerance-{loaded.name}")
+    with result_directory(directory, force=force) as folder:
+        found = study.tolerance(loaded, taken, samples=samples, seed=seed)
+        write_numbers(folder, TOLERANCE, study.tolerance_content(found))
+        write_columns(folder / "draws.csv", study.columns(found))
+        write_tolerance_report(folder)
+    if json:
+        print_json({"system": loaded.name, **study.flat_tolerance(found), "out": str(directory)})
+        return
+    _print_tolerance(found)
+    typer.echo(f"report: {directory / 'report.html'}")
+
+
+@app.command()
+def temperature(
+    system: SystemName,
+    coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil.")] = "10 degC",
+    hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil.")] = "80 degC",
+    settings: Settings = None,
+    out: Out = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> None:
+    """Show the valve from cold to hot oil, and where its model is in doubt."""
+    from vvdp.base.kinds import TEMPERATURE as KIND
+    from vvdp.base.units import parsed
+    from vvdp.cli.run import default_directory
+    from vvdp.cli.screen import print_json
+    from vvdp.design import temperature as study
+    from vvdp.design.results import write_columns, write_numbers
+    from vvdp.report.design_report import TEMPERATURE, write_temperature_report
+    from vvdp.simulation.results import result_directory
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(system, settings or ())
+    low, high = parsed(coldest, KIND), parsed(hottest, KIND)
+    directory = out if out is not None else default_directory(f"temperature-{loaded.name}")
+    with result_directory(directory, force=force) as folder:
+        with _listener("temperatures") as progress:
+            found = study.over_temperature(loaded, coldest=low, hottest=high, progress=progress)
+        write_numbers(folder, TEMPERATURE, study.temperature_content(found))
+        write_columns(folder / "temperature.csv", study.temperature_columns(found))
+        write_temperature_report(folder)
+    if json:
+        columns = {name: column.tolist() for name, column in study.temperature_columns(found).items()}
+        print_json({"system": loaded.name, **columns, "warnings": "; ".join(found.warnings), "out": str(directory)})
+        return
+    _print_temperature(found)
+    typer.echo(f"report: {directory / 'report.html'}")
+
+
+def _print_temperature(found: "OverTemperature") -> None:
+    from vvdp.cli.screen import console, grid, warn
+    from vvdp.design.temperature import by_temperature
+
+    screen = console()
+    screen.print(found.system.title, soft_wrap=True)
+    columns = (
+        "oil [degC]",
+        "viscosity [mPa s]",
+        "PWM open [Hz]",
+        "PWM mean [Hz]",
+        "loss [W]",
+        "leakage [W]",
+        "efficiency",
+    )
+    table = grid(*columns, right=columns)
+    t, c = found.temperatures, found.columns
+    for k in dict.fromkeys(by_temperature(found, [t[0] + 10.0 * i for i in range(int((t[-1] - t[0]) / 10.0) + 1)])):
+        numbers = (
+            t[k] - 273.15, 1e3 * c["viscosity"][k], c["pwm_frequency"][k], c["pwm_frequency_averaged"][k],
+            c["loss_total"][k], c["loss_leakage"][k], c["efficiency"][k],
+        )  # fmt: skip
+        table.add_row(*(f"{x:.4g}" for x in numbers))
+    screen.print(table)
+    for text in found.warnings:
+        warn(text)
+
+
+def _print_tolerance(found: "Tolerance") -> None:
+    from vvdp.cli.screen import console, grid
+    from vvdp.design.problem import shown
+    from vvdp.design.quantities import KINDS
+
+    screen = console()
+    screen.print(found.system.title, soft_wrap=True)
+    columns = ("nominal", "mean", "deviation", "2.5 %", "97.5 %")
+    table = grid("output", *columns, right=columns)
+    for name, each in found.scatter.items():
+        values = (each.nominal, each.mean, each.deviation, each.percentiles["2.5"], each.percentiles["97.5"])
+        table.add_row(name.replace("_", " "), *(shown(x, KINDS[name], 4) for x in values))
+    screen.print(table)
+    names = tuple(name.replace("_", " ") for name in found.scatter)
+    table = grid("input", "from, to", "status", *names, title="Share of the variance, with all others", right=names)
+    for taken in found.spreads:
+        shares = (f"{100.0 * each.whole[taken.name]:.1f} %" for each in found.scatter.values())
+        table.add_row(taken.words, str(taken), " ".join((taken.status, taken.source)).strip(), *shares)
+    screen.print(table)
+
+
+def _print(found: "Optimum", proven: "list[Proof]", doubted: list[str]) -> None:
+    from vvdp.cli.screen import console, grid, warn
+    from vvdp.design.problem import shown
+    from vvdp.design.quantities import KINDS
+    from vvdp.design.variables import value_in
+
+    asked, screen = found.problem, console()
+    screen.print(asked.system.title, soft_wrap=True)
+    demands = ", ".join(map(str, asked.limits)) or "nothing"
+    where = f"; weighted mean over {len(asked.points)} operating points" if len(asked.points) > 1 else ""
+    screen.print(f"least {asked.objective} subject to {demands}{where}", soft_wrap=True)
+    table = grid("variable", "before", "optimum", "from", "to", right=("before", "optimum", "from", "to"))
+    for b in asked.bounds:
+        numbers = (value_in(asked.points[0].setup, b.variable.name), found.values[b.variable.name], b.low, b.high)
+        table.add_row(b.variable.words, *(shown(x, b.variable.kind, 5) for x in numbers))
+    screen.print(table)
+    table = grid("result", "before", "optimum", right=("before", "optimum"))
+    for name, kind in KINDS.items():
+        pair = (float(asked.mean(quantities, name)) for quantities in (found.before, found.after))
+        table.add_row(name.replace("_", " "), *(shown(x, kind, 5) for x in pair))
+    screen.print(table)
+    table = grid(
+        "held by", "which is a", "1 % more changes the objective by", right=("1 % more changes the objective by",)
+    )
+    for each in found.holding:
+        table.add_row(each.text, each.kind, f"{each.elasticity:+.3f} %" if each.elasticity == each.elasticity else "-")
+    screen.print(table)
+    search = f"{found.agreeing} of {found.starts} random starts ended here"
+    if found.global_objective is not None:
+        apart = 100.0 * (found.global_objective / found.objective - 1.0)
+        search += f"; a global search of {found.global_evaluations} designs came within {apart:.2g} %"
+    screen.print(search, soft_wrap=True)
+    _print_proof(proven)
+    for text in doubted:
+        warn(text)
+
+
+def _print_proof(proven: "list[Proof]") -> None:
+    from vvdp.cli.screen import console, grid, warn
+
+    if not proven:
+        return
+    columns = ("total loss, simulated [W]", "closed form [W]", "PWM, simulated [Hz]", "closed form [Hz]")
+    table = grid("design", "point", *columns, right=("point", *columns))
+    for each in proven:
+        keys = ("loss_total_W", "analytic_loss_total_W", "pwm_frequency_Hz", "analytic_pwm_frequency_Hz")
+        table.add_row(
+            each.design, str(each.point + 1), *(f"{each.found[k]:.5g}" if k in each.found else "-" for k in keys)
+        )
+    console().print(table)
+    for each in proven:
+        if each.failure:
+            warn(f"{each.design}: {each.failure}")
+
+
+@contextmanager
+def _listener(words: str) -> Iterator[Callable[[int, int], None]]:
+    """What hears how much is done, of all: a bar on a terminal, now and then a line elsewhere; both on stderr."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if not screen.is_terminal:
+        fifth = 0
+
+        def line(done: int, total: int) -> None:
+            nonlocal fifth
+            if 5 * done // total > fifth:
+                fifth = 5 * done // total
+                say(f"{done} of {total} {words}")
+
+        yield line
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    with Progress(
+        MofNCompleteColumn(), TextColumn("{task.description}"), BarColumn(), console=screen, transient=True
+    ) as bar:
+        task = bar.add_task(words)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,0 +1,1 @@
+"""Designing a rotary valve: optima, trade-offs, tolerances, oil temperature."""

@@ -1,0 +1,289 @@
+"""Designs of which none is better in everything: the Pareto front of several quantities.
+
+An evolutionary search (AGE-MOEA) spreads designs over the front, beginning with the optimum of each quantity alone;
+then every design is moved onto the front by the gradient solver, the first quantity made as small as the others allow.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.tables import nearest
+from vvdp.design.optimise import Traced, geometry_of, needed, optimised, valve_of
+from vvdp.design.problem import Limit, Problem
+from vvdp.design.quantities import KINDS, Quantities, key
+from vvdp.design.results import write_columns, write_numbers
+from vvdp.design.variables import VARIABLES, redesigned
+from vvdp.numerics.tableaus import Array
+from vvdp.systems.system import resolved_text
+
+NUMBERS_OF_FRONT = "front.json"
+GENERATIONS = 60
+ROOM = 1e-4
+"""By what part the other quantities may be worse when a design is moved onto the front: the solver needs some room."""
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A quantity to be small, or large."""
+
+    quantity: str
+    large: bool
+
+    @property
+    def sign(self) -> float:
+        """-1 where large is good."""
+        return -1.0 if self.large else 1.0
+
+
+USUAL = (
+    Objective("loss_total", False),
+    Objective("load_pulsation", False),
+    Objective("spool_volume", False),
+    Objective("pwm_frequency", True),
+)
+
+
+@dataclass(frozen=True)
+class Front:
+    """The front: variables [SI] and quantities (weighted means over the points) of each design, a row each, by the
+    first objective; and those of the design as it was."""
+
+    problem: Problem
+    objectives: tuple[Objective, ...]
+    values: tuple[dict[str, float], ...]
+    quantities: tuple[dict[str, float], ...]
+    before: dict[str, float]
+    evaluations: int
+    finished: bool
+
+    def column(self, quantity: str) -> Array:
+        """A quantity along the front [SI]."""
+        return np.array([row[quantity] for row in self.quantities])
+
+    @property
+    def costs(self) -> Array:
+        """Objectives as columns, smaller is better."""
+        return np.stack([each.sign * self.column(each.quantity) for each in self.objectives], axis=1)
+
+
+def objectives(minimise: Sequence[str], maximise: Sequence[str]) -> tuple[Objective, ...]:
+    """The objectives that a person names; the usual four without any. Raises ConfigError with all faults."""
+    if not minimise and not maximise:
+        return USUAL
+    faults = [
+        Fault(option, 0, name, f"unknown quantity{nearest(name, list(KINDS))}")
+        for option, names in (("--minimise", minimise), ("--maximise", maximise))
+        for name in names
+        if name not in KINDS
+    ]
+    both = [*minimise, *maximise]
+    faults += [
+        Fault("--minimise", 0, name, "is named twice") for name in sorted({n for n in both if both.count(n) > 1})
+    ]
+    if len(both) < 2:
+        faults.append(Fault("--minimise", 0, both[0], "a front needs two objectives or more; name another"))
+    if faults:
+        raise ConfigError(faults)
+    return (*(Objective(name, False) for name in minimise), *(Objective(name, True) for name in maximise))
+
+
+def write_front(folder: Path, found: Front) -> None:
+    """Writes every design of a front as a system file, front.csv and the numbers for the report."""
+    systems = folder / "systems"
+    systems.mkdir()
+    title = found.problem.system.title
+    good = ", ".join(f"{'large' if each.large else 'small'} {each.quantity}" for each in found.objectives)
+    for number, values in enumerate(found.values, 1):
+        note = f"design {number} of {len(found.values)} of a Pareto front: {good}"
+        system = redesigned(found.problem.system, values, note, f"{title}, design {number} of a front")
+        (systems / f"{point_name(number)}.toml").write_text(resolved_text(system), "utf-8")
+    write_columns(folder / "front.csv", flat_front(found))
+    write_numbers(folder, NUMBERS_OF_FRONT, front_content(found))
+
+
+def flat_front(found: Front) -> dict[str, list[float]]:
+    """Variables and quantities of all designs as columns, SI units in the names."""
+    columns = {key(name, VARIABLES[name].kind): [values[name] for values in found.values] for name in found.values[0]}
+    return columns | {key(name, kind): [row[name] for row in found.quantities] for name, kind in KINDS.items()}
+
+
+def point_name(number: int) -> str:
+    """The name of the system file of a design of a front, counted from 1."""
+    return f"point-{number:03d}"
+
+
+def front_content(found: Front) -> dict[str, Any]:
+    """The front as JSON can hold it."""
+    return {
+        "system": found.problem.system.name,
+        "title": found.problem.system.title,
+        "objectives": [{"quantity": each.quantity, "large": each.large} for each in found.objectives],
+        "limits": [str(each) for each in found.problem.limits],
+        "bounds": [
+            {"name": b.variable.name, "words": b.variable.words, "low": b.low, "high": b.high}
+            for b in found.problem.bounds
+        ],
+        "points": len(found.problem.points),
+        "designs": [
+            {"file": f"systems/{point_name(number)}.toml", "values": values, "quantities": row}
+            for number, (values, row) in enumerate(zip(found.values, found.quantities, strict=True), 1)
+        ],
+        "before": found.before,
+        "evaluations": found.evaluations,
+        "finished": found.finished,
+    }
+
+
+def undominated(costs: Array) -> npt.NDArray[np.bool_]:
+    """Which rows of `costs` no other row beats: is nowhere worse and somewhere better."""
+    no_worse = np.all(costs[:, None, :] <= costs[None, :, :], axis=2)
+    better = np.any(costs[:, None, :] < costs[None, :, :], axis=2)
+    beaten: npt.NDArray[np.bool_] = np.any(no_worse & better, axis=0)
+    return ~beaten
+
+
+def front(
+    asked: Problem,
+    wanted: Sequence[Objective] = USUAL,
+    *,
+    points: int = 60,
+    generations: int = GENERATIONS,
+    seed: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> Front:
+    """The Pareto front of a problem's system within its bounds and limits; the problem's own objective plays no part.
+
+    Ctrl-C ends the search and keeps the designs so far. Raises InfeasibleError where no design meets the limits.
+    """
+    needed("pymoo", "opt")
+    needed("casadi", "opt")
+    anchors = [_anchor(asked, each, seed) for each in wanted]
+    spread, evaluations, finished = _spread(asked, wanted, anchors, points, generations, seed, progress)
+    found = list(anchors)
+    try:
+        for number, values in enumerate(spread):
+            found.append(_moved_onto(asked, wanted, values))
+            if progress:
+                progress(generations + number + 1, generations + len(spread))
+    except KeyboardInterrupt:
+        found, finished = [*found, *spread[len(found) - len(anchors) :]], False
+    rows = [_means(asked, asked.found(values)) for values in found]
+    costs = np.array([[each.sign * row[each.quantity] for each in wanted] for row in rows])
+    kept = np.flatnonzero(undominated(costs))
+    kept = kept[_apart(costs[kept])]
+    order = kept[np.argsort(costs[kept, 0])]
+    return Front(
+        asked,
+        tuple(wanted),
+        tuple(found[k] for k in order),
+        tuple(rows[k] for k in order),
+        _means(asked, asked.found({})),
+        evaluations,
+        finished,
+    )
+
+
+def _apart(costs: Array) -> npt.NDArray[np.bool_]:
+    """All rows but those that repeat an earlier one to within a thousandth of the front's extent."""
+    size = np.ptp(costs, axis=0)
+    close = np.max(np.abs(costs[:, None, :] - costs[None, :, :]) / np.where(size > 0.0, size, 1.0), axis=2) < 1e-3
+    found: npt.NDArray[np.bool_] = ~np.any(np.tril(close, -1), axis=1)
+    return found
+
+
+def _means(asked: Problem, found: Sequence[Quantities]) -> dict[str, float]:
+    return {name: float(asked.mean(found, name)) for name in KINDS}
+
+
+def _anchor(asked: Problem, objective: Objective, seed: int) -> dict[str, float]:
+    """The optimum of one objective alone."""
+    signed = replace(asked, objective=objective.quantity, sign=objective.sign)
+    return dict(optimised(signed, starts=3, seed=seed, globally=False).values)
+
+
+def _spread(
+    asked: Problem,
+    wanted: Sequence[Objective],
+    anchors: Sequence[dict[str, float]],
+    points: int,
+    generations: int,
+    seed: int,
+    progress: Callable[[int, int], None] | None,
+) -> tuple[list[dict[str, float]], int, bool]:
+    """Designs spread over the front, as far as evolution has brought them, how many were looked at, and whether it
+    came to its end."""
+    from pymoo.algorithms.moo.age import AGEMOEA
+    from pymoo.core.problem import Problem as Evolved
+
+    bounds = asked.bounds
+    low, high = (np.log([getattr(b, end) for b in bounds]) for end in ("low", "high"))
+    demands = geometry_of(asked, [each.quantity for each in wanted])
+    count = len(asked.limits) * len(asked.points) + len(demands)
+
+    def values_of(x: Array) -> dict[str, Any]:
+        """Columns of variables for rows of the search."""
+        columns = np.exp(np.clip(x, low, high))
+        return {
+            b.variable.name: np.rint(columns[:, k]) if b.variable.whole else columns[:, k] for k, b in enumerate(bounds)
+        }
+
+    class Designs(Evolved):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__(n_var=len(bounds), n_obj=len(wanted), n_ieq_constr=count, xl=low, xu=high)
+
+        def _evaluate(self, x: Array, out: dict[str, Any], *_: Any, **__: Any) -> None:
+            values = values_of(x)
+            with np.errstate(all="ignore"):
+                found = asked.found(values)
+                valve = valve_of(asked, values)
+                excess = [excess for each in asked.excesses(found) for excess in each]
+                excess += [each.excess(valve, found) for each in demands]
+                costs = [each.sign * asked.mean(found, each.quantity) for each in wanted]
+            out["F"] = np.stack([np.nan_to_num(np.broadcast_to(c, len(x)), nan=1e12) for c in costs], axis=1)
+            out["G"] = np.stack([np.nan_to_num(np.broadcast_to(e, len(x)), nan=1e3) for e in excess], axis=1)
+
+    rng = np.random.default_rng(seed)
+    first = rng.uniform(low, high, (points, len(bounds)))
+    known = [*anchors, asked.start]
+    for k, design in enumerate(known[:points]):
+        first[k] = np.log([design[b.variable.name] for b in bounds])
+    algorithm = AGEMOEA(pop_size=points, sampling=first)
+    algorithm.setup(Designs(), termination=("n_gen", generations), seed=seed)
+    best, finished, done = None, True, 0
+    try:
+        while algorithm.has_next():
+            algorithm.next()
+            done += 1
+            best = algorithm.opt
+            if progress:
+                progress(done, generations + points)
+    except KeyboardInterrupt:
+        finished = False
+    fine = [] if best is None else [each.X for each in best if each.CV[0] <= 0.0]
+    columns = values_of(np.array(fine).reshape(-1, len(bounds)))
+    return [{name: float(c[k]) for name, c in columns.items()} for k in range(len(fine))], done * points, finished
+
+
+def _moved_onto(asked: Problem, wanted: Sequence[Objective], values: dict[str, float]) -> dict[str, float]:
+    """The design at which the first objective is least while no other gets worse; `values` where that fails."""
+    at = _means(asked, asked.found(values))
+    ceilings = []
+    for each in wanted[1:]:
+        worst = at[each.quantity] + each.sign * ROOM * abs(at[each.quantity])
+        ceilings.append(Limit(each.quantity, each.large, worst, over_the_points=True))
+    bounds_held = {b.variable.name: values[b.variable.name] for b in asked.bounds if b.variable.whole}
+    question = replace(asked, objective=wanted[0].quantity, sign=wanted[0].sign, limits=(*asked.limits, *ceilings))
+    traced = Traced(question, bounds_held)
+    local = traced.solved(np.clip(traced.inside(values), traced.low, traced.high))
+    if local is None:
+        return values
+    moved = traced.values(local.x)
+    new = _means(asked, asked.found(moved))
+    gained = wanted[0].sign * (new[wanted[0].quantity] - at[wanted[0].quantity]) <= 0.0
+    return moved if gained else values

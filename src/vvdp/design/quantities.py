@@ -1,0 +1,184 @@
+"""What a design is judged by: drops, speed, losses, size and ripple of a valve in closed form.
+
+One text for floats, for arrays of designs and for CasADi symbols, so that gradients are exact.
+"""
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import (
+    FLOW,
+    Flow,
+    Fraction,
+    Frequency,
+    Kind,
+    PressureDifference,
+    Ratio,
+    Volume,
+)
+from vvdp.base.params import field_kinds
+from vvdp.base.signal import signal_value
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity
+from vvdp.simulation.values import names
+from vvdp.systems.benches import load_pressure_at
+from vvdp.systems.system import System
+from vvdp.valve.geometry import transition_fraction
+from vvdp.valve.leakage import leakage_conductance
+from vvdp.valve.losses import (
+    closed_form_load_flow,
+    compressibility_loss,
+    friction_loss,
+    full_open_drop,
+    leakage_loss,
+    transition_loss,
+)
+from vvdp.valve.operating_point import nozzle_reynolds_number
+from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.torque import driven_speed, friction_coefficient, pwm_frequency
+
+LeakageFlow = Annotated[float, FLOW]
+LostPower = Annotated[float, Kind("power", "W", -1e9, 1e9, "450 W")]
+NetPressure = Annotated[float, Kind("pressure difference", "Pa", -1e9, 1e9, "5 bar", scale=1e5)]
+
+ENDINGS = {
+    "Pa": "_Pa",
+    "Hz": "_Hz",
+    "W": "_W",
+    "m": "_m",
+    "m^2": "_m2",
+    "m^3": "_m3",
+    "m^3/s": "_m3_s",
+    "m^2/s": "_m2_s",
+    "rad/s": "_rad_s",
+    "K": "_K",
+    "N": "_N",
+    "Pa*s": "_Pa_s",
+}
+
+
+class Setup(NamedTuple):
+    """A valve and all around it that its closed forms depend on, at one operating point; levels absolute."""
+
+    flow: Any
+    temperature: Any
+    duty_ratio: Any
+    load_pressure: Any
+    tank_pressure: Any
+    relief_pressure: Any
+    inlet_volume: Any
+    spool_motor_speed: Any
+    coupling: Any
+    oil: Oil
+    valve: RotaryValve
+
+
+class Quantities(NamedTuple):
+    """What a design comes to at one operating point, with the valve fully open where a cycle is not named.
+
+    `loss_total` adds the five losses above it. `load_pulsation` is the volume that whatever stands behind the load port
+    has to store in every PWM period, `spool_volume` that of the switching section and its two end lands,
+    `relief_margin` what the relief setting leaves above load and open drop.
+    """
+
+    pressure_drop_total: PressureDifference
+    pressure_drop_nozzle: PressureDifference
+    pressure_drop_centre_section: PressureDifference
+    pressure_drop_outlet_turbine: PressureDifference
+    pwm_frequency: Frequency
+    transition_fraction: Fraction
+    loss_full_open: LostPower
+    loss_transition: LostPower
+    loss_leakage: LostPower
+    loss_compressibility: LostPower
+    spool_drive_power: LostPower
+    loss_total: LostPower
+    efficiency: Ratio
+    leakage_flow: LeakageFlow
+    load_flow: Flow
+    load_pulsation: Volume
+    spool_volume: Volume
+    relief_margin: NetPressure
+    nozzle_reynolds_number: Ratio
+    spool_friction_power: LostPower
+
+
+KINDS: Mapping[str, Kind] = {name: kind for name, kind in field_kinds(Quantities).items() if kind}
+
+
+def key(name: str, kind: Kind) -> str:
+    """The flat key of a value of `kind`, with its SI unit at the end."""
+    return name + ENDINGS.get(kind.unit, "")
+
+
+def setup(system: System) -> Setup:
+    """The start of a run of `system`. The load pressure is the prescribed one, or the initial one of a load that makes
+    its own."""
+    supply = system.case.params.supply
+    operation = supply.operation
+    load = load_pressure_at(system.case, 0.0)
+    return Setup(
+        float(supply.pump.displacement * signal_value(0.0, operation.pump_speed)),
+        float(signal_value(0.0, operation.oil_temperature)),
+        float(signal_value(0.0, operation.axial_position)) / supply.valve.helix_length,
+        float(system.case.state.load_pressure) if load is None else load,
+        float(signal_value(0.0, operation.tank_pressure)),
+        supply.relief_valve.cracking_pressure,
+        supply.inlet.volume,
+        float(signal_value(0.0, operation.spool_motor_speed)),
+        supply.spool_drive.coupling,
+        supply.oil,
+        supply.valve,
+    )
+
+
+def unchecked(params: Any) -> Any:
+    """A copy of parameters whose fields may be changed, to arrays and symbols too; nothing is checked."""
+    return SimpleNamespace(**{name: getattr(params, name) for name in names(params)})
+
+
+def quantities(at: Setup) -> Quantities:
+    """What a design comes to at one operating point.
+
+    The spool runs at the speed at which torques and drive balance with the valve fully open. The compressibility loss
+    counts that frequency, and the pulsation takes the pump's flow as switched at once: d (1 - d) Q/f.
+
+    Source  ours, docs/design.md
+    """
+    oil, valve, Q, d = at.oil, at.valve, at.flow, at.duty_ratio
+    rho, mu = density(at.temperature, oil), dynamic_viscosity(at.temperature, oil)
+    P_L, P_T = at.load_pressure, at.tank_pressure
+    drops = full_open_drop(Q, rho, valve)
+    total = drops.nozzle + drops.centre_section + drops.outlet_turbine
+    omega = driven_speed(at.spool_motor_speed, at.coupling, Q, rho, mu, valve)
+    f = pwm_frequency(omega, valve)
+    drive = at.coupling * (at.spool_motor_speed - omega) * at.spool_motor_speed
+    transition = transition_loss(Q, P_L, at.relief_pressure, P_T, rho, valve).loss
+    leakage = leakage_loss(P_L - P_T, mu, valve)
+    compression = compressibility_loss(f, at.inlet_volume, P_L, P_T, oil)
+    load_flow = closed_form_load_flow(d, Q, P_L, at.relief_pressure, P_T, rho, valve)
+    open_loss, passed = Q * total, (P_L - P_T) * load_flow
+    return Quantities(
+        pressure_drop_total=total,
+        pressure_drop_nozzle=drops.nozzle,
+        pressure_drop_centre_section=drops.centre_section,
+        pressure_drop_outlet_turbine=drops.outlet_turbine,
+        pwm_frequency=f,
+        transition_fraction=transition_fraction(valve),
+        loss_full_open=open_loss,
+        loss_transition=transition,
+        loss_leakage=leakage,
+        loss_compressibility=compression,
+        spool_drive_power=drive,
+        loss_total=open_loss + transition + leakage + compression + drive,
+        efficiency=(passed - leakage - compression) / (passed + open_loss + transition + drive),
+        leakage_flow=leakage_conductance(mu, valve) * (P_L - P_T),
+        load_flow=load_flow,
+        load_pulsation=d * (1.0 - d) * Q / f,
+        spool_volume=np.pi * valve.spool_radius * valve.spool_radius * (valve.helix_length + 2.0 * valve.land_length),
+        relief_margin=at.relief_pressure - P_L - total,
+        nozzle_reynolds_number=nozzle_reynolds_number(Q, rho, mu, valve),
+        spool_friction_power=friction_loss(omega, friction_coefficient(mu, valve)),
+    )

@@ -1,0 +1,260 @@
+"""What scatter of parts and oil does to drop, frequency and efficiency, and which of it matters.
+
+Distributions come from evenly spread draws, the shares of the variance from Saltelli's scheme for Sobol's indices.
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.kinds import Kind
+from vvdp.base.params import field_kinds
+from vvdp.base.tables import nearest
+from vvdp.base.units import parsed
+from vvdp.design.optimise import needed
+from vvdp.design.problem import shown
+from vvdp.design.quantities import KINDS, Setup, key, quantities, setup, unchecked
+from vvdp.fluid.oil import Oil
+from vvdp.numerics.tableaus import Array
+from vvdp.systems.system import System
+from vvdp.valve.rotary import RotaryValve
+
+OUTPUTS = ("pressure_drop_total", "pwm_frequency", "efficiency")
+SAMPLES = 1024
+_STATEMENT = re.compile(r"\s*(\w+)\s*:\s*(.+?)\s+to\s+(.+?)\s*\Z")
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Between which values [SI] an input lies, evenly (or evenly in its logarithm), and who says so."""
+
+    name: str
+    words: str
+    kind: Kind
+    low: float
+    high: float
+    logarithmic: bool
+    status: str
+    source: str
+    note: str
+
+    def drawn(self, share: Any) -> Any:
+        """The value below which the share `share` of all draws lies."""
+        if self.logarithmic:
+            return self.low * (self.high / self.low) ** share
+        return self.low + share * (self.high - self.low)
+
+    def __str__(self) -> str:
+        return f"{shown(self.low, self.kind, 4)} to {shown(self.high, self.kind, 4)}"
+
+
+def usual_spreads(at: Setup) -> tuple[Spread, ...]:
+    """The spreads around a setup that are taken where nobody gives others."""
+    valve, oil = at.valve, at.oil
+    of_valve, of_oil = field_kinds(RotaryValve), field_kinds(Oil)
+
+    def around(name: str, words: str, share: float, status: str, source: str, note: str) -> Spread:
+        value, kind = getattr(valve, name), of_valve[name]
+        assert kind
+        return Spread(name, words, kind, (1.0 - share) * value, (1.0 + share) * value, False, status, source, note)
+
+    clearance, viscosity, air = of_valve["radial_clearance"], of_oil["viscosity_40"], of_oil["air_fraction"]
+    assert clearance and viscosity and air
+    c, nu = valve.radial_clearance, oil.viscosity_40
+    half = min(3e-6, 0.5 * c)
+    return (
+        Spread(
+            "radial_clearance", "radial clearance", clearance, c - half, c + half, False, "derived", "iso286",
+            "spool and sleeve each within grade IT4, 6 um on 18 to 30 mm of diameter",
+        ),
+        Spread(
+            "viscosity", "viscosity of the oil", viscosity, 0.9 * nu, 1.1 * nu, False, "published", "iso3448",
+            "a viscosity grade is 10 % to either side at 40 degC; the same part at 100 degC",
+        ),
+        Spread(
+            "air_fraction", "free air in the oil", air, 1e-3, 5e-2, True, "assumed", "",
+            "0.1 to 5 %, evenly in the logarithm",
+        ),
+        around(
+            "nozzle_discharge_coefficient", "discharge coefficient, nozzles", 0.05, "assumed", "",
+            "5 % to either side; the edges of the nozzles are not specified",
+        ),
+        around(
+            "outlet_discharge_coefficient", "discharge coefficient, outlet", 0.05, "assumed", "", "5 % to either side",
+        ),
+        around(
+            "centre_coefficient", "coefficient, centre section", 0.06, "derived", "wang2017",
+            "its fit leaves 0.05 bar of 0.81 bar",
+        ),
+    )  # fmt: skip
+
+
+def spreads(system: System, texts: Iterable[str] = ()) -> tuple[Spread, ...]:
+    """The usual spreads, replaced by those of `texts`, such as "radial_clearance: 10 um to 16 um".
+
+    Raises ConfigError with all that is wrong.
+    """
+    found = {each.name: each for each in usual_spreads(setup(system))}
+    option, faults = "--spread", []
+    for text in texts:
+        match = _STATEMENT.match(text)
+        if not match:
+            faults.append(Fault(option, 0, text, 'expected for example "radial_clearance: 10 um to 16 um"'))
+            continue
+        name = match[1]
+        if name not in found:
+            faults.append(Fault(option, 0, name, f"unknown input{nearest(name, list(found))}"))
+            continue
+        try:
+            low, high = (parsed(word, found[name].kind) for word in match.groups()[1:])
+        except ParameterError as problem:
+            faults.append(Fault(option, 0, name, str(problem)))
+            continue
+        if not low < high:
+            faults.append(Fault(option, 0, name, f"{match[2]} to {match[3]}; expected the lower one first"))
+            continue
+        old = found[name]
+        found[name] = Spread(name, old.words, old.kind, low, high, False, "given", "", "")
+    if faults:
+        raise ConfigError(faults)
+    return tuple(found.values())
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """How an output spreads: nominal, mean, standard deviation, percentiles by number, and the share of its variance
+    that each input explains alone and with all others, with the half widths of their 95 % confidence."""
+
+    nominal: float
+    mean: float
+    deviation: float
+    percentiles: Mapping[str, float]
+    alone: Mapping[str, float]
+    alone_error: Mapping[str, float]
+    whole: Mapping[str, float]
+    whole_error: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A tolerance study: its spreads, the scatter of every output, and the draws of the distributions."""
+
+    system: System
+    spreads: tuple[Spread, ...]
+    scatter: Mapping[str, Scatter]
+    inputs: Mapping[str, Array]
+    outputs: Mapping[str, Array]
+    evaluations: int
+
+
+PERCENTILES = ("2.5", "16", "50", "84", "97.5")
+
+
+def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES, seed: int = 1) -> Tolerance:
+    """The study of a system with the spreads `taken`; `samples` is a power of two.
+
+    Raises ParameterError where the number of samples is none.
+    """
+    needed("SALib", "opt")
+    if samples < 8 or samples & (samples - 1):
+        raise ParameterError(f"{samples} samples; expected a power of two from 8 on, for example {SAMPLES}")
+    from SALib.analyze import sobol as analysis
+    from SALib.sample import sobol as sampling
+    from scipy.stats import qmc
+
+    at, names = setup(system), [each.name for each in taken]
+    cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+    shares = sampling.sample(cube, samples, calc_second_order=False, seed=seed)
+    drawn = _evaluated(at, taken, shares)
+    even = qmc.Sobol(len(names), seed=seed).random(max(4096, 2 * samples))
+    spread_out = _evaluated(at, taken, even)
+    nominal = quantities(at)
+    scatter = {}
+    for name in OUTPUTS:
+        values, column = drawn[name], spread_out[name]
+        # Sobol's estimators lose digits where the mean is large against the scatter.
+        centred = (values - np.mean(values)) / (np.std(values) or 1.0)
+        found = analysis.analyze(cube, centred, calc_second_order=False, seed=seed)
+        by_input = {
+            key: dict(zip(names, map(float, found[key]), strict=True)) for key in ("S1", "S1_conf", "ST", "ST_conf")
+        }
+        scatter[name] = Scatter(
+            float(getattr(nominal, name)),
+            float(np.mean(column)),
+            float(np.std(column, ddof=1)),
+            {each: float(np.percentile(column, float(each))) for each in PERCENTILES},
+            by_input["S1"],
+            by_input["S1_conf"],
+            by_input["ST"],
+            by_input["ST_conf"],
+        )
+    inputs = {each.name: each.drawn(even[:, k]) for k, each in enumerate(taken)}
+    return Tolerance(system, tuple(taken), scatter, inputs, spread_out, shares.shape[0] + even.shape[0])
+
+
+def _evaluated(at: Setup, taken: Sequence[Spread], shares: Array) -> dict[str, Array]:
+    """The outputs for rows of `shares`, each between 0 and 1, in the order of the spreads."""
+    found = quantities(scattered(at, {each.name: each.drawn(shares[:, k]) for k, each in enumerate(taken)}))
+    return {name: np.broadcast_to(np.asarray(getattr(found, name)), len(shares)).copy() for name in OUTPUTS}
+
+
+def scattered(at: Setup, values: Mapping[str, Any]) -> Setup:
+    """`at` with inputs at `values` [SI], which may be arrays; a viscosity is that at 40 degC and carries the one at
+    100 degC along."""
+    valve, oil = unchecked(at.valve), unchecked(at.oil)
+    for name, value in values.items():
+        if name == "viscosity":
+            oil.viscosity_40, oil.viscosity_100 = value, value / at.oil.viscosity_40 * at.oil.viscosity_100
+        else:
+            setattr(oil if name == "air_fraction" else valve, name, value)
+    return at._replace(valve=valve, oil=oil)
+
+
+def tolerance_content(found: Tolerance) -> dict[str, Any]:
+    """All numbers of a study but the draws, as JSON can hold them."""
+    return {
+        "system": found.system.name,
+        "title": found.system.title,
+        "evaluations": found.evaluations,
+        "spreads": [
+            {
+                "name": each.name, "words": each.words, "low": each.low, "high": each.high, "shown": str(each),
+                "logarithmic": each.logarithmic, "status": each.status, "source": each.source, "note": each.note,
+            }
+            for each in found.spreads
+        ],
+        "scatter": {name: dict(vars(each)) for name, each in found.scatter.items()},
+        "bins": {name: _histogram(column) for name, column in found.outputs.items()},
+    }  # fmt: skip
+
+
+def _histogram(column: Array) -> dict[str, list[float]]:
+    counts, edges = np.histogram(column, bins=48)
+    return {"counts": counts.astype(float).tolist(), "edges": edges.tolist()}
+
+
+def columns(found: Tolerance) -> dict[str, Array]:
+    """The draws of the distributions, inputs and outputs, SI units in the names."""
+    units = {**{each.name: each.kind for each in found.spreads}, **KINDS}
+    return {key(name, units[name]): column for name, column in {**found.inputs, **found.outputs}.items()}
+
+
+def flat_tolerance(found: Tolerance) -> dict[str, Any]:
+    """The study as flat numbers for programs."""
+    flat: dict[str, Any] = {}
+    for name, each in found.scatter.items():
+        kind = KINDS[name]
+        flat[key(name, kind)] = each.nominal
+        flat[key(f"{name}_mean", kind)] = each.mean
+        flat[key(f"{name}_deviation", kind)] = each.deviation
+        for percentile, value in each.percentiles.items():
+            flat[key(f"{name}_percentile_{percentile.replace('.', '_')}", kind)] = value
+        for spread, share in each.whole.items():
+            flat[f"{name}_total_index_{spread}"] = share
+        for spread, share in each.alone.items():
+            flat[f"{name}_first_index_{spread}"] = share
+    return flat

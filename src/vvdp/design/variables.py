@@ -1,0 +1,135 @@
+"""What a design may change, where it stands in a system, and what changes along with it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vvdp.base.kinds import COUNT, PRESSURE_LEVEL, SPEED, VOLUME, Kind
+from vvdp.base.params import field_kinds
+from vvdp.base.tables import Table
+from vvdp.base.units import in_unit
+from vvdp.design.quantities import Setup, unchecked
+from vvdp.systems.system import System, built_system
+from vvdp.valve.rotary import RotaryValve
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A value of a system that a design may change.
+
+    Unless said otherwise it lies between `lowest` and `highest` times what it was. It is free where `usual`, or where
+    somebody gives a bound.
+    """
+
+    name: str
+    words: str
+    table: str
+    key: str
+    kind: Kind
+    lowest: float
+    highest: float
+    usual: bool = False
+
+    @property
+    def whole(self) -> bool:
+        """Whether only whole numbers make sense."""
+        return self.kind is COUNT
+
+
+def _of_valve(name: str, words: str, lowest: float, highest: float, usual: bool = False) -> Variable:
+    kind = field_kinds(RotaryValve)[name]
+    assert kind
+    return Variable(name, words, "valve", name, kind, lowest, highest, usual)
+
+
+VARIABLES: Mapping[str, Variable] = {
+    each.name: each
+    for each in (
+        _of_valve("spool_radius", "spool radius", 0.6, 1.6, usual=True),
+        _of_valve("nozzle_area", "nozzle area", 0.4, 3.3, usual=True),
+        _of_valve("outlet_area", "outlet turbine area", 0.3, 3.2, usual=True),
+        _of_valve("radial_clearance", "radial clearance", 0.4, 2.0, usual=True),
+        _of_valve("helix_length", "helix length", 0.5, 2.0),
+        _of_valve("lap_ratio", "lap ratio", 1.0, 2.0),
+        _of_valve("sections", "nozzle count", 0.6, 2.0),
+        Variable("relief_pressure", "relief setting", "relief_valve", "cracking_pressure", PRESSURE_LEVEL, 0.8, 2.0),
+        Variable("inlet_volume", "inlet volume", "inlet", "volume", VOLUME, 0.25, 2.0),
+        Variable("spool_motor_speed", "speed of the spool's motor", "operation", "spool_motor_speed", SPEED, 0.25, 4.0),
+    )
+}
+
+
+def value_in(at: Setup, name: str) -> float:
+    """The value of a variable [SI]."""
+    return float(getattr(at.valve if VARIABLES[name].table == "valve" else at, name))
+
+
+def changed(at: Setup, values: Mapping[str, Any]) -> Setup:
+    """`at` with the variables at `values` [SI], which may be arrays or symbols, and what follows from them.
+
+    The radii of the jets and the friction area go with the spool radius, the spool's mass with its square, and the
+    effective outlet area with the outlet area: the outlet turbine keeps its blade angles, the lands their lengths.
+    """
+    valve = unchecked(at.valve)
+    for name, value in values.items():
+        if VARIABLES[name].table == "valve":
+            setattr(valve, name, value)
+    for name, value in _followers(at.valve, values):
+        setattr(valve, name, value)
+    around = {name: value for name, value in values.items() if VARIABLES[name].table != "valve"}
+    return at._replace(valve=valve, **around)
+
+
+def _followers(valve: RotaryValve, values: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    if "spool_radius" in values:
+        scale = values["spool_radius"] / valve.spool_radius
+        for name in ("inlet_radius", "outlet_radius", "friction_area"):
+            yield name, scale * getattr(valve, name)
+        yield "spool_mass", scale * scale * valve.spool_mass
+    if "outlet_area" in values:
+        yield "outlet_effective_area", values["outlet_area"] / valve.outlet_area * valve.outlet_effective_area
+
+
+FOLLOWS = {
+    "inlet_radius": "goes with the spool radius",
+    "outlet_radius": "goes with the spool radius",
+    "friction_area": "goes with the spool radius",
+    "spool_mass": "goes with the square of the spool radius",
+    "outlet_effective_area": "goes with the outlet area",
+}
+
+
+def table_of(system: System) -> Table:
+    """What `system` was read from, settings included, to be varied and read again."""
+    return Table(system.name, {"title": system.title, "circuit": system.circuit, **system.content}, {})
+
+
+def redesigned(system: System, values: Mapping[str, float], note: str, title: str) -> System:
+    """`system` with the variables at `values` [SI] and what follows from them; `note` says where they come from.
+
+    Raises ConfigError where the values cannot be made.
+    """
+    table = table_of(system)
+    content = {name: dict(part) if isinstance(part, Mapping) else part for name, part in table.content.items()}
+    for name, value in values.items():
+        variable = VARIABLES[name]
+        content[variable.table][variable.key] = _entry(written(value, variable.kind), note)
+    kinds = field_kinds(RotaryValve)
+    for name, value in _followers(system.case.params.supply.valve, values):
+        kind = kinds[name]
+        assert kind
+        content["valve"][name] = _entry(written(float(value), kind), FOLLOWS[name])
+    return built_system(Table(table.place, {**content, "title": title}, {}), system.name)
+
+
+def _entry(value: str, note: str) -> dict[str, str]:
+    return {"value": value, "status": "derived", "note": note}
+
+
+def written(value: float, kind: Kind) -> str:
+    """`value` [SI] as a system file has it, to ten digits; a pressure level absolute."""
+    if kind is PRESSURE_LEVEL:
+        return f"{value / 1e5:.10g} bara"
+    if kind.unit == "1":
+        return f"{value:.10g}"
+    return f"{in_unit(value, kind, kind.shown):.10g} {kind.shown}"

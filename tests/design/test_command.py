@@ -1,0 +1,122 @@
+"""`vvdp design SYSTEM`: what it prints, writes and refuses."""
+
+import json
+
+import pytest
+
+from vvdp.design.quantities import quantities, setup
+from vvdp.systems.system import load_system
+
+FIXED = ("--minimise", "pressure_drop_total", "--subject-to", "pwm_frequency >= 72 Hz")
+CLEARANCE = ("--bound", "radial_clearance <= 22.5 um")
+
+
+def test_the_published_optimum(designing, tmp_path):
+    code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--json", "--out", "there")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["pressure_drop_total_Pa"] == pytest.approx(2.48e5, abs=0.03e5)
+    assert found["spool_radius_m"] == pytest.approx(10.88e-3, rel=0.02)
+    assert found["nozzle_area_m2"] == pytest.approx(88.2e-6, rel=0.02)
+    assert found["outlet_area_m2"] == pytest.approx(94.6e-6, rel=0.02)
+    assert found["radial_clearance_m"] == pytest.approx(22.5e-6, rel=1e-9)
+    assert found["pwm_frequency_Hz"] == pytest.approx(72.0, rel=1e-5)
+    assert found["transition_fraction"] == pytest.approx(0.504, rel=0.01)
+    assert found["after_simulated_trusted"] is True
+    assert found["after_simulated_loss_total_W"] < found["before_simulated_loss_total_W"]
+
+    system = load_system(str(tmp_path / "there" / "optimum.toml"))
+    assert quantities(setup(system)).pressure_drop_total == pytest.approx(found["pressure_drop_total_Pa"], rel=1e-8)
+    assert "optimised: least pressure_drop_total" in next(
+        row.note for row in system.rows if (row.table, row.key) == ("valve", "nozzle_area")
+    )
+    page = (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert "2.48 bar of wang2017 depend on bounds that it does not state" in page
+    assert "This optimum is that value" in page
+    for name in ("losses", "variables", "bounds"):
+        assert (tmp_path / "there" / "figures" / f"{name}.svg").is_file()
+        assert (tmp_path / "there" / "figures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_a_person_sees(designing, tmp_path):
+    code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--no-simulation", "--starts", "3")
+    assert code == 0
+    for words in ("spool radius", "22.5 um", "held by", "pwm_frequency >= 72 Hz", "3 of 3 random starts ended here"):
+        assert words in out
+    assert "run it with: vvdp run results/design-prototype-" in out
+    assert "4 of 4 starts" in err
+    assert "optimum" in (next((tmp_path / "results").iterdir()) / "optimum.toml").read_text("utf-8")
+
+
+def test_options_may_stand_first(designing):
+    code, out, _ = designing("--no-simulation", "--starts", "1", "--json", *FIXED, "prototype")
+    assert code == 0
+    assert json.loads(out)["system"] == "prototype"
+
+
+def test_infeasible_is_said_and_nothing_is_left(designing, tmp_path):
+    code, out, err = designing("prototype", *FIXED, "--subject-to", "pressure_drop_total <= 0.5 bar", *CLEARANCE)
+    assert (code, out) == (1, "")
+    assert "no design meets all of these together" in err
+    assert not list((tmp_path / "results").iterdir())
+
+
+def test_bad_input_is_refused_whole(designing, tmp_path):
+    code, _, err = designing("prototype", "--minimise", "cost", "--bound", "clearance <= 3 um")
+    assert code == 2
+    assert "--minimise: cost: unknown quantity" in err
+    assert "--bound: clearance: unknown variable" in err
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_directory_is_not_replaced(designing, tmp_path):
+    (tmp_path / "there").mkdir()
+    code, _, err = designing("prototype", "--out", "there", "--no-simulation")
+    assert code == 2
+    assert "already exists" in err
+
+
+def test_interrupted_before_anything_is_found_leaves_nothing(designing, tmp_path, monkeypatch):
+    from vvdp.design.optimise import Traced
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Traced, "solved", stopped)
+    code, _, _ = designing("prototype", "--no-simulation", "--starts", "1", "--out", "there")
+    assert code == 130
+    assert not (tmp_path / "there").exists()
+
+
+@pytest.mark.parametrize("where", ["vvdp.design.optimise._searched", "vvdp.design.proof.simulate"])
+def test_interrupted_later_keeps_what_was_found(designing, tmp_path, monkeypatch, where):
+    """In the global search, and in the simulation of the optimum."""
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(where, stopped)
+    code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--starts", "1", "--out", "there", "--json")
+    assert code == 130
+    assert json.loads(out)["pressure_drop_total_Pa"] == pytest.approx(2.48e5, abs=0.03e5)
+    assert "interrupted; what was found until then is written" in err
+    assert load_system(str(tmp_path / "there" / "optimum.toml"))
+    assert (tmp_path / "there" / "report.html").is_file()
+
+
+def test_cycle(designing, tmp_path):
+    (tmp_path / "cycle.toml").write_text(
+        '[[points]]\nweight = 2\n"operation.duty_ratio" = "0.4"\n'
+        '[[points]]\nweight = 1\n"operation.duty_ratio" = "0.6"\n'
+    )
+    code, out, _ = designing(
+        "prototype", "--minimise", "loss_total", "--cycle", "cycle.toml", "--starts", "1", "--no-simulation"
+    )
+    assert code == 0
+    assert "weighted mean over 2 operating points" in out
+
+
+def test_help_names_the_questions(designing):
+    code, out, _ = designing("--help")
+    assert code == 0
+    assert "optimum" in out

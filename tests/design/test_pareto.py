@@ -1,0 +1,151 @@
+"""The front: nothing beats it, gradients of one objective at a time agree, every design is a system."""
+
+import json
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.design.optimise import InfeasibleError, optimised
+from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated, write_front
+from vvdp.design.problem import problem
+from vvdp.design.quantities import quantities, setup
+from vvdp.systems.system import load_system
+
+LIMITS, BOUNDS = ["pwm_frequency >= 50 Hz", "transition_fraction <= 0.5"], ["radial_clearance <= 25 um"]
+
+
+@pytest.fixture(scope="module")
+def four(prototype):
+    return front(problem(prototype, "loss_total", LIMITS, BOUNDS), points=24, generations=20)
+
+
+@pytest.fixture(scope="module")
+def two(prototype):
+    """Drop against frequency: a curve."""
+    wanted = (Objective("pressure_drop_total", False), Objective("pwm_frequency", True))
+    return front(problem(prototype, "pressure_drop_total", LIMITS, BOUNDS), wanted, points=16, generations=15)
+
+
+def test_undominated_by_hand():
+    """(1, 3), (2, 2), (3, 1) stand; (2, 3) is beaten by both first, (3, 3) by all; the twin of (2, 2) stays."""
+    costs = np.array([[1, 3], [2, 2], [3, 1], [2, 3], [3, 3], [2, 2]], float)
+    assert undominated(costs).tolist() == [True, True, True, False, False, True]
+
+
+def test_nothing_on_the_front_is_beaten(four, two):
+    for found in (four, two):
+        assert len(found.values) >= 12
+        assert np.all(undominated(found.costs))
+        assert np.all(np.diff(found.costs[:, 0]) >= 0.0)
+
+
+def test_front_is_within_limits_and_bounds(four):
+    for values, row in zip(four.values, four.quantities, strict=True):
+        assert row["pwm_frequency"] >= 50.0 * (1.0 - 1e-5)
+        assert row["transition_fraction"] <= 0.5 * (1.0 + 1e-5)
+        assert all(b.low <= values[b.variable.name] <= b.high for b in four.problem.bounds)
+
+
+def test_ends_are_the_optima_of_one_objective(four, prototype):
+    for k, each in enumerate(four.objectives):
+        if each.large:
+            continue
+        alone = optimised(problem(prototype, each.quantity, LIMITS, BOUNDS), starts=2, globally=False).objective
+        assert four.costs[:, k].min() == pytest.approx(alone, rel=2e-4), each.quantity
+
+
+def test_a_curve_is_what_single_optima_with_a_moved_limit_give(two, prototype):
+    """Drop against frequency is the optimum of drop with that frequency demanded, within the room given when moving."""
+    rows = two.quantities[1 :: max(1, len(two.quantities) // 5)]
+    for row in rows:
+        limit = f"pwm_frequency >= {row['pwm_frequency']!r} Hz"
+        alone = optimised(
+            problem(prototype, "pressure_drop_total", [limit, LIMITS[1]], BOUNDS), starts=2, globally=False
+        )
+        assert row["pressure_drop_total"] == pytest.approx(alone.objective, rel=5e-4)
+
+
+def test_no_random_design_beats_the_front(two):
+    """100000 designs: none is better than a design of the curve in both."""
+    asked, rng = two.problem, np.random.default_rng(5)
+    values = {b.variable.name: np.exp(rng.uniform(np.log(b.low), np.log(b.high), 100_000)) for b in asked.bounds}
+    q = asked.found(values)[0]
+    fine = (q.pwm_frequency >= 50.0) & (q.transition_fraction <= 0.5)
+    for row in two.quantities:
+        better = (q.pressure_drop_total < row["pressure_drop_total"] * (1 - 1e-3)) & (
+            q.pwm_frequency > row["pwm_frequency"] * (1 + 1e-3)
+        )
+        assert not np.any(fine & better)
+
+
+def test_every_design_is_a_system(four, tmp_path):
+    write_front(tmp_path, four)
+    names = sorted(path.name for path in (tmp_path / "systems").iterdir())
+    assert names[0] == "point-001.toml"
+    assert len(names) == len(four.values)
+    for number in (0, len(names) // 2, len(names) - 1):
+        system = load_system(str(tmp_path / "systems" / names[number]))
+        found = quantities(setup(system))
+        for each in four.objectives:
+            assert getattr(found, each.quantity) == pytest.approx(four.quantities[number][each.quantity], rel=1e-8)
+
+
+def test_whole_numbers_stay_whole(prototype):
+    asked = problem(prototype, "loss_total", LIMITS, [*BOUNDS, "sections >= 2", "sections <= 4"])
+    found = front(asked, points=12, generations=5)
+    assert {values["sections"] for values in found.values} <= {2.0, 3.0, 4.0}
+
+
+def test_what_nobody_can_meet(prototype):
+    with pytest.raises(InfeasibleError, match="no design meets"):
+        front(problem(prototype, "loss_total", ["pwm_frequency >= 5000 Hz"], BOUNDS), points=8, generations=2)
+
+
+def test_objectives_in_words():
+    assert objectives((), ()) == USUAL
+    assert objectives(["loss_total"], ["efficiency"]) == (Objective("loss_total", False), Objective("efficiency", True))
+    with pytest.raises(ConfigError) as raised:
+        objectives(["loss_totl", "spool_volume", "spool_volume"], ["pwm"])
+    assert len(raised.value.faults) == 3
+    with pytest.raises(ConfigError, match="two objectives or more"):
+        objectives(["loss_total"], [])
+
+
+def test_command_for_a_front(designing, tmp_path):
+    code, out, err = designing(
+        "pareto", "prototype", "--minimise", "loss_total", "--maximise", "pwm_frequency", "--points", "10",
+        "--generations", "4", "--subject-to", "transition_fraction <= 0.5", "--json", "--out", "there",
+    )  # fmt: skip
+    assert code == 0, err
+    found = json.loads(out)
+    count = len(found["loss_total_W"])
+    assert count == len(list((tmp_path / "there" / "systems").iterdir()))
+    assert "Pareto front" in (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert (tmp_path / "there" / "figures" / "front.png").is_file()
+    assert len((tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()) == count + 1
+
+
+def test_command_for_a_front_and_a_person(designing):
+    code, out, err = designing("pareto", "prototype", "--points", "8", "--generations", "2")
+    assert code == 0
+    assert "as it was" in out
+    assert "point-001.toml" in out
+    assert "generations and designs" in err
+
+
+def test_interrupted_front_keeps_its_designs(prototype):
+    asked = problem(prototype, "loss_total", LIMITS, BOUNDS)
+
+    def stopping_at(number):
+        def heard(done, total):
+            if done == number:
+                raise KeyboardInterrupt
+
+        return heard
+
+    for number in (3, 7):  # in the evolution, and while designs are moved onto the front
+        found = front(asked, points=12, generations=5, progress=stopping_at(number))
+        assert not found.finished
+        assert len(found.values) >= 4
+        assert np.all(undominated(found.costs))

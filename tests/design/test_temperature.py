@@ -1,0 +1,141 @@
+"""From cold to hot oil, and the warnings on the way."""
+
+import json
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ParameterError
+from vvdp.design.quantities import quantities, setup
+from vvdp.design.temperature import over_temperature, temperature_columns
+from vvdp.systems.system import load_system
+from vvdp.valve.operating_point import operating_point
+
+
+@pytest.fixture(scope="module")
+def warmed(prototype):
+    return over_temperature(prototype, step=5.0)
+
+
+def column(found, name, celsius):
+    return found.columns[name][np.argmin(np.abs(found.temperatures - 273.15 - celsius))]
+
+
+def test_published_frequencies(warmed):
+    """45.3, 72.0, 88.2, 106.3 Hz at 30, 40, 45, 50 degC."""
+    for celsius, frequency in ((30, 45.3), (40, 72.0), (45, 88.2), (50, 106.3)):
+        assert column(warmed, "pwm_frequency", celsius) == pytest.approx(frequency, abs=0.06)
+
+
+def test_rows_are_the_operating_point(prototype, warmed):
+    at = setup(prototype)
+    for celsius in (10, 60, 80):
+        temperature = celsius + 273.15
+        point = operating_point(
+            at.flow, temperature, at.duty_ratio, at.load_pressure, at.relief_pressure, at.inlet_volume, at.oil, at.valve
+        )
+        assert column(warmed, "pwm_frequency", celsius) == pytest.approx(point.full_open_pwm_frequency)
+        assert column(warmed, "pwm_frequency_averaged", celsius) == pytest.approx(point.averaged_pwm_frequency)
+        assert column(warmed, "loss_transition", celsius) == pytest.approx(point.transition_loss)
+        assert column(warmed, "nozzle_reynolds_number", celsius) == pytest.approx(point.nozzle_reynolds_number)
+
+
+def test_warmer_oil_is_thinner_and_lighter(warmed):
+    assert warmed.temperatures[0] == pytest.approx(283.15)
+    assert warmed.temperatures[-1] == pytest.approx(353.15)
+    for name, sign in (("viscosity", -1), ("pressure_drop_total", -1), ("pwm_frequency", 1), ("loss_leakage", 1)):
+        assert np.all(sign * np.diff(warmed.columns[name]) > 0.0), name
+
+
+def test_eccentricity_bears_the_jets(prototype, warmed):
+    """1.752 N at 40 degC on two lands of 459.5 N each: for a small one W = 2 * 459.5 eps pi/4, eps = 2.43e-3."""
+    assert column(warmed, "radial_force", 40) == pytest.approx(1.752, abs=2e-3)
+    assert column(warmed, "eccentricity", 40) == pytest.approx(1.752 / (2.0 * 459.5 * np.pi / 4.0), rel=2e-3)
+    assert np.all(warmed.columns["bearing_capacity"] > 1e3 * warmed.columns["radial_force"])
+
+
+def test_cavitation_numbers_by_hand(warmed):
+    """Tank port open: behind the nozzles the tank's 1.013 bar and 2.750 bar of drop, less 0.3 bar, over 3.927 bar:
+    0.8818. Closing: (1.013 - 0.3)/120 = 0.00594."""
+    assert column(warmed, "cavitation_number_open", 40) == pytest.approx(0.8818, rel=1e-3)
+    assert column(warmed, "cavitation_number_closing", 40) == pytest.approx(0.00594, rel=1e-2)
+
+
+def test_the_prototype_is_warned_of(warmed):
+    told = warmed.warnings
+    assert len(told) == 3
+    assert any("Reynolds number of the nozzles down to 247 at 10 to 50 degC, below 2300" in text for text in told)
+    assert any("while the tank port closes" in text and "at all temperatures" in text for text in told)
+    assert any("leaking oil" in text for text in told)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        # 40 lpm at 12 to 13 MPa and duty ratio 0.8 are above 5.6 kW
+        (["operation.duty_ratio=0.8"], "the motor is overloaded"),
+        # at duty ratio 0.2 the load port never opens fully, kappa 0.30
+        (["operation.duty_ratio=0.2"], "at duty ratio 0.2 a port never opens fully"),
+        # two thousandths of the land length bear a billionth of the force
+        (["valve.land_length=0.3 mm"], "lands leak more"),
+        # 0.5 mm of clearance and 3000 turns per minute: Re = 876*314*0.0127*5e-4/0.0387 = 45, times sqrt(0.04) = 9;
+        # hot oil has a quarter of that viscosity
+        (
+            ["valve.radial_clearance=0.5 mm", "spool_drive.coupling=100 N*m*s", "operation.spool_motor_speed=6000 rpm"],
+            "vortices in the clearance",
+        ),
+        # 20000 turns per minute: 26.6 m/s, mu u^2/(8 lambda) = 26 K
+        (
+            ["spool_drive.coupling=100 N*m*s", "operation.spool_motor_speed=20000 rpm"],
+            "the film is thinner than",
+        ),
+        # nothing behind the nozzles but the tank
+        (["valve.outlet_area=2000 mm^2", "valve.centre_coefficient=1e-3 SI"], "comes out behind the nozzles"),
+    ],
+)  # fmt: skip
+def test_every_check_can_be_seen(settings, words):
+    found = over_temperature(load_system("prototype-constant-load", settings), step=35.0)
+    assert any(words in text for text in found.warnings), found.warnings
+
+
+def test_a_check_is_kept_on_the_other_side():
+    small = load_system("prototype-constant-load", ["operation.duty_ratio=0.5"])
+    found = over_temperature(small, step=35.0)
+    assert not any("motor" in text for text in found.warnings)
+    assert column(found, "input_power", 45) == pytest.approx(4652.0, rel=0.01)
+
+
+def test_columns_have_units(warmed):
+    names = set(temperature_columns(warmed))
+    assert {"temperature_K", "viscosity_Pa_s", "radial_force_N", "carried_temperature_rise_K", "efficiency"} <= names
+
+
+def test_a_range_of_temperatures_is_needed(prototype):
+    with pytest.raises(ParameterError, match="expected a range"):
+        over_temperature(prototype, coldest=350.0, hottest=300.0)
+
+
+def test_what_is_shown_at_40_degrees_is_the_design(prototype, warmed):
+    q = quantities(setup(prototype))
+    assert column(warmed, "loss_total", 40) == pytest.approx(q.loss_total, rel=1e-12)
+
+
+def test_command_over_temperature(designing, tmp_path):
+    code, out, err = designing("temperature", "prototype", "--json", "--out", "there", "--from", "20 degC")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["temperature_K"][0] == pytest.approx(293.15)
+    assert len(found["pwm_frequency_Hz"]) == len(found["temperature_K"]) == 25
+    assert "Reynolds" in found["warnings"]
+    page = (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert "Where the model is in doubt" in page
+    assert (tmp_path / "there" / "figures" / "range.png").is_file()
+
+
+def test_command_over_temperature_for_a_person(designing):
+    code, out, _ = designing("temperature", "prototype")
+    assert code == 0
+    assert "warning: Reynolds number of the nozzles" in out
+    code, _, err = designing("temperature", "prototype", "--from", "80 degC", "--to", "10 degC")
+    assert code == 2
+    assert "expected a range of temperatures" in err
