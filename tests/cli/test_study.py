@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vvdp.studies.engine import all_cores
+
 GUIDE = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
 
 
@@ -54,3 +56,39 @@ def test_what_does_not_fit_is_refused(vvdp, here):
     assert "efficienc" in refused.err
     assert vvdp("study", "nowhere.toml").code == 2
     assert vvdp("study", "bad.toml", "--cores", "0").code == 2
+
+
+def test_engine_of_the_guide():
+    scope: dict[str, object] = {}
+    exec(blocks("python")[1], scope)
+    cores = scope["engine"].cores or all_cores()
+    assert scope["found"] == {item: divmod(item, cores) for item in (7, 8, 9)}
+
+
+def test_a_study_on_dask_is_the_study_here(vvdp, here):
+    (here / "duty.toml").write_text(blocks("toml")[0])
+    at_home = json.loads(vvdp("study", "duty.toml", "--json", "--out", "one").out)
+    done = vvdp("study", "duty.toml", "--json", "--out", "two", "--on", "dask", "--workers", "1")
+    assert done.code == 0, done.err
+    assert json.loads(done.out) == at_home | {"out": "two"}
+    assert "0 of 6 cases\n" in done.err and "6 of 6 cases\n" in done.err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--on", "moon"], "--on: 'moon'; expected here, dask, slurm or an address such as tcp://head:8786"),
+        (["--workers", "2"], "--workers: 2 workers cannot be had with --on here"),
+        (
+            ["--on", "tcp://127.0.0.1:9", "--cores", "2"],
+            "--cores: 2 cores: the workers of tcp:",
+        ),
+        (["--on", "dask", "--sbatch=--mem=1G"], "--sbatch: nothing is given to sbatch with --on dask"),
+        (["--cores", "5000"], "5000 cores; expected 1 to"),
+    ],
+)
+def test_engines_that_cannot_be_are_refused(vvdp, here, words, message):
+    (here / "duty.toml").write_text(blocks("toml")[0])
+    refused = vvdp("study", "duty.toml", *words)
+    assert refused.code == 2 and message in refused.err
+    assert not (here / "results").exists()

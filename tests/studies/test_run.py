@@ -1,22 +1,24 @@
 """Running a study: columns, resuming, being killed, changed inputs, failures."""
 
 import csv
+import dataclasses
 import json
 import os
 import signal
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import psutil
 import pytest
 
-from vvdp.base.errors import ConfigError
+from vvdp.base.errors import ConfigError, RunError
+from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import simulate
 from vvdp.studies import run as running
+from vvdp.studies.engine import ThisProcess
 from vvdp.studies.run import read_study, run_study
 from vvdp.studies.study import Random, Study, Uniform
 from vvdp.systems.summary import summary
@@ -91,7 +93,7 @@ def test_a_newer_version_or_other_equations_run_anew(tmp_path: Path, monkeypatch
 def test_seeds_are_reproducible(tmp_path: Path) -> None:
     random = Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 3, 5)
     one = run_study(Study("prototype", random, ("efficiency",), until="50 ms"), tmp_path / "one")
-    two = run_study(Study("prototype", random, ("efficiency",), until="50 ms"), tmp_path / "two", cores=1)
+    two = run_study(Study("prototype", random, ("efficiency",), until="50 ms"), tmp_path / "two", engine=ThisProcess(1))
     for first, second in ((one.inputs, two.inputs), (one.outputs, two.outputs)):
         for name in first:
             assert np.array_equal(first[name].values, second[name].values)
@@ -171,64 +173,108 @@ def test_a_directory_with_something_else_or_damaged_is_refused(tmp_path: Path) -
         run_study(STUDY, tmp_path / "s")
 
 
-LONG = """
-import sys
-from vvdp.studies.run import run_study
-from vvdp.studies.study import Random, Study, Uniform
-random = Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 120, 5)
-run_study(Study("prototype", random, ("efficiency",), until="0.3 s"), sys.argv[1])
-print("end")
-"""
+@pytest.mark.parametrize("where", ["here", "dask"])
+def test_kill_9_at_any_moment_loses_nothing_that_was_finished(
+    begin_study, awaited, kept, long_study, tmp_path: Path, where: str
+) -> None:
+    """Killed with all its processes as it begins, then alone as the first file appears.
 
-
-@pytest.fixture
-def begun(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
-    """A study of 120 cases in a process of its own that has finished its first batch, and its directory."""
+    Its workers are then left behind; they may finish what they are at, which counts, and end by themselves.
+    """
     directory = tmp_path / "long"
-    path = os.pathsep.join(sys.path)
-    process = subprocess.Popen(
-        [sys.executable, "-c", LONG, str(directory)],
-        env={**os.environ, "PYTHONPATH": path},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        until = time.monotonic() + 120.0
-        while not list(directory.glob("cases-*.json")) and process.poll() is None and time.monotonic() < until:
-            time.sleep(0.002)
-        yield process, directory
-    finally:
-        process.kill()
-        process.communicate()
-
-
-def kept(directory: Path) -> int:
-    return sum(len(json.loads(path.read_text())["cases"]) for path in directory.glob("cases-*.json"))
-
-
-def long_study() -> Study:
-    random = Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 120, 5)
-    return Study("prototype", random, ("efficiency",), until="0.3 s")
-
-
-def test_kill_9_loses_nothing_that_was_finished(begun: tuple[subprocess.Popen[str], Path]) -> None:
-    process, directory = begun
-    process.send_signal(signal.SIGKILL)
-    assert process.wait() == -signal.SIGKILL
-    before = kept(directory)
-    assert 16 <= before < 120
-    found = run_study(long_study(), directory)
-    assert found.ran == 120 - before and found.finished
+    before: set[str] = set()
+    kills = [lambda: (directory / "study.json").exists(), lambda: kept(directory) > before]
+    for together, condition in zip((True, False), kills, strict=True):
+        process = begin_study(directory, where)
+        awaited(condition, process)
+        workers = psutil.Process(process.pid).children(recursive=True)
+        if together:
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+        assert process.wait() == -signal.SIGKILL
+        _, alive = psutil.wait_procs(workers, timeout=60.0)
+        assert not alive
+        assert before <= kept(directory)
+        before = kept(directory)
+    assert 16 <= len(before) < 120
+    found = run_study(long_study, directory)
+    assert found.ran == 120 - len(before) and found.finished
+    assert before <= kept(directory) and len(kept(directory)) == 120
     assert np.isfinite(found.outputs["efficiency"].values).all()
 
 
-def test_ctrl_c_keeps_the_batch_at_hand(begun: tuple[subprocess.Popen[str], Path]) -> None:
-    process, directory = begun
+@pytest.mark.slow
+@pytest.mark.parametrize("where", ["here", "dask"])
+def test_kill_9_at_random_moments(begin_study, awaited, kept, long_study, tmp_path: Path, where: str) -> None:
+    """Again and again while cases are run and written, until all are finished; the numbers are those of one run."""
+    directory = tmp_path / "long"
+    random = np.random.default_rng(7)
+    before: set[str] = set()
+    kills = 0
+    for _ in range(40):
+        process = begin_study(directory, where)
+        started = time.time()
+        awaited(lambda started=started: begun_since(directory, started), process)
+        time.sleep(random.uniform(0.0, 3.0 if where == "here" else 7.0))
+        kills += process.poll() is None
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        assert before <= kept(directory)
+        before = kept(directory)
+        if len(before) == 120:
+            break
+    assert kills >= 2 and len(before) == 120
+    found = read_study(long_study, directory)
+    assert found.finished
+    once = run_study(long_study, tmp_path / "once")
+    assert np.array_equal(found.outputs["efficiency"].values, once.outputs["efficiency"].values)
+
+
+def begun_since(directory: Path, moment: float) -> bool:
+    path = directory / "study.json"
+    return path.exists() and path.stat().st_mtime >= moment
+
+
+@pytest.mark.parametrize("where", ["here", "dask"])
+def test_ctrl_c_keeps_the_batches_at_hand(begin_study, awaited, kept, long_study, tmp_path: Path, where: str) -> None:
+    """The keys reach all processes of the terminal."""
+    directory = tmp_path / "long"
+    process = begin_study(directory, where)
+    awaited(lambda: kept(directory), process)
     before = kept(directory)
-    process.send_signal(signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)
     out, errors = process.communicate(timeout=60)
-    assert process.returncode == 0 and out == "end\n", errors
-    assert before <= kept(directory) <= 120
-    found = read_study(long_study(), directory)
-    assert len(found.missing) == 120 - kept(directory)
+    assert process.returncode == 0 and out == "end\n" and not errors, errors
+    assert before <= kept(directory)
+    found = read_study(long_study, directory)
+    assert len(found.missing) == 120 - len(kept(directory))
+
+
+def test_a_second_ctrl_c_does_not_wait(tmp_path: Path) -> None:
+    asked: list[int] = []
+
+    class Interrupting:
+        workers = 1
+
+        def completed(self, task, items):
+            for item in items:
+                asked.append(len(item))
+                signal.raise_signal(signal.SIGINT)
+                signal.raise_signal(signal.SIGINT)
+                yield item, task(item, 1)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(STUDY, tmp_path, engine=Interrupting())
+    assert asked == [4] and len(read_study(STUDY, tmp_path).missing) == 4
+
+
+def test_other_equations_on_a_worker_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def other(*arguments, **options):
+        return dataclasses.replace(simulate_batch(*arguments, **options), digest="of another version")
+
+    monkeypatch.setattr(running, "simulate_batch", other)
+    with pytest.raises(RunError, match="has another vvdp, Python, NumPy or Numba than this machine"):
+        run_study(STUDY, tmp_path)
+    assert len(read_study(STUDY, tmp_path).missing) == 4

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
 from vvdp.cli.options import AsJson
 
 if TYPE_CHECKING:
@@ -20,12 +21,15 @@ def study(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Where the cases are kept; by default results/NAME.")
     ] = None,
-    cores: Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")] = None,
+    on: On = HERE,
+    workers: Workers = None,
+    cores: Cores = None,
+    sbatch: Sbatch = None,
     json: AsJson = False,
 ) -> None:
     """Run many cases of a system; a rerun goes on where it stopped.
 
-    Ctrl-C ends the study after the batch at hand. All columns are written to study.csv.
+    Ctrl-C ends the study after the batches at hand. All columns are written to study.csv.
     """
     from vvdp.cli.screen import print_json, say, warn
     from vvdp.studies.run import run_study
@@ -33,8 +37,9 @@ def study(
 
     wanted = load_study(file)
     directory = out if out is not None else Path("results", file.stem)
+    engine = chosen_engine(on, workers, cores, sbatch, directory)
     with _listener() as progress:
-        results = run_study(wanted, directory, cores=cores, progress=progress, say=say)
+        results = run_study(wanted, directory, engine=engine, progress=progress, say=say)
     results.write_csv(directory / "study.csv")
     if json:
         columns = {**results.inputs, **results.outputs}

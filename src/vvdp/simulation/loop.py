@@ -352,7 +352,7 @@ BATCH = types.void(
 )  # fmt: skip
 
 
-@njit(BATCH, cache=True, error_model="numpy", parallel=True)
+@njit(BATCH, cache=True, error_model="numpy", nogil=True, parallel=True)
 def batch(
     rates, sample, mark, stop,
     y, command, memory, params, settings, atol, rtol, scale,

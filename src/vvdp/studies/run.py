@@ -1,12 +1,15 @@
-"""Runs a study: the cases that are missing, in compiled batches on all cores, each batch kept as soon as it is done."""
+"""Runs a study: the cases that are missing, in compiled batches, each kept where it was run as soon as it is done."""
 
+import functools
 import hashlib
+import platform
 import signal
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from types import FrameType
 
@@ -20,19 +23,15 @@ from vvdp.base.tables import Table, described, nearest, parsed_table, with_setti
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.outcome import Outcome, Window, outcome
-from vvdp.simulation.run import simulate
+from vvdp.simulation.run import compiled_loop, simulate
 from vvdp.simulation.values import flat, leaves
+from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.results import Column, Failure, StudyResults
-from vvdp.studies.store import Finished, finished_cases, opened_store, write_finished
+from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
+from vvdp.studies.work import kept_batches
 from vvdp.systems.summary import ANALYTIC, analytic_summary, simulated_summary, summary_unit
 from vvdp.systems.system import System, built_system, lasting, load_system, resolved_text
-
-BATCH_SECONDS = 4.0
-"""What a batch should take: no more than that is lost when the machine is switched off."""
-
-FIRST_BATCH, LARGEST_BATCH = 16, 1000
-"""Cases in the first batch, which shows how long they take, and in any at most."""
 
 
 def silent(done: int, total: int) -> None:
@@ -47,6 +46,7 @@ class _Planned:
     settings: Settings
     key: str
     group: str
+    digest: str
     inputs: Mapping[str, tuple[float | str, str]]
 
 
@@ -54,7 +54,7 @@ def run_study(
     study: Study,
     directory: Path | str,
     *,
-    cores: int | None = None,
+    engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
@@ -62,11 +62,12 @@ def run_study(
     """The results of all cases of `study`; those that `directory` already has are not run again.
 
     A case is known by its resolved values, stepping, equations and the version of vvdp: where one of these has
-    changed, it is run anew. Every batch is kept when it is done, and `progress` hears of it (cases done, of all).
-    Ctrl-C ends the study after the batch at hand; running it again goes on from there.
+    changed, it is run anew. `engine` says where: in this process, unless told otherwise. A worker keeps a batch when it
+    is done, here if it does not see `directory`, and `progress` hears of it (cases done, of all). Ctrl-C ends the study
+    after the batches at hand, at once the second time; running it again goes on from there.
 
     Raises ConfigError, before anything is run, with every setting that does not fit, every unknown output, and a
-    directory that cannot be used.
+    directory that cannot be used; RunError where a worker has another vvdp, or none is left.
     """
     began = time.perf_counter()
     directory = Path(directory)
@@ -80,18 +81,15 @@ def run_study(
     if len(pending) < len(planned):
         say(f"{len(planned) - len(pending)} of {len(planned)} cases are finished already")
     progress(len(planned) - len(pending), len(planned))
-    ran, size = 0, FIRST_BATCH
-    with _interrupts_held() as interrupted:
-        while pending and not interrupted.is_set():
-            batch = [case for case in pending[:size] if case.group == pending[0].group]
-            batch_began = time.perf_counter()
-            done = _run_batch(base, batch, cores, cache, say)
-            write_finished(directory, done)
+    ran = 0
+    if pending:
+        compiled_loop(say)  # here, so that workers find it compiled
+    task = functools.partial(_finished_batch, base, cache, vvdp.__version__)
+    with interrupts_held() as interrupted:
+        for done in kept_batches(task, pending, directory, engine, interrupted, attrgetter("group")):
             finished |= {case.key: case for case in done}
-            ran, pending = ran + len(batch), pending[len(batch) :]
-            rate = len(batch) / (time.perf_counter() - batch_began)
-            size = int(np.clip(BATCH_SECONDS * rate, FIRST_BATCH, LARGEST_BATCH))
-            progress(len(planned) - len(pending), len(planned))
+            ran += len(done)
+            progress(len(planned) - len(pending) + ran, len(planned))
     return _results(study, base, directory, planned, finished, ran, time.perf_counter() - began)
 
 
@@ -153,7 +151,7 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
         stepping = (repr(system.stepping), repr(system.average_from))
         group = " ".join((shape, *stepping))
         key = _key(system, digests[shape], stepping)
-        planned.append(_Planned(number, settings, key, group, _inputs(system, settings)))
+        planned.append(_Planned(number, settings, key, group, digests[shape], _inputs(system, settings)))
     if refused:
         raise ConfigError([Fault(_places(numbers), 0, *what) for what, numbers in refused.items()])
     return planned
@@ -201,14 +199,19 @@ def _check_outputs(study: Study, base: System) -> None:
         raise ConfigError([Fault("study", 0, name, f"no such output{nearest(name, known)}") for name in unknown])
 
 
-def _run_batch(
-    base: System, batch: Sequence[_Planned], cores: int | None, cache: Path | None, say: Callable[[str], None]
+def _finished_batch(
+    base: System, cache: Path | None, version: str, batch: Sequence[_Planned], cores: int
 ) -> list[Finished]:
+    """What comes of a batch, where it is run."""
     table = _table(base)
     systems = [_built(table, case.settings, base.name) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]
-    run = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=cores, say=say, cache=cache)
+    run = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=cores, cache=cache)
+    if (vvdp.__version__, run.digest) != (version, batch[0].digest):
+        raise RunError(
+            f"{platform.node()} has another vvdp, Python, NumPy or Numba than this machine; install the same"
+        )
     done: list[Finished] = []
     for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):
         reason, found = run.reasons[number], run.outcome(number)
@@ -264,14 +267,16 @@ def _column(values: Sequence[tuple[float | str, str]]) -> Column:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[threading.Event]:
-    """Within the block Ctrl-C only sets the event that is handed out, so that what was computed is still written."""
+def interrupts_held() -> Iterator[threading.Event]:
+    """Within the block the first Ctrl-C only sets the event that is handed out: what is at hand is still finished."""
     asked = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield asked
         return
 
     def hold(number: int, frame: FrameType | None) -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
         asked.set()
 
     before = signal.signal(signal.SIGINT, hold)

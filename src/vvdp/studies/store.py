@@ -2,21 +2,25 @@
 
     study.json          format, version, resolved base system, number of cases
     cases-<hash>.json   finished cases by key: what was set, results, or why it failed
+    index.sqlite        the same cases in one table
 
-A file is written under another name, synced and renamed: whatever happens, it is whole or absent. Nothing else is
-kept; which cases are finished is read from the files.
+A file is written under another name, synced and renamed: whatever happens, it is whole or absent. The files count; the
+index only saves opening them all, answers questions, and is made anew from them where it is missing, damaged or old.
+Many processes write files, one the index.
 """
 
 import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping
+import secrets
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vvdp.base.errors import unusable
+from vvdp.base.errors import ConfigError, unusable
+from vvdp.studies.index import Row, Stamp, indexed, stamp, write_index
 
 FORMAT = 1
 DESCRIPTION = "study.json"
@@ -46,40 +50,102 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
         _write(directory / DESCRIPTION, {"format": FORMAT, **description})
     except OSError as problem:
         raise unusable(directory, f"cannot be written ({problem.strerror})") from None
-    return finished_cases(directory)
+    known = indexed(directory)
+    found = _files(directory, known)
+    unknown = {name: entry for name, entry in found.items() if known.get(name, (None,))[0] != entry[0]}
+    gone = known.keys() - found.keys()
+    if unknown or gone:
+        rows = {name: (mark, [_row(case) for case in cases]) for name, (mark, cases) in unknown.items()}
+        write_index(directory, rows, gone)
+    return _by_key(found)
 
 
 def finished_cases(directory: Path) -> dict[str, Finished]:
-    """All finished cases in `directory` by key. Raises ConfigError where a file is damaged."""
-    found: dict[str, Finished] = {}
+    """All finished cases in `directory` by key; nothing is written. Raises ConfigError where a file is damaged."""
+    return _by_key(_files(directory, indexed(directory)))
+
+
+def _by_key(files: Mapping[str, tuple[Stamp, list[Finished]]]) -> dict[str, Finished]:
+    return {case.key: case for _, cases in files.values() for case in cases}
+
+
+def _files(
+    directory: Path, known: Mapping[str, tuple[Stamp, Sequence[Row]]]
+) -> dict[str, tuple[Stamp, list[Finished]]]:
+    """Stamp and cases of every file; one that the index has as it is now is not read."""
+    found: dict[str, tuple[Stamp, list[Finished]]] = {}
     for path in sorted(directory.glob("cases-*.json")):
+        mark, rows = known.get(path.name, (None, ()))
+        now = stamp(path)
         try:
-            content = json.loads(path.read_text("utf-8"))
-            if content["format"] != FORMAT:
-                raise unusable(path, f"was written in format {content['format']}; this version reads format {FORMAT}")
-            for case in content["cases"]:
-                summary = {key: math.nan if value is None else value for key, value in case["summary"].items()}
-                found[case["key"]] = Finished(case["key"], case["settings"], case["failure"], summary)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
-            if isinstance(problem, unusable(path, "").__class__):
-                raise
-            raise unusable(path, f"is damaged ({problem}); remove it to have its cases run again") from None
+            cases = [_finished(row) for row in rows] if mark == now else _read(path)
+        except ValueError:  # in the index
+            cases = _read(path)
+        found[path.name] = now, cases
     return found
 
 
-def write_finished(directory: Path, cases: list[Finished]) -> None:
-    """Adds finished cases to `directory`, all or none."""
+def _read(path: Path) -> list[Finished]:
+    try:
+        content = json.loads(path.read_text("utf-8"))
+        if content["format"] != FORMAT:
+            raise unusable(path, f"was written in format {content['format']}; this version reads format {FORMAT}")
+        return [
+            Finished(case["key"], case["settings"], case["failure"], _numbers(case["summary"]))
+            for case in content["cases"]
+        ]
+    except ConfigError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
+        raise unusable(path, f"is damaged ({problem}); remove it to have its cases run again") from None
+
+
+def _numbers(summary: Mapping[str, Any]) -> dict[str, float | bool]:
+    return {key: math.nan if value is None else value for key, value in summary.items()}
+
+
+def _content(case: Finished) -> dict[str, Any]:
+    return {
+        "key": case.key,
+        "settings": dict(case.settings),
+        "failure": case.failure,
+        "summary": {key: value if math.isfinite(value) else None for key, value in case.summary.items()},
+    }
+
+
+def _row(case: Finished) -> Row:
+    content = _content(case)
+    return Row(
+        case.key, case.failure, *(json.dumps(content[name], allow_nan=False) for name in ("settings", "summary"))
+    )
+
+
+def _finished(row: Row) -> Finished:
+    return Finished(row.key, json.loads(row.settings), row.failure, _numbers(json.loads(row.summary)))
+
+
+def _place(directory: Path, cases: Sequence[Finished]) -> Path:
+    """The file of a batch: the same batch, finished twice, has the same name."""
     name = hashlib.sha256("".join(case.key for case in cases).encode()).hexdigest()[:16]
-    rows = [
-        {
-            "key": case.key,
-            "settings": dict(case.settings),
-            "failure": case.failure,
-            "summary": {key: value if math.isfinite(value) else None for key, value in case.summary.items()},
-        }
-        for case in cases
-    ]
-    _write(directory / f"cases-{name}.json", {"format": FORMAT, "cases": rows})
+    return directory / f"cases-{name}.json"
+
+
+def write_finished(directory: Path, cases: Sequence[Finished]) -> None:
+    """Adds the file of a batch to `directory`, all of it or nothing."""
+    _write(_place(directory, cases), {"format": FORMAT, "cases": [_content(case) for case in cases]})
+
+
+def keep_finished(directory: Path, cases: Sequence[Finished]) -> None:
+    """Enters a batch into the index; adds its file where the worker could not, and so it is not there."""
+    path = _place(directory, cases)
+    if not path.exists():
+        write_finished(directory, cases)
+    write_index(directory, {path.name: (stamp(path), [_row(case) for case in cases])})
+
+
+def is_store(directory: Path) -> bool:
+    """Whether `directory` can be seen from here and is the place of a study."""
+    return (directory / DESCRIPTION).exists()
 
 
 def _write(path: Path, content: Mapping[str, Any]) -> None:
@@ -88,7 +154,7 @@ def _write(path: Path, content: Mapping[str, Any]) -> None:
 
 def write_whole(path: Path, text: str) -> None:
     """Writes a file that is never seen in part, and is on the disk when this returns."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")  # unlike that of any other machine
     with temporary.open("w", encoding="utf-8", newline="") as file:
         file.write(text)
         file.flush()

@@ -1,0 +1,67 @@
+"""The engine that a command's options name: where many cases are run."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from vvdp.studies.engine import Engine
+
+HERE, DASK, SLURM = "here", "dask", "slurm"
+
+On = Annotated[
+    str,
+    typer.Option(
+        "--on",
+        metavar="WHERE",
+        help=f"{HERE}: in this process; {DASK}: processes of this machine; {SLURM}: jobs; or the address of a Dask "
+        "scheduler, for example tcp://head:8786. See docs/studies.md.",
+    ),
+]
+Workers = Annotated[int | None, typer.Option("--workers", min=1, help=f"How many, with --on {DASK} and --on {SLURM}.")]
+Cores = Annotated[int | None, typer.Option("--cores", min=1, help="How many for each worker; here by default all.")]
+Sbatch = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--sbatch",
+        metavar="OPTION",
+        help=f"Goes to sbatch as it is, with --on {SLURM}: --sbatch=--partition=short; may be repeated.",
+    ),
+]
+
+
+def chosen_engine(
+    on: str, workers: int | None, cores: int | None, sbatch: list[str] | None, directory: Path
+) -> "Engine":
+    """The engine that the options name; what SLURM jobs print goes to a folder in `directory`.
+
+    Raises ConfigError with every option that does not go with `on`, and where `on` is no place.
+    """
+    from vvdp.base.errors import ConfigError, Fault
+    from vvdp.cli.screen import say
+    from vvdp.studies.engine import ThisProcess
+
+    is_address = ":" in on
+    faults = []
+    if on not in (HERE, DASK, SLURM) and not is_address:
+        expected = f"expected {HERE}, {DASK}, {SLURM} or an address such as tcp://head:8786"
+        faults.append(Fault("--on", 0, "", f"{on!r}; {expected}"))
+    if workers is not None and (on == HERE or is_address):
+        faults.append(Fault("--workers", 0, "", f"{workers} workers cannot be had with --on {on}"))
+    if cores is not None and is_address:
+        faults.append(Fault("--cores", 0, "", f"{cores} cores: the workers of {on} have theirs already"))
+    if sbatch and on != SLURM:
+        faults.append(Fault("--sbatch", 0, "", f"nothing is given to sbatch with --on {on}"))
+    if faults:
+        raise ConfigError(faults)
+    if on == HERE:
+        return ThisProcess(cores)
+    from vvdp.studies.dask_engines import DaskScheduler, LocalDask, Slurm
+
+    if on == DASK:
+        return LocalDask(workers, cores or 1, say=say)
+    if on == SLURM:
+        logs = (directory / "slurm").resolve()
+        return Slurm(workers or 1, cores or 1, options=tuple(sbatch or ()), logs=logs, say=say)
+    return DaskScheduler(on, say=say)
