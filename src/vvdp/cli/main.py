@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from vvdp.base.errors import ConfigError, ParameterError, VvdpError
-from vvdp.cli import check, compare, design, estimate, geometry, listing, new, report, run, show, study, valve
+from vvdp.cli import check, compare, design, estimate, geometry, listing, new, report, rig, run, show, study, valve
+from vvdp.cli import map as maps
 
 BAD_INPUT = 2
 FAILED = 1
@@ -28,6 +29,8 @@ app.command("study")(study.study)
 app.command("estimate")(estimate.estimate)
 app.add_typer(compare.app, name="compare")
 app.add_typer(design.app, name="design")
+app.command("map")(maps.map)
+app.add_typer(rig.app, name="rig")
 app.command("geometry")(geometry.geometry)
 app.command("list")(listing.systems)
 app.command("show")(show.show)

@@ -1,0 +1,207 @@
+"""`vvdp map`."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vvdp.cli.options import AsJson, Settings, SystemName
+
+if TYPE_CHECKING:
+    from vvdp.base.errors import Fault
+    from vvdp.base.kinds import Kind
+    from vvdp.rigs.maps import Axes, PumpMap
+    from vvdp.rigs.result import RigResult
+    from vvdp.rigs.stand import Stand
+
+INTERRUPTED = 130
+NOT_TRUSTED = 3
+
+Span = Annotated[
+    tuple[str, str, int] | None,
+    typer.Option("--duty", metavar="FROM TO COUNT", help="Duty ratios; by default 12 up to 1."),
+]
+Levels = Annotated[
+    tuple[str, str, int] | None,
+    typer.Option(
+        "--pressure",
+        metavar="FROM TO COUNT",
+        help='Load pressures, for example "10 bar" "110 bar" 10; by default 10 up to 95 % of the relief setting.',
+    ),
+]
+Speeds = Annotated[
+    list[str] | None,
+    typer.Option("--speed", metavar="SPEED", help='Pump speed, as "1500 rpm"; may be repeated.'),
+]
+Temperatures = Annotated[
+    list[str] | None,
+    typer.Option("--temperature", metavar="TEMP", help='Oil temperature, as "40 degC"; may be repeated.'),
+]
+Cores = Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")]
+
+
+def map(  # noqa: A001 - the name of the verb
+    system: SystemName,
+    settings: Settings = None,
+    analytic: Annotated[
+        bool, typer.Option("--analytic", help="By quasi-steady averages instead of simulation; at once.")
+    ] = False,
+    duty: Span = None,
+    pressure: Levels = None,
+    speed: Speeds = None,
+    temperature: Temperatures = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Where to write; by default results/map-SYSTEM."),
+    ] = None,
+    cores: Cores = None,
+    json: AsJson = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
+) -> None:
+    """Map flow and efficiencies over duty ratio and load pressure.
+
+    Every point is simulated to its periodic steady state; finished points are kept, and the same command goes on where
+    an earlier one stopped. Pump speed and oil temperature may be further axes.
+    """
+    from vvdp.cli.screen import print_json, say
+    from vvdp.report.rig_report import write_rig_report
+    from vvdp.rigs.map_result import map_result
+    from vvdp.rigs.maps import analytic_map, map_directory, simulated_map
+    from vvdp.rigs.result import write_rig
+    from vvdp.rigs.stand import stand
+    from vvdp.systems.system import load_system, resolved_text
+
+    loaded = load_system(system, settings or ())
+    held = stand(loaded)
+    axes = chosen_axes(held, duty, pressure, speed, temperature)
+    directory = out if out is not None else Path("results", f"{'analytic-' if analytic else ''}map-{loaded.name}")
+    with map_directory(directory):
+        if analytic:
+            found = analytic_map(held, axes, cores=cores, say=say)
+        else:
+            with listener("points") as progress:
+                found = simulated_map(held, axes, directory, cores=cores, progress=progress, say=say)
+        result = map_result(found)
+        write_rig(directory, result, resolved_text(loaded))
+        if not no_report:
+            write_rig_report(directory)
+    if json:
+        print_json({**result.flat, "out": str(directory)})
+    else:
+        _print(result, found)
+        typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
+    if not found.finished:
+        missing = sum(reason == "not run yet" for reason in found.reasons)
+        say(f"interrupted with {missing} points to go; the same command goes on from here")
+        raise typer.Exit(INTERRUPTED)
+    if result.numbers.get("untrusted_points", 0.0) > 0.0:
+        say("not trusted: the balances of some points are above the limit; see the column trusted")
+        raise typer.Exit(NOT_TRUSTED)
+
+
+def chosen_axes(
+    held: "Stand",
+    duty: tuple[str, str, int] | None,
+    pressure: tuple[str, str, int] | None,
+    speed: list[str] | None,
+    temperature: list[str] | None,
+    default: "Axes | None" = None,
+) -> "Axes":
+    """The axes that options ask for, the default ones where they do not. Raises ConfigError with all faults."""
+    from vvdp.base.errors import ConfigError, Fault
+    from vvdp.base.kinds import DUTY_RATIO, PRESSURE_LEVEL, SPEED, TEMPERATURE
+    from vvdp.rigs.maps import default_axes
+
+    faults: list[Fault] = []
+    given = {
+        "duty_ratios": _stretch("--duty", duty, DUTY_RATIO, faults),
+        "load_pressures": _stretch("--pressure", pressure, PRESSURE_LEVEL, faults),
+        "pump_speeds": tuple(sorted(set(_parsed("--speed", speed or (), SPEED, faults)))),
+        "temperatures": tuple(sorted(set(_parsed("--temperature", temperature or (), TEMPERATURE, faults)))),
+    }
+    if faults:
+        raise ConfigError(faults)
+    return replace(default or default_axes(held), **{name: values for name, values in given.items() if values})
+
+
+def _stretch(option: str, ends: tuple[str, str, int] | None, kind: "Kind", faults: list["Fault"]) -> tuple[float, ...]:
+    """Evenly spaced values of an option; none where it is not given or at fault."""
+    from vvdp.base.errors import Fault
+
+    if ends is None:
+        return ()
+    if not 1 <= ends[2] <= 10_000:
+        faults.append(Fault(option, 0, str(ends[2]), "expected 1 to 10000 values"))
+        return ()
+    found = _parsed(option, ends[:2], kind, faults)
+    if len(found) < 2:
+        return ()
+    low, high = found
+    if ends[2] == 1 or low == high:
+        return (low,)
+    step = (high - low) / (ends[2] - 1)
+    return tuple(low + step * place for place in range(ends[2] - 1)) + (high,)
+
+
+def _parsed(option: str, texts: Sequence[str], kind: "Kind", faults: list["Fault"]) -> list[float]:
+    from vvdp.base.errors import Fault, ParameterError
+    from vvdp.base.units import parsed
+
+    values = []
+    for text in texts:
+        try:
+            values.append(parsed(text, kind))
+        except ParameterError as problem:
+            faults.append(Fault(option, 0, "", str(problem)))
+    return values
+
+
+def _print(result: "RigResult", found: "PumpMap") -> None:
+    """Overall efficiency over pressure and duty ratio at the first speed and temperature, and what was found."""
+    import numpy as np
+
+    from vvdp.cli.screen import console, grid, warn
+    from vvdp.report.wording import number
+
+    out = console()
+    out.print(f"{result.title}: {result.system}", soft_wrap=True)
+    for name, value in result.conditions.items():
+        out.print(f"  {name}: {value}", soft_wrap=True)
+    axes = found.axes
+    places = [round(x) for x in np.linspace(0, len(axes.duty_ratios) - 1, min(12, len(axes.duty_ratios))).tolist()]
+    heads = [f"{axes.duty_ratios[place]:.3g}" for place in places]
+    table = grid(
+        "load [bar] \\ duty", *heads, title="overall efficiency [%], * above the motor's power", right=tuple(heads)
+    )
+    efficiency, heavy = found.grid("overall_efficiency")[0, 0], found.grid("motor_overloaded")[0, 0]
+    gauge = (np.array(axes.load_pressures) - found.stand.reference) / 1e5
+    for row, pressure in enumerate(gauge):
+        cells = [
+            number(100.0 * efficiency[row, place], 3) + ("*" if heavy[row, place] > 0.0 else "") for place in places
+        ]
+        table.add_row(f"{round(pressure, 6):.4g}", *cells)
+    out.print(table)
+    for sentence in result.findings:
+        out.print(sentence, soft_wrap=True)
+    out.print(f"{found.ran} points run in {found.seconds:.2f} s")
+    if found.simulated and result.numbers.get("untrusted_points", 0.0) > 0.0:
+        warn("some points are not trusted")
+
+
+@contextmanager
+def listener(what: str) -> Iterator[Callable[[int, int], None]]:
+    """What hears how much is done, of all: a bar on a terminal, a line elsewhere; both on stderr."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if not screen.is_terminal:
+        yield lambda done, total: say(f"{done} of {total} {what}")
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    with Progress(MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

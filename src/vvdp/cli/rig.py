@@ -1,0 +1,201 @@
+"""`vvdp rig`."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vvdp.cli.map import Cores, Levels, Span, Speeds, Temperatures, chosen_axes, listener
+from vvdp.cli.options import AsJson, Force, Settings, SystemName
+
+if TYPE_CHECKING:
+    from vvdp.rigs.result import RigResult
+    from vvdp.rigs.stand import Stand
+    from vvdp.systems.system import System
+
+INTERRUPTED = 130
+
+app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
+
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Where to write; by default results/RIG-SYSTEM-DATE-TIME."),
+]
+NoReport = Annotated[bool, typer.Option("--no-report", help="Write no report.")]
+Steps = Annotated[
+    tuple[float, float], typer.Option("--step", metavar="FROM TO", help="Duty ratios between which is stepped.")
+]
+
+
+@app.callback()
+def rig() -> None:
+    """Put a system on a virtual test rig, in the manner of a standard."""
+
+
+@app.command("pressure-drop")
+def pressure_drop(
+    system: SystemName,
+    settings: Settings = None,
+    temperature: Temperatures = None,
+    out: Out = None,
+    force: Force = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Pressure drop of the valve and its sections against flow, in the manner of ISO 4411."""
+    from vvdp.rigs.pressure_drop import pressure_drop as measured
+
+    def work(held: "Stand") -> "RigResult":
+        chosen = chosen_axes(held, None, None, None, temperature).temperatures
+        return measured(held, temperatures=chosen)
+
+    _run("pressure-drop", system, settings, work, out, force, json, no_report)
+
+
+@app.command()
+def ripple(
+    system: SystemName,
+    settings: Settings = None,
+    out: Out = None,
+    force: Force = False,
+    cores: Cores = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Pressure ripple over duty ratio, PWM frequency and accumulator, in the manner of ISO 10767."""
+    from vvdp.cli.screen import say
+    from vvdp.rigs.ripple import ripple as measured
+
+    _run("ripple", system, settings, lambda held: measured(held, cores=cores, say=say), out, force, json, no_report)
+
+
+@app.command()
+def step(
+    system: SystemName,
+    settings: Settings = None,
+    between: Steps = (0.4, 0.6),
+    out: Out = None,
+    force: Force = False,
+    cores: Cores = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Step and frequency response of the delivered flow to the duty ratio, in the manner of ISO 17559."""
+    from vvdp.cli.screen import say
+    from vvdp.rigs.step import dynamics
+
+    def work(held: "Stand") -> "RigResult":
+        return dynamics(held, between, cores=cores, say=say)
+
+    _run("step", system, settings, work, out, force, json, no_report)
+
+
+@app.command()
+def pump(
+    system: SystemName,
+    settings: Settings = None,
+    duty: Span = None,
+    pressure: Levels = None,
+    speed: Speeds = None,
+    temperature: Temperatures = None,
+    between: Steps = (0.4, 0.6),
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Where to write; by default results/pump-SYSTEM."),
+    ] = None,
+    cores: Cores = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """The VVDP as an electrically controlled pump, steady and dynamic, in the manner of ISO 17559 and ISO 4409.
+
+    Finished points of the steady maps are kept, and the same command goes on where an earlier one stopped.
+    """
+    from vvdp.cli.screen import say
+    from vvdp.report.rig_report import write_rig_report
+    from vvdp.rigs.maps import map_directory
+    from vvdp.rigs.pump import pump as measured
+    from vvdp.rigs.pump import pump_axes
+    from vvdp.rigs.result import write_rig
+    from vvdp.rigs.stand import stand
+    from vvdp.systems.system import load_system, resolved_text
+
+    loaded = load_system(system, settings or ())
+    held = stand(loaded)
+    axes = chosen_axes(held, duty, pressure, speed, temperature, pump_axes(held))
+    directory = out if out is not None else Path("results", f"pump-{loaded.name}")
+    with map_directory(directory, "pump"):
+        with listener("points") as progress:
+            result = measured(held, directory, axes, between, cores=cores, progress=progress, say=say)
+        write_rig(directory, result, resolved_text(loaded))
+        if not no_report and result.finished:
+            write_rig_report(directory)
+    _show(result, directory, json, no_report or not result.finished)
+    if not result.finished:
+        say("interrupted; the same command goes on from here")
+        raise typer.Exit(INTERRUPTED)
+
+
+@app.command()
+def claims(
+    system: SystemName,
+    settings: Settings = None,
+    out: Out = None,
+    force: Force = False,
+    cores: Cores = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """What is claimed of the rotary valve: against throttling, against a linear valve, driven or not, its ripple."""
+    from vvdp.cli.screen import say
+    from vvdp.rigs.claims import claims as worked_out
+
+    _run("claims", system, settings, lambda held: worked_out(held, cores=cores, say=say), out, force, json, no_report)
+
+
+def _run(
+    name: str,
+    system: str,
+    settings: list[str] | None,
+    work: Callable[["Stand"], "RigResult"],
+    out: Path | None,
+    force: bool,
+    json: bool,
+    no_report: bool,
+) -> None:
+    """Puts a system on its stand, has `work` done there, and writes and shows what comes of it."""
+    from vvdp.cli.run import default_directory
+    from vvdp.report.rig_report import write_rig_report
+    from vvdp.rigs.result import write_rig
+    from vvdp.rigs.stand import stand
+    from vvdp.simulation.results import result_directory
+    from vvdp.systems.system import load_system, resolved_text
+
+    loaded: System = load_system(system, settings or ())
+    held = stand(loaded)
+    directory = out if out is not None else default_directory(f"{name}-{loaded.name}")
+    with result_directory(directory, force=force) as folder:
+        result = work(held)
+        write_rig(folder, result, resolved_text(loaded))
+        if not no_report:
+            write_rig_report(folder)
+    _show(result, directory, json, no_report)
+
+
+def _show(result: "RigResult", directory: Path, json: bool, no_report: bool) -> None:
+    from vvdp.cli.screen import console, print_json
+
+    if json:
+        print_json({**result.flat, "out": str(directory)})
+        return
+    out = console()
+    out.print(f"{result.title}: {result.system}", soft_wrap=True)
+    for name, value in result.conditions.items():
+        out.print(f"  {name}: {value}", soft_wrap=True)
+    for sentence in result.findings:
+        out.print(sentence, soft_wrap=True)
+    for sheet in result.sheets:
+        out.print(f"table: {directory / f'{sheet}.csv'}", soft_wrap=True)
+    if not no_report:
+        out.print(f"report: {directory / 'report.html'}", soft_wrap=True)

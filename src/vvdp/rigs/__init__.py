@@ -1,0 +1,1 @@
+"""Virtual test rigs: steady maps, pressure drop, ripple, step and frequency response."""

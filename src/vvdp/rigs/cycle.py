@@ -1,0 +1,199 @@
+"""Means over a PWM period without dynamics, one operating point at a time and compiled: what analytic maps are made of.
+
+The same physics as `vvdp.valve.flow_map`, which works on whole arrays of angles. Here every angle is solved by itself,
+in closed form where one port alone is open below the relief setting, so that ten thousand points take part of a second.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.books import Nothing
+from vvdp.base.kinds import Conductance, Density, DutyRatio, DynamicViscosity, Flow, Pressure, PressureDifference, Speed
+from vvdp.base.select import maximum, minimum
+from vvdp.valve.branch import BranchFlow, BranchLaw, branch_drops, branch_law, law_flow
+from vvdp.valve.geometry import Openings, PortShape, port_shape, shape_openings
+from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.torque import spool_torque
+
+ANGLES = 500
+"""Equally spaced over half a PWM period, the other half being its mirror image."""
+MOST_TRIALS = 60
+CLOSE = 1e-12
+"""Width of the bracket, over the highest pressure, at which the inlet pressure counts as found."""
+
+
+class CyclePoint(NamedTuple):
+    """What a valve works under: pressures absolute, `flow` what the pump displaces."""
+
+    duty_ratio: DutyRatio
+    load_pressure: Pressure
+    tank_pressure: Pressure
+    relief_pressure: Pressure
+    relief_override: PressureDifference
+    flow: Flow
+    pump_leakage: Conductance
+    density: Density
+    viscosity: DynamicViscosity
+
+
+class CycleMeans(NamedTuple):
+    """Means over a PWM period, and the speed at which the torques balance over it."""
+
+    load_flow: Flow
+    tank_flow: Flow
+    relief_flow: Flow
+    inlet_pressure: Pressure
+    spool_speed: Speed
+
+
+class Instant(NamedTuple):
+    """The valve at one angle; `passed` is what the relief valve gets."""
+
+    inlet_pressure: Pressure
+    load: BranchFlow
+    tank: BranchFlow
+    passed: Flow
+
+
+def taken_flow(pressure: float, openings: Openings, point: CyclePoint, law: BranchLaw) -> float:
+    """Flow that both ports, the relief valve's override and the pump's leakage take at an inlet pressure [m^3/s].
+
+    pressure  at the inlet, absolute [Pa]
+    openings  open fractions of the ports [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    ports = (
+        law_flow(pressure - point.load_pressure, openings.load, law).flow
+        + law_flow(pressure - point.tank_pressure, openings.tank, law).flow
+    )
+    relief = 0.0
+    if point.relief_override > 0.0:
+        relief = point.flow * maximum(pressure - point.relief_pressure, 0.0) / point.relief_override
+    return ports + relief + point.pump_leakage * (pressure - point.tank_pressure)
+
+
+def inlet_pressure_between(low: float, high: float, openings: Openings, point: CyclePoint, law: BranchLaw) -> float:
+    """The inlet pressure between two others at which all passages together take the pump flow, absolute [Pa].
+
+    Regula falsi with the Illinois weight; the flow grows with the pressure, so there is one.
+
+    low, high  below and above it, absolute [Pa]
+    openings   open fractions of the ports [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    below = taken_flow(low, openings, point, law) - point.flow
+    above = taken_flow(high, openings, point, law) - point.flow
+    last = 0.0
+    for _ in range(MOST_TRIALS):
+        if high - low <= CLOSE * high or above <= 0.0 or below >= 0.0:
+            break
+        trial = high - above * (high - low) / (above - below)
+        left = taken_flow(trial, openings, point, law) - point.flow
+        if left > 0.0:
+            high, above = trial, left
+            if last > 0.0:
+                below = 0.5 * below
+            last = 1.0
+        else:
+            low, below = trial, left
+            if last < 0.0:
+                above = 0.5 * above
+            last = -1.0
+        if abs(left) <= CLOSE * point.flow:
+            return trial
+    return low if below >= 0.0 else high
+
+
+def instant(openings: Openings, point: CyclePoint, law: BranchLaw, valve: RotaryValve) -> Instant:
+    """Inlet pressure and branch flows at one angle [Pa, m^3/s].
+
+    openings  open fractions of the ports [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    if point.pump_leakage == 0.0 and openings.load * openings.tank == 0.0 and openings.load + openings.tank > 0.0:
+        opening = openings.load + openings.tank
+        behind = point.load_pressure if openings.load > 0.0 else point.tank_pressure
+        drops = branch_drops(point.flow, opening, point.density, valve)
+        pressure = behind + drops.nozzle + drops.centre_section + drops.outlet_turbine
+        if pressure <= point.relief_pressure:
+            # What a shut port would pass per open fraction, and the shares of the drop, are of no account here.
+            whole = BranchFlow(point.flow, point.flow / opening, 1.0, 0.0, 0.0)
+            none = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
+            if openings.load > 0.0:
+                return Instant(pressure, whole, none, 0.0)
+            return Instant(pressure, none, whole, 0.0)
+    highest = point.relief_pressure + point.relief_override
+    at_highest = flows_at(highest, openings, point, law)
+    if point.relief_override == 0.0 and at_highest.passed >= 0.0:
+        return at_highest
+    low = minimum(point.load_pressure, point.tank_pressure)
+    found = flows_at(inlet_pressure_between(low, highest, openings, point, law), openings, point, law)
+    return Instant(found.inlet_pressure, found.load, found.tank, maximum(found.passed, 0.0))
+
+
+def flows_at(pressure: float, openings: Openings, point: CyclePoint, law: BranchLaw) -> Instant:
+    """Branch flows at an inlet pressure, and what of the pump flow they and the leakage leave over [m^3/s].
+
+    pressure  at the inlet, absolute [Pa]
+    openings  open fractions of the ports [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    load = law_flow(pressure - point.load_pressure, openings.load, law)
+    tank = law_flow(pressure - point.tank_pressure, openings.tank, law)
+    leakage = point.pump_leakage * (pressure - point.tank_pressure)
+    return Instant(pressure, load, tank, point.flow - leakage - load.flow - tank.flow)
+
+
+def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
+    """Mean flows [m^3/s] and inlet pressure [Pa] over a PWM period, and the averaged spool speed [rad/s].
+
+    Quasi-steady: stiff oil, constant pressures at load and tank, a relief valve without lag. The torque is linear in
+    the speed, so its means at two speeds give the balance.
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    law, shape = branch_law(point.density, valve), port_shape(valve)
+    load_flow, tank_flow, relief_flow, inlet = 0.0, 0.0, 0.0, 0.0
+    at_rest, slowed = 0.0, 0.0
+    openings = angle_openings(0, point, shape)
+    alike = 1.0  # neighbours with the same openings, as while a port is fully open
+    for i in range(1, ANGLES + 1):
+        following = angle_openings(i, point, shape)
+        if i < ANGLES and following.load == openings.load and following.tank == openings.tank:
+            alike += 1.0
+            continue
+        now = instant(openings, point, law, valve)
+        still = spool_torque(now.load, now.tank, openings, 0.0, point.density, point.viscosity, valve)
+        moving = spool_torque(now.load, now.tank, openings, 1.0, point.density, point.viscosity, valve)
+        load_flow += alike * now.load.flow
+        tank_flow += alike * now.tank.flow
+        relief_flow += alike * now.passed
+        inlet += alike * now.inlet_pressure
+        at_rest += alike * still.turbine
+        slowed += alike * (still.turbine - moving.turbine + moving.friction)
+        openings, alike = following, 1.0
+    return CycleMeans(load_flow / ANGLES, tank_flow / ANGLES, relief_flow / ANGLES, inlet / ANGLES, at_rest / slowed)
+
+
+def angle_openings(number: int, point: CyclePoint, shape: PortShape) -> Openings:
+    """Open fractions of the ports at one of the equally spaced angles [1].
+
+    number  of the angle, 0 to ANGLES - 1
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    angle = np.pi / shape.sections * (number + 0.5) / ANGLES
+    return shape_openings(angle, point.duty_ratio * shape.helix_length, shape)
+
+
+def cycle_step(memory: Nothing, point: CyclePoint, valve: RotaryValve) -> tuple[Nothing, CycleMeans]:
+    """`cycle_means` in the form in which a record of points is run through, compiled.
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    return memory, cycle_means(point, valve)

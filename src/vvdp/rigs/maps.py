@@ -1,0 +1,384 @@
+"""Maps of a virtually variable displacement pump over duty ratio, load pressure, pump speed and oil temperature.
+
+Analytic ones come from the quasi-steady averages, simulated ones from the periodic state of the PWM-resolved circuit at
+every point. Finished points of a simulated map are kept at once, so an interrupted one goes on where it stopped.
+"""
+
+import hashlib
+import itertools
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import vvdp
+from vvdp.base.errors import ConfigError, Fault, unusable
+from vvdp.fluid.mixture import compression_energy_per_volume
+from vvdp.fluid.oil import dynamic_viscosity
+from vvdp.numerics.tableaus import Array
+from vvdp.rigs import periodic, steady
+from vvdp.rigs.averages import averages
+from vvdp.rigs.cycle import CycleMeans
+from vvdp.rigs.result import read_rig
+from vvdp.rigs.stand import SetPoint, Stand
+from vvdp.rigs.steady import Steady, steady_states
+from vvdp.simulation.link import link, quiet
+from vvdp.simulation.values import flat, leaves
+from vvdp.studies.run import interrupts_held, silent
+from vvdp.studies.store import Finished, opened_store, write_finished
+from vvdp.valve.leakage import leakage_conductance
+from vvdp.valve.torque import pwm_frequency
+
+BATCH_SECONDS = 4.0
+"""What a batch should take: no more than that is lost when the machine is switched off."""
+FIRST_BATCH, LARGEST_BATCH = 8, 400
+"""Points in the first batch, which shows how long they take, and in any at most."""
+STORE = "points"
+"""Folder of the finished points in that of a simulated map."""
+MOST_POINTS = 1_000_000
+
+SET = ("duty_ratio", "load_pressure_Pa", "pump_speed_rad_s", "oil_temperature_K")
+FOUND = (
+    "delivered_flow_m3_s",
+    "volumetric_efficiency",
+    "hydromechanical_efficiency",
+    "overall_efficiency",
+    "input_power_W",
+    "spool_motor_power_W",
+    "load_power_W",
+    "loss_total_W",
+    "pwm_frequency_Hz",
+    "mean_load_pressure_Pa",
+    "mean_inlet_pressure_Pa",
+    "mean_pump_flow_m3_s",
+    "mean_tank_flow_m3_s",
+    "mean_relief_flow_m3_s",
+    "mean_leakage_flow_m3_s",
+    "motor_overloaded",
+)
+ANALYTIC_ONLY = ("loss_compressibility_W",)
+SIMULATED_ONLY = (
+    "load_area_m2",
+    "inlet_pressure_min_Pa",
+    "inlet_pressure_max_Pa",
+    "load_pressure_min_Pa",
+    "load_pressure_max_Pa",
+    "cavitation",
+    "trusted",
+    "periodic_residual",
+    "periodic_distance",
+)
+
+
+@dataclass(frozen=True)
+class Axes:
+    """The values that a map goes through; its points are ordered with the duty ratio fastest, the temperature slowest.
+
+    Pressures are absolute. Raises ConfigError with all that is wrong when made.
+    """
+
+    duty_ratios: tuple[float, ...]
+    load_pressures: tuple[float, ...]
+    pump_speeds: tuple[float, ...]
+    temperatures: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        faults = [
+            Fault("map", 0, name, f"{problem}")
+            for name, values, lowest in (
+                ("duty ratios", self.duty_ratios, -np.inf),
+                ("load pressures", self.load_pressures, 0.0),
+                ("pump speeds", self.pump_speeds, 0.0),
+                ("temperatures", self.temperatures, 0.0),
+            )
+            if (problem := _axis_problem(values, lowest))
+        ]
+        if not faults and self.count > MOST_POINTS:
+            faults = [Fault("map", 0, "", f"{self.count} points; at most {MOST_POINTS}")]
+        if faults:
+            raise ConfigError(faults)
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Numbers of temperatures, pump speeds, load pressures and duty ratios."""
+        return len(self.temperatures), len(self.pump_speeds), len(self.load_pressures), len(self.duty_ratios)
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return int(np.prod(self.shape))
+
+    @property
+    def points(self) -> list[SetPoint]:
+        """All set points in the order of a map's columns."""
+        ordered = itertools.product(self.temperatures, self.pump_speeds, self.load_pressures, self.duty_ratios)
+        return [SetPoint(d, p, n, t) for t, n, p, d in ordered]
+
+
+def _axis_problem(values: Sequence[float], lowest: float) -> str | None:
+    if not values:
+        return "none; expected at least one"
+    if not all(np.isfinite(v) and v > lowest for v in values):
+        return f"{', '.join(f'{v:g}' for v in values)}; expected numbers above {lowest:g}"
+    if any(b <= a for a, b in itertools.pairwise(values)):
+        return f"{', '.join(f'{v:g}' for v in values)}; expected increasing values"
+    return None
+
+
+def default_axes(stand: Stand, duties: int = 12, pressures: int = 10) -> Axes:
+    """Duty ratios up to 1, load pressures up to 95 % of the relief setting; speed and temperature of the system."""
+    here = stand.set_point
+    rise = stand.relief_pressure - stand.tank_pressure
+    shares = np.linspace(0.05, 0.95, pressures) if pressures > 1 else np.array([0.8])
+    steps = np.linspace(1.0 / duties, 1.0, duties)
+    return Axes(
+        tuple(float(d) for d in steps),
+        tuple(float(stand.tank_pressure + share * rise) for share in shares),
+        (here.pump_speed,),
+        (here.oil_temperature,),
+    )
+
+
+@dataclass(frozen=True)
+class PumpMap:
+    """A map: a column [SI] for every quantity, a row for every point in the order of `axes.points`.
+
+    Pressures in columns are gauge, flows counted in tank volumes where simulated, in actual volumes where analytic.
+    `reasons` says why a point has no result, None where it has.
+    """
+
+    stand: Stand
+    axes: Axes
+    simulated: bool
+    columns: Mapping[str, Array]
+    reasons: tuple[str | None, ...]
+    ran: int
+    seconds: float
+
+    @property
+    def finished(self) -> bool:
+        """Whether every point has been worked on."""
+        return NOT_RUN not in self.reasons
+
+    def grid(self, column: str) -> Array:
+        """A column over temperature, pump speed, load pressure and duty ratio, in the shape of the axes."""
+        return self.columns[column].reshape(self.axes.shape)
+
+
+NOT_RUN = "not run yet"
+
+
+def analytic_map(
+    stand: Stand,
+    axes: Axes,
+    *,
+    cores: int | None = None,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+) -> PumpMap:
+    """The map as the quasi-steady averages give it: constant load pressure, stiff oil, a relief valve without lag.
+
+    The compressibility loss is nominal, f V W_V, and not part of the efficiency: see `compressibility_loss`. A driven
+    spool switches at the speed of its motor.
+
+    Source  ours, docs/rigs.md
+    """
+    began = time.perf_counter()
+    t, n, p, d = _columns(np.ravel(v) for v in np.meshgrid(
+        axes.temperatures, axes.pump_speeds, axes.load_pressures, axes.duty_ratios, indexing="ij"
+    ))  # fmt: skip
+    tables, tank = stand.tables, stand.tank_pressure
+    pump, oil, valve = tables["pump"], tables["oil"], tables["valve"]
+    at = {value: stand.cycle_point(SetPoint(0.5, tank, axes.pump_speeds[0], value)) for value in axes.temperatures}
+    flow = pump.displacement * n
+    rows = np.empty((t.size, 9))
+    rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3] = d, p, tank, stand.relief_pressure
+    relief = tables["relief_valve"]
+    rows[:, 4], rows[:, 5] = relief.override_pressure * flow / relief.rated_flow, flow
+    rows[:, 6] = pump.leakage_conductance
+    rows[:, 7] = [at[value].density for value in t]
+    rows[:, 8] = [at[value].viscosity for value in t]
+    means = CycleMeans(*_columns(averages(rows, valve, cores=cores, cache=cache, say=say).T))
+    speed: Any = means.spool_speed
+    if stand.is_driven:
+        speed = np.full_like(d, tables["operation"].spool_motor_speed.base)
+    frequency = pwm_frequency(speed, valve)
+    leakage = leakage_conductance(dynamic_viscosity(t, oil), valve) * (p - tank)
+    delivered = means.load_flow - leakage
+    shaft = flow * (means.inlet_pressure - tank) + pump.friction_torque * n
+    columns = {
+        "delivered_flow_m3_s": delivered,
+        "input_power_W": shaft,
+        "spool_motor_power_W": np.full_like(d, np.nan if stand.is_driven else 0.0),
+        "load_power_W": delivered * (p - tank),
+        "pwm_frequency_Hz": frequency,
+        "mean_load_pressure_Pa": p - stand.reference,
+        "mean_inlet_pressure_Pa": means.inlet_pressure - stand.reference,
+        "mean_pump_flow_m3_s": flow,
+        "mean_tank_flow_m3_s": means.tank_flow,
+        "mean_relief_flow_m3_s": means.relief_flow,
+        "mean_leakage_flow_m3_s": leakage,
+        "motor_overloaded": (shaft > tables["motor"].rated_power).astype(float),
+        "loss_compressibility_W": frequency * tables["inlet"].volume * compression_energy_per_volume(p, tank, oil),
+    }
+    columns = _judged(stand, axes, columns)
+    reasons = _reasons(columns, (None,) * axes.count)
+    return PumpMap(stand, axes, False, columns, reasons, axes.count, time.perf_counter() - began)
+
+
+def _columns(values: Iterable[Any]) -> tuple[Any, ...]:
+    """Columns as formulas take them: written for floats, they work on arrays too."""
+    return tuple(values)
+
+
+def _judged(stand: Stand, axes: Axes, columns: Mapping[str, Array]) -> dict[str, Array]:
+    """`columns` with the set points before them and the efficiencies and losses that follow from them.
+
+    The derived flow of a pump at duty ratio d is d D omega. An efficiency is nan where nothing is delivered.
+    """
+    set_ = dict(zip(SET, (np.array(column, float) for column in zip(*axes.points, strict=True)), strict=True))
+    set_["load_pressure_Pa"] = set_["load_pressure_Pa"] - stand.reference
+    motor = np.nan_to_num(columns["spool_motor_power_W"])
+    power_in = columns["input_power_W"] + motor
+    derived = set_["duty_ratio"] * stand.tables["pump"].displacement * set_["pump_speed_rad_s"]
+    with np.errstate(all="ignore"):
+        delivers = columns["delivered_flow_m3_s"] > 0.0
+        volumetric = np.where(delivers & (derived > 0.0), columns["delivered_flow_m3_s"] / derived, np.nan)
+        overall = np.where(delivers & (columns["load_power_W"] > 0.0), columns["load_power_W"] / power_in, np.nan)
+        found = {
+            **set_,
+            **columns,
+            "volumetric_efficiency": volumetric,
+            "hydromechanical_efficiency": overall / volumetric,
+            "overall_efficiency": overall,
+            "loss_total_W": power_in - columns["load_power_W"],
+        }
+    order = [name for name in (*SET, *FOUND, *ANALYTIC_ONLY, *SIMULATED_ONLY) if name in found]
+    return {name: np.asarray(found[name], float) for name in order}
+
+
+def _reasons(columns: Mapping[str, Array], reasons: Sequence[str | None]) -> tuple[str | None, ...]:
+    dry = ~(columns["delivered_flow_m3_s"] > 0.0)
+    return tuple(reason or (NOTHING_DELIVERED if empty else None) for reason, empty in zip(reasons, dry, strict=True))
+
+
+NOTHING_DELIVERED = "delivers nothing"
+
+
+def simulated_map(
+    stand: Stand,
+    axes: Axes,
+    directory: Path,
+    *,
+    cores: int | None = None,
+    progress: Callable[[int, int], None] = silent,
+    say: Callable[[str], None] = quiet,
+    cache: Path | None = None,
+) -> PumpMap:
+    """The map as the PWM-resolved circuit gives it, every point in its periodic steady state.
+
+    Points that `directory` already has are not run again; they are known by every number that they depend on. Each
+    batch is kept when it is done and `progress` hears of it (points done, of all). Ctrl-C ends the map after the batch
+    at hand, and running it again goes on from there. Raises ConfigError where the directory cannot be used.
+    """
+    began = time.perf_counter()
+    finished = opened_store(directory / STORE, {"vvdp": vvdp.__version__, "system": stand.system.name})
+    points = axes.points
+    digest = link(stand.model, stand.bench.case(stand.tables), cache, say).digest
+    keys = [_key(stand, point, digest) for point in points]
+    pending = [number for number, key in enumerate(keys) if key not in finished]
+    if len(pending) < len(points):
+        say(f"{len(points) - len(pending)} of {len(points)} points are finished already")
+    progress(len(points) - len(pending), len(points))
+    ran, size = 0, FIRST_BATCH
+    with interrupts_held() as interrupted:
+        while pending and not interrupted.is_set():
+            batch, pending = pending[:size], pending[size:]
+            batch_began = time.perf_counter()
+            states = steady_states([(stand, points[number]) for number in batch], cores=cores, cache=cache, say=say)
+            done = [_finished(keys[number], state) for number, state in zip(batch, states, strict=True)]
+            write_finished(directory / STORE, done)
+            finished |= {each.key: each for each in done}
+            ran += len(batch)
+            rate = len(batch) / (time.perf_counter() - batch_began)
+            size = int(np.clip(BATCH_SECONDS * rate, FIRST_BATCH, LARGEST_BATCH))
+            progress(len(points) - len(pending), len(points))
+    return _collected(stand, axes, [finished.get(key) for key in keys], ran, time.perf_counter() - began)
+
+
+@contextmanager
+def map_directory(directory: Path, rig: str = "map") -> Iterator[None]:
+    """Makes `directory` the place of a map, new or gone on with, and removes it again if nothing came into it.
+
+    `rig` says of which rig the map is a part.
+
+    Raises ConfigError where it holds something else or cannot be written.
+    """
+    if directory.exists() and not directory.is_dir():
+        raise unusable(directory, "is not a directory")
+    known = ("rig.json", f"{STORE}/study.json")
+    if directory.exists() and any(directory.iterdir()) and not any((directory / name).is_file() for name in known):
+        raise unusable(directory, "holds something else than a map; choose another directory")
+    if (directory / "rig.json").is_file() and read_rig(directory).rig != rig:
+        raise unusable(directory, "holds the result of another rig; choose another directory")
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise unusable(directory, f"cannot be written ({problem.strerror})") from None
+    try:
+        yield
+    finally:
+        if not any(directory.iterdir()):
+            directory.rmdir()
+
+
+def _key(stand: Stand, point: SetPoint, digest: str) -> str:
+    """What a point is known by: everything that its result depends on."""
+    solver = (periodic.LIMIT, periodic.DISTANCE, periodic.TOLERANCE, steady.HELD, stand.stepping.method)
+    found = hashlib.sha256(repr((vvdp.__version__, digest, stand.system.circuit, solver, tuple(point))).encode())
+    for name in sorted(stand.tables):
+        table = stand.tables[name]
+        found.update(repr([path for path, _, _ in leaves(table)]).encode())
+        found.update(flat(table).tobytes())
+    return found.hexdigest()
+
+
+def _finished(key: str, state: Steady) -> Finished:
+    summary = dict(state.summary)
+    if state.periodic is not None and summary:
+        summary |= {
+            "load_area_m2": float(state.area),
+            "periodic_residual": float(state.periodic.residual),
+            "periodic_distance": float(state.periodic.distance),
+        }
+    return Finished(key, dict(zip(SetPoint._fields, state.point, strict=True)), state.reason, summary)
+
+
+def _collected(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: int, seconds: float) -> PumpMap:
+    rows: list[Mapping[str, float | bool]] = [each.summary if each else {} for each in done]
+
+    def column(name: str) -> Array:
+        return np.array([float(row.get(name, np.nan)) for row in rows])
+
+    names = [name for name in (*FOUND, *SIMULATED_ONLY) if any(name in row for row in rows)]
+    columns = {name: column(name) for name in (*names, "input_power_W", "spool_motor_power_W", "load_power_W")}
+    columns["delivered_flow_m3_s"] = column("mean_load_flow_m3_s")  # leakage taken off
+    columns.setdefault("motor_overloaded", column("motor_overloaded"))
+    reasons = [each.failure if each else NOT_RUN for each in done]
+    judged = _judged(stand, axes, columns)
+    return PumpMap(stand, axes, True, judged, _reasons(judged, reasons), ran, seconds)
+
+
+Flags = npt.NDArray[np.bool_]
+
+
+def usable(found: PumpMap) -> Flags:
+    """Where the pump delivers and its motor bears it, in the shape of the axes."""
+    bears = found.columns["motor_overloaded"] == 0.0
+    flags: Flags = np.isfinite(found.columns["overall_efficiency"]) & bears
+    return flags.reshape(found.axes.shape)

@@ -1,0 +1,229 @@
+"""The periodic steady state of a switched circuit, found by shooting over one period instead of by waiting.
+
+A self-spinning spool is periodic in its angle, not in time: the unknowns are the states at a mark (the spool's speed
+among them), the equation is that they come back at the next mark, and the time between both is a result.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from vvdp.base.errors import ParameterError
+from vvdp.numerics.tableaus import Array
+from vvdp.simulation.batch import BatchRun, simulate_batch
+from vvdp.simulation.link import quiet
+from vvdp.simulation.model import Case, Model
+from vvdp.simulation.outcome import Outcome, Window
+from vvdp.simulation.run import Stepping
+from vvdp.simulation.values import as_value, flat, leaves
+
+LIMIT = 1e-5
+"""Largest relative change of a state over the period at which it counts as periodic, some times the noise of steps."""
+
+DISTANCE = 3e-4
+"""Largest relative distance from the periodic state, as the next Newton step tells it, at which it counts as found."""
+
+PERTURBATION = 5e-3
+"""Relative change of a state for the columns of the Jacobian: far above the noise of the stepping, 1e-6."""
+
+TOLERANCE = 1e-8
+"""Relative tolerance of the stepping; a looser one is tightened to it."""
+
+SHRINK, GROW = 0.6, 1.5
+"""Share of a state by which one step may lessen or add to it: pressures and speeds keep their sign."""
+
+MOST_ROUNDS = 25
+MARGIN = 1.25
+"""Simulated time over the expected period."""
+
+SOONEST = 1e-6
+"""A mark before this share of the simulated time is the one at the start, passed again by a spool that turns back."""
+
+MOST_PATIENCE = 6
+"""How often the simulated time is doubled for a case whose mark does not come."""
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """The periodic steady state of one case, or why it has none.
+
+    `residual` is the largest change of a state over the period, relative to its size, and `distance` how far the
+    periodic state may still be, as the next Newton step tells it. Means over the period come from `outcome`.
+    """
+
+    case: Case
+    outcome: Outcome | None
+    residual: float
+    distance: float
+    period: float
+    rounds: int
+    reason: str | None
+
+
+class _Shot(NamedTuple):
+    """One round for one case: what comes back at the next mark, and the Jacobian of it."""
+
+    image: Array  # (unknowns,)
+    jacobian: Array  # (unknowns, unknowns)
+    outcome: Outcome
+
+
+def periodic_states(
+    model: Model,
+    cases: Sequence[Case],
+    stepping: Stepping,
+    periods: Sequence[float],
+    *,
+    cores: int | None = None,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+) -> list[Periodic]:
+    """The periodic steady state of each of `cases`, all at once on all cores; their states are the first guesses.
+
+    The state of a case stands at a mark. `periods` are the expected times between marks [s]. A Newton step needs one
+    period for each unknown and one more; a step that leads into the impossible is halved. Raises ParameterError where
+    the cases differ in shape or a period is not above zero.
+
+    Source  ours, docs/models/periodic-states.md
+    """
+    if len(periods) != len(cases) or not all(p > 0.0 for p in periods):
+        raise ParameterError(f"{len(cases)} cases with periods {list(periods)}; expected a period above 0 s for each")
+    unknown = _unknowns(cases[0])
+    scale = np.array([kind.scale if kind else 1.0 for _, _, kind in leaves(cases[0].state)])[unknown]
+    stepping = replace(stepping, relative_tolerance=min(stepping.relative_tolerance, TOLERANCE))
+    run = _Runner(model, stepping, unknown, scale, cores, cache, say)
+    guesses = [flat(case.state)[unknown] for case in cases]
+    found: list[Periodic | None] = [None] * len(cases)
+    best = [np.inf] * len(cases)
+    expected = list(periods)
+    last: list[tuple[Array, Array] | None] = [None] * len(cases)  # the state a step began from, and the step
+    for rounds in range(1, MOST_ROUNDS + 1):
+        open_ = [i for i, done in enumerate(found) if done is None]
+        if not open_:
+            break
+        for i, shot in zip(open_, run.shots([cases[i] for i in open_], [guesses[i] for i in open_],
+                                            [expected[i] for i in open_]), strict=True):  # fmt: skip
+            step = last[i]
+            if isinstance(shot, str):
+                if step is None:
+                    found[i] = Periodic(cases[i], None, np.inf, np.inf, np.nan, rounds, shot)
+                    continue
+                last[i] = step[0], 0.5 * step[1]
+                guesses[i] = step[0] + 0.5 * step[1]
+                continue
+            size = scale + np.abs(guesses[i])
+            change = shot.image - guesses[i]
+            delta = _newton_step(shot.jacobian, change, size)
+            residual, distance = float(np.max(np.abs(change) / size)), float(np.max(np.abs(delta) / size))
+            window = shot.outcome.window
+            expected[i] = window.end - window.begin
+            if residual <= LIMIT and distance <= DISTANCE:
+                found[i] = Periodic(shot.outcome.case, shot.outcome, residual, distance, expected[i], rounds, None)
+                continue
+            best[i] = min(best[i], residual)
+            last[i] = guesses[i], delta
+            guesses[i] = guesses[i] + np.clip(delta, -SHRINK * np.abs(guesses[i]), GROW * np.abs(guesses[i]) + scale)
+    missing = f"no periodic state after {MOST_ROUNDS} rounds"
+    return [
+        done or Periodic(case, None, worst, np.inf, period, MOST_ROUNDS, missing)
+        for done, case, worst, period in zip(found, cases, best, expected, strict=True)
+    ]
+
+
+def _unknowns(case: Case) -> npt.NDArray[np.intp]:
+    """Places of the states that must come back: all but the books and what grows for ever, an angle."""
+    kinds = enumerate(leaves(case.state))
+    return np.array(
+        [i for i, (path, _, kind) in kinds if not path.startswith("books.") and not (kind and kind.accumulates)],
+        np.intp,
+    )
+
+
+def _newton_step(jacobian: Array, change: Array, size: Array) -> Array:
+    """The step to where the state comes back: (1 - J) step = change, in relative units.
+
+    A state without dynamics of its own (a static valve) has J = 1 and no change: least squares leave it alone.
+    """
+    scaled = jacobian * size[None, :] / size[:, None]
+    step, *_ = np.linalg.lstsq(np.eye(size.size) - scaled, change / size, rcond=1e-9)
+    return np.asarray(step * size, float)
+
+
+@dataclass(frozen=True)
+class _Runner:
+    """Runs cases over one period, each with its neighbours for the Jacobian."""
+
+    model: Model
+    stepping: Stepping
+    unknown: npt.NDArray[np.intp]
+    scale: Array
+    cores: int | None
+    cache: Path | None
+    say: Callable[[str], None]
+
+    def shots(self, cases: Sequence[Case], guesses: Sequence[Array], periods: Sequence[float]) -> list[_Shot | str]:
+        """For each case its shot, or why there is none. Cases of alike periods run together."""
+        found: list[_Shot | str] = [""] * len(cases)
+        groups: dict[int, list[int]] = {}
+        for i, period in enumerate(periods):
+            groups.setdefault(int(np.floor(np.log(period) / np.log(1.5))), []).append(i)
+        for members in groups.values():
+            until, waiting = MARGIN * max(periods[i] for i in members), members
+            for patience in range(MOST_PATIENCE + 1):
+                part = self._together([cases[i] for i in waiting], [guesses[i] for i in waiting], until)
+                late = []
+                for i, shot in zip(waiting, part, strict=True):
+                    if shot is None and patience < MOST_PATIENCE:
+                        late.append(i)
+                    else:
+                        found[i] = f"no mark within {until:.3g} s: the spool does not turn" if shot is None else shot
+                if not late:
+                    break
+                until, waiting = 2.0 * until, late
+        return found
+
+    def _together(self, cases: Sequence[Case], guesses: Sequence[Array], until: float) -> list[_Shot | str | None]:
+        n = self.unknown.size
+        rows: list[Case] = []
+        steps: list[Array] = []
+        for case, guess in zip(cases, guesses, strict=True):
+            state = flat(case.state)
+            state[self.unknown] = guess
+            delta = PERTURBATION * (np.abs(guess) + self.scale)
+            steps.append(delta)
+            for column in range(-1, n):
+                shifted = state.copy()
+                if column >= 0:
+                    shifted[self.unknown[column]] += delta[column]
+                rows.append(replace(case, state=as_value(case.state, shifted)))
+        stepping = replace(self.stepping, until=until)
+        run = simulate_batch(self.model, rows, stepping, 0.0, cores=self.cores, cache=self.cache, say=self.say)
+        return [self._shot(run, i * (n + 1), steps[i]) for i in range(len(cases))]
+
+    def _shot(self, run: BatchRun, row: int, delta: Array) -> _Shot | str | None:
+        n = self.unknown.size
+        reasons = [reason for reason in run.reasons[row : row + n + 1] if reason]
+        if run.marks[row : row + n + 1].min() < 1 or not run.mark_times[row, 0] > SOONEST * run.stepping.until:
+            return reasons[0] if reasons else None
+        images = run.first_marks[row : row + n + 1][:, self.unknown]
+        case = run.cases[row]
+        outcome = Outcome(
+            model=self.model,
+            case=case,
+            window=Window(0.0, float(run.mark_times[row, 0]), flat(case.state), run.first_marks[row], 1, True),
+            final=run.first_marks[row],
+            low=run.low[row],
+            high=run.high[row],
+            end=float(run.mark_times[row, 0]),
+            steps=int(run.steps[row]),
+            rejected=int(run.rejected[row]),
+            evaluations=int(run.evaluations[row]),
+            stiff=bool(run.stiff[row]),
+            seconds=run.seconds / len(run.cases),
+            finished=True,
+        )
+        return _Shot(images[0], (images[1:] - images[0]).T / delta[None, :], outcome)

@@ -1,0 +1,153 @@
+"""The VVDP as an electrically controlled pump, in the manner of ISO 17559 and ISO 4409: steady and dynamic."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vvdp.numerics.tableaus import Array
+from vvdp.rigs.conditions import BAR, LPM
+from vvdp.rigs.map_result import map_result
+from vvdp.rigs.maps import Axes, PumpMap, default_axes, simulated_map
+from vvdp.rigs.result import RigResult
+from vvdp.rigs.stand import Stand
+from vvdp.rigs.step import STEPS, dynamics
+from vvdp.simulation.link import quiet
+from vvdp.studies.run import silent
+
+DUTY_RATIOS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+PRESSURES = 4
+SPEED_SHARES = (0.6, 1.0)
+"""Pump speeds, over that of the system."""
+LOWEST_SHARE, STRAIGHT = 0.01, (0.3, 0.95)
+"""Share of the largest flow that ends the dead band, and the duty ratios between which the flow should be a line."""
+
+
+def pump_axes(stand: Stand) -> Axes:
+    """Duty ratios closer together where the flow begins, four load pressures, two pump speeds, one temperature."""
+    axes = replace(default_axes(stand), duty_ratios=DUTY_RATIOS)
+    rise = stand.relief_pressure - stand.tank_pressure
+    pressures = tuple(float(stand.tank_pressure + share * rise) for share in np.linspace(0.2, 0.8, PRESSURES))
+    speeds = tuple(float(share * stand.set_point.pump_speed) for share in SPEED_SHARES)
+    return replace(axes, pump_speeds=speeds, load_pressures=pressures)
+
+
+def pump(
+    stand: Stand,
+    directory: Path,
+    axes: Axes | None = None,
+    steps: tuple[float, float] = STEPS,
+    *,
+    cores: int | None = None,
+    progress: Callable[[int, int], None] = silent,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+) -> RigResult:
+    """Steady maps over duty ratio and load pressure (pump speed, temperature), then step and frequency response.
+
+    Finished points of the maps are kept in `directory`; where the maps were interrupted the dynamics are left for the
+    next time. Raises ConfigError where the directory cannot be used.
+
+    Source  ours, docs/rigs.md, in the manner of iso17559 and iso4409
+    """
+    began = time.perf_counter()
+    axes = axes or pump_axes(stand)
+    steady = simulated_map(stand, axes, directory, cores=cores, progress=progress, say=say, cache=cache)
+    found = map_result(steady)
+    numbers = {**found.numbers, **control_numbers(steady)}
+    result = replace(
+        found,
+        rig="pump",
+        title="The VVDP as an electrically controlled pump",
+        numbers=numbers,
+        findings=(*found.findings, *_findings(numbers)),
+        sheets={"steady": found.sheets["map"]},
+    )
+    if not steady.finished:
+        return replace(result, seconds=time.perf_counter() - began)
+    moving = dynamics(stand, steps, cores=cores, cache=cache, say=say)
+    return replace(
+        result,
+        manner=f"{found.manner} {moving.manner}",
+        conditions={**found.conditions, "step": moving.conditions["duty ratio"]},
+        left_out=(*found.left_out, *moving.left_out[1:]),
+        sheets={**result.sheets, **moving.sheets},
+        numbers={**numbers, **moving.numbers},
+        findings=(*result.findings, *moving.findings),
+        seconds=time.perf_counter() - began,
+    )
+
+
+def dead_band(duty_ratios: Array, flow: Array, share: float = LOWEST_SHARE) -> float:
+    """Duty ratio at which the flow reaches a share of its largest, by straight lines between points [1].
+
+    nan where it never does, or is there from the first point on.
+    """
+    level = share * np.nanmax(flow)
+    there = np.flatnonzero(flow >= level)
+    if not there.size or there[0] == 0:
+        return np.nan
+    k = int(there[0])
+    return float(np.interp(level, flow[k - 1 : k + 1], duty_ratios[k - 1 : k + 1]))
+
+
+def linearity(duty_ratios: Array, flow: Array) -> tuple[float, float]:
+    """Gain [m^3/s per unit] of the straight line that comes closest, and the largest distance from it over its span."""
+    gain, offset = np.polyfit(duty_ratios, flow, 1)
+    apart = np.max(np.abs(flow - gain * duty_ratios - offset))
+    return float(gain), float(apart / (np.ptp(flow) or np.nan))
+
+
+def control_numbers(found: PumpMap) -> dict[str, float]:
+    """What a user of a controlled pump asks for: dead band, gain, linearity, sensitivity to the load pressure.
+
+    At the highest pump speed and the first temperature; dead band and linearity are the worst of all pressures.
+    """
+    duty = np.array(found.axes.duty_ratios)
+    delivered = found.grid("delivered_flow_m3_s")[0, -1]
+    numbers: dict[str, float] = {}
+    bands, gains, bends = [], [], []
+    straight = (duty >= STRAIGHT[0]) & (duty <= STRAIGHT[1])
+    for flow in delivered:
+        known = np.isfinite(flow)
+        if known.any():
+            bands.append(dead_band(duty, np.nan_to_num(flow)))
+        if np.count_nonzero(known & straight) >= 3:
+            gain, bend = linearity(duty[known & straight], flow[known & straight])
+            gains.append(gain)
+            bends.append(bend)
+    if np.isfinite(bands).any():
+        numbers["dead_band_duty_ratio"] = float(np.nanmax(bands))
+    if gains:
+        numbers["flow_gain_lowest_m3_s"] = min(gains)
+        numbers["flow_gain_highest_m3_s"] = max(gains)
+        numbers["linearity_error"] = max(bends)
+    if len(found.axes.load_pressures) > 1:
+        drop = delivered[0] - delivered[-1]
+        if np.isfinite(drop).any():
+            span = found.axes.load_pressures[-1] - found.axes.load_pressures[0]
+            numbers["flow_loss_per_pressure_m3_s_Pa"] = float(np.nanmax(drop) / span)
+    return numbers
+
+
+def _findings(n: dict[str, float]) -> tuple[str, ...]:
+    sentences = []
+    if "dead_band_duty_ratio" in n:
+        sentences.append(
+            f"Up to a duty ratio of {n['dead_band_duty_ratio']:.3g} less than {100.0 * LOWEST_SHARE:g} % of the "
+            "largest flow is delivered."
+        )
+    if "linearity_error" in n:
+        sentences.append(
+            f"Between duty ratios of {STRAIGHT[0]:g} and {STRAIGHT[1]:g} the flow lies within "
+            f"{100.0 * n['linearity_error']:.2g} % of a straight line, with a gain of "
+            f"{n['flow_gain_lowest_m3_s'] / LPM:.4g} to {n['flow_gain_highest_m3_s'] / LPM:.4g} lpm per unit."
+        )
+    if "flow_loss_per_pressure_m3_s_Pa" in n:
+        sentences.append(
+            "The load pressure takes at most "
+            f"{n['flow_loss_per_pressure_m3_s_Pa'] / LPM * 10.0 * BAR:.3g} lpm per 10 bar."
+        )
+    return tuple(sentences)

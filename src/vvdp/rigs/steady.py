@@ -1,0 +1,164 @@
+"""Steady states of a test stand, many set points at once: shooting, and for an orifice load the area that holds the
+pressure."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from vvdp.base.signal import constant
+from vvdp.rigs.averages import averages
+from vvdp.rigs.cycle import CycleMeans
+from vvdp.rigs.periodic import Periodic, periodic_states
+from vvdp.rigs.stand import SetPoint, Stand
+from vvdp.simulation.link import quiet
+from vvdp.simulation.model import Case
+from vvdp.simulation.values import as_value
+from vvdp.systems.summary import Summary, simulated_summary
+from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.torque import pwm_frequency
+
+HELD = 2e-4
+"""Largest relative distance of the mean load pressure from its set point; both above the tank's pressure."""
+MOST_SIZINGS = 8
+LARGEST_CHANGE = 3.0
+"""Factor by which an orifice grows or shrinks from one sizing to the next."""
+
+
+@dataclass(frozen=True)
+class Steady:
+    """A set point and its periodic state, or why there is none. `area` is that of an orifice load, nan otherwise."""
+
+    stand: Stand
+    point: SetPoint
+    periodic: Periodic | None
+    area: float
+    reason: str | None
+
+    @property
+    def summary(self) -> Summary:
+        """What the state comes to, as docs/keys.md has it; empty where there is none."""
+        if self.periodic is None or self.periodic.outcome is None:
+            return {}
+        system = replace(self.stand.system, tables=self.stand.tables, case=self.periodic.case)
+        return simulated_summary(self.periodic.outcome, system)
+
+
+def steady_states(
+    points: Sequence[tuple[Stand, SetPoint]],
+    area: float | None = None,
+    *,
+    cores: int | None = None,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+) -> list[Steady]:
+    """The periodic state at every set point, each on its own stand; all stands are of one circuit.
+
+    An orifice load is sized, by a secant on the logarithms of area and pressure, until the mean load pressure is within
+    `HELD` of its set point. With an `area` [m^2] it has that, and the load pressure of the points is a guess.
+
+    Source  ours, docs/models/periodic-states.md
+    """
+    found: dict[int, Steady] = {}
+    open_: dict[int, _Sizing] = {}
+    guesses = _guesses(points, cores, cache, say)
+    for number, (stand, point) in enumerate(points):
+        means = guesses[number]
+        opened = (area or stand.load_area(point, means)) if stand.makes_pressure else np.nan
+        speed = stand.guessed_speed(means)
+        if opened is None:
+            found[number] = Steady(stand, point, None, np.nan, "delivers nothing that could hold this load pressure")
+        elif not speed > 0.0:
+            found[number] = Steady(stand, point, None, np.nan, "the spool does not turn")
+        else:
+            case = stand.case(point, means, opened if stand.makes_pressure else None)
+            open_[number] = _Sizing(case, 1.0 / pwm_frequency(speed, stand.tables["valve"]), opened, [])
+    for _ in range(MOST_SIZINGS):
+        if not open_:
+            break
+        numbers = list(open_)
+        first = points[numbers[0]][0]
+        runs = periodic_states(
+            first.model,
+            [open_[number].case for number in numbers],
+            first.stepping,
+            [open_[number].period for number in numbers],
+            cores=cores,
+            cache=cache,
+            say=say,
+        )
+        for number, run in zip(numbers, runs, strict=True):
+            stand, point = points[number]
+            sizing = open_.pop(number)
+            if run.outcome is None:
+                found[number] = Steady(stand, point, run, sizing.area, run.reason)
+            elif not stand.makes_pressure or area or _is_held(run, stand, point):
+                found[number] = Steady(stand, point, run, sizing.area, None)
+            else:
+                open_[number] = _resized(sizing, run, stand, point)
+    for number, sizing in open_.items():
+        reason = f"no orifice found that holds the load pressure in {MOST_SIZINGS} sizings"
+        found[number] = Steady(*points[number], None, sizing.area, reason)
+    return [found[number] for number in range(len(points))]
+
+
+def _guesses(
+    points: Sequence[tuple[Stand, SetPoint]], cores: int | None, cache: Path | None, say: Callable[[str], None]
+) -> list[CycleMeans]:
+    """The quasi-steady averages of every point; points of one valve go together."""
+    by_valve: dict[RotaryValve, list[int]] = {}
+    for number, (stand, _) in enumerate(points):
+        by_valve.setdefault(stand.tables["valve"], []).append(number)
+    found: dict[int, CycleMeans] = {}
+    for valve, numbers in by_valve.items():
+        rows = np.array([points[number][0].cycle_point(points[number][1]) for number in numbers], float)
+        for number, row in zip(numbers, averages(rows, valve, cores=cores, cache=cache, say=say), strict=True):
+            found[number] = CycleMeans(*(float(x) for x in row))
+    return [found[number] for number in range(len(points))]
+
+
+@dataclass(frozen=True)
+class _Sizing:
+    """A case with its orifice, and the areas and pressures of those before it, as logarithms."""
+
+    case: Case
+    period: float
+    area: float
+    tried: list[tuple[float, float]]
+
+
+def mean_load_pressure(run: Periodic) -> float:
+    """Mean load pressure over the period of a periodic state, absolute [Pa]; nan without a state."""
+    if run.outcome is None:
+        return np.nan
+    window = run.outcome.window
+    first, last = (as_value(run.case.state, rows) for rows in (window.first, window.last))
+    passed = last.books.totals.load_pressure - first.books.totals.load_pressure
+    return float(passed / (window.end - window.begin))
+
+
+def _above_tank(run: Periodic, stand: Stand, point: SetPoint) -> float:
+    """Mean load pressure over its set point, both above the tank's [1]."""
+    return (mean_load_pressure(run) - stand.tank_pressure) / (point.load_pressure - stand.tank_pressure)
+
+
+def _is_held(run: Periodic, stand: Stand, point: SetPoint) -> bool:
+    return abs(_above_tank(run, stand, point) - 1.0) <= HELD
+
+
+def _resized(sizing: _Sizing, run: Periodic, stand: Stand, point: SetPoint) -> _Sizing:
+    """The next orifice: by the root law at first, then by the secant through the last two."""
+    here = np.log(sizing.area), np.log(max(_above_tank(run, stand, point), 1e-3))
+    slope = -2.0
+    if sizing.tried:
+        before = sizing.tried[-1]
+        if abs(here[0] - before[0]) > 1e-9:
+            slope = float(np.clip((here[1] - before[1]) / (here[0] - before[0]), -4.0, -0.02))
+    change = float(np.clip(-here[1] / slope, -np.log(LARGEST_CHANGE), np.log(LARGEST_CHANGE)))
+    area = float(np.exp(here[0] + change))
+    case = run.case
+    load = replace(case.params.load, area=constant(area))
+    state = case.state._replace(load_pressure=point.load_pressure)
+    case = replace(case, params=replace(case.params, load=load), state=state)
+    return _Sizing(case, run.period, area, [*sizing.tried, here])

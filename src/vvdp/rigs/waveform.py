@@ -1,0 +1,55 @@
+"""What happens within one period of a periodic state, at equal intervals, and its harmonics."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from vvdp.numerics.tableaus import Array
+from vvdp.rigs.steady import Steady
+from vvdp.simulation.run import simulate
+
+SAMPLES = 512
+
+
+@dataclass(frozen=True)
+class Waveform:
+    """One period in `SAMPLES` equal steps, the end left out: times [s], pressures absolute [Pa], flows [m^3/s]."""
+
+    period: float
+    times: Array
+    inlet_pressure: Array
+    load_pressure: Array
+    load_flow: Array
+
+
+def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None) -> Waveform:
+    """The waveform of a periodic state. Raises ValueError where the set point has none."""
+    if state.periodic is None or state.periodic.outcome is None:
+        raise ValueError(f"no periodic state at {state.point}: {state.reason}")
+    period = state.periodic.period
+    step = period / samples
+    stepping = replace(
+        state.stand.stepping, until=period, record_interval=step, window=period, window_interval=step,
+        relative_tolerance=min(1e-8, state.stand.stepping.relative_tolerance),
+    )  # fmt: skip
+    run = simulate(state.stand.model, state.periodic.case, stepping, cache=cache)
+    outputs = run.outputs
+    even = np.arange(samples) * step
+    near = np.array([int(np.argmin(np.abs(run.times - t))) for t in even])
+    return Waveform(
+        period,
+        np.asarray(even, float),
+        run.state.supply.inlet_pressure[near],
+        outputs.load_pressure[near],
+        outputs.load_flow[near],
+    )
+
+
+def harmonics(values: Array, count: int) -> Array:
+    """Amplitudes of the first `count` harmonics of one period of equally spaced values, in their unit.
+
+    Exact for what is periodic: no window is needed.
+    """
+    found: Array = 2.0 / values.size * np.abs(np.fft.rfft(values))[1 : count + 1]
+    return found

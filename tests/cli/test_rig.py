@@ -1,0 +1,89 @@
+"""`vvdp rig`: every rig from the command line, its files, its page, its numbers, bad input."""
+
+import json
+
+import pytest
+
+FILES = {"figures", "meta.json", "numbers.json", "report.html", "rig.json", "system.toml"}
+
+
+@pytest.mark.parametrize(
+    ("verb", "system", "tables", "pictures", "standard"),
+    [
+        ("pressure-drop", "prototype", {"pressure-drop.csv"}, {"pressure-drop"}, "ISO 4411"),
+        (
+            "ripple",
+            "prototype",
+            {"duty.csv", "frequency.csv", "accumulator.csv", "spectrum.csv", "waveform.csv"},
+            {"ripple", "spectrum"},
+            "ISO 10767",
+        ),
+        (
+            "step",
+            "prototype-constant-load",
+            {"step_up.csv", "step_down.csv", "frequency.csv"},
+            {"step", "frequency-response"},
+            "ISO 17559",
+        ),
+    ],
+)
+def test_table_pictures_and_page(vvdp, here, verb, system, tables, pictures, standard):
+    answer = vvdp("rig", verb, system, "--out", "r")
+    assert answer.code == 0, answer.err
+    assert {path.name for path in (here / "r").iterdir()} == FILES | tables
+    drawn = {path.name for path in (here / "r" / "figures").iterdir()}
+    assert drawn == {f"{name}{ending}" for name in pictures for ending in (".svg", ".png")}
+    page = (here / "r" / "report.html").read_text()
+    for words in (standard, "Left out", "44.18 mm²/s", "40 °C", "References"):
+        assert words in page
+    refused = vvdp("rig", verb, system, "--out", "r")
+    assert refused.code == 2
+    assert "already exists" in refused.err
+
+
+def test_numbers_in_si(vvdp, here):
+    found = json.loads(vvdp("rig", "pressure-drop", "prototype", "--json", "--no-report", "--out", "r").out)
+    assert found["pressure_drop_total_Pa"][0] > 0.0
+    assert found["flow_exponent"] == pytest.approx(1.9, abs=0.05)
+    assert not (here / "r" / "report.html").exists()
+
+
+def test_pump(vvdp, here):
+    small = ("--duty", "0.3", "0.9", "3", "--pressure", "60 bar", "60 bar", "1", "--speed", "1800 rpm")
+    answer = vvdp("rig", "pump", "prototype-constant-load", *small, "--out", "p")
+    assert answer.code == 0, answer.err
+    names = {path.name for path in (here / "p").iterdir()}
+    assert FILES | {"points", "steady.csv", "frequency.csv"} <= names
+    assert "electrically controlled pump" in answer.out
+    other = vvdp("map", "prototype-constant-load", "--analytic", "--out", "p")
+    assert other.code == 2
+    assert "holds the result of another rig" in other.err
+
+
+def test_what_has_no_load_line_does_not_ripple(vvdp, here):
+    answer = vvdp("rig", "ripple", "prototype-constant-load")
+    assert answer.code == 2
+    assert "expected a system with a load line" in answer.err
+    assert not list((here / "results").iterdir())
+
+
+def test_bad_temperature(vvdp, here):
+    answer = vvdp("rig", "pressure-drop", "prototype", "--temperature", "40 bar")
+    assert answer.code == 2
+    assert "--temperature" in answer.err
+
+
+@pytest.mark.slow
+def test_claims(vvdp, here):
+    answer = vvdp("rig", "claims", "prototype", "--out", "c")
+    assert answer.code == 0, answer.err
+    names = {path.name for path in (here / "c" / "figures").iterdir()}
+    assert {"throttling.png", "driving.png", "actuation.png", "ripple.png"} <= names
+    for words in ("by itself", "drive power", "to the power 3", "metering"):
+        assert words in answer.out
+
+
+def test_claims_of_a_system_without_a_load_line(vvdp, here):
+    answer = vvdp("rig", "claims", "prototype-constant-load", "--out", "c")
+    assert answer.code == 0, answer.err
+    assert "need a load line" in (here / "c" / "report.html").read_text()

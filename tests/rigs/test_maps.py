@@ -1,0 +1,249 @@
+"""Maps: what physics says of them, that they are what a run gives, and that finished points survive anything."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.base.signal import constant
+from vvdp.rigs import maps
+from vvdp.rigs.map_result import map_result
+from vvdp.rigs.maps import Axes, analytic_map, default_axes, map_directory, simulated_map, usable
+from vvdp.rigs.result import read_rig, write_rig
+from vvdp.rigs.steady import steady_states
+from vvdp.simulation.outcome import outcome
+from vvdp.simulation.run import simulate
+from vvdp.systems.summary import simulated_summary
+
+ZERO = 101325.0
+COARSE = Axes((0.1, 0.4, 0.7, 1.0), (ZERO + 20e5, ZERO + 60e5, ZERO + 100e5), (188.49555921538757,), (313.15,))
+
+
+@pytest.fixture(scope="module")
+def simulated(source_stand, tmp_path_factory):
+    return simulated_map(source_stand, COARSE, tmp_path_factory.mktemp("source"))
+
+
+@pytest.fixture(scope="module")
+def with_orifice(orifice_stand, tmp_path_factory):
+    return simulated_map(orifice_stand, COARSE, tmp_path_factory.mktemp("orifice"))
+
+
+@pytest.fixture(scope="module")
+def analytic(source_stand):
+    return analytic_map(source_stand, default_axes(source_stand, 40, 30))
+
+
+@pytest.mark.parametrize("name", ["simulated", "with_orifice", "analytic"])
+def test_monotone_and_limited(request, name):
+    """More duty ratio delivers more, more load pressure less; no efficiency above 1 or below 0; flow below derived."""
+    found = request.getfixturevalue(name)
+    delivered = found.grid("delivered_flow_m3_s")
+    assert np.all(np.diff(delivered, axis=3) > 0.0)
+    assert np.all(np.diff(delivered, axis=2) < 0.0)
+    assert np.all(delivered < found.grid("duty_ratio") * found.grid("mean_pump_flow_m3_s"))
+    for key in ("volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency"):
+        values = found.columns[key]
+        known = values[np.isfinite(values)]
+        assert known.size > 0.9 * values.size
+        assert known.min() >= 0.0
+        assert known.max() <= 1.0
+    product = found.columns["volumetric_efficiency"] * found.columns["hydromechanical_efficiency"]
+    np.testing.assert_allclose(product, found.columns["overall_efficiency"], rtol=1e-12)
+    loss = found.columns["input_power_W"] + found.columns["spool_motor_power_W"] - found.columns["load_power_W"]
+    np.testing.assert_allclose(found.columns["loss_total_W"], loss)
+    assert np.all(loss > 0.0)
+    # More load pressure takes more power, until the relief valve is all that is left.
+    assert np.all(np.diff(found.grid("input_power_W"), axis=2) > -1e-6 * found.grid("input_power_W")[:, :, 1:])
+
+
+def test_simulated_points_are_trusted_and_periodic(simulated, with_orifice):
+    for found in (simulated, with_orifice):
+        assert np.all(found.columns["trusted"] == 1.0)
+        assert np.max(found.columns["periodic_residual"]) <= 1e-5
+        assert found.reasons == (None,) * 12
+
+
+def test_analytic_and_simulated_agree(source_stand, simulated):
+    """The average counts volumes. Oil squeezed by up to 1.6 % under load changes flow and power by that much, once for
+    the volume and about once more for the compression, and the spool's speed, which goes with its square, by twice it.
+    """
+    quick = analytic_map(source_stand, COARSE)
+    flow = quick.columns["mean_pump_flow_m3_s"][0]
+    apart = quick.columns["delivered_flow_m3_s"] - simulated.columns["delivered_flow_m3_s"]
+    assert np.max(np.abs(apart)) < 0.01 * flow
+    np.testing.assert_allclose(quick.columns["input_power_W"], simulated.columns["input_power_W"], rtol=0.03)
+    np.testing.assert_allclose(quick.columns["pwm_frequency_Hz"], simulated.columns["pwm_frequency_Hz"], rtol=0.04)
+
+
+def test_shipped_stiff_oil_closes_the_gap(source_stand):
+    """Without air, with oil a thousand times stiffer, the simulated point is the averaged one within 0.3 %."""
+    stiff = source_stand.changed("oil", air_fraction=0.0, liquid_bulk_modulus=1.4e11)
+    one = replace(COARSE, duty_ratios=(0.5,), load_pressures=(ZERO + 80e5,))
+    (state,) = steady_states([(stiff, one.points[0])])
+    quick = analytic_map(stiff, one)
+    assert state.summary["mean_load_flow_m3_s"] == pytest.approx(quick.columns["delivered_flow_m3_s"][0], rel=3e-3)
+    assert state.summary["efficiency"] == pytest.approx(quick.columns["overall_efficiency"][0], rel=3e-3)
+
+
+@pytest.mark.parametrize("place", [5, 10])
+def test_efficiency_is_that_of_a_long_run(orifice_stand, with_orifice, place):
+    """Two seconds of the same bench with the same orifice, means over the last: within 0.2 %."""
+    point = COARSE.points[place]
+    area = with_orifice.columns["load_area_m2"][place]
+    case = orifice_stand.case(point, orifice_stand.means(point), float(area))
+    run = simulate(orifice_stand.model, case, replace(orifice_stand.stepping, until=2.0))
+    found = simulated_summary(outcome(run, 1.0), replace(orifice_stand.system, case=case))
+    assert with_orifice.columns["overall_efficiency"][place] == pytest.approx(found["efficiency"], rel=2e-3)
+
+
+def test_motor_is_marked_where_it_is_too_weak(analytic, simulated):
+    """5.6 kW: 40 lpm against 100 bar at duty ratio 1 take 7.1 kW, at 0.4 no more than 4 kW."""
+    heavy = simulated.grid("motor_overloaded")[0, 0]
+    assert heavy[2, 3] == 1.0
+    assert heavy[2, 1] == 0.0
+    power = analytic.columns["input_power_W"]
+    np.testing.assert_array_equal(analytic.columns["motor_overloaded"] == 1.0, power > 5600.0)
+    assert not np.any(usable(analytic) & (analytic.grid("input_power_W") > 5600.0))
+
+
+def test_speed_and_temperature_are_axes(source_stand):
+    """Columns lie in the order of the axes; half the speed displaces half; thinner oil leaks more."""
+    wide = replace(COARSE, pump_speeds=(94.24777960769379, 188.49555921538757), temperatures=(303.15, 333.15))
+    found = analytic_map(source_stand, wide)
+    assert found.grid("delivered_flow_m3_s").shape == (2, 2, 3, 4)
+    flow = found.grid("mean_pump_flow_m3_s")
+    np.testing.assert_allclose(flow[:, 0], 0.5 * flow[:, 1])
+    leakage = found.grid("mean_leakage_flow_m3_s")
+    assert np.all(leakage[1] > leakage[0])
+    one = analytic_map(source_stand, replace(COARSE, pump_speeds=(94.24777960769379,), temperatures=(333.15,)))
+    np.testing.assert_allclose(one.grid("overall_efficiency")[0, 0], found.grid("overall_efficiency")[1, 0])
+
+
+def test_what_varies_is_held_and_what_watches_is_dropped(orifice_stand):
+    assert "encoder" not in orifice_stand.tables
+    assert orifice_stand.tables["pump"].ripple_amplitude == 0.0
+    assert all(value == constant(value.base) for value in (orifice_stand.tables["operation"].duty_ratio,))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"duty_ratios": ()}, "none; expected at least one"),
+        ({"load_pressures": (2e5, 1e5)}, "expected increasing values"),
+        ({"pump_speeds": (0.0,)}, "expected numbers above 0"),
+        ({"temperatures": (np.nan,)}, "expected numbers above 0"),
+    ],
+)
+def test_bad_axes_are_refused(change, words):
+    with pytest.raises(ConfigError, match=words):
+        replace(COARSE, **change)
+
+
+def test_all_faults_of_axes_at_once():
+    with pytest.raises(ConfigError) as caught:
+        Axes((), (2e5, 1e5), (-1.0,), (300.0,))
+    assert len(caught.value.faults) == 3
+
+
+def test_result_comes_back_from_disk(simulated, tmp_path):
+    result = map_result(simulated)
+    write_rig(tmp_path, result, "")
+    again = read_rig(tmp_path)
+    assert again.numbers == pytest.approx(result.numbers)
+    assert again.findings == result.findings
+    for name, column in result.sheets["map"].columns.items():
+        np.testing.assert_array_equal(again.sheets["map"][name], column.values)
+    lines = (tmp_path / "map.csv").read_text().splitlines()
+    assert len(lines) == 13
+    assert lines[0].startswith("duty_ratio,load_pressure_Pa [Pa gauge],")
+
+
+def test_finished_points_are_not_run_again(source_stand, simulated, tmp_path, monkeypatch):
+    first = simulated_map(source_stand, replace(COARSE, duty_ratios=(0.4, 0.7)), tmp_path)
+    assert first.ran == 6
+    grown = simulated_map(source_stand, COARSE, tmp_path)
+    assert grown.ran == 6
+    np.testing.assert_allclose(
+        grown.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9, equal_nan=True
+    )
+    other = simulated_map(source_stand.changed("relief_valve", cracking_pressure=130e5), COARSE, tmp_path)
+    assert other.ran == 12
+
+
+def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch):
+    monkeypatch.setattr(maps, "FIRST_BATCH", 4)
+    monkeypatch.setattr(maps, "LARGEST_BATCH", 4)
+
+    def interrupting(done: int, total: int) -> None:
+        if done == 4:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    part = simulated_map(source_stand, COARSE, tmp_path, progress=interrupting)
+    assert part.ran == 4
+    assert not part.finished
+    assert "Interrupted: 8 of 12 points were not run yet." in map_result(part).findings
+    whole = simulated_map(source_stand, COARSE, tmp_path)
+    assert whole.ran == 8
+    np.testing.assert_allclose(whole.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9)
+
+
+KILLED = """
+from pathlib import Path
+from vvdp.rigs import maps
+from vvdp.rigs.stand import stand
+from vvdp.systems.system import load_system
+maps.FIRST_BATCH = maps.LARGEST_BATCH = 4
+held = stand(load_system("prototype-constant-load"))
+axes = maps.default_axes(held, 12, 5)
+maps.simulated_map(held, axes, Path({folder!r}), progress=lambda done, total: print(done, flush=True))
+"""
+
+
+def test_killed_map_loses_no_finished_point(source_stand, tmp_path):
+    """kill -9 after some batches; what was reported as done is done, and no file is in pieces."""
+    folder = tmp_path / "map"
+    process = subprocess.Popen(
+        [sys.executable, "-c", KILLED.format(folder=str(folder))], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    done = 0
+    deadline = time.monotonic() + 120.0
+    for line in process.stdout:
+        done = int(line)
+        assert time.monotonic() < deadline
+        if done >= 12:
+            break
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    axes = default_axes(source_stand, 12, 5)
+    heard: list[int] = []
+    found = simulated_map(source_stand, axes, folder, progress=lambda done, total: heard.append(done))
+    assert heard[0] >= done
+    assert found.ran == 60 - heard[0]
+    assert found.finished
+
+
+def test_directory_of_something_else_is_refused(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ConfigError, match="holds something else than a map"), map_directory(tmp_path):
+        pass
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    with pytest.raises(RuntimeError), map_directory(tmp_path / "new"):
+        raise RuntimeError
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.slow
+def test_whole_map_of_the_prototype_in_three_minutes(orifice_stand, tmp_path):
+    began = time.perf_counter()
+    found = simulated_map(orifice_stand, default_axes(orifice_stand), tmp_path, cores=2)
+    assert found.axes.count == 120
+    assert time.perf_counter() - began < 180.0

@@ -1,0 +1,70 @@
+"""Pressure drop against flow: published and worked-out numbers, laws, and what is said of it."""
+
+import numpy as np
+import pytest
+
+from vvdp.rigs.pressure_drop import pressure_drop
+from vvdp.valve.branch import branch_flow
+
+LPM = 1e-3 / 60.0
+
+
+@pytest.fixture(scope="module")
+def found(source_stand):
+    return pressure_drop(source_stand, flows=[10 * LPM, 20 * LPM, 40 * LPM, 60 * LPM])
+
+
+def column(found, name, opening=1.0):
+    sheet = found.sheets["pressure-drop"]
+    return sheet[name][sheet["opening"] == opening]
+
+
+def test_worked_numbers(found):
+    """Bar at 10, 20, 40, 60 lpm: nozzles 876/2 (Q/(0.61 36.5e-6))^2, and so on; sums 0.424, 1.682, 6.677, 14.957."""
+    total = column(found, "pressure_drop_total_Pa") / 1e5
+    # The transition pressure of 0.05 bar adds eps^2/(2 dp^2): 0.7 % of 0.424 bar, less above.
+    np.testing.assert_allclose(total, [0.424, 1.6822, 6.6765, 14.9568], rtol=7.5e-3)
+    np.testing.assert_allclose(column(found, "pressure_drop_nozzle_Pa")[2] / 1e5, 3.9269, rtol=1e-4)
+    np.testing.assert_allclose(column(found, "pressure_drop_centre_section_Pa")[2] / 1e5, 0.8105, rtol=1e-3)
+    np.testing.assert_allclose(column(found, "pressure_drop_outlet_turbine_Pa")[2] / 1e5, 1.9392, rtol=1e-3)
+
+
+def test_published_drop(found):
+    """wang2017, section 2.6: 6.61 bar at 40 lpm, with rounded coefficients: 2 %."""
+    assert found.numbers["pressure_drop_total_Pa"] == pytest.approx(6.61e5, rel=0.02)
+
+
+def test_sections_add_up_and_loss_is_flow_times_drop(found):
+    sheet = found.sheets["pressure-drop"]
+    parts = sum(sheet[f"pressure_drop_{name}_Pa"] for name in ("nozzle", "centre_section", "outlet_turbine"))
+    np.testing.assert_allclose(parts, sheet["pressure_drop_total_Pa"])
+    np.testing.assert_allclose(sheet["loss_W"], sheet["flow_m3_s"] * sheet["pressure_drop_total_Pa"])
+
+
+def test_flow_law_gives_the_flow_back(source_stand, found):
+    sheet, valve = found.sheets["pressure-drop"], source_stand.tables["valve"]
+    back = branch_flow(sheet["pressure_drop_total_Pa"], sheet["opening"], 876.0, valve).flow
+    np.testing.assert_allclose(back, sheet["flow_m3_s"], rtol=1e-9)
+
+
+def test_drop_grows_with_flow_and_as_ports_close(found):
+    for opening in (1.0, 0.5, 0.25):
+        assert np.all(np.diff(column(found, "pressure_drop_total_Pa", opening)) > 0.0)
+    wide, half = (column(found, "pressure_drop_nozzle_Pa", opening) for opening in (1.0, 0.5))
+    np.testing.assert_allclose(half[1:], 4.0 * wide[1:], rtol=2e-3)
+
+
+def test_temperature_acts_through_density_alone(source_stand):
+    """Over density the nozzles' drop is the same at 20 and 60 degC; the Reynolds number grows as the oil thins."""
+    found = pressure_drop(source_stand, flows=[40 * LPM], temperatures=[293.15, 333.15], openings=[1.0])
+    cold, warm = found.sheets["pressure-drop"]["pressure_drop_nozzle_Pa"]
+    # 7e-4 1/K over 40 K: 2.8 % less dense.
+    assert warm / cold == pytest.approx(1.0 - 7e-4 * 40.0, rel=2e-3)
+    reynolds = found.sheets["pressure-drop"]["nozzle_reynolds_number"]
+    assert reynolds[1] > 2.0 * reynolds[0]
+
+
+def test_manner_and_doubt_are_stated(found):
+    assert "ISO 4411" in found.manner
+    assert any("below 2300" in sentence for sentence in found.findings)
+    assert found.references == ("iso4411",)

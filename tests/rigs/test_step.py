@@ -1,0 +1,91 @@
+"""Step and frequency response of the delivered flow."""
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ParameterError
+from vvdp.rigs.step import _of_value, _of_volume, crossing_time, dynamics, settling_time
+
+
+@pytest.fixture(scope="module")
+def against_source(source_stand):
+    return dynamics(source_stand, (0.4, 0.6), [2.0, 10.0, 25.0])
+
+
+@pytest.fixture(scope="module")
+def against_orifice(orifice_stand):
+    return dynamics(orifice_stand, (0.4, 0.6), [1.0, 8.0])
+
+
+def test_times_of_a_known_course():
+    """1 - e^(-t/0.1): 63.2 % at 0.1 s, within 5 % after 0.1 ln 20 = 0.29957 s; steps of 1 ms."""
+    t = np.arange(-0.1, 1.0, 1e-3)
+    flow = np.where(t < 0.0, 0.0, 1.0 - np.exp(-t / 0.1))
+    assert crossing_time(t, flow, 0.0, 1.0, 1.0 - np.exp(-1.0)) == pytest.approx(0.1, abs=1.1e-3)
+    assert settling_time(t, flow, 0.0, 1.0) == pytest.approx(0.29957, abs=1.1e-3)
+    assert np.isnan(crossing_time(t, flow, 0.0, 1.0, 1.5))
+
+
+def test_amplitude_of_a_known_flow():
+    """0.3 sin(2 pi 5 t + 0.4) with pulses at 63 Hz on top, from its integral and from itself."""
+    t = np.arange(0.0, 1.0, 1e-4)
+    w, pulse = 2.0 * np.pi * 5.0, 2.0 * np.pi * 63.0
+    flow = 2.0 + 0.3 * np.sin(w * t + 0.4) + np.cos(pulse * t)
+    volume = 2.0 * t - 0.3 / w * np.cos(w * t + 0.4) + np.sin(pulse * t) / pulse
+    expected = 0.3 * np.exp(0.4j)
+    for found in (_of_volume(t, volume, 0.2, 0.8, 5.0), _of_value(t, flow, 0.2, 0.8, 5.0)):
+        assert found == pytest.approx(expected, abs=1e-4)
+
+
+def test_flow_follows_within_a_period(against_source):
+    """The mean over a period cannot be quicker than the period; with nothing but switching it is not slower either."""
+    n = against_source.numbers
+    period = 1.0 / n["pwm_frequency_Hz"]
+    for name in ("up", "down"):
+        assert 0.3 * period < n[f"step_{name}_to_63_s"] < period
+        assert n[f"step_{name}_settling_s"] < 1.1 * period
+
+
+def test_flow_before_and_after_is_the_steady_one(against_source):
+    n = against_source.numbers
+    assert n["step_up_flow_before_m3_s"] == pytest.approx(n["step_down_flow_after_m3_s"], rel=1e-3)
+    assert n["step_up_flow_after_m3_s"] == pytest.approx(n["step_down_flow_before_m3_s"], rel=1e-3)
+    # Between kappa and 1 - kappa the closed form has the gain Q, 40 lpm.
+    assert n["static_gain_m3_s"] == pytest.approx(40e-3 / 60.0, rel=0.01)
+
+
+def test_gain_is_flat_against_a_source(against_source):
+    """Both edges move with the duty ratio, so the mean flow follows at once: gain 1, no phase, up to 0.45 f."""
+    sheet = against_source.sheets["frequency"]
+    np.testing.assert_allclose(sheet["delivered_flow_gain"], 1.0, atol=0.01)
+    np.testing.assert_allclose(sheet["delivered_flow_phase_rad"], 0.0, atol=0.05)
+    assert "load_flow_gain" not in sheet.columns
+
+
+def test_line_is_a_low_pass(against_orifice):
+    """First order with the stated time constant: gain over the delivered flow's 1/sqrt(1 + (w tau)^2), within 15 %."""
+    sheet, tau = against_orifice.sheets["frequency"], against_orifice.numbers["load_line_time_constant_s"]
+    w = 2.0 * np.pi * sheet["frequency_Hz"]
+    ratio = sheet["load_flow_gain"] / sheet["delivered_flow_gain"]
+    np.testing.assert_allclose(ratio, 1.0 / np.sqrt(1.0 + (w * tau) ** 2), rtol=0.15)
+    lag = sheet["load_flow_phase_rad"] - sheet["delivered_flow_phase_rad"]
+    np.testing.assert_allclose(lag, -np.arctan(w * tau), atol=0.15)
+
+
+def test_load_gets_what_is_delivered(against_orifice):
+    """In tank volumes, long after the step."""
+    sheet = against_orifice.sheets["step_up"]
+    late = sheet["time_s"] > 0.8 * sheet["time_s"][-1]
+    delivered, load = (np.mean(sheet[name][late]) for name in ("delivered_flow_m3_s", "load_flow_m3_s"))
+    assert load == pytest.approx(delivered, rel=5e-3)
+
+
+@pytest.mark.parametrize(("frequencies", "words"), [([0.0], "above 0"), ([40.0], "half the PWM frequency")])
+def test_bad_frequencies_are_refused(source_stand, frequencies, words):
+    with pytest.raises(ParameterError, match=words):
+        dynamics(source_stand, (0.4, 0.6), frequencies)
+
+
+def test_no_step_is_refused(source_stand):
+    with pytest.raises(ParameterError, match="expected two different ones"):
+        dynamics(source_stand, (0.4, 0.4))
