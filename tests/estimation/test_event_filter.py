@@ -13,6 +13,7 @@ from vvdp.estimation.event_filter import (
     event_filter_estimator,
     event_filter_start,
     event_filter_step,
+    widened,
 )
 from vvdp.numerics.kalman import AngleSpeed, propagated
 from vvdp.sensing.reading import Reading
@@ -236,11 +237,40 @@ def test_only_late_edges_make_a_slower_wheel_likely(rise, fall, edge):
     still = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
     belief = AngleSpeed(edge_angle(503.0, WHEEL), 68.5, 1.1e-3, 7e-3, 0.04)
     memory = EventFilterMemory(
-        0.0, belief, 503.0, 1.0, 1.0, 0.0, 0.0, 0.15, PUBLISHED.acceleration_density, rise, fall, still.search
+        0.0, belief, 503.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.15, PUBLISHED.acceleration_density, rise, fall, still.search
     )
     passed = 4.0 * SECTOR / 68.5
     after, _ = event_filter_step(memory, Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), PUBLISHED)
     assert after.edge == edge
+
+
+def test_more_acceleration_than_was_thought_is_the_propagation_with_it():
+    belief = AngleSpeed(1.0, 68.5, 1.1e-3, 7e-3, 0.04)
+    np.testing.assert_allclose(
+        widened(propagated(belief, 0.011, 3.0), 0.011, 2e4), propagated(belief, 0.011, 2e4 + 3.0), rtol=1e-14
+    )
+
+
+def test_between_edges_another_sensor_may_tell_the_angle():
+    """Edge 503 passed at 0, the belief was renewed 5 ms later. At 6.5 ms the wheel has turned by 0.445 rad, more than
+    half of a sector: the edge that comes 0.34 rad early (4.6 deviations) is no bounce. Since 5 ms it were 0.10 rad.
+
+    S_m grows from 0 as well: 2e4 0.0065^3/3 = 1.83e-3 rad^2 above R and P11.
+    """
+    start = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
+    belief = AngleSpeed(edge_angle(503.0, WHEEL) + 5e-3 * 68.5, 68.5, 3e-4, 1e-3, 0.04)
+    q = PUBLISHED.acceleration_density
+    memory = EventFilterMemory(5e-3, belief, 503.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.01, q, 0.0, 0.0, start.search)
+    edge = Reading(7e-3, 1.0, 6.5e-3, 1e-3, 1.0)
+    after, estimate = event_filter_step(memory, edge, PUBLISHED)
+    assert (after.edge, after.edge_time, after.time) == (504.0, 6.5e-3, 6.5e-3)
+    assert estimate.innovation == pytest.approx(SECTOR - 6.5e-3 * 68.5, abs=1e-12)
+    assert after.density == PUBLISHED.manoeuvre_density
+    prior = propagated(belief, 1.5e-3, 0.0)
+    R = edge_angle_variance(68.5, 1e-3, PUBLISHED)
+    assert estimate.innovation_deviation**2 == pytest.approx(
+        prior.angle_variance + 2e4 * 6.5e-3**3 / 3.0 + R, rel=1e-12
+    )
 
 
 def test_printed_gain_diverges(edge_times):

@@ -58,15 +58,20 @@ class Drive:
         self.angle = start + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * 5e-5)])
         self.samples = slice(20, None, 20)
 
-    def rows(self, seed, *, duty=0.5, phase=0.15, lag=0.0, lost=None, resolved=False, measured=np.nan, sigma=SIGMA):
-        """Readings at each sample. Encoder edges are lost between the times `lost`; pressure edges are scattered by
-        `sigma`, and `resolved` to a tenth of the period or known to the sample alone."""
+    def rows(
+        self, seed, *, duty=0.5, phase=0.15, lag=0.0, lost=None, resolved=False, measured=np.nan, sigma=SIGMA, blur=0.0
+    ):
+        """Readings at each sample. Encoder edges are lost between the times `lost` and scattered by `blur`; pressure
+        edges are scattered by `sigma`, and `resolved` to a tenth of the period or known to the sample alone."""
         rng, t = np.random.default_rng(seed), self.times[self.samples]
         rows = np.zeros((t.size, 10))
         rows[:, 0], rows[:, 9] = t, measured
         number = np.arange(np.ceil(self.angle[0] / SECTOR), np.floor(self.angle[-1] / SECTOR) + 1.0)
-        at = np.interp(number * SECTOR, self.angle, self.times)
-        kept = (at > 0.0) if lost is None else ~((at > lost[0]) & (at < lost[1])) & (at > 0.0)
+        scatter = rng.normal(0.0, blur, number.size) if blur else 0.0
+        at = np.interp(number * SECTOR + scatter, self.angle, self.times)
+        kept = (at > 0.0) & (at < t[-1])
+        if lost is not None:
+            kept &= ~((at > lost[0]) & (at < lost[1]))
         at, number = at[kept], number[kept]
         k = (np.ceil(at / PERIOD - 1e-9) - 1).astype(int)
         rows[k, 1:5] = np.column_stack(
@@ -396,6 +401,44 @@ def test_a_manoeuvre_in_a_loss_is_followed(fused):
     error = fused(drive, rows)[:, 0] - drive.truth[0]
     assert np.abs(error[3000:]).max() < PITCH / 3.0
     assert np.abs(error[4500:]).max() < 0.1
+
+
+def lagging(before, after, at, until=2.5):
+    t = 5e-5 * np.arange(round(until / 5e-5))
+    return Drive(after + (before - after) * np.exp(-np.clip(t - at, 0.0, None) / 0.0282), 0.3)
+
+
+@pytest.mark.parametrize(("before", "after"), [(68.7, 150.8), (150.8, 68.7)])
+def test_a_sudden_change_of_speed_loses_no_sector(fused, before, after):
+    """The step of the pump, edges scattered by 0.048 rad. The pressure's edges, refused or not, lie between those of
+    the wheel: how far the spool came since the last of the wheel's is not counted from them."""
+    for seed in range(40):
+        drive = lagging(before, after, 1.0 + 2.5e-4 * seed)
+        rows = drive.rows(seed, measured=0.5, blur=0.048)
+        error = fused(drive, rows)[:, 0] - drive.truth[0]
+        assert np.abs(error[-500:]).max() < 0.5 * SECTOR, seed
+
+
+@pytest.mark.parametrize("after", [165.0, 170.0])
+def test_a_change_of_speed_at_the_end_of_a_loss_is_no_standstill(fused, after):
+    """50 ms before the light comes back the speed changes, by half a sector until then. The first edge is late or early
+    by that, not the 198th after the last seen."""
+    for seed in range(20):
+        drive = lagging(155.3, after, 1.95 + 5e-4 * seed)
+        error = fused(drive, drive.rows(seed, lost=(1.0, 2.0)))[:, 0] - drive.truth[0]
+        assert np.abs(error[-300:]).max() < 0.5 * SECTOR, seed
+
+
+def test_edges_missed_in_a_loss_are_counted_by_the_pressure(fused):
+    """A second without encoder, 198 edges: they are known to be missed before it speaks again."""
+    drive = wandering(15, 6.0)
+    rows = drive.rows(15, lost=(3.0, 4.0))
+    missed = fused(drive, rows)[:, 6]
+    t, lost = rows[:, 0], np.floor(drive.truth[0] / SECTOR)
+    passed = lost[t < 4.0][-1] - lost[t < 3.0][-1]
+    assert missed[t < 3.0][-1] == 0.0
+    assert passed - 3.0 <= missed[t < 4.0][-1] <= passed
+    assert missed[-1] == passed
 
 
 def test_the_wave_stays_on_the_spool_when_the_index_is_found(fusion_replay):

@@ -227,6 +227,13 @@ def test_largest_gap_ignores_rotation_and_order(phases, turn):
     assert 1.0 / a.size - 1e-12 <= largest_gap(a) <= 1.0
 
 
+@given(st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=40))
+def test_largest_gap_is_that_of_the_sorted_phases(phases):
+    placed = np.sort(np.array(phases) - np.floor(phases))
+    gaps = np.diff([*placed, placed[0] + 1.0])
+    assert largest_gap(np.array(phases)) == pytest.approx(gaps.max(), abs=1e-12)
+
+
 def test_largest_gap_of_known_places():
     assert largest_gap(np.arange(8.0) / 8.0 + 3.3) == pytest.approx(0.125)
     assert largest_gap(np.full(5, 0.7)) == pytest.approx(1.0)

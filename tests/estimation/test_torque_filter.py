@@ -14,6 +14,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.estimation.torque_filter import (
     Spin,
     SpoolBelief,
+    TorqueFilterMemory,
     TorqueReading,
     doubted,
     lag,
@@ -25,11 +26,12 @@ from vvdp.estimation.torque_filter import (
     torque_filter_start,
     torque_filter_step,
     turned,
+    widened,
 )
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed, observed, propagated
 from vvdp.sensing.reading import Reading
-from vvdp.sensing.wheel import equal_wheel
+from vvdp.sensing.wheel import edge_angle, equal_wheel
 from vvdp.simulation.replay import Replay
 from vvdp.systems.system import load_system
 from vvdp.valve.torque import equilibrium_speed, spool_time_constant
@@ -212,7 +214,7 @@ def test_a_sudden_change_of_torque_is_one_more_unknown():
     spin, V = Spin(5300.0, 35.0), 0.02
     F, _, _ = reference(0.02, spin, 0.0, 0.0)
     mean, P = as_matrices(BELIEF)
-    x, C = as_matrices(doubted(BELIEF, 0.02, spin, V))
+    x, C = as_matrices(widened(BELIEF, 0.02, spin, V))
     np.testing.assert_array_equal(x, mean)
     np.testing.assert_allclose(C, P + V * np.outer(F[:, 2], F[:, 2]), rtol=1e-12)
 
@@ -498,6 +500,58 @@ def test_missed_edges_do_not_count(turbine_settings, replayed, sampled_edges, mi
     error = (replay.shown[:, 0] - angles)[500:]
     assert np.ptp(error) < np.pi / 8
     assert abs(replay.memory.missed_edges - lost.sum()) <= 2.0
+
+
+@pytest.mark.parametrize("multiple", [1.0 / 3.0, 1.0, 3.0])
+def test_a_multiple_of_the_speed_is_not_believed(turbine_settings, replayed, sampled_edges, multiple):
+    """Sure of a third or of three times the speed and of the torque for it, a filter finds every third edge fit, or
+    two edges more than it expects between any two. After half a second it has the speed, within 4 of its deviations."""
+    speed, T = speeds_and_lag(turbine_settings, HIGH)
+    rows, _, _, _ = spun_up(np.random.default_rng(4), speed, speed, T, sampled_edges, 2.0, flows=(HIGH, HIGH))
+    belief = SpoolBelief(0.0, multiple * speed, multiple - 1.0, 1e-3, 0.0, 0.0, 0.1, 0.0, 1e-5)
+    memory = TorqueFilterMemory(0.0, belief, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.01, 0.0, 0.0)
+    shown = replayed(memory, rows).shown
+    assert np.all(np.abs(shown[500:, 1] - speed) < 4.0 * shown[500:, 3])
+    missed = shown[:, 6]
+    assert missed[-1] == missed[500]
+
+
+def test_doubles_at_the_start_do_not_lock_it_to_a_multiple(turbine_settings, replayed, sampled_edges):
+    """Every fourth edge shows twice more until 0.3 s, as long as edges are counted and no longer."""
+    speed, T = speeds_and_lag(turbine_settings, HIGH)
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        rows, _, speeds, _ = spun_up(rng, speed, speed, T, sampled_edges, 2.0, jitter=0.1178, flows=(HIGH, HIGH))
+        bounced = np.flatnonzero((rows[:, 1] > 0.0) & (rng.uniform(size=len(rows)) < 0.25) & (rows[:, 0] < 0.3))
+        rows[bounced, 1] += 2.0
+        shown = replayed(torque_filter_start(turbine_settings, 0.0, 0.0, 0.0), rows).shown
+        assert np.abs(shown[-500:, 1] - speeds[-500:]).max() < 3.0, seed
+
+
+def test_doubt_leaves_what_is_believed_and_takes_its_certainty(turbine_settings):
+    """Speed 140 rad/s: 19600 rad^2/s^2; excess 0.1, less than the 30 % of the start: 0.09."""
+    mean, P = as_matrices(BELIEF)
+    x, C = as_matrices(doubted(BELIEF, turbine_settings))
+    np.testing.assert_array_equal(x, mean)
+    assert C[1, 1] == pytest.approx(140.0**2)
+    assert C[2, 2] == turbine_settings.excess_variance
+    P[1, 1], P[2, 2] = C[1, 1], C[2, 2]
+    np.testing.assert_array_equal(C, P)
+
+
+@pytest.mark.parametrize(("rise", "fall", "edge"), [(0.0, 0.0, 507.0), (5.99, 0.0, 507.0), (0.0, 5.99, 505.0)])
+def test_only_late_edges_make_a_lower_torque_likely(turbine_settings, rise, fall, edge):
+    """Three edges of 503 to 507 missed, the fourth just where it is expected: -3 ln 0.15 = 5.7. 505, the next that
+    falls, is 2 sectors behind: likelier only where the torque may have fallen long ago, and only if edges were late.
+    """
+    wheel = turbine_settings.wheel
+    speed, _ = speeds_and_lag(turbine_settings, HIGH)
+    belief = SpoolBelief(edge_angle(503.0, wheel), speed, 0.0, 1.1e-3, 7e-3, 0.0, 0.04, 0.0, 1e-5)
+    passed = np.pi / speed
+    memory = TorqueFilterMemory(0.0, belief, 503.0, -0.1, 1.0, 1.0, 0.0, 0.0, 0.15, rise, fall)
+    reading = TorqueReading(Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), HIGH, WARM)
+    after, _ = torque_filter_step(memory, reading, turbine_settings)
+    assert after.edge == edge
 
 
 def test_before_any_edge_it_says_that_it_does_not_know(turbine_settings):

@@ -90,9 +90,10 @@ class EventFilter(EventFilterValues):
 
 
 class EventFilterMemory(NamedTuple):
-    """What the filter carries from sample to sample: its belief at the last edge that it used, and that edge.
+    """What the filter carries from sample to sample: its belief at `time`, and number and time of the last edge used.
 
-    `started` is 1 after the first edge, `associating` once edges are told by the belief and no longer counted.
+    The times differ where another sensor tells the angle between edges. `started` is 1 after the first edge,
+    `associating` once edges are told by the belief and no longer counted.
     `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored.
     `density` is that of the acceleration, `rise` and `fall` are the sums of innovations.
     """
@@ -100,6 +101,7 @@ class EventFilterMemory(NamedTuple):
     time: float
     belief: AngleSpeed
     edge: float
+    edge_time: float
     started: float
     associating: float
     ignored: float
@@ -141,7 +143,7 @@ def event_filter_start(settings: EventFilter, time: float, angle: float, speed: 
     belief = AngleSpeed(angle, speed, settings.angle_variance, 0.0, settings.speed_variance)
     q, wheel = settings.acceleration_density, settings.wheel
     edge = edge_below(angle, wheel)
-    return EventFilterMemory(time, belief, edge, 0.0, 0.0, 0.0, 0.0, RELIABLE, q, 0.0, 0.0, index_start(wheel))
+    return EventFilterMemory(time, belief, edge, time, 0.0, 0.0, 0.0, 0.0, RELIABLE, q, 0.0, 0.0, index_start(wheel))
 
 
 def event_filter_step(
@@ -190,7 +192,8 @@ def after_edge(
     """
     wheel, q, q_m = settings.wheel, settings.acceleration_density, settings.manoeuvre_density
     h = reading.edge_time - memory.time
-    prior, wide = propagated(memory.belief, h, memory.density), propagated(memory.belief, h, q_m)
+    prior = propagated(memory.belief, h, memory.density)
+    wide = widened(propagated(memory.belief, h, 0.0), reading.edge_time - memory.edge_time, q_m)
     R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
     seen = seen_edge(memory, reading, prior, wide, R, settings)
     edges = memory.ignored + reading.edges
@@ -224,7 +227,19 @@ def after_edge(
         belief = turned(belief, found.edges * sector(wheel))
     missed = memory.missed_edges + skipped
     after = EventFilterMemory(
-        reading.edge_time, belief, number, 1.0, associating, 0.0, missed, irregular, density, rise, fall, search
+        reading.edge_time,
+        belief,
+        number,
+        reading.edge_time,
+        1.0,
+        associating,
+        0.0,
+        missed,
+        irregular,
+        density,
+        rise,
+        fall,
+        search,
     )
     return after, innovation, np.sqrt(prior.angle_variance + R)
 
@@ -250,11 +265,23 @@ def seen_edge(
         return Association(first_edge(m.belief.angle, polarity, wheel), 1.0)
     if m.associating == 0.0:
         return Association(counted_edge(m.edge, m.ignored + reading.edges, polarity), 1.0)
-    advance = (reading.edge_time - m.time) * prior.speed
+    advance = (reading.edge_time - m.edge_time) * prior.speed
     odds = 2.0 * SLACK * (settings.manoeuvre_gate - m.fall)  # in doubt the next edge by count is behind: slower
     S, S_m = prior.angle_variance + variance, wide.angle_variance + variance
     sighting = Sighting(prior.angle, advance, S, S_m, odds, m.ignored, reading.edges, polarity, m.irregular)
     return associated_edge(m.edge, sighting, wheel)
+
+
+def widened(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
+    """The belief when the acceleration has had an `acceleration_density` [rad^2/s^3] more for the last `duration` [s].
+
+    P + q [[h^3/3, h^2/2], [h^2/2, h]].
+
+    Source  ours, docs/models/event-filter.md
+    """
+    b, h, q = belief, duration, acceleration_density
+    P11, P12 = b.angle_variance + q * h * h * h / 3.0, b.covariance + 0.5 * q * h * h
+    return AngleSpeed(b.angle, b.speed, P11, P12, b.speed_variance + q * h)
 
 
 def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
@@ -289,6 +316,7 @@ def ignoring(memory: EventFilterMemory, edges: float) -> EventFilterMemory:
         m.time,
         m.belief,
         m.edge,
+        m.edge_time,
         m.started,
         m.associating,
         edges,

@@ -17,14 +17,15 @@ from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_filter import (
     EventFilter,
     EventFilterMemory,
+    after_edge,
     edge_angle_variance,
     event_filter_start,
-    event_filter_step,
 )
 from vvdp.estimation.threshold import AngleDrift
 from vvdp.numerics.kalman import AngleSpeed, propagated
 from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
+from vvdp.sensing.wheel import edge_angle, edge_below
 
 RATIO_DRIFT = Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")
 TIME_VARIANCE = Kind("variance of a time", "s^2", 0.0, 1.0, "1e-8 s^2")
@@ -163,7 +164,9 @@ def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> F
     speed  expected [rad/s]
     """
     start = event_filter_start(settings.filter, time, angle, speed)
-    mean, P = _with_blank_wave(start.belief, settings)
+    mean, P = np.zeros(5), np.zeros((5, 5))
+    _begin_wave(mean, P, settings)
+    _believe(mean, P, start.belief)
     return FusionMemory(start, mean, P, time, 0.0)
 
 
@@ -177,8 +180,10 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
     Source  ours, docs/models/pressure-fusion.md
     """
     encoder = reading.encoder
-    memory, innovation, deviation = _after_encoder(memory, encoder, settings)
+    innovation, deviation = 0.0, 0.0
     # The encoder comes first: a pressure edge may be met at a time before the last edge, an encoder edge may not.
+    if encoder.edges > 0.0:
+        memory, innovation, deviation = _after_encoder(memory, encoder, settings)
     if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.associating > 0.0:
         memory = _after_pressure_edge(memory, reading, settings)
     last = memory.filter
@@ -219,76 +224,91 @@ def lag_of_phases(speeds: Array, phases: Array) -> tuple[float, float]:
     return float(np.mean(phases) - lag * np.mean(speeds)), lag
 
 
-def _with_blank_wave(belief: AngleSpeed, settings: Fusion) -> tuple[Array, Array]:
-    mean, P = np.zeros(5), np.zeros((5, 5))
-    mean[2], mean[3], mean[4] = settings.phase, settings.duty_ratio, settings.lag
+def _begin_wave(mean: Array, covariance: Array, settings: Fusion) -> None:
+    """Forget the wave, in place."""
+    x, P = mean, covariance
+    x[2], x[3], x[4] = settings.phase, settings.duty_ratio, settings.lag
+    P[2:, :], P[:, 2:] = 0.0, 0.0
     P[2, 2], P[3, 3], P[4, 4] = settings.phase_variance, settings.duty_ratio_variance, settings.lag_variance
-    return _with_belief(mean, P, belief)
 
 
-def _with_belief(mean: Array, covariance: Array, belief: AngleSpeed) -> tuple[Array, Array]:
-    x, P = mean.copy(), covariance.copy()
+def _believe(mean: Array, covariance: Array, belief: AngleSpeed) -> None:
+    """Take over angle and speed, in place."""
+    x, P = mean, covariance
     x[0], x[1] = belief.angle, belief.speed
     P[0, 0], P[0, 1] = belief.angle_variance, belief.covariance
     P[1, 0], P[1, 1] = belief.covariance, belief.speed_variance
-    return x, P
 
 
-def _moved(mean: Array, covariance: Array, h: float) -> tuple[Array, Array]:
-    """Mean and covariance h [s] later or, if negative, earlier, as if nothing but the speed moved the angle."""
-    x, P = mean.copy(), covariance.copy()
+def _move(mean: Array, covariance: Array, h: float) -> None:
+    """On by h [s] or, if negative, back, in place, as if nothing but the speed moved the angle."""
+    x, P = mean, covariance
     x[0] += h * x[1]
     for i in range(5):
         P[0, i] += h * P[1, i]
     for i in range(5):
         P[i, 0] += h * P[i, 1]
-    return x, P
 
 
-def _drifted(covariance: Array, h: float, acceleration_density: float, settings: Fusion) -> Array:
-    P, q = covariance.copy(), acceleration_density
+def _drift(covariance: Array, h: float, acceleration_density: float, settings: Fusion) -> None:
+    """Let in the noise of h [s], in place."""
+    P, q = covariance, acceleration_density
     P[0, 0] += q * h * h * h / 3.0
     P[0, 1] += 0.5 * q * h * h
     P[1, 0] = P[0, 1]
     P[1, 1] += q * h
     P[2, 2] += settings.phase_drift * h
     P[3, 3] += settings.duty_ratio_drift * h
-    return P
+
+
+def _observe(mean: Array, covariance: Array, observation: Array, innovation: float, variance: float) -> None:
+    """As `vvdp.numerics.kalman.observed`, in place; in loops a small filter compiles and runs several times faster."""
+    x, P, n = mean, covariance, mean.size
+    g = np.zeros(n)
+    S = variance
+    for i in range(n):
+        for j in range(n):
+            g[i] += P[i, j] * observation[j]
+        S += observation[i] * g[i]
+    for i in range(n):
+        x[i] += g[i] / S * innovation
+        for j in range(n):
+            P[i, j] -= g[i] * g[j] / S
 
 
 def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> tuple[FusionMemory, float, float]:
     before = memory.filter
-    after, estimate = event_filter_step(before, encoder, settings.filter)
-    innovation, deviation = estimate.innovation, estimate.innovation_deviation
+    after, innovation, deviation = after_edge(before, encoder, settings.filter)
     if not deviation > 0.0:
         still = FusionMemory(after, memory.mean, memory.covariance, memory.encoder_time, memory.refused)
         return still, innovation, deviation
     S = deviation * deviation
     R = edge_angle_variance(before.belief.speed, encoder.edge_interval, settings.filter)
     h = after.time - before.time
-    mean, P = _moved(memory.mean, memory.covariance, h)
-    P = _drifted(P, maximum(h, 0.0), 0.0, settings)
+    mean, P = memory.mean.copy(), memory.covariance.copy()
+    _move(mean, P, h)
+    _drift(P, maximum(h, 0.0), 0.0, settings)
     # The covariance before the edge follows from the one after it, whatever noise the filter has let in before it.
     P12 = after.belief.covariance * S / R
-    prior = AngleSpeed(mean[0], mean[1], S - R, P12, after.belief.speed_variance + P12 * P12 / S)
-    mean, P = _with_belief(mean, P, prior)
-    mean, P = _observed(mean, P, np.array([1.0, 0.0, 0.0, 0.0, 0.0]), innovation, R)
+    _believe(mean, P, AngleSpeed(mean[0], mean[1], S - R, P12, after.belief.speed_variance + P12 * P12 / S))
+    _observe(mean, P, np.array([1.0, 0.0, 0.0, 0.0, 0.0]), innovation, R)
     # Once the index is found, all angles are counted from another edge than before.
     mean[2] += after.belief.angle - mean[0]
-    mean, P = _with_belief(mean, P, after.belief)
+    _believe(mean, P, after.belief)
     return FusionMemory(after, mean, P, encoder.time, memory.refused), innovation, deviation
 
 
 def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> FusionMemory:
     before, event = memory.filter, settings.filter
     h = reading.pressure_edge_time - before.time
-    mean, P = _moved(memory.mean, memory.covariance, h)
+    mean, P = memory.mean.copy(), memory.covariance.copy()
+    _move(mean, P, h)
     # An edge is confirmed late and met where it happened. What noise came in since is not taken out for it: over these
     # few samples it is small, and could leave less than nothing.
-    P = _drifted(P, maximum(h, 0.0), before.density, settings)
+    _drift(P, maximum(h, 0.0), before.density, settings)
     if reading.duty_ratio == reading.duty_ratio:
         H = np.array([0.0, 0.0, 0.0, 1.0, 0.0])
-        mean, P = _observed(mean, P, H, reading.duty_ratio - mean[3], settings.duty_sensor_variance)
+        _observe(mean, P, H, reading.duty_ratio - mean[3], settings.duty_sensor_variance)
 
     s, N, lag = reading.pressure_polarity, settings.sections, mean[4]
     per_duty, pitch = s * np.pi / N, 2.0 * np.pi / N
@@ -307,7 +327,7 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     )
     wave_lost = False
     if innovation * innovation < settings.gate * settings.gate * S:
-        mean, P = _observed(mean, P, H, innovation, R)
+        _observe(mean, P, H, innovation, R)
         if silent:
             density = maximum(density * (1.0 - 1.0 / event.manoeuvre_edges), event.acceleration_density)
     else:
@@ -318,14 +338,42 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
             density = event.manoeuvre_density if silent else density
 
     if wave_lost:
-        mean, P = _with_blank_wave(_belief(mean, P), settings)
+        _begin_wave(mean, P, settings)
     time = before.time
     if h < 0.0:
-        mean, P = _moved(mean, P, -h)
+        _move(mean, P, -h)
     else:
         time = reading.pressure_edge_time
     after = _believing(before, time, _belief(mean, P), density)
+    if silent and refused == 0.0:
+        after = _counted_on(after, event)
     return FusionMemory(after, mean, P, memory.encoder_time, refused)
+
+
+def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilterMemory:
+    """The memory when the pressure has told an encoder's loss the angle: wheel edges half a sector back have passed.
+
+    The encoder's next edge is then no counterpart of one before the loss, nor could a manoeuvre have begun there.
+    """
+    m, wheel = memory, settings.wheel
+    edge = maximum(edge_below(m.belief.angle - 0.5 * sector(wheel), wheel), m.edge)
+    ago = (m.belief.angle - edge_angle(edge, wheel)) / maximum(m.belief.speed, settings.lowest_speed)
+    missed = m.missed_edges + maximum(edge - m.edge - m.ignored, 0.0)
+    return EventFilterMemory(
+        m.time,
+        m.belief,
+        edge,
+        maximum(m.time - ago, m.edge_time),
+        m.started,
+        m.associating,
+        0.0,
+        missed,
+        m.irregular,
+        m.density,
+        m.rise,
+        m.fall,
+        m.search,
+    )
 
 
 def _belief(mean: Array, covariance: Array) -> AngleSpeed:
@@ -338,6 +386,7 @@ def _believing(memory: EventFilterMemory, time: float, belief: AngleSpeed, densi
         time,
         belief,
         m.edge,
+        m.edge_time,
         m.started,
         m.associating,
         m.ignored,
@@ -348,21 +397,3 @@ def _believing(memory: EventFilterMemory, time: float, belief: AngleSpeed, densi
         m.fall,
         m.search,
     )
-
-
-def _observed(
-    mean: Array, covariance: Array, observation: Array, innovation: float, variance: float
-) -> tuple[Array, Array]:
-    """As `vvdp.numerics.kalman.observed`; in loops a small filter compiles and runs several times faster."""
-    n = mean.size
-    g, x, P = np.zeros(n), mean.copy(), covariance.copy()
-    S = variance
-    for i in range(n):
-        for j in range(n):
-            g[i] += covariance[i, j] * observation[j]
-        S += observation[i] * g[i]
-    for i in range(n):
-        x[i] += g[i] / S * innovation
-        for j in range(n):
-            P[i, j] -= g[i] * g[j] / S
-    return x, P

@@ -12,7 +12,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AngularVariance, Kind, Ratio
 from vvdp.base.params import Params
-from vvdp.base.select import clip, maximum
+from vvdp.base.select import clip, maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.estimation.event_filter import (
@@ -174,10 +174,17 @@ def largest_gap(phases: Array) -> float:
 
     Source  ours, docs/models/threshold-adaptation.md
     """
-    placed = np.sort(phases - np.floor(phases))
-    gap: float = placed[0] + 1.0 - placed[-1]
-    for i in range(1, placed.size):
-        gap = maximum(gap, placed[i] - placed[i - 1])
+    n = phases.size
+    lowest, highest = np.full(n, 2.0), np.full(n, -1.0)
+    for phase in phases:
+        placed = phase - np.floor(phase)
+        arc = min(int(placed * n), n - 1)
+        lowest[arc], highest[arc] = minimum(lowest[arc], placed), maximum(highest[arc], placed)
+    # A gap of 1/n or more never lies within one of n arcs: from the last phase of one to the first of the next.
+    gap, last = 0.0, highest.max() - 1.0
+    for arc in range(n):
+        if highest[arc] >= 0.0:
+            gap, last = maximum(gap, lowest[arc] - last), highest[arc]
     return gap
 
 

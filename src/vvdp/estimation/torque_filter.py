@@ -11,17 +11,15 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AccelerationDensity, AngularVariance, Flow, Kind, Ratio, Speed, SpeedVariance, Temperature
 from vvdp.base.params import Params
-from vvdp.base.select import maximum
+from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
 from vvdp.estimation.estimator import Estimate, Estimator
+from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE
 from vvdp.fluid.oil import Oil, density, kinematic_viscosity
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import flow_damping, friction_coefficient, spool_inertia, stall_torque
-
-SLACK = 1.0
-"""Normalised innovation that counts as none when innovations of one sign are summed up [1]."""
 
 ExcessDensity = Annotated[float, Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")]
 ExcessVariance = Annotated[float, Kind("variance of a ratio", "1", 0.0, 1e6, "0.09")]
@@ -263,7 +261,7 @@ def sighted(belief: SpoolBelief, innovation: float, measurement_variance: float)
     )
 
 
-def doubted(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: float) -> SpoolBelief:
+def widened(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: float) -> SpoolBelief:
     """The belief when the torque may have changed suddenly `duration` [s] ago: P + V g g', g = (b f2, b f1, 1).
 
     excess_variance  V, of the change of the excess [1]
@@ -285,6 +283,25 @@ def doubted(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: f
     )
 
 
+def doubted(belief: SpoolBelief, settings: TorqueFilter) -> SpoolBelief:
+    """The belief whose speed may have been anything, a multiple or a fraction of the true one, and its excess with it.
+
+    Source  ours, docs/models/event-filter.md
+    """
+    x = belief
+    return SpoolBelief(
+        x.angle,
+        x.speed,
+        x.excess,
+        x.angle_variance,
+        x.angle_speed,
+        x.angle_excess,
+        maximum(x.speed * x.speed, settings.speed_variance),
+        x.speed_excess,
+        maximum(x.excess * x.excess, settings.excess_variance),
+    )
+
+
 def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed: float) -> TorqueFilterMemory:
     """Memory before the first sample.
 
@@ -296,7 +313,8 @@ def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed
     """
     P, V, W = settings.angle_variance, settings.speed_variance, settings.excess_variance
     belief = SpoolBelief(angle, speed, 0.0, P, 0.0, 0.0, V, 0.0, W)
-    return TorqueFilterMemory(time, belief, edge_below(angle, settings.wheel), time, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    edge = edge_below(angle, settings.wheel)
+    return TorqueFilterMemory(time, belief, edge, time, 0.0, 0.0, 0.0, 0.0, RELIABLE, 0.0, 0.0)
 
 
 def torque_filter_step(
@@ -344,7 +362,7 @@ def _after_edge(
 ) -> tuple[TorqueFilterMemory, float, float]:
     wheel, gate, m = settings.wheel, settings.manoeuvre_gate, memory
     prior = turned(m.belief, reading.edge_time - m.time, spin, settings.acceleration_density, settings.excess_density)
-    wide = doubted(prior, reading.edge_time - m.calm_time, spin, settings.change_variance)
+    wide = widened(prior, reading.edge_time - m.calm_time, spin, settings.change_variance)
     passed = maximum(prior.speed, settings.lowest_speed) * reading.edge_interval
     R = passed * passed / 12.0 + settings.edge_variance
     edges = m.ignored + reading.edges
@@ -359,7 +377,7 @@ def _after_edge(
             prior.angle - edge_angle(m.edge, wheel),
             prior.angle_variance + R,
             wide.angle_variance + R,
-            maximum(2.0 * SLACK * (gate - maximum(m.rise, m.fall)), 0.0),
+            2.0 * SLACK * (gate - m.fall),  # in doubt the next edge by count is behind: slower
             m.ignored,
             reading.edges,
             reading.polarity,
@@ -390,20 +408,23 @@ def _after_edge(
         rise, fall = maximum(m.rise + z - SLACK, 0.0), maximum(m.fall - z - SLACK, 0.0)
         if maximum(rise, fall) > gate:
             prior, rise, fall = wide, 0.0, 0.0
+    skipped = maximum(number - m.edge - edges, 0.0)
+    associating, irregular = m.associating, irregular_share(m.irregular, m.associating * minimum(skipped, BURST), 1.0)
+    if irregular > UNBELIEVABLE:
+        prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
     belief = sighted(prior, innovation, R)
     known = 6.0 * np.sqrt(belief.angle_variance) < sector(wheel)
     limit = settings.association_speed_deviation * settings.association_speed_deviation
-    skipped = maximum(number - m.edge - edges, 0.0)
     after = TorqueFilterMemory(
         reading.edge_time,
         belief,
         number,
         reading.edge_time if maximum(rise, fall) == 0.0 else m.calm_time,
         1.0,
-        1.0 if m.associating > 0.0 or (known and belief.speed_variance < limit) else 0.0,
+        1.0 if associating > 0.0 or (known and belief.speed_variance < limit) else 0.0,
         0.0,
         m.missed_edges + skipped,
-        irregular_share(m.irregular, skipped * m.associating, 1.0),
+        irregular,
         rise,
         fall,
     )
