@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks.measure import interleaved, machine, report, spread
 from vvdp.rigs.maps import analytic_map, default_axes, simulated_map
 from vvdp.rigs.stand import stand
+from vvdp.studies.engine import ThisProcess
 from vvdp.systems.system import load_system
 
 ANALYTIC_TARGET, SIMULATED_TARGET = 1.0, 180.0
@@ -26,7 +27,7 @@ def main() -> None:
     print(machine())
     held = stand(load_system("prototype"))
     large, axes = default_axes(held, 100, 100), default_axes(held, 12, 10)
-    analytic_map(held, axes, cores=2)
+    analytic_map(held, axes, engine=ThisProcess(2))
     times = interleaved({f"{n} cores": partial(analytic_map, held, large, cores=n) for n in (1, 2)}, REPEATS)
     for name, found in times.items():
         met = median(found) < ANALYTIC_TARGET if name == "2 cores" else None
@@ -34,9 +35,9 @@ def main() -> None:
     for name in ("prototype-constant-load", "prototype"):
         rig = stand(load_system(name))
         with tempfile.TemporaryDirectory() as folder:
-            simulated_map(rig, default_axes(rig, 2, 2), Path(folder) / "first", cores=2)
+            simulated_map(rig, default_axes(rig, 2, 2), Path(folder) / "first", engine=ThisProcess(2))
             began, began_cpu = time.perf_counter(), time.process_time()
-            done = simulated_map(rig, axes, Path(folder) / "map", cores=2)
+            done = simulated_map(rig, axes, Path(folder) / "map", engine=ThisProcess(2))
             seconds, cpu = time.perf_counter() - began, time.process_time() - began_cpu
         text = f"{seconds:.1f} s, {cpu:.1f} s of processor time"
         report(f"simulated map, 12 x 10, {name}", text, "180 s", seconds < SIMULATED_TARGET)

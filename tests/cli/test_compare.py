@@ -68,13 +68,22 @@ def test_all_is_explained(vvdp, here):
         assert f"`{each.name}`" in page, each.name
 
 
-def test_json_alone_on_stdout(vvdp, here):
+def test_json_alone_on_stdout(vvdp, here, keys_as_described):
     answer = vvdp("compare", "estimators", *QUICK, "--json", "--rate", "2 kHz", "--sectors", "16")
     found = json.loads(answer.out)
     assert (found["rate_Hz"], found["sectors"], found["finished"]) == (2000.0, 16, True)
+    score = {key.removesuffix("_se") for key in found["scores"][0]} - {"scenario", "estimator"}
+    keys_as_described("compare estimators", found, score)
     assert len(found["scores"]) == 2
     assert found["out"].startswith("results/compare-estimators-")
     assert (here / found["out"] / "comparison.csv").is_file()
+
+
+def test_a_comparison_on_dask_is_the_comparison_here(vvdp, here):
+    at_home = json.loads(vvdp("compare", "estimators", *QUICK, "--json").out)
+    done = vvdp("compare", "estimators", *QUICK, "--json", "--on", "dask", "--workers", "1")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["scores"] == at_home["scores"]
 
 
 @pytest.mark.parametrize(
@@ -86,6 +95,7 @@ def test_json_alone_on_stdout(vvdp, here):
         (("--rate", "0 Hz"), "expected 100 Hz to 100000 Hz"),
         (("--sectors", "7"), "7 sectors"),
         (("--seeds", "0"), "--seeds"),
+        (("--workers", "2"), "--workers: 2 workers cannot be had with --on here"),
     ],
 )
 def test_what_cannot_be_is_refused(vvdp, here, options, told):

@@ -46,11 +46,12 @@ def bench(here):
     return "bench.csv"
 
 
-def test_the_words_that_scripts_rely_on(vvdp, stamps, here):
+def test_the_words_that_scripts_rely_on(vvdp, stamps, here, keys_as_described):
     done = vvdp("estimate", stamps, "--edges", "edge", "--sectors", "8", "--json")
     assert done.code == 0, done.err
     found = json.loads(done.out)
     assert found.keys() >= FIXED_WORDS
+    keys_as_described("estimate", found)
     assert found["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-6)
     assert (found["edges"], found["missed_edges"]) == (600, 0)
     directory = Path(found["out"])
@@ -91,11 +92,12 @@ def test_a_wave_taken_for_a_counter_is_told(vvdp, here):
     assert done.code == 0 and "warning: Counts that are not whole" in done.out
 
 
-def test_a_wave_with_pressure_and_all_options(vvdp, bench):
+def test_a_wave_with_pressure_and_all_options(vvdp, bench, keys_as_described):
     options = ("--wave", "photodiode", "--pressure", "inlet", "--sections", "3", "--output-rate", "500 Hz", "--smooth")
     done = vvdp("estimate", bench, *options, "--json", "--out", "r")
     assert done.code == 0, done.err
     found = json.loads(done.out)
+    keys_as_described("estimate", found)
     assert found["output_rate_Hz"] == 500.0 and found["edge_source"] == "wave"
     assert found["duty_ratio_mean"] == pytest.approx(0.5, abs=0.05)
     assert found["threshold"] == pytest.approx(1.9, abs=0.1)

@@ -21,9 +21,11 @@ def test_analytic_map_leaves_table_pictures_and_page(vvdp, here):
     assert "overall efficiency" in answer.out
 
 
-def test_simulated_map_in_si(vvdp, here):
+def test_simulated_map_in_si(vvdp, here, keys_as_described):
     first = vvdp("map", "prototype-constant-load", *SMALL, "--json", "--no-report", "--out", "m")
     found = json.loads(first.out)
+    quick = vvdp("map", "prototype", "--analytic", *SMALL, "--json", "--no-report", "--out", "a")
+    keys_as_described("map", found, json.loads(quick.out))
     assert found["points"] == 4
     assert found["load_pressure_Pa"] == [4e6, 4e6, 8e6, 8e6]
     assert found["duty_ratio"] == [0.4, 0.8, 0.4, 0.8]
@@ -46,6 +48,22 @@ def test_all_faults_of_options_at_once(vvdp, here):
     for words in ("--duty", "--pressure", "--speed", "write 3000 rpm"):
         assert words in answer.err
     assert not (here / "results").exists()
+
+
+def test_an_analytic_map_needs_no_workers(vvdp, here):
+    answer = vvdp("map", "prototype", "--analytic", "--on", "dask")
+    assert answer.code == 2
+    assert "--on: 'dask'; an analytic map is worked out at once, here" in answer.err
+    assert not (here / "results").exists()
+
+
+def test_a_map_on_dask_is_the_map_here(vvdp, here):
+    small = ("prototype-constant-load", "--duty", "0.4", "0.8", "2", "--pressure", "40 bar", "40 bar", "1", "--json")
+    at_home = json.loads(vvdp("map", *small, "--no-report", "--out", "one").out)
+    done = vvdp("map", *small, "--no-report", "--out", "two", "--on", "dask", "--workers", "1")
+    assert done.code == 0, done.err
+    assert json.loads(done.out) == at_home | {"out": "two"}
+    assert "0 of 2 points\n" in done.err and "2 of 2 points\n" in done.err
 
 
 def test_levels_that_go_down_are_refused(vvdp, here):

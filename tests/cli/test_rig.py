@@ -1,8 +1,11 @@
 """`vvdp rig`: every rig from the command line, its files, its page, its numbers, bad input."""
 
 import json
+from pathlib import Path
 
 import pytest
+
+from vvdp.rigs.result import read_rig
 
 FILES = {"figures", "meta.json", "numbers.json", "report.html", "rig.json", "system.toml"}
 
@@ -27,10 +30,11 @@ FILES = {"figures", "meta.json", "numbers.json", "report.html", "rig.json", "sys
         ),
     ],
 )
-def test_table_pictures_and_page(vvdp, here, verb, system, tables, pictures, standard):
+def test_table_pictures_and_page(vvdp, here, keys_as_described, verb, system, tables, pictures, standard):
     answer = vvdp("rig", verb, system, "--out", "r")
     assert answer.code == 0, answer.err
     assert {path.name for path in (here / "r").iterdir()} == FILES | tables
+    keys_as_described(f"rig {verb}", {*read_rig(here / "r").flat, "out"})
     drawn = {path.name for path in (here / "r" / "figures").iterdir()}
     assert drawn == {f"{name}{ending}" for name in pictures for ending in (".svg", ".png")}
     page = (here / "r" / "report.html").read_text()
@@ -48,11 +52,12 @@ def test_numbers_in_si(vvdp, here):
     assert not (here / "r" / "report.html").exists()
 
 
-def test_pump(vvdp, here):
+def test_pump(vvdp, here, keys_as_described):
     small = ("--duty", "0.3", "0.9", "3", "--pressure", "60 bar", "60 bar", "1", "--speed", "1800 rpm")
     answer = vvdp("rig", "pump", "prototype-constant-load", *small, "--out", "p")
     assert answer.code == 0, answer.err
     names = {path.name for path in (here / "p").iterdir()}
+    keys_as_described("rig pump", {*read_rig(here / "p").flat, "out"})
     assert FILES | {"points", "steady.csv", "frequency.csv"} <= names
     assert "electrically controlled pump" in answer.out
     other = vvdp("map", "prototype-constant-load", "--analytic", "--out", "p")
@@ -74,9 +79,10 @@ def test_bad_temperature(vvdp, here):
 
 
 @pytest.mark.slow
-def test_claims(vvdp, here):
+def test_claims(vvdp, here, keys_as_described):
     answer = vvdp("rig", "claims", "prototype", "--out", "c")
     assert answer.code == 0, answer.err
+    keys_as_described("rig claims", {*read_rig(here / "c").flat, "out"})
     names = {path.name for path in (here / "c" / "figures").iterdir()}
     assert {"throttling.png", "driving.png", "actuation.png", "ripple.png"} <= names
     for words in ("by itself", "drive power", "to the power 3", "metering"):
@@ -87,3 +93,17 @@ def test_claims_of_a_system_without_a_load_line(vvdp, here):
     answer = vvdp("rig", "claims", "prototype-constant-load", "--out", "c")
     assert answer.code == 0, answer.err
     assert "need a load line" in (here / "c" / "report.html").read_text()
+
+
+def test_the_page_can_be_written_anew(vvdp, here):
+    vvdp("rig", "pressure-drop", "prototype", "--out", "drop", "--no-report")
+    assert vvdp("report", "drop").out.strip() == str(Path("drop/report.html"))
+    assert "ISO 4411" in Path("drop/report.html").read_text("utf-8")
+
+
+def test_a_page_made_once_is_refused_with_a_reason(vvdp, here):
+    Path("opt").mkdir()
+    Path("opt/design.json").write_text("{}")
+    answer = vvdp("report", "opt")
+    assert answer.code == 2
+    assert "run the command again" in answer.err

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vvdp.base.errors import ParameterError
+from vvdp.base.errors import ParameterError, RunError
+from vvdp.comparison import trials
 from vvdp.comparison.estimators import (
     AdaptingSettings,
     adapting_start,
@@ -19,6 +20,8 @@ from vvdp.comparison.trials import compare, compiled_encoder, compiled_loop, rec
 from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.wheel import edge_below
 from vvdp.simulation.values import flat
+from vvdp.studies.dask_engines import LocalDask
+from vvdp.studies.engine import ThisProcess
 
 SECTOR = np.pi / 4
 
@@ -53,7 +56,7 @@ def test_readings_count_the_edges_that_passed(constant, encoder):
 def test_scores_of_estimators_that_believe_what_they_like(known_contenders, short_scenarios):
     """True speed 24.7 turns a second, 155.195 rad/s, against 100: 55.195 off all the time. The angle that stays falls
     behind by 0.4 s (0.5 to 1 s, less half a tenth at both ends) of 155.195 rad/s: 79.0 sectors."""
-    found = compare(short_scenarios, known_contenders, 3, cores=2)
+    found = compare(short_scenarios, known_contenders, 3, engine=ThisProcess(2))
     slow = found.scores["constant", "slow"]
     assert slow["speed_error_rms_rad_s"].value == pytest.approx(55.1947, rel=1e-5)
     assert slow["speed_error_mean_rad_s"].value == pytest.approx(-55.1947, rel=1e-5)
@@ -69,8 +72,27 @@ def test_scores_of_estimators_that_believe_what_they_like(known_contenders, shor
 
 
 def test_threads_change_nothing(known_contenders, short_scenarios):
-    one, two = (compare(short_scenarios[:1], known_contenders, 4, cores=cores) for cores in (1, 2))
+    one, two = (compare(short_scenarios[:1], known_contenders, 4, engine=ThisProcess(cores)) for cores in (1, 2))
     assert repr(one.scores) == repr(two.scores)
+
+
+def test_a_comparison_on_dask_is_the_comparison_here(short_scenarios):
+    """Bit for bit, with an estimator of every sort: alone, in a loop with the encoder, and afterwards."""
+    names = ("event-filter", "adaptive-threshold", "smoother")
+    rivals = [each for each in contenders() if each.name in names]
+    here, there = (compare(short_scenarios, rivals, 3, engine=engine) for engine in (ThisProcess(2), LocalDask(2)))
+    assert repr(here.scores) == repr(there.scores)
+    assert here.traced is not None and there.traced is not None
+    for name, speed in here.traced.estimated.items():
+        np.testing.assert_array_equal(there.traced.estimated[name], speed)
+    assert there.finished and there.costs.keys() == here.costs.keys()
+
+
+def test_a_worker_with_another_program_is_refused(known_contenders, short_scenarios, monkeypatch):
+    programs = iter([("here",), ("there",)])
+    monkeypatch.setattr(trials._Field, "program", property(lambda _: next(programs)))
+    with pytest.raises(RunError, match="has another vvdp, Python, NumPy or Numba than this machine"):
+        compare(short_scenarios, known_contenders, 1)
 
 
 def test_an_interrupted_comparison_keeps_what_is_done(known_contenders, short_scenarios):
@@ -78,7 +100,7 @@ def test_an_interrupted_comparison_keeps_what_is_done(known_contenders, short_sc
         if done >= 5:
             raise KeyboardInterrupt
 
-    found = compare(short_scenarios, known_contenders, 50, cores=1, progress=stop)
+    found = compare(short_scenarios, known_contenders, 50, engine=ThisProcess(1), progress=stop)
     assert not found.finished
     assert 5 <= sum(played.runs for played in found.scenarios.values()) < 100
     with pytest.raises(KeyboardInterrupt):

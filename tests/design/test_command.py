@@ -11,10 +11,11 @@ FIXED = ("--minimise", "pressure_drop_total", "--subject-to", "pwm_frequency >= 
 CLEARANCE = ("--bound", "radial_clearance <= 22.5 um")
 
 
-def test_the_published_optimum(designing, tmp_path):
+def test_the_published_optimum(designing, tmp_path, keys_as_described):
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--json", "--out", "there")
     assert code == 0, err
     found = json.loads(out)
+    keys_as_described("design optimum", found)
     assert found["pressure_drop_total_Pa"] == pytest.approx(2.48e5, abs=0.03e5)
     assert found["spool_radius_m"] == pytest.approx(10.88e-3, rel=0.02)
     assert found["nozzle_area_m2"] == pytest.approx(88.2e-6, rel=0.02)

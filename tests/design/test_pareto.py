@@ -112,13 +112,14 @@ def test_objectives_in_words():
         objectives(["loss_total"], [])
 
 
-def test_command_for_a_front(designing, tmp_path):
+def test_command_for_a_front(designing, tmp_path, keys_as_described):
     code, out, err = designing(
         "pareto", "prototype", "--minimise", "loss_total", "--maximise", "pwm_frequency", "--points", "10",
         "--generations", "4", "--subject-to", "transition_fraction <= 0.5", "--json", "--out", "there",
     )  # fmt: skip
     assert code == 0, err
     found = json.loads(out)
+    keys_as_described("design pareto", found)
     count = len(found["loss_total_W"])
     assert count == len(list((tmp_path / "there" / "systems").iterdir()))
     assert "Pareto front" in (tmp_path / "there" / "report.html").read_text("utf-8")

@@ -120,10 +120,11 @@ def test_what_is_shown_at_40_degrees_is_the_design(prototype, warmed):
     assert column(warmed, "loss_total", 40) == pytest.approx(q.loss_total, rel=1e-12)
 
 
-def test_command_over_temperature(designing, tmp_path):
+def test_command_over_temperature(designing, tmp_path, keys_as_described):
     code, out, err = designing("temperature", "prototype", "--json", "--out", "there", "--from", "20 degC")
     assert code == 0, err
     found = json.loads(out)
+    keys_as_described("design temperature", found)
     assert found["temperature_K"][0] == pytest.approx(293.15)
     assert len(found["pwm_frequency_Hz"]) == len(found["temperature_K"]) == 25
     assert "Reynolds" in found["warnings"]

@@ -117,10 +117,11 @@ def test_faults_of_spreads_are_told_together(prototype):
         tolerance(prototype, spreads(prototype), samples=100)
 
 
-def test_command(designing, tmp_path):
+def test_command(designing, tmp_path, keys_as_described):
     code, out, err = designing("tolerance", "prototype", "--samples", "256", "--json", "--out", "there")
     assert code == 0, err
     found = json.loads(out)
+    keys_as_described("design tolerance", found)
     assert found["pwm_frequency_total_index_radial_clearance"] == pytest.approx(0.85, abs=0.1)
     assert found["pressure_drop_total_Pa"] == pytest.approx(6.677e5, rel=1e-3)
     page = (tmp_path / "there" / "report.html").read_text("utf-8")

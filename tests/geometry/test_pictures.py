@@ -83,10 +83,11 @@ def test_the_animation_is_an_endless_gif(built_shape, built_valve):
     assert heard == [1, 2, 3, 4]
 
 
-def test_the_command_makes_and_tells_everything(command, tmp_path):
+def test_the_command_makes_and_tells_everything(command, tmp_path, keys_as_described):
     said = command("prototype", "--out", "made", "--fineness", "8", "--frames", "2", "--angle", "21 deg", "--json")
     assert said.code == 0
     told = json.loads(said.out)
+    keys_as_described("geometry", told)
     assert told["finished"] is True
     assert abs(told["openings_difference"]) < 0.02
     assert told["rail_volume_m3"] == pytest.approx(12.7e-6, rel=2e-3)

@@ -93,7 +93,7 @@ def test_all_faults_are_told_at_once_with_line_and_key(tmp_path):
         ":3: sensor.sectors: 7 sectors; bright and dark alternate",
         ":4: sensor.indexshift: unknown key; did you mean 'index_shift'?",
         ":6: threshold.hysteresis:",
-        ":8: filter.edge_variance: '0.1 rad' is not a angular variance; use one of rad^2",
+        ":8: filter.edge_variance: '0.1 rad' is not an angular variance; use one of rad^2",
         ":10: valve.sections: 0; expected a whole number from 1 to 100",
         ":11: outputs: unknown table; did you mean 'output'?",
         ":14: pressure.unit: belongs to pressure.channel, which is missing",

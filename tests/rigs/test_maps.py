@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vvdp.base.errors import ConfigError
+from vvdp.base.errors import ConfigError, RunError
 from vvdp.base.signal import constant
 from vvdp.rigs import maps
 from vvdp.rigs.map_result import map_result
@@ -19,6 +19,9 @@ from vvdp.rigs.result import read_rig, write_rig
 from vvdp.rigs.steady import steady_states
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
+from vvdp.studies import work
+from vvdp.studies.dask_engines import LocalDask
+from vvdp.studies.engine import ThisProcess
 from vvdp.systems.summary import simulated_summary
 
 ZERO = 101325.0
@@ -178,8 +181,8 @@ def test_finished_points_are_not_run_again(source_stand, simulated, tmp_path, mo
 
 
 def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch):
-    monkeypatch.setattr(maps, "FIRST_BATCH", 4)
-    monkeypatch.setattr(maps, "LARGEST_BATCH", 4)
+    monkeypatch.setattr(work, "FIRST_BATCH", 4)
+    monkeypatch.setattr(work, "LARGEST_BATCH", 4)
 
     def interrupting(done: int, total: int) -> None:
         if done == 4:
@@ -194,12 +197,30 @@ def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch)
     np.testing.assert_allclose(whole.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9)
 
 
+def test_a_map_on_dask_is_the_map_here(source_stand, simulated, tmp_path):
+    """Bit for bit, in other batches; what was finished here is not run again there."""
+    simulated_map(source_stand, replace(COARSE, duty_ratios=(0.4,)), tmp_path)
+    found = simulated_map(source_stand, COARSE, tmp_path, engine=LocalDask(2))
+    assert found.ran == 9
+    for name, column in simulated.columns.items():
+        np.testing.assert_array_equal(found.columns[name], column)
+
+
+def test_a_worker_with_another_program_is_refused(source_stand, tmp_path, monkeypatch):
+    linked = maps.link(source_stand.model, source_stand.bench.case(source_stand.tables))
+    digests = iter(["here", "there"])
+    monkeypatch.setattr(maps, "link", lambda *_: linked._replace(digest=next(digests)))
+    with pytest.raises(RunError, match="has another vvdp, Python, NumPy or Numba than this machine"):
+        simulated_map(source_stand, COARSE, tmp_path)
+
+
 KILLED = """
 from pathlib import Path
 from vvdp.rigs import maps
 from vvdp.rigs.stand import stand
+from vvdp.studies import work
 from vvdp.systems.system import load_system
-maps.FIRST_BATCH = maps.LARGEST_BATCH = 4
+work.FIRST_BATCH = work.LARGEST_BATCH = 4
 held = stand(load_system("prototype-constant-load"))
 axes = maps.default_axes(held, 12, 5)
 maps.simulated_map(held, axes, Path({folder!r}), progress=lambda done, total: print(done, flush=True))
@@ -244,6 +265,6 @@ def test_directory_of_something_else_is_refused(tmp_path):
 @pytest.mark.slow
 def test_whole_map_of_the_prototype_in_three_minutes(orifice_stand, tmp_path):
     began = time.perf_counter()
-    found = simulated_map(orifice_stand, default_axes(orifice_stand), tmp_path, cores=2)
+    found = simulated_map(orifice_stand, default_axes(orifice_stand), tmp_path, engine=ThisProcess(2))
     assert found.axes.count == 120
     assert time.perf_counter() - began < 180.0

@@ -31,6 +31,11 @@ class Kind:
     units: tuple[str, ...] = ()
 
     @property
+    def named(self) -> str:
+        """The name with its article."""
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
+
+    @property
     def shown(self) -> str:
         """The unit in which a person is shown the value."""
         return self.example.partition(" ")[2]
@@ -41,8 +46,8 @@ class Kind:
             return None
         unit = "" if self.unit == "1" else f" {self.unit}"
         if not math.isfinite(value):
-            return f"{value:g} is not a finite number; expected a {self.name}, for example {self.example!r}"
-        return f"{value:g}{unit} is outside {self.low:g} to {self.high:g}{unit} for a {self.name}"
+            return f"{value:g} is not a finite number; expected {self.named}, for example {self.example!r}"
+        return f"{value:g}{unit} is outside {self.low:g} to {self.high:g}{unit} for {self.named}"
 
 
 SPEED_UNITS = ("rpm", "rev/s", "rad/s", "deg/s")

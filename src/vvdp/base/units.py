@@ -95,15 +95,15 @@ def number_and_unit(text: object) -> tuple[float, str]:
 
 def _split(text: object, kind: Kind) -> tuple[float, str]:
     if isinstance(text, bool) or not isinstance(text, int | float | str):
-        raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}")
+        raise ParameterError(f"{text!r} is not {kind.named}; write for example {kind.example!r}")
     if isinstance(text, str) and len(text) > 200:
         raise ParameterError(
-            f"a text of {len(text)} characters is not a {kind.name}; write for example {kind.example!r}"
+            f"a text of {len(text)} characters is not {kind.named}; write for example {kind.example!r}"
         )
     try:
         match = _NUMBER.match(text if isinstance(text, str) else repr(float(text)))
     except OverflowError:
-        raise ParameterError(f"the number is too large for a {kind.name}; write for example {kind.example!r}") from None
+        raise ParameterError(f"the number is too large for {kind.named}; write for example {kind.example!r}") from None
     if not match:
         raise ParameterError(f"{text!r} is not a number with a unit; write for example {kind.example!r}")
     return float(match[1]), match[2]
@@ -117,19 +117,19 @@ def _converted(number: float, unit: str, text: object, kind: Kind, level: bool =
     if not unit:
         if kind.unit == "1":
             return number
-        raise ParameterError(f"{text!r} has no unit; a {kind.name} is written for example {kind.example!r}")
+        raise ParameterError(f"{text!r} has no unit; {kind.named} is written for example {kind.example!r}")
     gauge = level and kind is PRESSURE_LEVEL and unit not in _ABSOLUTE_SUFFIX
     if unit in _GAUGE_SUFFIX or unit in _ABSOLUTE_SUFFIX:
         if kind is not PRESSURE_LEVEL:
-            raise ParameterError(f"{text!r}: a {kind.name} has no {unit!r}; write for example {kind.example!r}")
+            raise ParameterError(f"{text!r}: {kind.named} has no {unit!r}; write for example {kind.example!r}")
         unit = {**_GAUGE_SUFFIX, **_ABSOLUTE_SUFFIX}[unit]
     if kind.units and unit not in kind.units:
         hint = _speed_hint(number, unit) if "rpm" in kind.units else ""
-        raise ParameterError(f"{text!r} is not a {kind.name}; {hint}use one of {', '.join(kind.units)}")
+        raise ParameterError(f"{text!r} is not {kind.named}; {hint}use one of {', '.join(kind.units)}")
     if (
         kind.unit == "1" and unit != "%"
     ):  # an angle, a decibel or turns per minute times minutes have no dimension either
-        raise ParameterError(f"{text!r} is not a {kind.name}; write a plain number or %, for example {kind.example!r}")
+        raise ParameterError(f"{text!r} is not {kind.named}; write a plain number or %, for example {kind.example!r}")
     if not level:
         unit = _OFFSET_UNITS.get(unit, unit)
     import pint
@@ -137,7 +137,7 @@ def _converted(number: float, unit: str, text: object, kind: Kind, level: bool =
     try:
         value = _in_si(number, unit, kind.unit if kind.unit != "1" else "")
     except pint.DimensionalityError:
-        raise ParameterError(f"{text!r} is not a {kind.name}; write for example {kind.example!r}") from None
+        raise ParameterError(f"{text!r} is not {kind.named}; write for example {kind.example!r}") from None
     except Exception:  # pint raises many unrelated types on malformed unit text
         raise ParameterError(f"{text!r}: unknown unit {unit!r}; write for example {kind.example!r}") from None
     return value + ATMOSPHERE if gauge else value

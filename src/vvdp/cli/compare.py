@@ -1,13 +1,13 @@
 """`vvdp compare`."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Protocol, TypeVar
 
 import typer
 
-from vvdp.cli.options import Force
+from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
+from vvdp.cli.options import Force, default_directory
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -53,7 +53,10 @@ def estimators(
         typer.Option("--out", metavar="DIR", help="Where to write; by default results/compare-estimators-DATE-TIME."),
     ] = None,
     force: Force = False,
-    cores: Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")] = None,
+    on: On = HERE,
+    workers: Workers = None,
+    cores: Cores = None,
+    sbatch: Sbatch = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print all scores as one JSON object in SI units, and nothing else.")
     ] = False,
@@ -63,7 +66,7 @@ def estimators(
 
     Ctrl-C ends the comparison early and keeps the runs that are done.
     """
-    from vvdp.cli.run import default_directory
+    from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.comparison.estimators import contenders
     from vvdp.comparison.results import write_comparison
@@ -79,9 +82,10 @@ def estimators(
         _print_names(chosen, rivals)
         return
     directory = out if out is not None else default_directory("compare-estimators")
+    engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
     with result_directory(directory, force=force) as folder:
-        with _listener() as progress:
-            found = compare(chosen, rivals, seeds, cores=cores, progress=progress, say=say)
+        with counted("runs") as progress:
+            found = compare(chosen, rivals, seeds, engine=engine, progress=progress, say=say)
         write_comparison(folder, found)
         write_comparison_report(folder)
     if json:
@@ -180,27 +184,3 @@ def _cells(figures: Mapping[str, "Measured"], changes: bool) -> list[str]:
     if changes:
         cells += [size(1e3 * figures["settling_median_s"].value), size(1e3 * figures["delay_s"].value)]
     return cells
-
-
-@contextmanager
-def _listener() -> Iterator[Callable[[int, int], None]]:
-    """What hears how many runs are done, of all: a bar on a terminal, now and then a line elsewhere; both on stderr."""
-    from vvdp.cli.screen import console, say
-
-    screen = console(err=True)
-    if not screen.is_terminal:
-        tenth = -1
-
-        def line(done: int, total: int) -> None:
-            nonlocal tenth
-            if 10 * done // total > tenth:
-                tenth = 10 * done // total
-                say(f"{done} of {total} runs")
-
-        yield line
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    with Progress(MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
-        task = bar.add_task("")
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,14 +1,12 @@
 """`vvdp design`: optimum, trade-offs, tolerances and oil temperature of a valve."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory
 
 if TYPE_CHECKING:
     from vvdp.design.optimise import Optimum
@@ -83,7 +81,7 @@ def optimum(
 
     Free are spool radius, nozzle area, outlet area and radial clearance, and what a --bound names.
     """
-    from vvdp.cli.run import default_directory
+    from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design.optimise import optimised
     from vvdp.design.problem import problem
@@ -97,12 +95,12 @@ def optimum(
     asked = problem(loaded, minimise, subject_to or (), bound or (), cycle)
     directory = out if out is not None else default_directory(f"design-{loaded.name}")
     with result_directory(directory, force=force) as folder:
-        with _listener("starts") as progress:
+        with counted("starts") as progress:
             found = optimised(asked, starts=starts, seed=seed, progress=progress)
         doubted = doubts(asked, found.values)
         proven: list[Proof] = []
         if found.finished and not no_simulation:
-            with _listener("simulations") as progress:
+            with counted("simulations") as progress:
                 proven = proofs(asked, found.values, progress=progress, say=say)
         write_design(folder, found, proven, doubted)
         write_design_report(folder)
@@ -144,7 +142,7 @@ def pareto(
 
     Each is written as a system.
     """
-    from vvdp.cli.run import default_directory
+    from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design import pareto as study
     from vvdp.design.problem import problem
@@ -157,7 +155,7 @@ def pareto(
     asked = problem(loaded, wanted[0].quantity, subject_to or (), bound or (), cycle)
     directory = out if out is not None else default_directory(f"pareto-{loaded.name}")
     with result_directory(directory, force=force) as folder:
-        with _listener("generations and designs") as progress:
+        with counted("generations and designs") as progress:
             found = study.front(asked, wanted, points=points, generations=generations, seed=seed, progress=progress)
         study.write_front(folder, found)
         write_front_report(folder)
@@ -210,7 +208,6 @@ def tolerance(
     json: AsJson = False,
 ) -> None:
     """Show how drop, PWM frequency and efficiency scatter with parts and oil, and which input matters."""
-    from vvdp.cli.run import default_directory
     from vvdp.cli.screen import print_json
     from vvdp.design import tolerance as study
     from vvdp.design.results import write_columns, write_numbers
@@ -246,7 +243,7 @@ def temperature(
     """Show the valve from cold to hot oil, and where its model is in doubt."""
     from vvdp.base.kinds import TEMPERATURE as KIND
     from vvdp.base.units import parsed
-    from vvdp.cli.run import default_directory
+    from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json
     from vvdp.design import temperature as study
     from vvdp.design.results import write_columns, write_numbers
@@ -258,7 +255,7 @@ def temperature(
     low, high = parsed(coldest, KIND), parsed(hottest, KIND)
     directory = out if out is not None else default_directory(f"temperature-{loaded.name}")
     with result_directory(directory, force=force) as folder:
-        with _listener("temperatures") as progress:
+        with counted("temperatures") as progress:
             found = study.over_temperature(loaded, coldest=low, hottest=high, progress=progress)
         write_numbers(folder, TEMPERATURE, study.temperature_content(found))
         write_columns(folder / "temperature.csv", study.temperature_columns(found))
@@ -373,29 +370,3 @@ def _print_proof(proven: "list[Proof]") -> None:
     for each in proven:
         if each.failure:
             warn(f"{each.design}: {each.failure}")
-
-
-@contextmanager
-def _listener(words: str) -> Iterator[Callable[[int, int], None]]:
-    """What hears how much is done, of all: a bar on a terminal, now and then a line elsewhere; both on stderr."""
-    from vvdp.cli.screen import console, say
-
-    screen = console(err=True)
-    if not screen.is_terminal:
-        fifth = 0
-
-        def line(done: int, total: int) -> None:
-            nonlocal fifth
-            if 5 * done // total > fifth:
-                fifth = 5 * done // total
-                say(f"{done} of {total} {words}")
-
-        yield line
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    with Progress(
-        MofNCompleteColumn(), TextColumn("{task.description}"), BarColumn(), console=screen, transient=True
-    ) as bar:
-        task = bar.add_task(words)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

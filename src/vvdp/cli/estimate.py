@@ -2,14 +2,12 @@
 
 import shlex
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force
+from vvdp.cli.options import AsJson, Force, default_directory
 
 if TYPE_CHECKING:
     from vvdp.base.errors import ConfigError
@@ -18,8 +16,6 @@ if TYPE_CHECKING:
     from vvdp.logs.kept import Finding
 
 INTERRUPTED = 130
-LINE_INTERVAL = 2.0
-"""Seconds between two lines on a stderr that is no terminal."""
 
 
 def estimate(
@@ -70,6 +66,7 @@ def estimate(
 
     One of --wave, --counts and --edges names the channel, or a config does. Ctrl-C keeps what was reached.
     """
+    from vvdp.cli.progress import reached
     from vvdp.cli.screen import plain, print_json, say
     from vvdp.logs.config import SOURCES, Option, load_estimation
     from vvdp.logs.estimate import estimate as estimated
@@ -99,9 +96,9 @@ def estimate(
         raise _nothing_named(log, options)
     wanted = load_estimation(config, options)
     with opened(log, wanted) as source:
-        directory = out if out is not None else _default_directory(log)
+        directory = out if out is not None else default_directory(log.stem)
         with result_directory(directory, force=force) as folder:
-            with _listener() as progress:
+            with reached(1.0, lambda share: f"{100.0 * share:.0f} % of the log") as progress:
                 done = estimated(
                     source, wanted, folder, progress=progress, say=say, more=plain(_origin(config, options))
                 )
@@ -171,46 +168,12 @@ def _nothing_named(log: Path, options: "list[Option]") -> "ConfigError":
     return ConfigError([Fault(str(log), 0, "", message)])
 
 
-def _default_directory(log: Path) -> Path:
-    """A directory under `results` that does not exist yet."""
-    stem = f"{log.stem}-{time.strftime('%Y%m%d-%H%M%S')}"
-    directory, number = Path("results", stem), 1
-    while directory.exists():
-        number += 1
-        directory = Path("results", f"{stem}-{number}")
-    return directory
-
-
 def _origin(config: Path | None, options: "list[Option]") -> dict[str, Any]:
     return {
         "config": str(config) if config is not None else None,
         "options": {option.name: option.value for option in options},
         "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
     }
-
-
-@contextmanager
-def _listener() -> Iterator[Callable[[float], None]]:
-    """What hears the share of the log that is done: a bar on a terminal, now and then a line elsewhere; on stderr."""
-    from vvdp.cli.screen import console, say
-
-    screen = console(err=True)
-    if not screen.is_terminal:
-        last = time.monotonic()
-
-        def line(done: float) -> None:
-            nonlocal last
-            if done < 1.0 and time.monotonic() - last >= LINE_INTERVAL:
-                last = time.monotonic()
-                say(f"{100.0 * done:.0f} % of the log")
-
-        yield line
-        return
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
-
-    with Progress(TaskProgressColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
-        task = bar.add_task("", total=1.0)
-        yield lambda done: bar.update(task, completed=done)
 
 
 # What a person is shown: label, key, name of the unit.

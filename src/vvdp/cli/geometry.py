@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory
 
 if TYPE_CHECKING:
     from vvdp.geometry.measure import Comparison
@@ -42,7 +42,6 @@ def geometry(
     --set geometry.KEY=VALUE. Ctrl-C keeps what is made.
     """
     from vvdp.base.signal import signal_value
-    from vvdp.cli.run import default_directory
     from vvdp.cli.screen import print_json, say
     from vvdp.geometry.domains import require_within_stroke
     from vvdp.geometry.shape import given_shape

@@ -1,13 +1,13 @@
 """`vvdp map`."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
 from vvdp.cli.options import AsJson, Settings, SystemName
 
 if TYPE_CHECKING:
@@ -40,7 +40,6 @@ Temperatures = Annotated[
     list[str] | None,
     typer.Option("--temperature", metavar="TEMP", help='Oil temperature, as "40 degC"; may be repeated.'),
 ]
-Cores = Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")]
 
 
 def map(  # noqa: A001 - the name of the verb
@@ -57,7 +56,10 @@ def map(  # noqa: A001 - the name of the verb
         Path | None,
         typer.Option("--out", metavar="DIR", help="Where to write; by default results/map-SYSTEM."),
     ] = None,
+    on: On = HERE,
+    workers: Workers = None,
     cores: Cores = None,
+    sbatch: Sbatch = None,
     json: AsJson = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
 ) -> None:
@@ -66,6 +68,8 @@ def map(  # noqa: A001 - the name of the verb
     Every point is simulated to its periodic steady state; finished points are kept, and the same command goes on where
     an earlier one stopped. Pump speed and oil temperature may be further axes.
     """
+    from vvdp.base.errors import unusable
+    from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.map_result import map_result
@@ -78,12 +82,15 @@ def map(  # noqa: A001 - the name of the verb
     held = stand(loaded)
     axes = chosen_axes(held, duty, pressure, speed, temperature)
     directory = out if out is not None else Path("results", f"{'analytic-' if analytic else ''}map-{loaded.name}")
+    engine = chosen_engine(on, workers, cores, sbatch, directory)
+    if analytic and on != HERE:
+        raise unusable("--on", f"{on!r}; an analytic map is worked out at once, here")
     with map_directory(directory):
         if analytic:
             found = analytic_map(held, axes, cores=cores, say=say)
         else:
-            with listener("points") as progress:
-                found = simulated_map(held, axes, directory, cores=cores, progress=progress, say=say)
+            with counted("points") as progress:
+                found = simulated_map(held, axes, directory, engine=engine, progress=progress, say=say)
         result = map_result(found)
         write_rig(directory, result, resolved_text(loaded))
         if not no_report:
@@ -189,19 +196,3 @@ def _print(result: "RigResult", found: "PumpMap") -> None:
     out.print(f"{found.ran} points run in {found.seconds:.2f} s")
     if found.simulated and result.numbers.get("untrusted_points", 0.0) > 0.0:
         warn("some points are not trusted")
-
-
-@contextmanager
-def listener(what: str) -> Iterator[Callable[[int, int], None]]:
-    """What hears how much is done, of all: a bar on a terminal, a line elsewhere; both on stderr."""
-    from vvdp.cli.screen import console, say
-
-    screen = console(err=True)
-    if not screen.is_terminal:
-        yield lambda done, total: say(f"{done} of {total} {what}")
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    with Progress(MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,5 +1,7 @@
 """Arguments and options that several verbs share."""
 
+import time
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -16,4 +18,15 @@ Settings = Annotated[
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one flat JSON object in SI units, and nothing else.")]
+Cores = Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
+
+
+def default_directory(name: str) -> Path:
+    """A directory under `results` that does not exist yet: where a command writes that is not told."""
+    stem = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    directory, number = Path("results", stem), 1
+    while directory.exists():
+        number += 1
+        directory = Path("results", f"{stem}-{number}")
+    return directory

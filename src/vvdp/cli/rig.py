@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vvdp.cli.map import Cores, Levels, Span, Speeds, Temperatures, chosen_axes, listener
-from vvdp.cli.options import AsJson, Force, Settings, SystemName
+from vvdp.cli.map import Levels, Span, Speeds, Temperatures, chosen_axes
+from vvdp.cli.options import AsJson, Cores, Force, Settings, SystemName, default_directory
 
 if TYPE_CHECKING:
     from vvdp.rigs.result import RigResult
@@ -112,6 +112,7 @@ def pump(
 
     Finished points of the steady maps are kept, and the same command goes on where an earlier one stopped.
     """
+    from vvdp.cli.progress import counted
     from vvdp.cli.screen import say
     from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.maps import map_directory
@@ -126,7 +127,7 @@ def pump(
     axes = chosen_axes(held, duty, pressure, speed, temperature, pump_axes(held))
     directory = out if out is not None else Path("results", f"pump-{loaded.name}")
     with map_directory(directory, "pump"):
-        with listener("points") as progress:
+        with counted("points") as progress:
             result = measured(held, directory, axes, between, cores=cores, progress=progress, say=say)
         write_rig(directory, result, resolved_text(loaded))
         if not no_report and result.finished:
@@ -165,7 +166,6 @@ def _run(
     no_report: bool,
 ) -> None:
     """Puts a system on its stand, has `work` done there, and writes and shows what comes of it."""
-    from vvdp.cli.run import default_directory
     from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.result import write_rig
     from vvdp.rigs.stand import stand

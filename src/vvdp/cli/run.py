@@ -1,14 +1,13 @@
 """`vvdp run`."""
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory
 
 if TYPE_CHECKING:
     from vvdp.simulation.run import Run
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
 
 NOT_TRUSTED = 3
 INTERRUPTED = 130
-LINE_INTERVAL = 2.0
-"""Seconds between two lines on a stderr that is no terminal."""
 
 
 def run(
@@ -38,6 +35,7 @@ def run(
 
     Ctrl-C ends the simulation early and keeps what was reached.
     """
+    from vvdp.cli.progress import reached
     from vvdp.cli.screen import plain, print_json, say
     from vvdp.simulation.results import result_directory, write_results
     from vvdp.simulation.run import simulate
@@ -47,7 +45,8 @@ def run(
     loaded = load_system(system, settings or (), until)
     directory = out if out is not None else default_directory(loaded.name)
     with result_directory(directory, force=force) as folder:
-        with _listener(loaded.stepping.until) as progress:
+        end = loaded.stepping.until
+        with reached(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
             done = simulate(loaded.model, loaded.case, loaded.stepping, progress=progress, say=say)
         if not done.end > 0.0:
             raise KeyboardInterrupt  # nothing to keep
@@ -75,16 +74,6 @@ def run(
         raise typer.Exit(NOT_TRUSTED)
 
 
-def default_directory(name: str) -> Path:
-    """A directory under `results` that does not exist yet."""
-    stem = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
-    directory, number = Path("results", stem), 1
-    while directory.exists():
-        number += 1
-        directory = Path("results", f"{stem}-{number}")
-    return directory
-
-
 def _origin(system: "System", found: dict[str, Any], settings: list[str]) -> dict[str, Any]:
     """What meta.json says of a run besides what the simulation knows."""
     return {
@@ -96,31 +85,6 @@ def _origin(system: "System", found: dict[str, Any], settings: list[str]) -> dic
         "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
         **{key: found[key] for key in ("energy_residual", "mass_residual", "trusted") if key in found},
     }
-
-
-@contextmanager
-def _listener(until: float) -> Iterator[Callable[[float], None]]:
-    """What hears the time reached [s]: a bar on a terminal, now and then a line elsewhere; both on stderr."""
-    from vvdp.cli.screen import console, say
-
-    screen = console(err=True)
-    if not screen.is_terminal:
-        last = time.monotonic()
-
-        def line(reached: float) -> None:
-            nonlocal last
-            if reached < until and time.monotonic() - last >= LINE_INTERVAL:
-                last = time.monotonic()
-                say(f"t = {reached:.4g} s of {until:.4g} s")
-
-        yield line
-        return
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    words = TextColumn("t = {task.completed:.3f} s of {task.total:g} s")
-    with Progress(words, BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
-        task = bar.add_task("", total=until)
-        yield lambda reached: bar.update(task, completed=reached)
 
 
 VALVE_LOSS = ("loss_full_open_W", "loss_transition_W")

@@ -1,7 +1,5 @@
 """`vvdp study`."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -31,6 +29,7 @@ def study(
 
     Ctrl-C ends the study after the batches at hand. All columns are written to study.csv.
     """
+    from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say, warn
     from vvdp.studies.run import run_study
     from vvdp.studies.study import load_study
@@ -38,7 +37,7 @@ def study(
     wanted = load_study(file)
     directory = out if out is not None else Path("results", file.stem)
     engine = chosen_engine(on, workers, cores, sbatch, directory)
-    with _listener() as progress:
+    with counted("cases") as progress:
         results = run_study(wanted, directory, engine=engine, progress=progress, say=say)
     results.write_csv(directory / "study.csv")
     if json:
@@ -71,19 +70,3 @@ def _print(results: "StudyResults") -> None:
         table.add_row(name, low, high, mean, column.unit)
     console().print(table)
     typer.echo(f"{results.ran} cases run in {results.seconds:.2f} s, {len(results.failures)} failed")
-
-
-@contextmanager
-def _listener() -> Iterator[Callable[[int, int], None]]:
-    """What hears how many cases are done, of all: a bar on a terminal, a line elsewhere; both on stderr."""
-    from vvdp.cli.screen import console, say
-
-    screen = console(err=True)
-    if not screen.is_terminal:
-        yield lambda done, total: say(f"{done} of {total} cases")
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    with Progress(MofNCompleteColumn(), BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
-        task = bar.add_task("")
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,15 +1,17 @@
 """Estimators side by side: the same readings for all of them, many random seeds, all cores."""
 
-import os
+import secrets
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+import vvdp
 from vvdp.base.errors import ParameterError
 from vvdp.comparison.estimators import AdaptingSettings, Contender, adapting_start
 from vvdp.comparison.results import Comparison, Entered, Played, Traced
@@ -20,6 +22,9 @@ from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
+from vvdp.studies.engine import HERE, Engine
+from vvdp.studies.run import interrupts_held, silent
+from vvdp.studies.work import batches, check_same
 
 COST_SAMPLES = 20_000
 """Samples of the record on which estimators are timed."""
@@ -32,10 +37,6 @@ class _Ran(NamedTuple):
     seed: int
     scores: Mapping[str, Score]
     traced: Traced | None
-
-
-def silent(done: int, total: int) -> None:
-    """Says nothing: the default listener to progress."""
 
 
 def recorded(scenario: Scenario, encoder: Replay, seed: int, samples: int | None = None) -> Record:
@@ -52,6 +53,25 @@ def recorded(scenario: Scenario, encoder: Replay, seed: int, samples: int | None
     return Record(seed, truth, encoder(memory, np.column_stack(truth), scenario.encoder).shown)
 
 
+class _Trial(NamedTuple):
+    """A run: the name of its scenario, and its seed."""
+
+    scenario: str
+    seed: int
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What is compared, as it travels to other processes; plans of one name are one plan. `say` stays here."""
+
+    name: str
+    scenarios: Mapping[str, Scenario] = field(compare=False)
+    contenders: Sequence[Contender] = field(compare=False)
+    traced: str = field(compare=False)
+    cache: Path | None = field(compare=False)
+    say: Callable[[str], None] = field(compare=False)
+
+
 @dataclass(frozen=True)
 class _Field:
     """All that is needed for a run: the compiled encoders of the scenarios, the compiled steps of the contenders."""
@@ -61,6 +81,12 @@ class _Field:
     steps: Mapping[str, Replay]
     loops: Mapping[tuple[str, str], Replay]  # by estimator and scenario
     traced: str
+
+    @property
+    def program(self) -> tuple[str, ...]:
+        """What its results depend on, besides the plan."""
+        compiled = (*self.encoders.values(), *self.steps.values(), *self.loops.values())
+        return vvdp.__version__, *(each.digest for each in compiled)
 
     def run(self, scenario: Scenario, seed: int) -> _Ran:
         record = recorded(scenario, self.encoders[scenario.name], seed)
@@ -101,15 +127,17 @@ def compare(
     contenders: Sequence[Contender],
     seeds: int,
     *,
-    cores: int | None = None,
+    engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
 ) -> Comparison:
-    """What every contender scores in every scenario over `seeds` random runs, on all cores unless told otherwise.
+    """What every contender scores in every scenario over `seeds` random runs.
 
-    All contenders get the same readings. `progress` hears how many runs are done, of all. Ctrl-C ends the comparison
-    and keeps the runs that are done. Raises ParameterError where there is nothing to compare.
+    All contenders get the same readings. `engine` says where the runs are made; what a sample costs is measured here.
+    `progress` hears how many runs are done, of all. Ctrl-C ends the comparison after the batches at hand, at once the
+    second time, and keeps the runs that are done. Raises ParameterError where there is nothing to compare, RunError
+    where a worker has another vvdp, or none is left.
     """
     if not scenarios or not contenders or seeds < 1:
         raise ParameterError(
@@ -117,24 +145,15 @@ def compare(
         )
     began = time.perf_counter()
     traced = next((scenario for scenario in scenarios if scenario.motion.changes), scenarios[0])
-    field = _Field(
-        contenders=contenders,
-        encoders={each.name: compiled_encoder(each, cache=cache, say=_named(say, "encoder")) for each in scenarios},
-        steps={each.name: compiled_step(each, cache=cache, say=_named(say, each.name)) for each in contenders},
-        loops={
-            (each.name, scenario.name): compiled_loop(each, scenario, cache=cache, say=_named(say, each.name))
-            for each in contenders
-            if each.loop is not None
-            for scenario in scenarios
-        },
-        traced=traced.name,
-    )
-    costs = _costs(field, scenarios[0])  # before the threads: these would slow each other, and all is compiled then
+    by_name = {each.name: each for each in scenarios}
+    plan = _Plan(secrets.token_hex(8), by_name, contenders, traced.name, cache, say)
+    compiled = _field(plan)
+    costs = _costs(compiled, scenarios[0])  # before the runs: these would slow each other, and all is compiled then
     progress(0, len(scenarios) * seeds)
-    done, finished = _all_runs(field, scenarios, seeds, cores, progress)
+    done, finished = _all_runs(plan, seeds, engine, progress)
     if not done:
         raise KeyboardInterrupt  # nothing to keep
-    done.sort(key=lambda ran: ran.seed)  # sums then do not depend on which thread was faster
+    done.sort(key=lambda ran: ran.seed)  # sums then do not depend on which was done first
     runs = {scenario.name: [ran for ran in done if ran.scenario == scenario.name] for scenario in scenarios}
     return Comparison(
         sectors=scenarios[0].sectors,
@@ -152,6 +171,26 @@ def compare(
         traced=next((ran.traced for ran in done if ran.traced), None),
         seconds=time.perf_counter() - began,
         finished=finished,
+    )
+
+
+@lru_cache(maxsize=1)
+def _field(plan: _Plan) -> _Field:
+    """A plan compiled, once in each process."""
+    cache, say, scenarios = plan.cache, plan.say, plan.scenarios
+    loops = [each for each in plan.contenders if each.loop is not None]
+    return _Field(
+        contenders=plan.contenders,
+        encoders={
+            name: compiled_encoder(each, cache=cache, say=_named(say, "encoder")) for name, each in scenarios.items()
+        },
+        steps={each.name: compiled_step(each, cache=cache, say=_named(say, each.name)) for each in plan.contenders},
+        loops={
+            (each.name, name): compiled_loop(each, scenario, cache=cache, say=_named(say, each.name))
+            for each in loops
+            for name, scenario in scenarios.items()
+        },
+        traced=plan.traced,
     )
 
 
@@ -186,23 +225,27 @@ def compiled_loop(
     return Replay(contender.loop, memory, Shaft(0.0, 0.0, 0.0), settings, cache=cache, say=say)
 
 
-def _all_runs(
-    field: _Field, scenarios: Sequence[Scenario], seeds: int, cores: int | None, progress: Callable[[int, int], None]
-) -> tuple[list[_Ran], bool]:
+def _all_runs(plan: _Plan, seeds: int, engine: Engine, progress: Callable[[int, int], None]) -> tuple[list[_Ran], bool]:
     """The runs that came to an end, seed by seed through all scenarios, and whether these are all."""
+    trials = [_Trial(scenario, seed) for seed in range(seeds) for scenario in plan.scenarios]
+    task = partial(_runs_done, replace(plan, say=quiet), _field(plan).program)
     done: list[_Ran] = []
-    with ThreadPoolExecutor(cores or len(os.sched_getaffinity(0))) as pool:
-        waiting = [pool.submit(field.run, scenario, seed) for seed in range(seeds) for scenario in scenarios]
-        try:
-            for run in as_completed(waiting):
-                done.append(run.result())
-                progress(len(done), len(waiting))
-        except BaseException as problem:
-            pool.shutdown(wait=True, cancel_futures=True)
-            if not isinstance(problem, KeyboardInterrupt):
-                raise
-            return done, False
-    return done, True
+    try:
+        with interrupts_held() as interrupted:
+            for some in batches(task, trials, engine, interrupted):
+                done += some
+                progress(len(done), len(trials))
+    except KeyboardInterrupt:
+        return done, False
+    return done, len(done) == len(trials)
+
+
+def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[_Trial], cores: int) -> list[_Ran]:
+    """What comes of a batch, where it is run."""
+    compiled = _field(plan)
+    check_same(compiled.program, program)
+    with ThreadPoolExecutor(cores) as pool:
+        return list(pool.map(lambda trial: compiled.run(plan.scenarios[trial.scenario], trial.seed), batch))
 
 
 def _costs(field: _Field, scenario: Scenario) -> dict[str, Measured]:

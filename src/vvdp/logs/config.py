@@ -189,7 +189,7 @@ class _Given:
     def above_zero(self, key: str, kind: Kind, default: T) -> float | T:
         value = self.quantity(key, kind, default)
         if isinstance(value, float) and key in self.values and not value > 0.0:
-            self.fault(key, f"{self.values[key]!r}; expected a {kind.name} above zero, for example {kind.example!r}")
+            self.fault(key, f"{self.values[key]!r}; expected {kind.named} above zero, for example {kind.example!r}")
             return default
         return value
 

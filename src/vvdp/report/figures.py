@@ -232,12 +232,15 @@ def _estimate(figure: "Figure", reading: Reading) -> None:
     speeds.plot(t, speed, color=TANK, linewidth=0.9, label="true")
     speeds.plot(t, shown["speed"], color=LOAD, linewidth=1.1, label="estimated")
     speeds.set_ylabel("speed [rad/s]")
+    settled = t >= min(SETTLED, 0.5 * t[-1])
+    low, high = float(np.min(speed[settled])), float(np.max(speed[settled]))
+    room = max(1.5 * (high - low), 0.02 * abs(high))
+    speeds.set_ylim(low - room, high + room)  # the search at the start would flatten all that follows
     legend(speeds, 2)
     for axes, error, deviation, label in (
         (angles, angle_error, shown["angle_deviation"], "angle error [rad]"),
         (errors, speed_error, shown["speed_deviation"], "speed error [rad/s]"),
     ):
-        settled = t >= min(SETTLED, 0.5 * t[-1])
         reach = 1.2 * max(float(np.max(np.abs(error[settled]))), float(np.max(2.0 * deviation[settled])))
         axes.fill_between(t, -2.0 * deviation, 2.0 * deviation, facecolor="#f7dcc0", edgecolor="none")
         axes.plot(t, error, color=LOAD, linewidth=0.8)

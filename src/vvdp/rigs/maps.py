@@ -10,8 +10,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,16 +29,15 @@ from vvdp.rigs.result import read_rig
 from vvdp.rigs.stand import SetPoint, Stand
 from vvdp.rigs.steady import Steady, steady_states
 from vvdp.simulation.link import link, quiet
+from vvdp.simulation.run import compiled_loop
 from vvdp.simulation.values import flat, leaves
+from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import interrupts_held, silent
-from vvdp.studies.store import Finished, opened_store, write_finished
+from vvdp.studies.store import Finished, opened_store
+from vvdp.studies.work import check_same, kept_batches
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.torque import pwm_frequency
 
-BATCH_SECONDS = 4.0
-"""What a batch should take: no more than that is lost when the machine is switched off."""
-FIRST_BATCH, LARGEST_BATCH = 8, 400
-"""Points in the first batch, which shows how long they take, and in any at most."""
 STORE = "points"
 """Folder of the finished points in that of a simulated map."""
 MOST_POINTS = 1_000_000
@@ -275,40 +275,53 @@ def simulated_map(
     axes: Axes,
     directory: Path,
     *,
-    cores: int | None = None,
+    engine: Engine = HERE,
     progress: Callable[[int, int], None] = silent,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
 ) -> PumpMap:
     """The map as the PWM-resolved circuit gives it, every point in its periodic steady state.
 
-    Points that `directory` already has are not run again; they are known by every number that they depend on. Each
-    batch is kept when it is done and `progress` hears of it (points done, of all). Ctrl-C ends the map after the batch
-    at hand, and running it again goes on from there. Raises ConfigError where the directory cannot be used.
+    Points that `directory` already has are not run again; they are known by every number that they depend on. `engine`
+    says where the others are run. Each batch is kept when it is done and `progress` hears of it (points done, of all).
+    Ctrl-C ends the map after the batches at hand, and running it again goes on from there. Raises ConfigError where the
+    directory cannot be used, RunError where a worker has another vvdp, or none is left.
     """
     began = time.perf_counter()
-    finished = opened_store(directory / STORE, {"vvdp": vvdp.__version__, "system": stand.system.name})
+    store = directory / STORE
+    finished = opened_store(store, {"vvdp": vvdp.__version__, "system": stand.system.name})
     points = axes.points
     digest = link(stand.model, stand.bench.case(stand.tables), cache, say).digest
-    keys = [_key(stand, point, digest) for point in points]
-    pending = [number for number, key in enumerate(keys) if key not in finished]
+    wanted = [_Wanted(_key(stand, point, digest), point) for point in points]
+    pending = [each for each in wanted if each.key not in finished]
     if len(pending) < len(points):
         say(f"{len(points) - len(pending)} of {len(points)} points are finished already")
     progress(len(points) - len(pending), len(points))
-    ran, size = 0, FIRST_BATCH
+    if pending:  # here, so that workers find it compiled
+        compiled_loop(say)
+        averages(np.array([stand.cycle_point(points[0])]), stand.tables["valve"], cores=1, cache=cache, say=say)
+    ran = 0
     with interrupts_held() as interrupted:
-        while pending and not interrupted.is_set():
-            batch, pending = pending[:size], pending[size:]
-            batch_began = time.perf_counter()
-            states = steady_states([(stand, points[number]) for number in batch], cores=cores, cache=cache, say=say)
-            done = [_finished(keys[number], state) for number, state in zip(batch, states, strict=True)]
-            write_finished(directory / STORE, done)
+        for done in kept_batches(partial(_points_done, stand, cache), pending, store, engine, interrupted):
             finished |= {each.key: each for each in done}
-            ran += len(batch)
-            rate = len(batch) / (time.perf_counter() - batch_began)
-            size = int(np.clip(BATCH_SECONDS * rate, FIRST_BATCH, LARGEST_BATCH))
-            progress(len(points) - len(pending), len(points))
-    return _collected(stand, axes, [finished.get(key) for key in keys], ran, time.perf_counter() - began)
+            ran += len(done)
+            progress(len(points) - len(pending) + ran, len(points))
+    return _collected(stand, axes, [finished.get(each.key) for each in wanted], ran, time.perf_counter() - began)
+
+
+class _Wanted(NamedTuple):
+    """A point, and what it is known by."""
+
+    key: str
+    point: SetPoint
+
+
+def _points_done(stand: Stand, cache: Path | None, batch: Sequence[_Wanted], cores: int) -> list[Finished]:
+    """What comes of a batch, where it is run."""
+    digest = link(stand.model, stand.bench.case(stand.tables), cache).digest
+    check_same(_key(stand, batch[0].point, digest), batch[0].key)
+    states = steady_states([(stand, each.point) for each in batch], cores=cores, cache=cache)
+    return [_finished(each.key, state) for each, state in zip(batch, states, strict=True)]
 
 
 @contextmanager

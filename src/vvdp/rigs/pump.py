@@ -15,6 +15,7 @@ from vvdp.rigs.result import RigResult
 from vvdp.rigs.stand import Stand
 from vvdp.rigs.step import STEPS, dynamics
 from vvdp.simulation.link import quiet
+from vvdp.studies.engine import ThisProcess
 from vvdp.studies.run import silent
 
 DUTY_RATIOS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
@@ -54,7 +55,7 @@ def pump(
     """
     began = time.perf_counter()
     axes = axes or pump_axes(stand)
-    steady = simulated_map(stand, axes, directory, cores=cores, progress=progress, say=say, cache=cache)
+    steady = simulated_map(stand, axes, directory, engine=ThisProcess(cores), progress=progress, say=say, cache=cache)
     found = map_result(steady)
     numbers = {**found.numbers, **control_numbers(steady)}
     result = replace(

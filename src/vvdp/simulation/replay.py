@@ -29,6 +29,8 @@ class Replayed(NamedTuple):
 class Replay:
     """`step` compiled for memories, readings and settings of one shape; calls release the interpreter's lock.
 
+    `digest` is the hash of its text, and of the versions that compiled it.
+
     Raises RunError where step, memory, reading and settings do not fit together.
     """
 
@@ -52,7 +54,8 @@ class Replay:
         self._example, self._settings = memory, settings
         classes = Classes()
         source = _source(memory, reading, settings, shown, classes)
-        self._run = compiled_module(source, {"step": step}, classes, cache, say).replay
+        module = compiled_module(source, {"step": step}, classes, cache, say)
+        self._run, self.digest = module.replay, module.__name__.rpartition("_")[2]
 
     def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
         """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""

@@ -2,7 +2,6 @@
 
 import functools
 import hashlib
-import platform
 import signal
 import threading
 import time
@@ -29,7 +28,7 @@ from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.results import Column, Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
-from vvdp.studies.work import kept_batches
+from vvdp.studies.work import check_same, kept_batches
 from vvdp.systems.summary import ANALYTIC, analytic_summary, simulated_summary, summary_unit
 from vvdp.systems.system import System, built_system, lasting, load_system, resolved_text
 
@@ -208,10 +207,7 @@ def _finished_batch(
     one = systems[0]
     cases = [system.case for system in systems]
     run = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=cores, cache=cache)
-    if (vvdp.__version__, run.digest) != (version, batch[0].digest):
-        raise RunError(
-            f"{platform.node()} has another vvdp, Python, NumPy or Numba than this machine; install the same"
-        )
+    check_same((vvdp.__version__, run.digest), (version, batch[0].digest))
     done: list[Finished] = []
     for number, (planned, system) in enumerate(zip(batch, systems, strict=True)):
         reason, found = run.reasons[number], run.outcome(number)

@@ -1,18 +1,19 @@
-"""Many cases carried out by an engine: in batches of the right size, each kept as soon as it is done."""
+"""Many cases carried out by an engine: in batches of the right size, each kept as soon as it is done if wanted."""
 
 import functools
+import platform
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 from typing import Generic, TypeAlias, TypeVar
 
 import numpy as np
 
-from vvdp.studies.engine import Engine
+from vvdp.base.errors import RunError
+from vvdp.studies.engine import Engine, Result
 from vvdp.studies.store import Finished, is_store, keep_finished, write_finished
 
 BATCH_SECONDS = 4.0
@@ -22,12 +23,12 @@ FIRST_BATCH, LARGEST_BATCH = 16, 1000
 """Cases in the first batches, which show how long they take, and in any at most."""
 
 Case = TypeVar("Case")
-Task: TypeAlias = Callable[[Sequence[Case], int], list[Finished]]
+Task: TypeAlias = Callable[[Sequence[Case], int], list[Result]]
 """Runs a batch of cases on so many cores."""
 
 
 def kept_batches(
-    task: Task[Case],
+    task: Task[Case, Finished],
     cases: Sequence[Case],
     directory: Path,
     engine: Engine,
@@ -36,32 +37,52 @@ def kept_batches(
 ) -> Iterator[list[Finished]]:
     """Yields the finished cases of each batch as they come, written to the store `directory` and its index.
 
+    Batches are those of `batches`. A worker that sees `directory` writes there itself: should the caller be gone by
+    then, the next run finds the batch.
+    """
+    for done in batches(functools.partial(_kept, task, directory.resolve()), cases, engine, interrupted, group):
+        keep_finished(directory, done)
+        yield done
+
+
+def batches(
+    task: Task[Case, Result],
+    cases: Sequence[Case],
+    engine: Engine,
+    interrupted: threading.Event,
+    group: Callable[[Case], object] = type,
+) -> Iterator[list[Result]]:
+    """Yields what `task` makes of each batch of `cases` as they come.
+
     Cases follow one another as given; those of a batch are of the same `group`. Once `interrupted` is set, only the
-    batches at hand are finished. A worker that sees `directory` writes there itself: should the caller be gone by
-    then, the next run finds the batch. What `task` raises is raised here.
+    batches at hand are finished. What `task` raises is raised here.
     """
     work = _Work(list(cases), engine, group, interrupted)
-    for _, ran in engine.completed(functools.partial(_kept_batch, task, directory.resolve()), work.batches()):
-        work.learn(ran)
-        keep_finished(directory, ran.done)
-        yield ran.done
+    for batch, (done, seconds) in engine.completed(functools.partial(_timed, task), work.batches()):
+        work.learn(len(batch), seconds)
+        yield done
 
 
-@dataclass(frozen=True)
-class _Ran:
-    """A batch as it comes back from where it was run."""
+def check_same(here: object, asked: object) -> None:
+    """Raises RunError where a worker, `here`, has another program than the machine that `asked`."""
+    if here != asked:
+        raise RunError(
+            f"{platform.node()} has another vvdp, Python, NumPy or Numba than this machine; install the same"
+        )
 
-    done: list[Finished]
-    seconds: float
 
-
-def _kept_batch(task: Task[Case], directory: Path, batch: Sequence[Case], cores: int) -> _Ran:
-    began = time.perf_counter()
+def _kept(task: Task[Case, Finished], directory: Path, batch: Sequence[Case], cores: int) -> list[Finished]:
     done = task(batch, cores)
     if is_store(directory):
         with suppress(OSError):  # then the caller keeps it
             write_finished(directory, done)
-    return _Ran(done, time.perf_counter() - began)
+    return done
+
+
+def _timed(task: Task[Case, Result], batch: Sequence[Case], cores: int) -> tuple[list[Result], float]:
+    began = time.perf_counter()
+    done = task(batch, cores)
+    return done, time.perf_counter() - began
 
 
 class _Work(Generic[Case]):
@@ -86,6 +107,6 @@ class _Work(Generic[Case]):
             self.cases = self.cases[len(batch) :]
             yield batch
 
-    def learn(self, ran: _Ran) -> None:
-        """Takes the size of the batches to come from how long one took."""
-        self.timely = int(np.clip(BATCH_SECONDS * len(ran.done) / ran.seconds, self.least, LARGEST_BATCH))
+    def learn(self, count: int, seconds: float) -> None:
+        """Takes the size of the batches to come from how long one with `count` cases took."""
+        self.timely = int(np.clip(BATCH_SECONDS * count / seconds, self.least, LARGEST_BATCH))

@@ -1,0 +1,60 @@
+"""How far a command has come, on stderr: a bar on a terminal, now and then a line elsewhere."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+LINE_INTERVAL = 2.0
+"""Seconds between two lines on a stderr that is no terminal."""
+
+
+@contextmanager
+def counted(what: str) -> Iterator[Callable[[int, int], None]]:
+    """What hears how many of `what` are done, of all; the first time, and each further tenth, is a line at once."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if screen.is_terminal:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        words = TextColumn(what)
+        with Progress(
+            MofNCompleteColumn(), words, BarColumn(), TimeRemainingColumn(), console=screen, transient=True
+        ) as bar:
+            task = bar.add_task("", total=None)
+            yield lambda done, total: bar.update(task, completed=done, total=total)
+        return
+    tenth, last = -1, 0.0
+
+    def line(done: int, total: int) -> None:
+        nonlocal tenth, last
+        if 10 * done // total > tenth or time.monotonic() - last >= LINE_INTERVAL:
+            tenth, last = 10 * done // total, time.monotonic()
+            say(f"{done} of {total} {what}")
+
+    yield line
+
+
+@contextmanager
+def reached(end: float, words: Callable[[float], str]) -> Iterator[Callable[[float], None]]:
+    """What hears how much is reached, of `end`, which `words` puts into words."""
+    from vvdp.cli.screen import console, say
+
+    screen = console(err=True)
+    if screen.is_terminal:
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+        shown = TextColumn("{task.description}")
+        with Progress(shown, BarColumn(), TimeRemainingColumn(), console=screen, transient=True) as bar:
+            task = bar.add_task(words(0.0), total=end)
+            yield lambda now: bar.update(task, completed=now, description=words(now))
+        return
+    last = time.monotonic()
+
+    def line(now: float) -> None:
+        nonlocal last
+        if now < end and time.monotonic() - last >= LINE_INTERVAL:
+            last = time.monotonic()
+            say(words(now))
+
+    yield line

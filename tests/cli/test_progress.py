@@ -1,0 +1,51 @@
+"""What is said of progress: lines where stderr is no terminal, a bar on one."""
+
+import re
+
+import pytest
+
+from vvdp.cli import progress
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that is set by hand."""
+    now = [1000.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_the_first_call_each_tenth_and_every_two_seconds_is_a_line(capsys, clock):
+    with progress.counted("points") as heard:
+        for done in (0, 1, 9, 10, 11, 100):
+            heard(done, 100)
+        clock[0] += 60.0
+    assert [line.split()[0] for line in capsys.readouterr().err.splitlines()] == ["0", "10", "100"]
+    with progress.counted("points") as heard:
+        for done in range(4):
+            heard(done, 1000)
+            clock[0] += 1.0
+    assert capsys.readouterr().err == "0 of 1000 points\n2 of 1000 points\n"
+
+
+def test_a_quantity_is_told_every_two_seconds_until_the_end(capsys, clock):
+    with progress.reached(9.0, lambda now: f"t = {now:g} s") as heard:
+        for now in range(10):
+            heard(float(now))
+            clock[0] += 1.0
+    assert capsys.readouterr().err.splitlines() == ["t = 2 s", "t = 4 s", "t = 6 s", "t = 8 s"]
+
+
+@pytest.mark.parametrize(
+    ("listening", "heard", "words"),
+    [
+        (progress.counted("points"), (3, 12), "3/12 points"),
+        (progress.reached(2.0, lambda now: f"t = {now:g} s"), (1.5,), "t = 1.5 s"),
+    ],
+)
+def test_on_a_terminal_there_is_a_bar(capsys, monkeypatch, listening, heard, words):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    with listening as progress_of:
+        progress_of(*heard)
+    assert words in re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", capsys.readouterr().err)
