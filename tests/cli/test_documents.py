@@ -20,6 +20,8 @@ ENDINGS = {
     "m^3/s/Pa": "_m3_s_Pa",
     "rad/s": "_rad_s",
     "rad": "_rad",
+    "rad^2": "_rad2",
+    "rad^2/s^3": "_rad2_s3",
     "Pa": "_Pa",
     "Pa*s": "_Pa_s",
     "Hz": "_Hz",

@@ -67,7 +67,7 @@ def test_a_person_is_shown_a_table_and_warnings(vvdp, stamps):
     done = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
     assert done.code == 0
     assert "spool speed, mean" in done.out and "1482" in done.out
-    assert "warning: Noise settings too large:" in done.out
+    assert "acceleration_density" in done.out and "0.25" in done.out and "warning" not in done.out
     assert done.out.rstrip().endswith("results: r")
     again = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
     assert again.code == 2 and "already exists" in again.err
@@ -152,6 +152,25 @@ def test_without_a_channel_those_of_the_log_are_named_and_a_way_on(vvdp, bench, 
     assert vvdp(*shlex.split(config)[1:]).code == 0 and (here / "bench.toml").is_file()
 
 
+def test_columns_of_seconds_are_edges_and_a_clock_is_none(vvdp, here):
+    t = 0.2 + np.arange(400) * PITCH / SPEED
+    table(here / "two.csv", down=("s", t[1::2]), up=("s", t[0::2]))
+    assert "two.csv --edges up --falling down\n" in vvdp("estimate", "two.csv").err
+    assert vvdp("estimate", "two.csv", "--write-config", "two.toml").code == 0
+    done = vvdp("estimate", "two.csv", "--config", "two.toml", "--json", "--no-report")
+    assert done.code == 0 and json.loads(done.out)["edges"] == 400
+    table(here / "row.csv", time=("s", [0.0]), a=("V", [1.0]), b=("V", [2.0]))
+    assert "row.csv --wave a\n" in vvdp("estimate", "row.csv").err
+
+
+def test_the_settings_are_fitted_on_request(vvdp, stamps):
+    done = vvdp("estimate", stamps, "--edges", "edge", "--fit", "--json", "--no-report", "--out", "r")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["edge_variance_rad2"] < 1e-9
+    wanted = load_estimation(Path("r/estimate.toml"))
+    assert wanted.filter.edge_variance == json.loads(done.out)["edge_variance_rad2"] and not wanted.fit
+
+
 def test_a_clock_is_not_taken_for_a_wave(vvdp, here):
     t = np.arange(0.0, 1.0, 1e-3)
     table(here / "plain.csv", t=("", t), a=("", np.sign(np.sin(4.0 * SPEED * t))), b=("", t * t))
@@ -224,6 +243,7 @@ BAD = [
     (("--edges", "edge", "--fuse"), "--fuse: belongs to pressure.channel"),
     (("--edges", "edge", "--config", "none.toml"), "none.toml: no such file"),
     (("--edges", ""), "expected a name in quotes"),
+    (("--edges", "edge", "--out", ""), "--out': it is empty"),
 ]
 
 

@@ -9,7 +9,10 @@ from vvdp.base.errors import ConfigError
 from vvdp.design.optimise import InfeasibleError, optimised
 from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated, write_front
 from vvdp.design.problem import problem
+from vvdp.design.proof import simulated_designs
 from vvdp.design.quantities import quantities, setup
+from vvdp.simulation.run import simulate
+from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 LIMITS, BOUNDS = ["pwm_frequency >= 50 Hz", "transition_fraction <= 0.5"], ["radial_clearance <= 25 um"]
@@ -48,10 +51,12 @@ def test_front_is_within_limits_and_bounds(four):
 
 
 def test_ends_are_the_optima_of_one_objective(four, prototype):
+    """With the loss among the objectives, all designs keep the relief valve shut."""
+    limits = [*LIMITS, "relief_margin >= 0 bar"]
     for k, each in enumerate(four.objectives):
         if each.large:
             continue
-        alone = optimised(problem(prototype, each.quantity, LIMITS, BOUNDS), starts=2, globally=False).objective
+        alone = optimised(problem(prototype, each.quantity, limits, BOUNDS), starts=2, globally=False).objective
         assert four.costs[:, k].min() == pytest.approx(alone, rel=2e-4), each.quantity
 
 
@@ -150,3 +155,57 @@ def test_interrupted_front_keeps_its_designs(prototype):
         assert not found.finished
         assert len(found.values) >= 4
         assert np.all(undominated(found.costs))
+
+
+def test_designs_keep_the_relief_valve_shut_and_the_motor_in_its_power(designing, tmp_path):
+    """The front of loss, ripple, size and frequency ends in fast valves whose drop would open the relief valve."""
+    arguments = ("pareto", "prototype", "--points", "12", "--generations", "6")
+    code, out, err = designing(*arguments, "--json", "--out", "there")
+    assert code == 0, err
+    found = json.loads(out)
+    assert min(found["relief_margin_Pa"]) >= -10.0
+    assert max(found["input_power_W"]) <= 5600.0 * (1.0 + 1e-5)
+    # each is simulated, and marked by what the page says
+    pairs = list(zip(found["loss_total_W"], found["simulated_loss_total_W"], found["simulated_settled"], strict=True))
+    marked = [loss is None or abs(loss / claimed - 1.0) > 0.1 or not settled for claimed, loss, settled in pairs]
+    assert found["doubtful"] == marked
+    assert any(marked)
+    assert not all(marked)
+    assert f"{sum(marked)} of {len(marked)} designs are in doubt" in found["warnings"]
+    head, *lines = (tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()
+    place = head.split(",").index("doubtful")
+    assert [line.split(",")[place] == "1" for line in lines] == marked
+    page = (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert page.count(", in doubt</span>") == sum(marked)
+    assert "Designs in doubt" in page
+    assert "relief_margin &gt;= 0 bar (usual limit)" in page
+
+    code, out, err = designing(*arguments, "--json", "--no-usual-limits", "--no-simulation")
+    assert code == 0, err
+    found = json.loads(out)
+    assert max(found["input_power_W"]) > 5600.0
+    assert found["warnings"] == "the designs were not simulated: closed forms alone may mislead"
+    assert not any(key.startswith("simulated") for key in found)
+
+
+def test_a_batch_simulates_as_single_runs_do(prototype):
+    """The design as it was: 1774 W and 62.2 Hz, as `vvdp run prototype` says; and one that turns too slowly."""
+    slow = {"spool_radius": 20.32e-3, "nozzle_area": 120e-6, "outlet_area": 150e-6, "radial_clearance": 5.08e-6}
+    as_it_was, crawling = simulated_designs(problem(prototype, "loss_total"), [{}, slow])
+    run = summary(prototype, simulate(prototype.model, prototype.case, prototype.stepping))
+    assert as_it_was.loss_total == pytest.approx(run["loss_total_W"], rel=1e-3)
+    assert as_it_was.pwm_frequency == pytest.approx(run["pwm_frequency_Hz"], rel=1e-3)
+    assert as_it_was.settled
+    assert not as_it_was.doubts
+    assert crawling.doubts
+
+
+def test_interrupted_in_the_simulation_keeps_the_front(designing, tmp_path, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vvdp.design.proof.simulate_batch", stopped)
+    code, _, err = designing("pareto", "prototype", "--points", "8", "--generations", "2", "--out", "there")
+    assert code == 130
+    assert "interrupted; the designs found until then are written" in err
+    assert len((tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()) > 3

@@ -4,7 +4,7 @@ import pytest
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.design.optimise import InfeasibleError, optimised
-from vvdp.design.problem import problem
+from vvdp.design.problem import problem, with_usual_limits
 from vvdp.design.proof import doubts
 from vvdp.systems.system import load_system
 
@@ -145,3 +145,84 @@ def test_parameter_class_refuses_what_cannot_be_made(prototype):
     valve = prototype.case.params.supply.valve
     with pytest.raises(ParameterError, match="lap_ratio must be greater than zero"):
         dataclasses.replace(valve, lap_ratio=0.0)
+
+
+def test_closest_is_the_closest():
+    """Load 130 bar, relief valve at 120 bar: -10 bar, less the least drop within the usual bounds, 0.73 bar."""
+    loaded = load_system("prototype-constant-load", ["load.pressure=130 bar"])
+    told = conflict(loaded, [], [], "loss_total")
+    assert float(told.partition("leaves ")[2].split()[0]) == pytest.approx(-10.73, abs=0.01)
+
+
+def test_reach_where_several_pairs_fight(prototype):
+    """Low drop fights with speed, and so does low leakage: whatever remains, all its limits are told with a number."""
+    limits = ["pwm_frequency >= 150 Hz", "pressure_drop_total <= 1 bar", "leakage_flow <= 0.01 lpm"]
+    lines = [line for line in conflict(prototype, limits, []).splitlines() if line.strip().partition(" ")[0] in LIMITED]
+    assert len(lines) >= 2
+    assert all("(all else allows " in line for line in lines)
+
+
+LIMITED = ("pwm_frequency", "pressure_drop_total", "leakage_flow")
+
+
+def test_reach_of_a_negative_quantity(prototype):
+    """Relief at 101 bar, load 100 bar: 1 bar less the drop, which is at least 10 bar here."""
+    told = conflict(
+        prototype, ["relief_margin >= 5 bar", "pressure_drop_total >= 10 bar"], ["relief_pressure = 101 bar"]
+    )
+    assert "relief_margin >= 5 bar (all else allows -9 bar at most)" in told
+
+
+def test_usual_bounds_are_values_that_can_be():
+    """0.4 times 0.2 um would be below the least length that is read, 0.1 um."""
+    tight = load_system("prototype", ["valve.radial_clearance=0.2 um"])
+    bound = next(b for b in problem(tight, DROP).bounds if b.variable.name == "radial_clearance")
+    assert bound.low == bound.variable.kind.low
+    assert bound.high == pytest.approx(0.4e-6)
+
+
+def test_half_a_nozzle(prototype):
+    with pytest.raises(ConfigError, match=r"sections: 2\.5; expected whole numbers, and there is none between"):
+        problem(prototype, DROP, [], ["sections = 2.5"])
+
+
+@pytest.mark.parametrize("duty", ["0", "1"])
+def test_a_valve_that_never_switches_has_no_transition_loss(duty):
+    still = load_system("prototype-constant-load", [f"operation.duty_ratio={duty}"])
+    for minimise, limits, beside in (
+        ("loss_total", [], []), (DROP, ["efficiency >= 0.5"], []), (DROP, [], ["load_flow"]),
+    ):  # fmt: skip
+        with pytest.raises(ConfigError, match=f"duty_ratio: {duty}: the valve never switches"):
+            problem(still, minimise, limits, [], beside=beside)
+    assert problem(still, DROP)
+
+
+@pytest.mark.parametrize("question", ["temperature", "tolerance", "optimum", "pareto"])
+def test_no_flow_is_refused_by_every_question(designing, question):
+    code, _, err = designing(question, "prototype", "--set", "operation.pump_speed=0 rpm")
+    assert code == 2
+    assert err.count("no equilibrium speed: the pump delivers 0 m^3/s") == 1
+    assert "Traceback" not in err
+
+
+def test_usual_limits_stand_where_nothing_of_their_sort_is_asked(prototype):
+    def told(minimise, limits=(), front=False, beside=()):
+        asked = with_usual_limits(problem(prototype, minimise, limits, beside=beside), front=front)
+        return [str(limit) for limit in asked.limits if limit.usual]
+
+    base = "pwm_frequency >= 71.9917 Hz"
+    assert told("loss_total") == [base]
+    assert told(DROP, ["transition_fraction <= 0.5"]) == [base]
+    assert told(DROP, ["pwm_frequency >= 20 Hz"]) == told(DROP, ["load_pulsation <= 9 cc"]) == []
+    assert told("load_pulsation") == told("loss_total", front=False, beside=["pwm_frequency"]) == []
+    on_fronts = ["relief_margin >= 0 bar", "input_power <= 5600 W"]
+    assert told("loss_total", front=True, beside=["pwm_frequency"]) == on_fronts
+    assert told("loss_total", ["input_power <= 4 kW"], front=True) == [base, on_fronts[0]]
+
+
+def test_a_usual_limit_that_cannot_be_met_is_told_as_such(designing):
+    code, _, err = designing("prototype", "--bound", "spool_radius = 20 mm", "--bound", "radial_clearance = 6 um",
+                             "--no-simulation", "--starts", "2")  # fmt: skip
+    assert code == 1
+    assert "pwm_frequency >= 71.9917 Hz (all else allows " in err
+    assert "(a usual limit; --no-usual-limits leaves it out)" in err

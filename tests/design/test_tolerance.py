@@ -137,3 +137,12 @@ def test_command_for_a_person(designing):
     assert code == 0
     assert "Share of the variance" in out
     assert "0.01 to 0.02" in out
+
+
+def test_few_samples_are_told(designing):
+    code, out, _ = designing("tolerance", "prototype", "--samples", "16")
+    assert code == 0
+    assert "warning: with 16 samples the shares of the variance are uncertain by up to " in out
+    code, out, _ = designing("tolerance", "prototype", "--samples", "1024", "--json")
+    assert code == 0
+    assert '"warnings": ""' in out

@@ -260,3 +260,41 @@ def test_bounces_in_portions_are_those_of_the_whole(cuts, seed):
         start = end
     parts.append(finder.push(no_edges(), last=True))
     assert np.array_equal(joined(parts).times, whole.times)
+
+
+@pytest.mark.parametrize("ends", [(-5.0,), (9.0,), (9.0, 19.0), (9.0, 19.0, 29.0), (-15.0, -5.0, 9.0, 19.0)])
+def test_edges_that_stand_alone_at_the_ends_make_no_bounces_of_others(ends):
+    t = np.arange(1, 401) * 5e-3
+    lonely = np.sort(np.concatenate([t, ends]))
+    finder = Debounce()
+    assert np.array_equal(finder.push(plain(lonely), last=True).times, lonely)
+    assert finder.doubled == 0
+
+
+def test_a_wheel_that_turns_much_slower_afterwards_makes_no_bounces():
+    t = np.cumsum(np.concatenate([np.full(50, 5e-3), np.full(50, 1.0), np.full(50, 5e-3)]))
+    finder = Debounce()
+    assert np.array_equal(finder.push(plain(t), last=True).times, t)
+
+
+NAN = np.nan
+
+
+@pytest.mark.parametrize(
+    ("rising", "falling", "count"),
+    [
+        ([0.1, NAN, 0.2, np.inf], [], 2),
+        ([0.1, 0.2, NAN, NAN], [], 0),  # the column ends before its table does
+        ([-np.inf, NAN, 0.2], [], 2),
+        ([0.1, NAN, 0.3], [0.15, 0.25, 0.35], 1),
+        ([0.1, NAN, 0.3, NAN], [NAN, 0.2, NAN, 0.4], 0),  # a list of events, each in one of two columns
+        ([0.1, NAN, 0.3, NAN], [NAN, NAN, NAN, 0.4], 1),
+    ],
+)
+@pytest.mark.parametrize("at_once", [1, 2, 9])
+def test_times_that_are_no_numbers_are_counted(rising, falling, count, at_once):
+    finder = StampEdges(bool(falling))
+    for begin in range(0, len(rising), at_once if not falling else 9):
+        end = begin + (at_once if not falling else 9)
+        finder.push(np.array(rising[begin:end]), np.array(falling[begin:end], float), last=False)
+    assert finder.not_numbers == count

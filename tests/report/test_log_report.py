@@ -10,6 +10,7 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.logs.config import Option, load_estimation
 from vvdp.logs.estimate import estimate, opened
+from vvdp.report.log_figures import enlargement
 from vvdp.report.log_report import write_log_report
 
 SPEED = 2.0 * np.pi * 24.7
@@ -66,7 +67,7 @@ def test_it_tells_numbers_findings_and_settings(written):
     page = (written / "report.html").read_text("utf-8")
     said = re.sub(r"<[^>]*>", "", page.partition("<body>")[2])
     assert "1482" in said and "74.10 Hz" in said and "2 January 2026" in said
-    assert "Noise settings too large" in said
+    assert "settings of the filter fit" in said
     assert "wave = &quot;photodiode&quot;" in said
     assert "bench &lt;b&gt;.csv" in said and "<b>.csv" not in page
 
@@ -78,6 +79,18 @@ def test_made_again_it_has_the_same_bytes_and_stale_figures_go(written, director
     one, two = ({path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
                 for place in (written, directory))  # fmt: skip
     assert one == two
+
+
+def test_small_offsets_are_not_blown_up():
+    # A quarter of a sector of 8 is 0.196 rad: 0.1 rad twice as large, 3 mrad no more than ten times.
+    assert enlargement(np.array([0.1, -0.05]), 8) == pytest.approx(0.25 * np.pi / 4.0 / 0.1)
+    assert enlargement(np.array([3e-3]), 8) == 10.0
+    assert enlargement(np.empty(0), 8) == 1.0
+
+
+def test_the_captions_say_what_is_left_out_or_put_together(written):
+    page = (written / "report.html").read_text("utf-8")
+    assert "those within their error are left out" in page and "hatched: all from 7.8 on" in page
 
 
 def test_what_is_no_estimation_is_refused(tmp_path):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Protocol, TypeVar
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import Force, default_directory
+from vvdp.cli.options import Force, default_directory, out_option
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -50,7 +50,7 @@ def estimators(
     ] = "1 kHz",
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Where to write; by default results/compare-estimators-DATE-TIME."),
+        out_option("Where to write; by default results/compare-estimators-DATE-TIME."),
     ] = None,
     force: Force = False,
     on: On = HERE,

@@ -1,16 +1,18 @@
 """`vvdp design`: optimum, trade-offs, tolerances and oil temperature of a valve."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option
 
 if TYPE_CHECKING:
     from vvdp.design.optimise import Optimum
     from vvdp.design.pareto import Front
+    from vvdp.design.problem import Limit
     from vvdp.design.proof import Proof
     from vvdp.design.temperature import OverTemperature
     from vvdp.design.tolerance import Tolerance
@@ -46,9 +48,13 @@ Cycle = Annotated[
     Path | None,
     typer.Option("--cycle", metavar="FILE", help="Operating points with weights, a TOML file; see docs/design.md."),
 ]
+NoUsualLimits = Annotated[
+    bool,
+    typer.Option("--no-usual-limits", help="Demand nothing but what --subject-to says; see docs/design.md."),
+]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Where to write; by default results/design-SYSTEM-DATE-TIME."),
+    out_option("Where to write; by default results/design-SYSTEM-DATE-TIME."),
 ]
 
 
@@ -73,6 +79,7 @@ def optimum(
     starts: Annotated[int, typer.Option("--starts", min=1, help="Random starting points.")] = 20,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the random starting points.")] = 1,
     no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Do not simulate before and after.")] = False,
+    no_usual_limits: NoUsualLimits = False,
     out: Out = None,
     force: Force = False,
     json: AsJson = False,
@@ -84,8 +91,8 @@ def optimum(
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design.optimise import optimised
-    from vvdp.design.problem import problem
-    from vvdp.design.proof import doubts, proofs
+    from vvdp.design.problem import problem, with_usual_limits
+    from vvdp.design.proof import doubts, proofs, simulation_doubts
     from vvdp.design.results import SYSTEM, flat_results, write_design
     from vvdp.report.design_report import write_design_report
     from vvdp.simulation.results import result_directory
@@ -93,6 +100,8 @@ def optimum(
 
     loaded = load_system(system, settings or ())
     asked = problem(loaded, minimise, subject_to or (), bound or (), cycle)
+    if not no_usual_limits:
+        asked = with_usual_limits(asked)
     directory = out if out is not None else default_directory(f"design-{loaded.name}")
     with result_directory(directory, force=force) as folder:
         with counted("starts") as progress:
@@ -102,15 +111,17 @@ def optimum(
         if found.finished and not no_simulation:
             with counted("simulations") as progress:
                 proven = proofs(asked, found.values, progress=progress, say=say)
+        warnings = [*simulation_doubts(found, proven), *doubted]
         write_design(folder, found, proven, doubted)
         write_design_report(folder)
     if json:
         simulated = {
             f"{p.design}_simulated_{key}": value for p in proven if p.point == 0 for key, value in p.found.items()
         }
-        print_json({"system": loaded.name, **flat_results(found), **simulated, "out": str(directory)})
+        told = {"warnings": "; ".join(warnings), "out": str(directory)}
+        print_json({"system": loaded.name, **flat_results(found), **simulated, **told})
     else:
-        _print(found, proven, doubted)
+        _print(found, proven, warnings)
         typer.echo(f"system: {directory / SYSTEM}   run it with: vvdp run {directory / SYSTEM}")
         typer.echo(f"report: {directory / 'report.html'}")
     if not found.finished or (not no_simulation and len(proven) < 2 * len(asked.points)):
@@ -134,6 +145,8 @@ def pareto(
     points: Annotated[int, typer.Option("--points", min=8, help="How many designs to spread over the front.")] = 60,
     generations: Annotated[int, typer.Option("--generations", min=1, help="Of the evolution.")] = 60,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the evolution.")] = 1,
+    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Do not simulate the designs.")] = False,
+    no_usual_limits: NoUsualLimits = False,
     out: Out = None,
     force: Force = False,
     json: AsJson = False,
@@ -145,48 +158,75 @@ def pareto(
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design import pareto as study
-    from vvdp.design.problem import problem
+    from vvdp.design.problem import problem, with_usual_limits
+    from vvdp.design.proof import simulated_designs
     from vvdp.report.design_report import write_front_report
     from vvdp.simulation.results import result_directory
     from vvdp.systems.system import load_system
 
     wanted = study.objectives(minimise or (), maximise or ())
     loaded = load_system(system, settings or ())
-    asked = problem(loaded, wanted[0].quantity, subject_to or (), bound or (), cycle)
+    beside = [each.quantity for each in wanted]
+    asked = problem(loaded, wanted[0].quantity, subject_to or (), bound or (), cycle, beside=beside)
+    if not no_usual_limits:
+        asked = with_usual_limits(asked, front=True)
     directory = out if out is not None else default_directory(f"pareto-{loaded.name}")
     with result_directory(directory, force=force) as folder:
         with counted("generations and designs") as progress:
             found = study.front(asked, wanted, points=points, generations=generations, seed=seed, progress=progress)
+        finished = found.finished
+        if finished and not no_simulation:
+            say(f"simulating {len(found.values)} designs")
+            try:
+                found = replace(found, simulated=simulated_designs(asked, [{}, *found.values], say=say))
+            except KeyboardInterrupt:
+                finished = False
         study.write_front(folder, found)
         write_front_report(folder)
     if json:
-        print_json({"system": loaded.name, **study.flat_front(found), "out": str(directory)})
+        told = {"warnings": "; ".join(found.warnings), "out": str(directory)}
+        print_json({"system": loaded.name, **study.flat_front(found), **told})
     else:
         _print_front(found)
         typer.echo(f"systems: {directory / 'systems'}\nreport: {directory / 'report.html'}")
-    if not found.finished:
+    if not finished:
         say("interrupted; the designs found until then are written")
         raise typer.Exit(INTERRUPTED)
 
 
 def _print_front(found: "Front") -> None:
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.screen import console, grid, warn
     from vvdp.design.pareto import point_name
     from vvdp.design.problem import shown
     from vvdp.design.quantities import KINDS
 
     screen = console()
     screen.print(found.problem.system.title, soft_wrap=True)
+    if found.problem.limits:
+        screen.print(f"subject to {', '.join(map(_limit, found.problem.limits))}", soft_wrap=True)
+    for told in found.warnings:
+        warn(told)
     names = [each.quantity for each in found.objectives]
     labels = [
         f"{name.replace('_', ' ')} ({'large' if each.large else 'small'})"
         for name, each in zip(names, found.objectives, strict=True)
     ]
-    table = grid("system", *labels, right=tuple(labels))
-    table.add_row("as it was", *(shown(found.before[name], KINDS[name], 4) for name in names))
-    for number, row in enumerate(found.quantities, 1):
-        table.add_row(f"{point_name(number)}.toml", *(shown(row[name], KINDS[name], 4) for name in names))
+    simulated = ("loss total, simulated", "") if found.simulated else ()
+    table = grid("system", *labels, *simulated, right=(*labels, *simulated))
+    rows = [("as it was", found.before)]
+    rows += [(f"{point_name(number)}.toml", row) for number, row in enumerate(found.quantities, 1)]
+    for k, (name, row) in enumerate(rows):
+        cells = [shown(row[each], KINDS[each], 4) for each in names]
+        if found.simulated:
+            each = found.simulated[k]
+            loss = shown(each.loss_total, KINDS["loss_total"], 4) if each.loss_total == each.loss_total else "-"
+            cells += [loss, "in doubt" if each.doubts else ""]
+        table.add_row(name, *cells)
     screen.print(table)
+
+
+def _limit(limit: "Limit") -> str:
+    return f"{limit} (usual limit)" if limit.usual else str(limit)
 
 
 @app.command()
@@ -297,7 +337,7 @@ def _print_temperature(found: "OverTemperature") -> None:
 
 
 def _print_tolerance(found: "Tolerance") -> None:
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.screen import console, grid, warn
     from vvdp.design.problem import shown
     from vvdp.design.quantities import KINDS
 
@@ -315,19 +355,25 @@ def _print_tolerance(found: "Tolerance") -> None:
         shares = (f"{100.0 * each.whole[taken.name]:.1f} %" for each in found.scatter.values())
         table.add_row(taken.words, str(taken), " ".join((taken.status, taken.source)).strip(), *shares)
     screen.print(table)
+    for text in found.warnings:
+        warn(text)
 
 
-def _print(found: "Optimum", proven: "list[Proof]", doubted: list[str]) -> None:
+def _print(found: "Optimum", proven: "list[Proof]", warnings: list[str]) -> None:
     from vvdp.cli.screen import console, grid, warn
     from vvdp.design.problem import shown
+    from vvdp.design.proof import headline
     from vvdp.design.quantities import KINDS
     from vvdp.design.variables import value_in
 
     asked, screen = found.problem, console()
     screen.print(asked.system.title, soft_wrap=True)
-    demands = ", ".join(map(str, asked.limits)) or "nothing"
+    demands = ", ".join(map(_limit, asked.limits)) or "nothing"
     where = f"; weighted mean over {len(asked.points)} operating points" if len(asked.points) > 1 else ""
     screen.print(f"least {asked.objective} subject to {demands}{where}", soft_wrap=True)
+    screen.print(headline(found, proven), soft_wrap=True)
+    for text in warnings:
+        warn(text)
     table = grid("variable", "before", "optimum", "from", "to", right=("before", "optimum", "from", "to"))
     for b in asked.bounds:
         numbers = (value_in(asked.points[0].setup, b.variable.name), found.values[b.variable.name], b.low, b.high)
@@ -350,12 +396,10 @@ def _print(found: "Optimum", proven: "list[Proof]", doubted: list[str]) -> None:
         search += f"; a global search of {found.global_evaluations} designs came within {apart:.2g} %"
     screen.print(search, soft_wrap=True)
     _print_proof(proven)
-    for text in doubted:
-        warn(text)
 
 
 def _print_proof(proven: "list[Proof]") -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid
 
     if not proven:
         return
@@ -367,6 +411,3 @@ def _print_proof(proven: "list[Proof]") -> None:
             each.design, str(each.point + 1), *(f"{each.found[k]:.5g}" if k in each.found else "-" for k in keys)
         )
     console().print(table)
-    for each in proven:
-        if each.failure:
-            warn(f"{each.design}: {each.failure}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, default_directory
+from vvdp.cli.options import AsJson, Force, default_directory, out_option
 
 if TYPE_CHECKING:
     from vvdp.base.errors import ConfigError
@@ -49,15 +49,16 @@ def estimate(
         str | None, typer.Option("--output-rate", metavar="RATE", help='Of the result; by default "1 kHz".')
     ] = None,
     smooth: Annotated[bool, typer.Option("--smooth", help="Also what the whole log tells of each instant.")] = False,
+    fit: Annotated[
+        bool, typer.Option("--fit", help="Fit the noise settings of the filter to the beginning of the log.")
+    ] = False,
     config: Annotated[
         Path | None, typer.Option("--config", metavar="FILE", help="Settings, a TOML file; options go before it.")
     ] = None,
     write_config: Annotated[
         Path | None, typer.Option("--write-config", metavar="FILE", help="Write a config to start from; run nothing.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Where to write; by default results/LOG-DATE-TIME.")
-    ] = None,
+    out: Annotated[Path | None, out_option("Where to write; by default results/LOG-DATE-TIME.")] = None,
     force: Force = False,
     json: AsJson = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
@@ -87,6 +88,7 @@ def estimate(
         "valve.sections": ("--sections", sections),
         "output.rate": ("--output-rate", output_rate),
         "output.smooth": ("--smooth", smooth or None),
+        "filter.fit": ("--fit", fit or None),
     }
     options = [Option(key, option, value) for key, (option, value) in named.items() if value is not None]
     if write_config is not None:
@@ -157,7 +159,7 @@ def _nothing_named(log: Path, options: "list[Option]") -> "ConfigError":
         return unusable(log, "has no channels of numbers")
     named = "\n".join(f"  {info.name}{f' [{info.unit}]' if info.unit else ''}" for info in channels)
     words = {"sensor.wave": "--wave", "sensor.counts": "--counts", "sensor.edges": "--edges",
-             "pressure.channel": "--pressure"}  # fmt: skip
+             "sensor.falling": "--falling", "pressure.channel": "--pressure"}  # fmt: skip
     command = shlex.join(["vvdp", "estimate", str(log)])
     probably = shlex.join(part for option in guessed for part in (words[option.key], str(option.value)))
     message = (
@@ -178,6 +180,7 @@ def _origin(config: Path | None, options: "list[Option]") -> dict[str, Any]:
 
 # What a person is shown: label, key, name of the unit.
 SHOWN = (
+    ("share of time with estimate", "estimated_share", ""),
     ("spool speed, mean", "spool_speed_mean_rad_s", "rpm"),
     ("spool speed, standard deviation", "spool_speed_std_rad_s", "rpm"),
     ("spool speed, lowest", "spool_speed_min_rad_s", "rpm"),
@@ -188,6 +191,8 @@ SHOWN = (
     ("edges", "edges", ""),
     ("missed edges", "missed_edges", ""),
     ("double edges", "double_edges", ""),
+    ("acceleration_density", "acceleration_density_rad2_s3", "rad^2/s^3"),
+    ("edge_variance", "edge_variance_rad2", "rad^2"),
     ("squared innovations, mean", "nis_mean", ""),
     ("largest offset of an edge", "edge_offset_max_rad", "rad"),
     ("threshold", "threshold", ""),

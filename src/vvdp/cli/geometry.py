@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option
 
 if TYPE_CHECKING:
     from vvdp.geometry.measure import Comparison
@@ -20,7 +20,7 @@ def geometry(
     system: SystemName,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Where to write; by default results/geometry-SYSTEM-DATE-TIME."),
+        out_option("Where to write; by default results/geometry-SYSTEM-DATE-TIME."),
     ] = None,
     shape: Annotated[
         Path | None,

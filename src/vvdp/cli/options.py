@@ -2,7 +2,7 @@
 
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -20,6 +20,17 @@ Settings = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print one flat JSON object in SI units, and nothing else.")]
 Cores = Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
+
+
+def out_option(told: str) -> Any:
+    """The option --out of a verb, the directory that it writes to."""
+    return typer.Option("--out", metavar="DIR", parser=_directory, help=told)
+
+
+def _directory(text: str) -> Path:
+    if not str(text).strip():
+        raise typer.BadParameter("it is empty; expected a directory to write to")
+    return Path(text)
 
 
 def default_directory(name: str) -> Path:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option
 
 if TYPE_CHECKING:
     from vvdp.simulation.run import Run
@@ -25,7 +25,7 @@ def run(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Where to write; by default results/SYSTEM-DATE-TIME."),
+        out_option("Where to write; by default results/SYSTEM-DATE-TIME."),
     ] = None,
     force: Force = False,
     json: AsJson = False,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson
+from vvdp.cli.options import AsJson, out_option
 
 if TYPE_CHECKING:
     from vvdp.studies.results import StudyResults
@@ -16,9 +16,7 @@ INTERRUPTED = 130
 
 def study(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="The study, a TOML file; see docs/studies.md.")],
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Where the cases are kept; by default results/NAME.")
-    ] = None,
+    out: Annotated[Path | None, out_option("Where the cases are kept; by default results/NAME.")] = None,
     on: On = HERE,
     workers: Workers = None,
     cores: Cores = None,

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.errors import VvdpError
-from vvdp.design.problem import Bound, Limit, Problem
+from vvdp.design.problem import TRANSITIONAL, Bound, Limit, Problem
 from vvdp.design.quantities import KINDS, Quantities
 from vvdp.numerics.tableaus import Array
 from vvdp.valve.geometry import barrier_width
@@ -27,6 +27,8 @@ ACTIVE = 1e-4
 """Elasticity from which on a limit or a bound counts as active."""
 SNAP = 1e-7
 """Relative distance from a bound below which a variable is put there: what the solver leaves of it."""
+MARGIN = 1e6
+"""What a lack of room to the relief setting is measured with [Pa]."""
 WIDER = 100.0
 """By what factor a bound is moved to see whether it is in the way."""
 
@@ -99,10 +101,13 @@ def _seals_told(valve: Any, found: Sequence[Any]) -> str:
 
 
 def _stays_shut(valve: Any, found: Sequence[Any]) -> Any:
-    """Bigger than zero where load and open drop reach the relief setting at any point."""
-    worst = -found[0].relief_margin / found[0].pressure_drop_total
+    """Bigger than zero where load and open drop reach the relief setting at any point.
+
+    Measured with a fixed pressure: in parts of the drop a larger drop would look closer.
+    """
+    worst = -found[0].relief_margin / MARGIN
     for q in found[1:]:
-        worst = _larger(worst, -q.relief_margin / q.pressure_drop_total)
+        worst = _larger(worst, -q.relief_margin / MARGIN)
     return worst
 
 
@@ -114,20 +119,17 @@ def _larger(a: Any, b: Any) -> Any:
 
 def _stays_shut_told(valve: Any, found: Sequence[Any]) -> str:
     margin = min(float(q.relief_margin) for q in found)
-    return f"the open valve leaves {1e-5 * margin:.4g} bar to the relief setting"
+    return f"the open valve leaves {round(1e-5 * margin, 4) + 0.0:.4g} bar to the relief setting"
 
 
 FITS = Geometry("nozzle and barrier fit into the pitch", _fits, _fits_told)
 SEALS = Geometry("the clearance is at most a tenth of the barrier that it seals under", _seals, _seals_told)
 STAYS_SHUT = Geometry("the relief valve is shut while the load port is open", _stays_shut, _stays_shut_told)
-TRANSITIONAL = ("loss_transition", "loss_total", "efficiency", "load_flow", "relief_margin")
-"""What the closed form of the transition loss enters, which needs the relief valve shut while a port is open."""
 
 
-def geometry_of(problem: Problem, more: Sequence[str] = ()) -> tuple[Geometry, ...]:
-    """The demands that come from the valve itself and from the range of the formulas, `more` quantities looked at."""
-    asked = {problem.objective, *more, *(limit.quantity for limit in problem.limits)}
-    return (FITS, SEALS, *((STAYS_SHUT,) if asked & set(TRANSITIONAL) else ()))
+def geometry_of(problem: Problem) -> tuple[Geometry, ...]:
+    """The demands that come from the valve itself and from the range of the formulas."""
+    return (FITS, SEALS, *((STAYS_SHUT,) if problem.quantities & TRANSITIONAL else ()))
 
 
 class Traced:
@@ -387,7 +389,12 @@ def _holding(problem: Problem, local: _Local) -> list[Holding]:
             # an excess is measured in parts of the limit: raising an upper limit by 1 % lowers the excess by 1 %
             elasticity = multiplier if limit.at_least else -multiplier
             found.append(
-                Holding(str(limit), "limit", elasticity, elasticity * local.objective / (limit.value or np.nan))
+                Holding(
+                    str(limit),
+                    "usual limit" if limit.usual else "limit",
+                    elasticity,
+                    elasticity * local.objective / (limit.value or np.nan),
+                )
             )
     for k, each in enumerate(local.traced.geometry):
         multiplier = float(local.of_limits[sum(local.traced.per_limit) + k]) * relative
@@ -523,11 +530,12 @@ def conflict(problem: Problem, held: Mapping[str, float]) -> str:
 
     Each is left out in turn; where the rest is still in conflict, it is left out for good (deletion filter).
     """
-    excess, x, _ = _Elastic(problem, held).least()
+    excess, _, _ = _Elastic(problem, held).least()
     if excess <= FEASIBLE:
         return "the solver found no optimum, though there are designs that meet all limits; try more --starts"
     sides = [(bound, upper) for bound in problem.bounds for upper in (True, False) if bound.variable.name not in held]
-    candidates: list[Limit | tuple[Bound, bool]] = [*problem.limits, *sides]
+    usual_first = sorted(problem.limits, key=lambda limit: not limit.usual)
+    candidates: list[Limit | tuple[Bound, bool]] = [*usual_first, *sides]
     kept = list(candidates)
     for item in candidates:
         rest = [other for other in kept if other is not item]
@@ -536,13 +544,15 @@ def conflict(problem: Problem, held: Mapping[str, float]) -> str:
     lines = ["no design meets all of these together:"]
     for item in kept:
         if isinstance(item, Limit):
-            lines.append(f"  {item}{_reach(problem, item, held)}")
+            usual = f" (a usual limit; {WITHOUT_USUAL} leaves it out)" if item.usual else ""
+            lines.append(f"  {item}{_reach(problem, kept, item, held)}{usual}")
         else:
             bound, upper = item
             given = bound.fixed or (bound.high_given if upper else bound.low_given)
             lines.append(f"  {bound.side(upper)}{'' if given else ' (the usual bound; another may be given)'}")
-    traced = Traced(problem, held)
-    values = traced.values(x)
+    fighting = replace(problem, limits=tuple(item for item in kept if isinstance(item, Limit)))
+    closest = _Elastic(fighting, held)
+    values = closest.traced.values(closest.least()[1])
     found = [_plain(q) for q in problem.found(values)]
     valve = valve_of(problem, values)
     for each in geometry_of(problem):
@@ -565,11 +575,19 @@ def _with_only(problem: Problem, kept: Sequence[Limit | tuple[Bound, bool]]) -> 
     return replace(problem, limits=limits, bounds=bounds)
 
 
-def _reach(problem: Problem, item: Limit, held: Mapping[str, float]) -> str:
-    """How far the quantity of a limit gets within everything else that was asked for."""
-    others = replace(problem, limits=tuple(limit for limit in problem.limits if limit is not item))
-    reached = _furthest(others, item, held)
-    if reached is None:
+WITHOUT_USUAL = "--no-usual-limits"
+"""The option that takes the usual limits away."""
+
+
+def _reach(problem: Problem, kept: Sequence[Limit | tuple[Bound, bool]], item: Limit, held: Mapping[str, float]) -> str:
+    """How far the quantity of a limit gets within everything else that was asked for; where that is in conflict by
+    itself, within what fights with the limit."""
+    for others in (problem.limits, kept):
+        limits = tuple(other for other in others if isinstance(other, Limit) and other is not item)
+        reached = _furthest(replace(problem, limits=limits), item, held)
+        if reached is not None:
+            break
+    else:
         return ""
     number = str(replace(item, value=reached)).rpartition("= ")[2]
     return f" (all else allows {number} at {'most' if item.at_least else 'least'})"
@@ -591,11 +609,15 @@ def _furthest(problem: Problem, item: Limit, held: Mapping[str, float]) -> float
         solver = casadi.nlpsol("furthest", "ipopt", nlp, _OPTIONS)
     found = []
     rng = np.random.default_rng(2)
-    for point in [traced.inside({**problem.start, **held}), *(rng.uniform(traced.low, traced.high) for _ in range(4))]:
+    start = traced.inside({**problem.start, **held})
+    excess, allowed, _ = _Elastic(problem, held).least()
+    if excess > FEASIBLE:
+        return None
+    for point in [start, allowed, *(rng.uniform(traced.low, traced.high) for _ in range(4))]:
         with _quiet():
             answer = solver(x0=point, lbx=traced.low, ubx=traced.high, lbg=-np.inf, ubg=0.0)
         if solver.stats()["success"]:
-            found.append(scale * abs(float(answer["f"])))
+            found.append(scale * float(answer["f"]) * (-1.0 if item.at_least else 1.0))
     return (max(found) if item.at_least else min(found)) if found else None
 
 

@@ -16,6 +16,7 @@ from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.tables import nearest
 from vvdp.design.optimise import Traced, geometry_of, needed, optimised, valve_of
 from vvdp.design.problem import Limit, Problem
+from vvdp.design.proof import TOLERANCE, Simulated
 from vvdp.design.quantities import KINDS, Quantities, key
 from vvdp.design.results import write_columns, write_numbers
 from vvdp.design.variables import VARIABLES, redesigned
@@ -52,7 +53,8 @@ USUAL = (
 @dataclass(frozen=True)
 class Front:
     """The front: variables [SI] and quantities (weighted means over the points) of each design, a row each, by the
-    first objective; and those of the design as it was."""
+    first objective; and those of the design as it was. `simulated` is empty where nothing was, and begins with the
+    design as it was."""
 
     problem: Problem
     objectives: tuple[Objective, ...]
@@ -61,6 +63,25 @@ class Front:
     before: dict[str, float]
     evaluations: int
     finished: bool
+    simulated: tuple[Simulated, ...] = ()
+
+    @property
+    def doubtful(self) -> tuple[bool, ...]:
+        """Of every design, whether its simulation does not bear it out."""
+        return tuple(bool(each.doubts) for each in self.simulated[1:])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to know before a design is taken, a sentence each."""
+        if not self.simulated:
+            return ["the designs were not simulated: closed forms alone may mislead"]
+        count = sum(self.doubtful)
+        if not count:
+            return []
+        return [
+            f"{count} of {len(self.values)} designs are in doubt and marked so: their simulation is more than "
+            f"{100.0 * TOLERANCE:.3g} % off the total loss in closed form, has not settled or failed"
+        ]
 
     def column(self, quantity: str) -> Array:
         """A quantity along the front [SI]."""
@@ -110,7 +131,15 @@ def write_front(folder: Path, found: Front) -> None:
 def flat_front(found: Front) -> dict[str, list[float]]:
     """Variables and quantities of all designs as columns, SI units in the names."""
     columns = {key(name, VARIABLES[name].kind): [values[name] for values in found.values] for name in found.values[0]}
-    return columns | {key(name, kind): [row[name] for row in found.quantities] for name, kind in KINDS.items()}
+    columns |= {key(name, kind): [row[name] for row in found.quantities] for name, kind in KINDS.items()}
+    if found.simulated:
+        designs = found.simulated[1:]
+        columns["simulated_loss_total_W"] = [each.loss_total for each in designs]
+        columns["simulated_pwm_frequency_Hz"] = [each.pwm_frequency for each in designs]
+        columns["simulated_efficiency"] = [each.efficiency for each in designs]
+        columns["simulated_settled"] = [each.settled for each in designs]
+        columns["doubtful"] = list(found.doubtful)
+    return columns
 
 
 def point_name(number: int) -> str:
@@ -124,7 +153,7 @@ def front_content(found: Front) -> dict[str, Any]:
         "system": found.problem.system.name,
         "title": found.problem.system.title,
         "objectives": [{"quantity": each.quantity, "large": each.large} for each in found.objectives],
-        "limits": [str(each) for each in found.problem.limits],
+        "limits": [f"{each}{' (usual limit)' if each.usual else ''}" for each in found.problem.limits],
         "bounds": [
             {"name": b.variable.name, "words": b.variable.words, "low": b.low, "high": b.high}
             for b in found.problem.bounds
@@ -135,6 +164,8 @@ def front_content(found: Front) -> dict[str, Any]:
             for number, (values, row) in enumerate(zip(found.values, found.quantities, strict=True), 1)
         ],
         "before": found.before,
+        "simulated": [each._asdict() for each in found.simulated],
+        "warnings": found.warnings,
         "evaluations": found.evaluations,
         "finished": found.finished,
     }
@@ -163,6 +194,7 @@ def front(
     """
     needed("pymoo", "opt")
     needed("casadi", "opt")
+    asked = replace(asked, beside=tuple(each.quantity for each in wanted))
     anchors = [_anchor(asked, each, seed) for each in wanted]
     spread, evaluations, finished = _spread(asked, wanted, anchors, points, generations, seed, progress)
     found = list(anchors)
@@ -223,7 +255,7 @@ def _spread(
 
     bounds = asked.bounds
     low, high = (np.log([getattr(b, end) for b in bounds]) for end in ("low", "high"))
-    demands = geometry_of(asked, [each.quantity for each in wanted])
+    demands = geometry_of(asked)
     count = len(asked.limits) * len(asked.points) + len(demands)
 
     def values_of(x: Array) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,15 +31,20 @@ def shown(value: float, kind: Kind, digits: int = 6) -> str:
 
 @dataclass(frozen=True)
 class Limit:
-    """A quantity that must be at least, or at most, a value [SI], at every operating point, or on average."""
+    """A quantity that must be at least, or at most, a value [SI], at every operating point, or on average.
+
+    `usual` where nobody asked for it.
+    """
 
     quantity: str
     at_least: bool
     value: float
     over_the_points: bool = False
+    usual: bool = False
 
     def __str__(self) -> str:
-        return f"{self.quantity} {'>=' if self.at_least else '<='} {shown(self.value, KINDS[self.quantity])}"
+        mean = " on average" if self.over_the_points else ""
+        return f"{self.quantity} {'>=' if self.at_least else '<='} {shown(self.value, KINDS[self.quantity])}{mean}"
 
     def excess(self, found: Any) -> Any:
         """How far `found` violates the limit, as a part of it; negative within."""
@@ -85,7 +90,7 @@ class Point:
 @dataclass(frozen=True)
 class Problem:
     """What is minimised (the weighted mean over the points; its negative with sign -1), subject to which limits,
-    within which bounds, at which points."""
+    within which bounds, at which points. `beside` are quantities that are looked at beside the objective."""
 
     system: System
     objective: str
@@ -93,6 +98,12 @@ class Problem:
     bounds: tuple[Bound, ...]
     points: tuple[Point, ...]
     sign: float = 1.0
+    beside: tuple[str, ...] = ()
+
+    @property
+    def quantities(self) -> frozenset[str]:
+        """All quantities that the question names."""
+        return frozenset((self.objective, *self.beside, *(limit.quantity for limit in self.limits)))
 
     @property
     def start(self) -> dict[str, float]:
@@ -125,6 +136,8 @@ def problem(
     subject_to: Iterable[str] = (),
     bounds: Iterable[str] = (),
     cycle: Path | None = None,
+    *,
+    beside: Iterable[str] = (),
 ) -> Problem:
     """The problem that a person has put into words; see docs/design.md. Raises ConfigError with all that is wrong."""
     faults: list[Fault] = []
@@ -137,9 +150,56 @@ def problem(
     _check_variables(system, found, faults)
     if not faults:
         faults += [fault for point in points for fault in _unusable_points(point)]
+    asked = Problem(system, minimise, tuple(limits), found, points, beside=tuple(beside))
+    if not faults and asked.quantities & TRANSITIONAL:
+        faults += [fault for point in points for fault in _never_switching(point)]
     if faults:
         raise ConfigError(faults)
-    return Problem(system, minimise, tuple(limits), found, points)
+    return asked
+
+
+TRANSITIONAL = frozenset(("loss_transition", "loss_total", "efficiency", "load_flow", "relief_margin", "input_power"))
+"""What the closed form of the transition loss enters, which needs the relief valve shut while a port is open."""
+RIPPLE = frozenset(("pwm_frequency", "load_pulsation"))
+"""What tells of the ripple behind the load port."""
+
+
+def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
+    """`asked` with what is usually demanded of a valve added, each where the question names nothing of that sort.
+
+    The PWM frequency is at least that of the system as it is: a slower valve loses less in closed form, which takes the
+    load pressure as steady, but its ripple grows. Of a `front`, the relief valve stays shut while a port is open, and
+    the pump needs no more than the power of its motor, or what it needed before.
+    """
+    before, mean, named = asked.found({}), len(asked.points) > 1, asked.quantities
+    more = []
+    frequency = float(asked.mean(before, "pwm_frequency"))
+    if not named & RIPPLE and frequency > 0.0:
+        more.append(Limit("pwm_frequency", True, frequency, mean, usual=True))
+    if front and "relief_margin" not in named:
+        more.append(Limit("relief_margin", True, 0.0, usual=True))
+    if front and "input_power" not in named:
+        rated = asked.system.tables["motor"].rated_power
+        now = max(float(q.input_power) for q in before)
+        more.append(Limit("input_power", False, max(rated, now), usual=True))
+    return replace(asked, limits=(*asked.limits, *more))
+
+
+def _never_switching(point: Point) -> list[Fault]:
+    d = point.setup.duty_ratio
+    if 0.0 < d < 1.0:
+        return []
+    message = (
+        f"{d:g}: the valve never switches, and the closed form of the transition loss does not hold; minimise for "
+        "example pressure_drop_total, or take a value between 0 and 1"
+    )
+    return [Fault(point.system.name, 0, "operation.duty_ratio", message)]
+
+
+def require_flow(system: System) -> None:
+    """Raises ConfigError where the pump delivers nothing, or the load is not above the tank."""
+    if faults := _unusable_points(Point(1.0, system, setup(system))):
+        raise ConfigError(faults)
 
 
 def _check_variables(system: System, bounds: Sequence[Bound], faults: list[Fault]) -> None:
@@ -221,10 +281,19 @@ def _bounds(texts: Iterable[str], at: Setup, faults: list[Fault]) -> tuple[Bound
         if not variable.usual and name not in given:
             continue
         sides, now = given.get(name, {}), value_in(at, name)
-        low = sides.get("low", min(variable.lowest * now, sides.get("high", np.inf)))
-        high = sides.get("high", max(variable.highest * now, sides.get("low", 0.0)))
+        usual_low, usual_high = (
+            float(np.clip(factor * now, variable.kind.low, variable.kind.high))
+            for factor in (variable.lowest, variable.highest)
+        )
+        low = sides.get("low", min(usual_low, sides.get("high", np.inf)))
+        high = sides.get("high", max(usual_high, sides.get("low", 0.0)))
         if variable.whole:
             low, high = np.ceil(low - 1e-9), np.floor(high + 1e-9)
+            if not low <= high:
+                asked_for = " to ".join(f"{value:g}" for value in dict.fromkeys(sides.values()))
+                message = f"{asked_for}; expected whole numbers, and there is none between"
+                faults.append(Fault(option, 0, name, message))
+                continue
         ends = f"{shown(low, variable.kind)} to {shown(high, variable.kind)}"
         if not low > 0.0:
             faults.append(Fault(option, 0, name, f"{ends}; both ends must be above zero"))

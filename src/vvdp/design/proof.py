@@ -1,15 +1,19 @@
-"""The optimum simulated beside the design as it was, and the closed forms held against both."""
+"""Designs simulated beside the design as it was, and the closed forms held against that."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault, RunError
-from vvdp.design.problem import Problem
+from vvdp.design.optimise import Optimum
+from vvdp.design.problem import Problem, shown
+from vvdp.design.quantities import KINDS
 from vvdp.design.variables import redesigned
+from vvdp.geometry.shape import given_shape
+from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import analytic_point, summary
+from vvdp.systems.summary import analytic_point, simulated_summary, summary
 from vvdp.systems.system import System
 
 SIMULATED = (
@@ -32,6 +36,19 @@ SIMULATED = (
     "settled",
     "trusted",
 )
+
+COUNTERPARTS: Mapping[str, str] = {
+    "loss_total": "loss_total_W",
+    "loss_full_open": "loss_full_open_W",
+    "loss_transition": "loss_transition_W",
+    "loss_leakage": "loss_valve_leakage_W",
+    "pwm_frequency": "pwm_frequency_Hz",
+    "efficiency": "efficiency",
+    "load_flow": "mean_load_flow_m3_s",
+}
+"""What a simulation gives for a quantity in closed form."""
+TOLERANCE = 0.1
+"""By what part total loss and PWM frequency may differ between closed form and simulation before that is a doubt."""
 
 
 @dataclass(frozen=True)
@@ -94,4 +111,141 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
             message = f"no equilibrium speed: over a cycle the torques balance at {at.averaged_pwm_frequency:.4g} Hz"
             raise ConfigError([Fault(system.name, 0, "valve", message)])
         found += [text for text in at.warnings if text not in found]
-    return found
+    rated = problem.system.tables["motor"].rated_power
+    needed = max(q.input_power for q in problem.found(values))
+    if needed > rated:
+        found.append(f"the pump takes in {needed:.4g} W, more than the {rated:.4g} W of its motor")
+    return found + _unmade(problem, values)
+
+
+def _unmade(problem: Problem, values: Mapping[str, float]) -> list[str]:
+    """What keeps the optimum from being built as a solid with the usual lengths of its shape."""
+    try:
+        given_shape(optimum_system(problem, values).case.params.supply.valve, None, ())
+    except ConfigError as raised:
+        lines = "; ".join(line for fault in raised.faults for line in fault.message.splitlines())
+        told = "the usual lengths of the shape do not fit this valve, vvdp geometry needs others"
+        return [f"{told} (--set geometry.KEY=VALUE): {lines}"]
+    return []
+
+
+def simulation_doubts(found: Optimum, proven: Sequence[Proof]) -> list[str]:
+    """Where the simulation does not bear out an optimum, a sentence each, the worst first."""
+    before = {each.point: each.found for each in proven if each.design == "before"}
+    several, told = len(found.problem.points) > 1, []
+    for each in proven:
+        where = f" at point {each.point + 1}" if several else ""
+        if each.failure:
+            told.append(f"the simulation {each.design}{where} broke off: {each.failure}")
+        if each.failure or each.design == "before":
+            continue
+        loss = each.found["loss_total_W"]
+        claimed, was = found.after[each.point].loss_total, found.before[each.point].loss_total
+        simulated_before = before.get(each.point, {}).get("loss_total_W", loss)
+        if loss > simulated_before and claimed < was:
+            told.append(
+                f"simulated{where}, the optimum loses {loss:.4g} W, more than the {simulated_before:.4g} W before; in "
+                f"closed form it loses less ({claimed:.4g} W against {was:.4g} W)"
+            )
+        told += [f"{text}{where}" for text in _apart("total loss", "W", loss, claimed)]
+        if "analytic_pwm_frequency_Hz" in each.found:
+            pair = each.found["pwm_frequency_Hz"], each.found["analytic_pwm_frequency_Hz"]
+            told += [f"{text}{where}" for text in _apart("PWM frequency", "Hz", *pair)]
+        told += [f"{text}{where}" for text in _unsettled(each.found)]
+    return told
+
+
+def _apart(words: str, unit: str, simulated: float, claimed: float) -> list[str]:
+    if abs(simulated - claimed) <= TOLERANCE * abs(claimed):
+        return []
+    return [
+        f"the {words} is {simulated:.4g} {unit} simulated and {claimed:.4g} {unit} in closed form, "
+        f"{100.0 * (simulated / claimed - 1.0):+.3g} %; more than {100.0 * TOLERANCE:.3g} % is not to be relied on"
+    ]
+
+
+def _unsettled(found: Mapping[str, Any]) -> list[str]:
+    told = []
+    if not found["settled"]:
+        told.append("the simulation has not settled: its means are still changing, a longer run.until may help")
+    if not found.get("trusted", True):
+        told.append("the simulation's balances of energy and mass do not close")
+    return told
+
+
+def simulated_means(problem: Problem, proven: Sequence[Proof]) -> tuple[str, float, float] | None:
+    """A quantity, the objective where a simulation gives it and the total loss elsewhere, simulated before and after,
+    as the weighted mean over the points; None where a point was not simulated."""
+    quantity = problem.objective if problem.objective in COUNTERPARTS else "loss_total"
+    by_key = {(each.design, each.point): each.found.get(COUNTERPARTS[quantity]) for each in proven}
+    means = []
+    for design in ("before", "after"):
+        values = [by_key.get((design, number)) for number in range(len(problem.points))]
+        if any(value is None for value in values):
+            return None
+        means.append(_mean(problem, [float(value) for value in values if value is not None]))
+    return quantity, means[0], means[1]
+
+
+def headline(found: Optimum, proven: Sequence[Proof]) -> str:
+    """What the optimum gains, in closed form and simulated, in a sentence."""
+    asked = found.problem
+    name, kind = asked.objective, KINDS[asked.objective]
+    was = float(asked.mean(found.before, name))
+    told = f"{name.replace('_', ' ')}: {shown(was, kind, 4)} to {shown(found.objective, kind, 4)} in closed form"
+    if pair := simulated_means(asked, proven):
+        quantity, before, after = pair
+        kind = KINDS[quantity]
+        words = "" if quantity == name else f"{quantity.replace('_', ' ')} "
+        told += f"; simulated, {words}{shown(before, kind, 4)} to {shown(after, kind, 4)}"
+    return told
+
+
+def _mean(problem: Problem, values: Sequence[float]) -> float:
+    total = sum(point.weight for point in problem.points)
+    return sum(point.weight / total * value for point, value in zip(problem.points, values, strict=True))
+
+
+class Simulated(NamedTuple):
+    """What a simulation says of one of many designs, weighted means over the points (NaN where one failed), and what
+    is in doubt about it."""
+
+    loss_total: float
+    pwm_frequency: float
+    efficiency: float
+    settled: bool
+    doubts: tuple[str, ...]
+
+
+def simulated_designs(
+    problem: Problem, designs: Sequence[Mapping[str, float]], *, say: Callable[[str], None] = quiet
+) -> tuple[Simulated, ...]:
+    """All `designs` simulated at every operating point, a batch for each point."""
+    if not designs:
+        return ()
+    by_point: list[list[Mapping[str, Any]]] = []
+    for point in problem.points:
+        systems = [optimum_system(problem, values, point.system) for values in designs]
+        first = systems[0]
+        run = simulate_batch(first.model, [each.case for each in systems], first.stepping, first.average_from, say=say)
+        by_point.append(
+            [
+                {"failure": run.reasons[k] or "it turns too slowly for a mean"}
+                if (outcome := run.outcome(k)) is None
+                else simulated_summary(outcome, systems[k])
+                for k in range(len(systems))
+            ]
+        )
+    return tuple(_simulated(problem, values, [rows[k] for rows in by_point]) for k, values in enumerate(designs))
+
+
+def _simulated(problem: Problem, values: Mapping[str, float], rows: Sequence[Mapping[str, Any]]) -> Simulated:
+    told = [f"the simulation gives nothing: {row['failure']}" for row in rows if "failure" in row]
+    if told:
+        return Simulated(float("nan"), float("nan"), float("nan"), False, tuple(told))
+    loss, frequency, efficiency = (
+        _mean(problem, [float(row[key]) for row in rows]) for key in ("loss_total_W", "pwm_frequency_Hz", "efficiency")
+    )
+    told = _apart("total loss", "W", loss, float(problem.mean(problem.found(values), "loss_total")))
+    told += list(dict.fromkeys(text for row in rows for text in _unsettled(row)))
+    return Simulated(loss, frequency, efficiency, all(row["settled"] for row in rows), tuple(told))

@@ -80,7 +80,7 @@ class Quantities(NamedTuple):
 
     `loss_total` adds the five losses above it. `load_pulsation` is the volume that whatever stands behind the load port
     has to store in every PWM period, `spool_volume` that of the switching section and its two end lands,
-    `relief_margin` what the relief setting leaves above load and open drop.
+    `relief_margin` what the relief setting leaves above load and open drop, `input_power` what the pump takes in.
     """
 
     pressure_drop_total: PressureDifference
@@ -101,6 +101,7 @@ class Quantities(NamedTuple):
     load_pulsation: Volume
     spool_volume: Volume
     relief_margin: NetPressure
+    input_power: LostPower
     nozzle_reynolds_number: Ratio
     spool_friction_power: LostPower
 
@@ -179,6 +180,7 @@ def quantities(at: Setup) -> Quantities:
         load_pulsation=d * (1.0 - d) * Q / f,
         spool_volume=np.pi * valve.spool_radius * valve.spool_radius * (valve.helix_length + 2.0 * valve.land_length),
         relief_margin=at.relief_pressure - P_L - total,
+        input_power=passed + open_loss + transition,
         nozzle_reynolds_number=nozzle_reynolds_number(Q, rho, mu, valve),
         spool_friction_power=friction_loss(omega, friction_coefficient(mu, valve)),
     )

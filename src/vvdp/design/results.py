@@ -10,7 +10,7 @@ import vvdp
 from vvdp.base.errors import unusable
 from vvdp.design.optimise import Optimum, geometry_of, moved
 from vvdp.design.problem import Problem
-from vvdp.design.proof import Proof, optimum_system
+from vvdp.design.proof import Proof, optimum_system, simulated_means, simulation_doubts
 from vvdp.design.quantities import KINDS, Quantities, key
 from vvdp.design.variables import VARIABLES, value_in
 from vvdp.systems.system import resolved_text
@@ -41,7 +41,13 @@ def content(found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str]) -> d
         "sources": sorted({source for source in valve.values() if source}),
         "objective": problem.objective,
         "limits": [
-            {"text": str(each), "quantity": each.quantity, "at_least": each.at_least, "value": each.value}
+            {
+                "text": str(each),
+                "quantity": each.quantity,
+                "at_least": each.at_least,
+                "value": each.value,
+                "usual": each.usual,
+            }
             for each in problem.limits
         ],
         "demands": [each.words for each in geometry_of(problem)],
@@ -94,6 +100,8 @@ def content(found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str]) -> d
         },
         "finished": found.finished,
         "simulated": [{"design": p.design, "point": p.point, "failure": p.failure, **p.found} for p in proofs],
+        "simulated_means": simulated_means(problem, proofs),
+        "simulation_doubts": simulation_doubts(found, proofs),
         "doubts": list(doubts),
     }
 
@@ -103,7 +111,7 @@ def write_design(folder: Path, found: Optimum, proofs: Sequence[Proof], doubts: 
     problem = found.problem
     asked = [
         f"The optimum of {problem.system.name}: least {problem.objective}",
-        *(f"  subject to {limit}" for limit in problem.limits),
+        *(f"  subject to {limit}{' (usual limit)' if limit.usual else ''}" for limit in problem.limits),
         *(f"  within {b.side(False)} and {b.side(True).split(' ', 1)[1]}" for b in problem.bounds),
     ]
     text = "".join(f"# {line}\n" for line in asked)

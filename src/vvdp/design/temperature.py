@@ -11,7 +11,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind, Ratio
 from vvdp.base.params import Params
 from vvdp.base.units import ATMOSPHERE
-from vvdp.design.problem import shown
+from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.numerics.tableaus import Array
@@ -59,7 +59,7 @@ ORIGINS: Mapping[str, str] = {
     "taylor_number": "taylor1923",
     "temperature_rise": "assumed; 5 K change the viscosity by about a fifth",
     "eccentricity": "assumed; the leakage of the lands then grows by 13 %",
-    "excess_share": "wang2017, section 2.7: the the strongest nozzle of the final design has 15.8 % more",
+    "excess_share": "wang2017, section 2.7: the strongest nozzle of the final design has 15.8 % more",
     "specific_heat": "assumed, mineral oil",
     "thermal_conductivity": "assumed, mineral oil",
 }
@@ -132,8 +132,9 @@ def over_temperature(
 ) -> OverTemperature:
     """The valve of a system over the temperature of its oil [K], all else as at the start of a run.
 
-    Raises ParameterError where the temperatures make no range.
+    Raises ParameterError where the temperatures make no range, ConfigError where nothing flows through the valve.
     """
+    require_flow(system)
     if not (200.0 <= coldest < hottest <= 450.0 and 0.0 < step <= hottest - coldest):
         ends = ", ".join(f"{t - 273.15:g} degC" for t in (coldest, hottest))
         raise ParameterError(f"from, to: {ends}, in steps of {step:g} K; expected a range of temperatures")

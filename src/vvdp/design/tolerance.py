@@ -16,7 +16,7 @@ from vvdp.base.params import field_kinds
 from vvdp.base.tables import nearest
 from vvdp.base.units import parsed
 from vvdp.design.optimise import needed
-from vvdp.design.problem import shown
+from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup, unchecked
 from vvdp.fluid.oil import Oil
 from vvdp.numerics.tableaus import Array
@@ -25,6 +25,8 @@ from vvdp.valve.rotary import RotaryValve
 
 OUTPUTS = ("pressure_drop_total", "pwm_frequency", "efficiency")
 SAMPLES = 1024
+COARSE = 0.15
+"""Half width of the 95 % confidence of a share of the variance from which on it is told that samples are few."""
 _STATEMENT = re.compile(r"\s*(\w+)\s*:\s*(.+?)\s+to\s+(.+?)\s*\Z")
 
 
@@ -149,6 +151,18 @@ class Tolerance:
     inputs: Mapping[str, Array]
     outputs: Mapping[str, Array]
     evaluations: int
+    samples: int
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to know before the shares are relied on, a sentence each."""
+        worst = max(max(each.whole_error.values()) for each in self.scatter.values())
+        if not worst > COARSE:
+            return []
+        return [
+            f"with {self.samples} samples the shares of the variance are uncertain by up to {100.0 * worst:.0f} % of "
+            f"the whole (95 % confidence) and need not sum to 100 %; give more --samples, for example {SAMPLES}"
+        ]
 
 
 PERCENTILES = ("2.5", "16", "50", "84", "97.5")
@@ -157,9 +171,10 @@ PERCENTILES = ("2.5", "16", "50", "84", "97.5")
 def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES, seed: int = 1) -> Tolerance:
     """The study of a system with the spreads `taken`; `samples` is a power of two.
 
-    Raises ParameterError where the number of samples is none.
+    Raises ParameterError where the number of samples is none, ConfigError where nothing flows through the valve.
     """
     needed("SALib", "opt")
+    require_flow(system)
     if samples < 8 or samples & (samples - 1):
         raise ParameterError(f"{samples} samples; expected a power of two from 8 on, for example {SAMPLES}")
     from SALib.analyze import sobol as analysis
@@ -193,7 +208,7 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
             by_input["ST_conf"],
         )
     inputs = {each.name: each.drawn(even[:, k]) for k, each in enumerate(taken)}
-    return Tolerance(system, tuple(taken), scatter, inputs, spread_out, shares.shape[0] + even.shape[0])
+    return Tolerance(system, tuple(taken), scatter, inputs, spread_out, shares.shape[0] + even.shape[0], samples)
 
 
 def _evaluated(at: Setup, taken: Sequence[Spread], shares: Array) -> dict[str, Array]:
@@ -220,6 +235,7 @@ def tolerance_content(found: Tolerance) -> dict[str, Any]:
         "system": found.system.name,
         "title": found.system.title,
         "evaluations": found.evaluations,
+        "warnings": found.warnings,
         "spreads": [
             {
                 "name": each.name, "words": each.words, "low": each.low, "high": each.high, "shown": str(each),
@@ -245,7 +261,7 @@ def columns(found: Tolerance) -> dict[str, Array]:
 
 def flat_tolerance(found: Tolerance) -> dict[str, Any]:
     """The study as flat numbers for programs."""
-    flat: dict[str, Any] = {}
+    flat: dict[str, Any] = {"warnings": "; ".join(found.warnings)}
     for name, each in found.scatter.items():
         kind = KINDS[name]
         flat[key(name, kind)] = each.nominal

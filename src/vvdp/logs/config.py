@@ -95,6 +95,7 @@ class Estimation:
     pressure: InletPressure | None = None
     output_rate: float | None = None
     smooth: bool = False
+    fit: bool = False  # take acceleration_density and edge_variance from the log
 
     @property
     def wheel(self) -> CodeWheel:
@@ -118,7 +119,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
     "log": ("time", "time_unit", "sample_rate", "from", "until"),
     "sensor": (*SOURCES, "falling", "sectors", "index_shift", "widths", "inverted"),
     "threshold": ("level", "hysteresis", "interpolated"),
-    "filter": tuple(FILTER_KINDS),
+    "filter": ("fit", *FILTER_KINDS),
     "valve": ("sections",),
     "pressure": ("channel", "unit", "fuse", "level_share", "hysteresis", "least_swing", "level_time", *WAVE_KINDS),
     "output": ("rate", "smooth"),
@@ -232,11 +233,11 @@ def _estimation(given: _Given) -> Estimation | None:
         _checked_unit(given, "log.time_unit", time_unit, TIME)
     pressure = _pressure(given)
     output_rate = given.above_zero("output.rate", FREQUENCY, None)
-    smooth = given.flag("output.smooth", False)
+    smooth, fit = given.flag("output.smooth", False), given.flag("filter.fit", False)
     if source is None or found is None:
         return None
     return Estimation(
-        source, found, sections, time, time_unit, rate, begin, end, pressure, output_rate, smooth
+        source, found, sections, time, time_unit, rate, begin, end, pressure, output_rate, smooth, fit
     )  # fmt: skip
 
 
@@ -403,6 +404,7 @@ def _config_lines(wanted: Estimation, channels: Sequence[ChannelInfo], place: st
         yield f"interpolated = {_flag(c.interpolated)}".ljust(30) + "# crossing times between the samples"
     yield ""
     yield "[filter]"
+    yield f"fit = {_flag(wanted.fit)}".ljust(46) + "# true: the next two are fitted to the beginning of the log"
     for name, kind in FILTER_KINDS.items():
         value = getattr(wanted.filter, name)
         shown = _number(value) if kind.unit == "1" else f'"{_digits(value)} {kind.unit}"'

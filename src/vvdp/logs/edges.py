@@ -23,6 +23,8 @@ TWO_LEVELS = 0.8
 output. Of Gaussian noise 0.36 are, of evenly spread noise 0.44."""
 SHORTEST = 0.15
 """Edges closer than this share of the usual time between edges are one edge that bounced, or a glitch."""
+NEIGHBOURS = 16
+"""So many times between edges before, and after, say what is usual there."""
 WHOLE = 1e-3
 """How far a count may lie from a whole number."""
 LONGEST_BAND = 100_000
@@ -273,11 +275,16 @@ class StampEdges:
     apart: bool
     backward: int = 0
     """Times that lie before the one above them; they are put in order where that is possible."""
+    not_numbers: int = 0
+    """Times that are NaN or infinite; fields that are empty from some row to the end of a column hold no time."""
+    _empty: list[int] = field(default_factory=lambda: [0, 0])
+    """Of each column, NaN after its last time so far."""
     _waiting: tuple[Array, Array] = field(default_factory=lambda: (np.empty(0), np.empty(0)))
     _ended: tuple[float, float] = (-np.inf, -np.inf)
 
     def push(self, rising: Array, falling: Array, *, last: bool) -> Edges:
         """The edges up to the time that both columns have reached; all where this is the `last` portion."""
+        self._count_no_numbers(rising, falling)
         rising, falling = rising[np.isfinite(rising)], falling[np.isfinite(falling)]
         self.backward += int(np.count_nonzero(np.diff(rising) < 0.0) + np.count_nonzero(np.diff(falling) < 0.0))
         if not self.apart:
@@ -295,6 +302,20 @@ class StampEdges:
         times, polarities = times[ready][order], polarities[ready][order]
         return Edges(times, np.zeros(times.size), polarities, np.ones(times.size))
 
+    def _count_no_numbers(self, rising: Array, falling: Array) -> None:
+        """Takes in what is no time. In a list of events, with one column filled in each row, only empty rows count."""
+        no_rise, no_fall = np.isnan(rising), np.isnan(falling)
+        missing = [no_rise, no_fall]
+        if rising.size == falling.size and np.all(no_rise | no_fall):
+            missing = [no_rise & no_fall, np.zeros(falling.size, bool)]
+        for k, (column, lacks) in enumerate(zip((rising, falling), missing, strict=True)):
+            self.not_numbers += int(np.count_nonzero(np.isinf(column)))
+            known = np.flatnonzero(~np.isnan(column))
+            if known.size:
+                self.not_numbers += self._empty[k] + int(np.count_nonzero(lacks[: known[-1]]))
+                self._empty[k], lacks = 0, lacks[known[-1] :]
+            self._empty[k] += int(np.count_nonzero(lacks))
+
 
 @dataclass
 class Debounce:
@@ -307,6 +328,8 @@ class Debounce:
     shortest: float = SHORTEST
     doubled: int = 0
     _kept: Edges = field(default_factory=no_edges)
+    _earlier: Array = field(default_factory=lambda: np.empty(0))
+    """The last times between edges before those that are kept."""
 
     CONTEXT = 24
 
@@ -321,11 +344,15 @@ class Debounce:
         n = edges.times.size
         if n < 3:
             self._kept = no_edges() if last else edges
+            self._earlier = np.empty(0) if last else self._earlier
             return edges if last else no_edges()
         steps = np.diff(edges.times)
-        clusters = np.concatenate([[0], np.cumsum(steps >= self.shortest * _usual(steps / edges.counts[1:]))])
+        known = np.concatenate([self._earlier, steps / edges.counts[1:]])
+        usual = _usual(known)[self._earlier.size :]
+        clusters = np.concatenate([[0], np.cumsum(steps >= self.shortest * usual)])
         end = n if last else int(np.searchsorted(clusters, clusters[max(n - self.CONTEXT, 0)]))
         self._kept = part(edges, slice(end, n))
+        self._earlier = np.empty(0) if last else known[: known.size - (n - 1) + end][-NEIGHBOURS:]
         return self._merged(part(edges, slice(0, end)), clusters[:end])
 
     def _merged(self, edges: Edges, clusters: Chosen) -> Edges:
@@ -351,10 +378,26 @@ class Debounce:
         return part(merged, kept)
 
 
+def ranked(steps: Array, size: int, rank: int) -> Array:
+    """Of each window of `size` neighbours the value with `rank` smaller ones: one for each window, from first to last.
+
+    A window never reaches over the ends of the record, so that a single odd step there stays a single one.
+    """
+    from scipy.ndimage import rank_filter
+
+    found: Array = rank_filter(steps, rank, size=size, mode="nearest")
+    return found[size // 2 : steps.size - size + size // 2 + 1]
+
+
 def _usual(steps: Array) -> Array:
     """The time between edges that is usual around each: the upper quartile of its neighbours, so that bounces at every
-    edge do not pass for the rule."""
-    from scipy.ndimage import percentile_filter
-
-    found: Array = percentile_filter(steps, 75, size=min(2 * Debounce.CONTEXT // 3, steps.size), mode="nearest")
+    edge do not pass for the rule. The lesser of those before and those after: long silences on one side, or a wheel
+    that turns much slower there, are not the rule either."""
+    if not steps.size:
+        return steps
+    size = min(NEIGHBOURS, steps.size)
+    quartiles = ranked(steps, size, (3 * size) // 4)
+    place = np.arange(steps.size)
+    before, after = quartiles[np.fmax(place - size + 1, 0)], quartiles[np.fmin(place, quartiles.size - 1)]
+    found: Array = np.fmin(before, after)
     return found

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Any, NamedTuple
 
@@ -28,10 +29,11 @@ from vvdp.estimation.smoother import Smoothed, smoothed_at, smoothed_portions, s
 from vvdp.logs.channel import Log, Portion
 from vvdp.logs.config import Counts, Estimation, Stamps, Wave, config_text, source_channels
 from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges
-from vvdp.logs.findings import Sums, findings, summary
+from vvdp.logs.findings import Sums, findings, numbers_in_doubt, settings_of, summary
+from vvdp.logs.fitting import fitted_filter
 from vvdp.logs.kept import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Finding, Store, write_texts
 from vvdp.logs.source import open_log
-from vvdp.logs.tracking import Tracked, Tracker, Waves, no_waves
+from vvdp.logs.tracking import LONGEST_BRIDGED, Tracked, Tracker, Waves, no_waves
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import TURN, sector_widths
@@ -41,6 +43,12 @@ from vvdp.simulation.replay import Replay
 SAMPLES_AT_ONCE = 1_000_000
 USUAL_RATE = 1000.0
 """Rows a second of the time base, unless the log has fewer samples or another rate is asked for."""
+REMEMBERED = 1_000_000
+"""Rows that wait for the pressure; beyond, it is taken in before the portion ends."""
+FITTED_EDGES = 20_000
+"""The settings of the filter are fitted to so many edges at the beginning of the log ..."""
+FITTED_AT_ONCE = 100_000
+"""... which is read in portions of so many samples."""
 FEWEST = 3
 EXCERPT_TURNS = 3
 LARGEST_EXCERPT = 20_000
@@ -133,6 +141,7 @@ def estimate(
     before anything was reached.
     """
     began = time.perf_counter()
+    wanted = _fitted(log, wanted, say)
     with Store(folder / "result.h5") as store:
         run = _Run(log, wanted, store, say)
         finished = run.through(progress)
@@ -140,10 +149,12 @@ def estimate(
             if not finished:
                 raise KeyboardInterrupt
             raise unusable(log.path, run.nothing_found())
+        run.tell_left_out()
         if wanted.smooth:
             run.smooth()
         run.keep_pictures()
-    found = summary(run.sums, wanted) | {"finished": finished, "wall_time_s": time.perf_counter() - began}
+    found = summary(run.sums, wanted)
+    found |= {"estimated_share": run.estimated_share, "finished": finished, "wall_time_s": time.perf_counter() - began}
     told = findings(found, run.sums, wanted, log)
     found["warnings"] = "; ".join(f"{finding.title}: {finding.found}" for finding in told)
     found = {key: _plain(value) for key, value in found.items()}
@@ -161,6 +172,22 @@ def estimate(
     }
     write_texts(folder, config_text(wanted, log.channels(), log.path.name), found, told, meta)
     return Estimated(found, told, finished)
+
+
+def _fitted(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimation:
+    """The estimation with the settings that the beginning of the log speaks for, if it asks for them."""
+    if not wanted.fit:
+        return wanted
+    with TemporaryDirectory() as place, Store(Path(place) / "first.h5") as store:
+        run = _Run(log, wanted, store, say)
+        if not run.through(lambda done: None, FITTED_EDGES):
+            raise KeyboardInterrupt
+        told = run.sums.explained(settings_of(wanted))
+    if told is None or numbers_in_doubt(told, run.sums, wanted):
+        why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
+        log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
+        return replace(wanted, fit=False)
+    return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told.advised))
 
 
 def _plain(value: Any) -> Any:
@@ -195,6 +222,10 @@ def _interrupt_noted() -> Iterator[Callable[[], bool]]:
         yield lambda: pressed
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+class _Stopped(Exception):
+    """Ctrl-C was pressed in the midst of a portion."""
 
 
 @dataclass
@@ -259,6 +290,7 @@ class _Run:
             case Stamps(falling=falling):
                 self.finder = StampEdges(bool(falling))
         self.sums.finder = self.finder
+        self._interrupted: Callable[[], bool] = lambda: False
         self._stamp_factor = self._seconds_of_stamps()
 
     def _seconds_of_stamps(self) -> float:
@@ -285,28 +317,72 @@ class _Run:
         )
         return _Pressure(factor, offset, replay)
 
-    def through(self, progress: Callable[[float], None]) -> bool:
-        """Takes in the whole log; False where it was interrupted."""
+    def through(self, progress: Callable[[float], None], most_edges: float = np.inf) -> bool:
+        """Takes in the whole log, or its first edges; False where it was interrupted."""
         names = source_channels(self.wanted)
         if self.wanted.pressure is not None:
             names += (self.wanted.pressure.channel,)
         wanted_names = tuple(dict.fromkeys(names))
         finished = True
-        with _interrupt_noted() as interrupted:
-            for portion in self.log.portions(wanted_names, SAMPLES_AT_ONCE):
-                self._take(portion)
-                try:
-                    progress(self.log.done)
-                except KeyboardInterrupt:
-                    finished = False
-                if interrupted() or not finished:
-                    finished = False
-                    break
-                if self.wanted.end is not None and self.last_time > self.wanted.end:
-                    break
-            self._close_clock()
-            self._pressure_up_to(np.inf)
+        with _interrupt_noted() as self._interrupted:
+            at_once = SAMPLES_AT_ONCE if np.isinf(most_edges) else FITTED_AT_ONCE
+            try:
+                for portion in self.log.portions(wanted_names, at_once):
+                    self._take(portion)
+                    self._heed()
+                    if self.sums.edges >= most_edges:
+                        break
+                    try:
+                        progress(self.log.done)
+                    except KeyboardInterrupt:
+                        finished = False
+                        break
+                    if self.wanted.end is not None and self.last_time > self.wanted.end:
+                        break
+                self._close_clock()
+                self._pressure_up_to(np.inf)
+            except _Stopped:
+                finished = False
+                self._stop_here()
         return finished
+
+    def _heed(self) -> None:
+        """Raises _Stopped after Ctrl-C; asked wherever the record can be left."""
+        if self._interrupted():
+            raise _Stopped
+
+    def _stop_here(self) -> None:
+        """Leaves out what was read but not reached."""
+        if self.tracker is None:
+            return
+        if np.isfinite(self.tracker.reached):
+            self.sums.measured -= max(0.0, self.sums.end - self.tracker.reached)
+            self._pressure_up_to(self.tracker.reached)
+        self.tracker.stop()
+        self._count()
+
+    def _count(self) -> None:
+        """What was counted on the way."""
+        self.sums.doubled = self.debounce.doubled
+        if self.tracker is not None:
+            self.sums.taken_from(self.tracker)
+            if isinstance(self.finder, StampEdges):
+                self.sums.measured = self.tracker.covered
+
+    def tell_left_out(self) -> None:
+        """When there were edges too lonely to be estimated from; the time base does not reach out to them."""
+        if self.tracker is None or not self.tracker.left_out_times:
+            return
+        times, count = self.tracker.left_out_times, self.tracker.left_out
+        named = ", ".join(f"{time:.6g}" for time in times) + (" s and on" if count > len(times) else " s")
+        kept = "an edge stands" if count == 1 else f"{count} edges stand"
+        self.log.remark(f"{kept} too far from others to be used, at {named}")
+
+    @property
+    def estimated_share(self) -> float:
+        """The share of the covered time for which there is an estimate."""
+        rate, measured = self.sums.rate, self.sums.measured
+        return min(self.sums.rows / rate / measured, 1.0) if rate and measured > 0.0 else np.nan
 
     # --- what goes in
 
@@ -316,7 +392,9 @@ class _Run:
                 rising = portion[channel].values * self._stamp_factor
                 other = portion[falling].values * self._stamp_factor if falling else np.empty(0)
                 self.sums.samples += rising.size
-                self._edges(self._within(finder.push(rising, other, last=False)))
+                found = finder.push(rising, other, last=False)
+                self.sums.not_numbers = finder.not_numbers
+                self._edges(self._within(found))
             case ((Wave(channel=channel) | Counts(channel=channel)), _):
                 if self.pressure is not None and self.wanted.pressure is not None:
                     self._take_pressure(portion[self.wanted.pressure.channel])
@@ -407,10 +485,6 @@ class _Run:
 
     def _forward(self, found: Edges) -> None:
         if isinstance(self.wanted.source, Stamps) and found.times.size:
-            steps = np.diff(found.times)
-            self.sums.measured += float(np.sum(steps))
-            if np.isfinite(self.sums.end):
-                self.sums.measured += max(0.0, float(found.times[0]) - self.sums.end)
             self.sums.begin = min(self.sums.begin, float(found.times[0]))
             self.sums.end = float(found.times[-1])
         self._track(self.debounce.push(found), last=False)
@@ -420,8 +494,12 @@ class _Run:
         waiting = self.debounce.waiting_from
         horizon = min(self.sums.end, waiting)
         self.sums.edges += float(np.sum(settled.counts))
+        self._heed()
         for tracked in tracker.push(settled, horizon, last=last):
             self._write(tracked)
+            self._heed()
+            if self._rows is not None and self._rows[0].size > REMEMBERED:
+                self._pressure_up_to(tracker.reached)
         self._pressure_up_to(tracker.reached)
 
     def _meet_tracker(self, times: Array) -> Tracker:
@@ -462,9 +540,7 @@ class _Run:
             self.finder.restart()
         settled = joined([self.debounce.push(found), self.debounce.push(no_edges(), last=True)])
         self._track(settled, last=True)
-        self.sums.doubled = self.debounce.doubled
-        if self.tracker is not None:
-            self.sums.taken_from(self.tracker)
+        self._count()
         if self.pressure is not None:
             self._pressure_up_to(np.inf)
             self.pressure.restart()
@@ -548,6 +624,8 @@ class _Run:
         until = min(until, float(row_times[-1]))
         ready = int(np.searchsorted(pressure.waiting_times, until, side="right"))
         if not ready:
+            kept = max(int(np.searchsorted(row_times, pressure.waiting_times[0])) - 1, 0)
+            self._rows = (row_times[kept:], angles[kept:])
             return
         times, values = pressure.waiting_times[:ready], pressure.waiting[:ready]
         pressure.waiting_times, pressure.waiting = pressure.waiting_times[ready:], pressure.waiting[ready:]
@@ -697,7 +775,19 @@ class _Run:
             )
         if not self.sums.edges and (self.wanted.begin is not None or self.wanted.end is not None):
             return f"no edges of {channel!r} lie in the time range that was asked for"
-        return f"{edges} in channel {channel!r}; an estimate needs at least {FEWEST} on one clock"
+        needed = f"an estimate needs at least {FEWEST} on one clock"
+        if self.sums.backward:
+            return (
+                f"{edges} in channel {channel!r}, but time runs backwards there, {self.sums.backward} times; {needed}, "
+                "and in the order of time"
+            )
+        if self.sums.edges > FEWEST:
+            apart = (self.sums.end - self.sums.begin) / (self.sums.edges - 1.0)
+            return (
+                f"{edges} in channel {channel!r}, {apart:.4g} s apart on average, which is no turning; look at the "
+                f"unit of the times ({needed} with less than {LONGEST_BRIDGED:g} s between them)"
+            )
+        return f"{edges} in channel {channel!r}; {needed}"
 
 
 def _round_rate(rate: float) -> float:

@@ -9,8 +9,11 @@ import numpy as np
 from vvdp.estimation.commensurate import Commensurate, commensurate_clock, commensurate_warning, hidden_angle
 from vvdp.logs.alignment import Alignment
 from vvdp.logs.channel import Log
+from vvdp.logs.clock import is_time_name
 from vvdp.logs.config import Counts, Estimation, Stamps, Wave
 from vvdp.logs.edges import Chosen, CountEdges, StampEdges, WaveEdges
+from vvdp.logs.fitting import CLEAR, Explained, LongestPieces, Noise, explained
+from vvdp.logs.guess import channels_of_edges
 from vvdp.logs.kept import Finding
 from vvdp.logs.tracking import Tracked, Tracker, bridged_time
 from vvdp.numerics.tableaus import Array
@@ -22,8 +25,9 @@ SURE = 4.0
 """A mean is said to differ from zero beyond so many standard errors."""
 SHARE_OF_SECTOR = 0.02
 """Offsets of edges below this share of a sector are not worth a word."""
-NIS_LOW, NIS_HIGH = 0.7, 1.3
-"""Mean squared innovations outside of these say that the noise settings do not fit."""
+SHARE_MISSED = 0.1
+SHARE_FAR = 5e-3
+"""Of all edges. With more missed, and more beyond four deviations of the likeliest settings, numbers are in doubt."""
 SLOWEST, FASTEST = TURN * 0.2, TURN * 200.0
 """Mean speeds outside of these [rad/s] suggest a wrong unit or number of sectors."""
 LEVEL_DRIFT = 0.1
@@ -107,9 +111,10 @@ class Sums:
         self.bins = np.linspace(0.0, HISTOGRAM_END, HISTOGRAM_BINS + 1)
         self.histogram = np.zeros(HISTOGRAM_BINS)
         self._counts, self._totals, self._squares = np.zeros(n), np.zeros(n), np.zeros(n)
-        self._products, self._product_count = 0.0, 0
         self._pattern = np.full(PATTERN, np.nan)
         self._first_number: float | None = None
+        self._longest = LongestPieces()
+        self._explained: Explained | None = None
         self._fold_total, self._fold_count = np.zeros(ANGLES), np.zeros(ANGLES)
         self._fold_low, self._fold_high = np.full(ANGLES, np.inf), np.full(ANGLES, -np.inf)
 
@@ -131,6 +136,7 @@ class Sums:
         normalised = edges["normalised_innovation"][chosen] ** 2
         if not nu.size:
             return
+        self._longest.add(edges)
         self.nis.add(normalised)
         self.squared_innovation.add(nu**2)
         self.expected_square.add(edges["innovation_deviation"][chosen] ** 2)
@@ -142,8 +148,6 @@ class Sums:
         self._counts += np.bincount(sector, minlength=self.sectors)
         self._totals += np.bincount(sector, nu, self.sectors)
         self._squares += np.bincount(sector, nu * nu, self.sectors)
-        self._products += float(np.sum(nu[1:] * nu[:-1]))
-        self._product_count += nu.size - 1
         if self._first_number is None:
             self._first_number = float(number[0])
         place = number - self._first_number
@@ -205,12 +209,12 @@ class Sums:
         found: Array = np.where(self._counts > 1, np.sqrt(spread / counts), np.nan)
         return found
 
-    @property
-    def neighbours(self) -> float:
-        """Correlation of innovations that follow one another: above 0 where the filter lags behind."""
-        if not self._product_count or not self.squared_innovation.mean > 0.0:
-            return 0.0
-        return self._products / self._product_count / self.squared_innovation.mean
+    def explained(self, used: Noise) -> Explained | None:
+        """What the longest pieces are best explained by, with the settings in use; None where they are too short. To be
+        asked when all has gone by: it is worked out once."""
+        if self._explained is None and (passed := self._longest.passed(used.edge_variance)) is not None:
+            self._explained = explained(passed, self.sectors, used)
+        return self._explained
 
     def period_of_pattern(self, hidden_variance: float) -> tuple[int, float, float] | None:
         """The number of edges after which the innovations repeat, where that is not the wheel's: with the correlation
@@ -269,9 +273,10 @@ def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
         "nis_edges": sums.nis.count,
         "nis_low": low,
         "nis_high": high,
-        "index_found": all(a.index_found for a in sums.alignments) if wanted.wheel.has_index else None,
+        "index_found": index_found(sums, wanted) if wanted.wheel.has_index else None,
         "commensurate": in_step(sums, wanted) is not None,
         "edge_offset_max_rad": _largest(sums.offsets),
+        **_settings(sums, wanted),
     }
     if isinstance(sums.finder, WaveEdges):
         finder = sums.finder
@@ -296,6 +301,42 @@ def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
             "inlet_pressure_max_Pa": sums.pressure.high if sums.pressure.count else np.nan,
         }
     return found
+
+
+def _settings(sums: Sums, wanted: Estimation) -> dict[str, Any]:
+    """The settings of the filter, and those that would fit better."""
+    used = settings_of(wanted)
+    found = {"acceleration_density_rad2_s3": used.acceleration_density, "edge_variance_rad2": used.edge_variance}
+    told = sums.explained(used)
+    known = told is not None and not numbers_in_doubt(told, sums, wanted)
+    return found | {
+        "acceleration_density_fitted_rad2_s3": told.advised.acceleration_density
+        if told is not None and known
+        else np.nan,
+        "edge_variance_fitted_rad2": told.advised.edge_variance if told is not None and known else np.nan,
+        "likelihood_gain": told.settings_gain if told is not None and known else np.nan,
+        "settings_fit": not told.matters if told is not None and known else None,
+    }
+
+
+def numbers_in_doubt(told: Explained, sums: Sums, wanted: Estimation) -> bool:
+    """Whether edges have wrong numbers: the index was not found, or many were missed and others lie far off."""
+    if wanted.wheel.has_index and not index_found(sums, wanted):
+        return True
+    return sums.missed > SHARE_MISSED * (sums.edges + sums.missed) and told.outliers > SHARE_FAR
+
+
+def settings_of(wanted: Estimation) -> Noise:
+    """What the filter of an estimation takes the noise to be."""
+    return Noise(wanted.filter.acceleration_density, wanted.filter.edge_variance)
+
+
+def index_found(sums: Sums, wanted: Estimation) -> bool:
+    """Whether every piece agrees with the index of the wheel, and it explains the edges better than an even wheel."""
+    if not all(a.index_found for a in sums.alignments):
+        return False
+    told = sums.explained(settings_of(wanted))
+    return told is None or told.index_gain > CLEAR
 
 
 def nis_band(count: int) -> tuple[float, float]:
@@ -323,7 +364,8 @@ def in_step(sums: Sums, wanted: Estimation) -> Commensurate | None:
 
 
 def suggested_level(sums: Sums, wanted: Estimation) -> float:
-    """The threshold at which rising and falling edges would agree, in the unit of the channel; NaN if unknown.
+    """The threshold at which rising and falling edges would agree, in the unit of the channel; NaN if unknown, if it is
+    outside of the swing, or if edges of the wheel lie elsewhere for another reason.
 
     A threshold too high by e sees rising edges late and falling ones early by the angle e/(dv/dtheta), with the slope
     dv/dtheta = (dv/dt)/omega at the crossings; s nu has that mean with the opposite sign.
@@ -334,18 +376,29 @@ def suggested_level(sums: Sums, wanted: Estimation) -> float:
         return np.nan
     slope = finder.slopes / finder.found / speed
     sign = -1.0 if finder.comparator.inverted else 1.0
-    return float(np.mean(finder.levels)) + sign * sums.alternating.mean * slope
+    level = float(np.mean(finder.levels)) + sign * sums.alternating.mean * slope
+    elsewhere = _worst(sums, _beside_alternation(sums)) is not None
+    if elsewhere or (wanted.wheel.has_index and not index_found(sums, wanted)):
+        return np.nan
+    inside = finder.plateaus is None or finder.plateaus.low < level < finder.plateaus.high
+    return level if inside else np.nan
 
 
 def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) -> tuple[Finding, ...]:
     """What is wrong with the record or in doubt, gravest first."""
+    best = sums.explained(settings_of(wanted))
+    clock = list(_of_the_clock(best, wanted, log)) if best is not None else []
     told = [
+        *clock,
         *_of_the_course(found, sums, wanted),
         *_of_the_record(sums, wanted),
         *_of_the_source(sums, wanted),
-        *_of_the_filter(found, sums, wanted),
-        *_of_the_wheel(sums, wanted),
     ]
+    if not clock:
+        wheel = list(_of_the_wheel(found, sums, wanted, best))
+        settings = list(_of_the_filter(best, sums, wanted)) if best is not None else []
+        wheel_first = best is not None and best.wheel_gain > best.settings_gain
+        told += wheel + settings if wheel_first else settings + wheel
     told += [Finding("Taken for granted", f"{remark}.", "Nothing to do, if that is right.") for remark in log.remarks]
     return tuple(sorted(told, key=lambda finding: not finding.grave))
 
@@ -358,8 +411,8 @@ def _of_the_course(found: dict[str, Any], sums: Sums, wanted: Estimation) -> Ite
     if not found["settled"]:
         yield Finding(
             "Too short",
-            f"{sums.edges:g} edges are less than two turns of {sums.sectors}: the filter has not settled, and means "
-            "are over all that there is.",
+            f"{_edges(sums.edges)} {_are(sums.edges)} less than two turns of {sums.sectors}: the filter has not "
+            "settled, and means are over all that there is.",
             "Take a longer record.",
             True,
         )
@@ -384,7 +437,8 @@ def _of_the_record(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
     if sums.not_numbers:
         yield Finding(
             "Values that are no numbers",
-            f"{sums.not_numbers} of {sums.samples} samples are NaN and were left out.",
+            f"{sums.not_numbers} of {sums.samples} samples {_are(sums.not_numbers)} NaN and {_were(sums.not_numbers)} "
+            "left out.",
             "Look at the logger.",
         )
     if sums.backward:
@@ -406,19 +460,21 @@ def _of_the_record(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
     if sums.left_out:
         yield Finding(
             "Edges left out",
-            f"{sums.left_out} edges stand so alone that no speed can be said there.",
+            f"{_edges(sums.left_out)} {'stands' if sums.left_out == 1 else 'stand'} so alone that no speed can be said "
+            "there.",
             "Nothing to do, if the spool was at rest.",
         )
     if sums.doubled:
         yield Finding(
             "Double edges",
-            f"{sums.doubled} edges came much sooner after another than edges do there; they were taken as bounces.",
+            f"{_edges(sums.doubled)} came much sooner after another than edges do there; "
+            f"{'it was taken as a bounce' if sums.doubled == 1 else 'they were taken as bounces'}.",
             "Widen the hysteresis, or look for noise on the line.",
         )
     if sums.missed:
         yield Finding(
             "Missed edges",
-            f"{sums.missed:g} edges did not show, {100.0 * sums.missed / (sums.edges + sums.missed):.2g} % of all.",
+            f"{_edges(sums.missed)} did not show, {100.0 * sums.missed / (sums.edges + sums.missed):.2g} % of all.",
             "The filter passes over them. Look at the threshold, the sample rate, and the wheel for dirt.",
         )
 
@@ -437,7 +493,8 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
         if finder.fractions:
             yield Finding(
                 "Counts that are not whole",
-                f"{finder.fractions} of {sums.samples} values of the counter are no whole numbers.",
+                f"{finder.fractions} of {sums.samples} values of the counter "
+                f"{'is no whole number' if finder.fractions == 1 else 'are no whole numbers'}.",
                 "Is the channel a wave? Then name it with --wave.",
                 True,
             )
@@ -450,12 +507,12 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
         if finder.downward:
             yield Finding("Counter counts down", "Its steps were taken as forward.", "Swap the lines of the counter.")
         if finder.backward:
-            yield Finding("Counter went back", f"{finder.backward} steps of the counter went against its way.",
+            yield Finding("Counter went back", f"The counter went against its way {_times(finder.backward)}.",
                           "They were taken as jitter at an edge.")  # fmt: skip
     if isinstance(finder, WaveEdges):
         if finder.lost:
-            yield Finding("Edges in gaps", f"{finder.lost} edges fell into gaps and were not placed.",
-                          "They count as missed.")  # fmt: skip
+            yield Finding("Edges in gaps", f"{_edges(finder.lost)} fell into gaps and {_were(finder.lost)} not placed.",
+                          "Such edges count as missed.")  # fmt: skip
         if finder.plateaus is not None and len(finder.levels) > 1:
             drift = max(finder.levels) - min(finder.levels)
             if drift > LEVEL_DRIFT * finder.plateaus.swing:
@@ -476,77 +533,117 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
         )
 
 
-def _of_the_filter(found: dict[str, Any], sums: Sums, wanted: Estimation) -> Iterator[Finding]:
-    mean, low, high = found["nis_mean"], found["nis_low"], found["nis_high"]
-    if not np.isfinite(mean) or low <= mean <= high or NIS_LOW <= mean <= NIS_HIGH:
+def _of_the_filter(told: Explained, sums: Sums, wanted: Estimation) -> Iterator[Finding]:
+    if not told.matters or numbers_in_doubt(told, sums, wanted):
         return
-    tuning = wanted.filter
-    # What is measured of the innovations is, like what is expected of them, R and a share for the prediction.
-    share = sums.measured_variance.mean / sums.expected_square.mean
-    fitting = sums.squared_innovation.mean * share - (sums.measured_variance.mean - tuning.edge_variance)
-    numbers = (
-        f"The squared innovations are {mean:.3g} of what the filter expects, on average over {sums.nis.count} edges; "
-        f"{low:.3g} to {high:.3g} would be chance."
+    used, advised, now = told.used, told.advised, told.used_errors
+    constant = " (less is as likely: the speed is constant as far as they tell)" if told.fitted.at_floor[0] else ""
+    R_most = "at most " if told.fitted.at_floor[1] else ""
+    yield Finding(
+        "The settings of the filter do not fit this log",
+        f"The {told.fitted.edges} edges looked at are likeliest with an acceleration_density of "
+        f"{advised.acceleration_density:.3g} rad^2/s^3{constant} and an edge_variance of {R_most}"
+        f"{advised.edge_variance:.3g} rad^2, in place of {used.acceleration_density:.3g} and "
+        f"{used.edge_variance:.3g} (logarithm of the likelihood "
+        f"+{told.settings_gain:.3g}). As it is, a speed error of {now.true:.3g} rad/s is expected, where the filter "
+        f"states {now.stated:.3g}; with these {told.fitted_errors.true:.3g} rad/s.",
+        f"Use --fit, or in the config [filter] acceleration_density = "
+        f'"{advised.acceleration_density:.3g} rad^2/s^3" and edge_variance = "{advised.edge_variance:.3g} rad^2".',
     )
-    if mean < low:
-        tune = (
-            f"An edge_variance of about {fitting:.2g} rad^2 would fit"
-            if fitting > 0.0
-            else f"An edge_variance well below {tuning.edge_variance:.2g} rad^2 would fit"
-        )
-        yield Finding(
-            "Noise settings too large",
-            f"{numbers} The estimate is better than its deviations say.",
-            f"{tune} in place of {tuning.edge_variance:.3g} rad^2.",
-        )
-    elif sums.neighbours > 0.2:
-        yield Finding(
-            "The filter lags behind",
-            f"{numbers} Innovations that follow one another agree (correlation {sums.neighbours:.2g}): the speed "
-            "changes more than the settings allow.",
-            f"Raise acceleration_density above {tuning.acceleration_density:.3g} rad^2/s^3.",
-        )
-    else:
-        yield Finding(
-            "Noise settings too small",
-            f"{numbers} The edges scatter more than the settings say.",
-            f"An edge_variance of about {fitting:.2g} rad^2 would fit in place of {tuning.edge_variance:.3g} rad^2; "
-            "look at the offsets of the edges first.",
-        )
 
 
-def _of_the_wheel(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
-    sector = TURN / sums.sectors
-    if wanted.wheel.has_index and not all(a.index_found for a in sums.alignments):
+def _of_the_clock(told: Explained, wanted: Estimation, log: Log) -> Iterator[Finding]:
+    source, speed = wanted.source, told.likelihood.speed
+    if not isinstance(source, Stamps) or source.falling or not told.even_clock:
+        return
+    if not is_time_name(source.channel.rpartition("/")[2]) and speed <= FASTEST:
+        return
+    others = ", ".join(repr(name) for name in channels_of_edges(log))
+    yield Finding(
+        "An even clock in place of edges",
+        f"All times in {source.channel!r} are {told.likelihood.period:.6g} s apart: it is the clock of the log, and no "
+        "edge passes then.",
+        f"Name the channel that holds the edges with --wave, --counts or --edges{f': {others}' if others else ''}.",
+        True,
+    )
+
+
+def _of_the_wheel(found: dict[str, Any], sums: Sums, wanted: Estimation, best: Explained | None) -> Iterator[Finding]:
+    if found["index_found"] is False:
+        agreeing = all(a.index_found for a in sums.alignments)
+        words = (
+            "The edges are explained better by a wheel whose sectors are all alike."
+            if agreeing
+            else "No first edge makes the turns agree with the sectors of the wheel; the angle is counted from an edge "
+            "that was chosen."
+        )
         yield Finding(
             "Index not found",
-            "No first edge makes the turns agree with the sectors of the wheel; the angle is counted from an edge that "
-            "was chosen.",
+            words,
             f"Look at index_shift or widths, and at the number of sectors ({sums.sectors}).",
             True,
         )
     hidden = max(sums.measured_variance.mean - wanted.filter.edge_variance, 0.0) if sums.nis.count else 0.0
-    if (pattern := sums.period_of_pattern(hidden)) is not None:
+    pattern = sums.period_of_pattern(hidden)
+    if pattern is not None and best is not None and best.period_gain(pattern[0]) <= best.wheel_gain + CLEAR:
+        pattern = None
+    if pattern is not None:
         period, there, own = pattern
         yield Finding(
             "Perhaps a wrong number of sectors",
             f"The innovations repeat after {period} edges (correlation {there:.2f}), not after {sums.sectors} "
-            f"({own:.2f}).",
+            f"({own:.2f}), and a speed that changes does not explain it.",
             f"Count the sectors of the wheel; bright and dark ones together, {period} would fit.",
             True,
         )
-    bias, error = -sums.alternating.mean, _error(sums.alternating)
-    biased = abs(bias) > SURE * error and abs(bias) > SHARE_OF_SECTOR * sector
-    if biased:
+    bias = -sums.alternating.mean if threshold_is_off(sums, wanted) else 0.0
+    if bias:
         yield _biased(sums, wanted, bias)
-    offsets = sums.offsets
-    if biased:
-        even = np.arange(sums.sectors) % 2 == 0
-        offsets = offsets - np.where(even, np.nanmean(offsets[even]), np.nanmean(offsets[~even]))
-    worst = int(np.nanargmax(np.abs(offsets))) if np.isfinite(offsets).any() else 0
-    sure = abs(offsets[worst]) > SURE * sums.offset_deviations[worst]
-    if sure and abs(offsets[worst]) > SHARE_OF_SECTOR * sector and sums.wheel_counts[worst] >= 8 and pattern is None:
+    offsets = sums.offsets if not bias else _beside_alternation(sums)
+    worst = _worst(sums, offsets)
+    if worst is not None and pattern is None:
         yield _unequal(sums, wanted, offsets, worst)
+
+
+def threshold_is_off(sums: Sums, wanted: Estimation) -> bool:
+    """Whether rising and falling edges lie apart as a threshold makes them: all of them, and no single ones more."""
+    bias, error = -sums.alternating.mean, _error(sums.alternating)
+    sector = TURN / sums.sectors
+    if not (abs(bias) > SURE * error and abs(bias) > SHARE_OF_SECTOR * sector):
+        return False
+    beside = _beside_alternation(sums)
+    return _worst(sums, beside) is None or float(np.nanmax(np.abs(beside))) < abs(bias)
+
+
+def _beside_alternation(sums: Sums) -> Array:
+    """Offsets of the wheel's edges less what rising and falling ones have in common [rad]."""
+    offsets, even = sums.offsets, np.arange(sums.sectors) % 2 == 0
+    if not (np.isfinite(offsets[even]).any() and np.isfinite(offsets[~even]).any()):
+        return offsets
+    found: Array = offsets - np.where(even, np.nanmean(offsets[even]), np.nanmean(offsets[~even]))
+    return found
+
+
+def _worst(sums: Sums, offsets: Array) -> int | None:
+    """The edge of the wheel that lies furthest from its place, if that is sure and worth a word."""
+    if not np.isfinite(offsets).any():
+        return None
+    worst = int(np.nanargmax(np.abs(offsets)))
+    far, error = abs(offsets[worst]), sums.offset_deviations[worst]
+    told = far > SURE * error and far > SHARE_OF_SECTOR * TURN / sums.sectors and sums.wheel_counts[worst] >= 8
+    return worst if told else None
+
+
+def _edges(count: float) -> str:
+    return "1 edge" if count == 1 else f"{count:.9g} edges"
+
+
+def _are(count: float) -> str:
+    return "is" if count == 1 else "are"
+
+
+def _were(count: float) -> str:
+    return "was" if count == 1 else "were"
 
 
 def _times(count: int) -> str:

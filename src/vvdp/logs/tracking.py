@@ -1,19 +1,20 @@
 """The event filter taken over the edges of a record, portion by portion, onto a uniform time base.
 
 The record is cut where nothing could be said across a gap: where the prediction would be uncertain by half a sector,
-and not within three of the times that edges usually take there. After a cut the filter starts anew.
+and not within three of the times that edges usually take there. What is usual is judged from the edges before the gap,
+at the beginning of a piece also from those after it. After a cut the filter starts anew.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from vvdp.estimation.event_filter import EventFilter, EventFilterMemory, event_filter_start, event_filter_step
 from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
 from vvdp.logs.alignment import Alignment, alignment, edges_wanted
-from vvdp.logs.edges import Chosen, Edges, joined, no_edges, part
+from vvdp.logs.edges import Chosen, Edges, joined, no_edges, part, ranked
 from vvdp.numerics.kalman import AngleSpeed, propagated
 from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
@@ -24,12 +25,19 @@ from vvdp.simulation.replay import Replay
 SETTLING_TURNS = 2
 """After so many turns of a piece its estimates count in means and extremes."""
 BRIDGED_EDGES = 3.0
+LONGEST_BRIDGED = 60.0
+"""A silence of more seconds [s] is never bridged, whatever is usual: nobody calls that turning."""
 LONGEST_FILL = 600.0
 """Up to so many seconds [s] without an estimate are rows of NaN; beyond, the time base jumps."""
 ROWS_AT_ONCE = 200_000
 FEWEST_EDGES = 3
 """A piece of fewer edges is left out."""
 RECENT = 16
+"""So many times between edges say what is usual."""
+EDGES_AT_ONCE = 20_000
+MOST_ROWS = 2.0**52
+"""The times of later rows could not be told apart."""
+NAMED_TIMES = 5
 
 
 class Shown(NamedTuple):
@@ -158,6 +166,11 @@ class Tracker:
         self.pieces = 0
         self.left_out = 0
         """Edges of pieces that were too short."""
+        self.left_out_times: list[float] = []
+        """When the first of them were [s]."""
+        self.covered = 0.0
+        """Time from the first to the last edge that was used [s], summed over the clocks."""
+        self._covered_to: float | None = None
         self.missed_edges = 0.0
         self.alignments: list[Alignment] = []
         self.longest_bridged = 0.0
@@ -171,30 +184,28 @@ class Tracker:
     def push(self, edges: Edges, horizon: float, *, last: bool = False) -> Iterator[Tracked]:
         """What can be said now that the record is known up to `horizon` [s]; `last`: nothing follows on this clock."""
         self._pending = joined([self._pending, edges])
-        bridged = self._bridged()
         while self._pending.times.size:
-            yield from self._segment(bridged, last)
-            if self._piece is None and self._pending.times.size and not last:
+            if not (yield from self._segment(last)):
                 return  # a piece begins, but too little of it is known yet
-            if self._pending.times.size == 0:
-                break
-            bridged = self._bridged()
         if self._piece is not None and self._last is not None:
             yield from self._rows(no_edges(), min(horizon, self._lasting()))
         if last:
             self._end(forget=True)
 
-    def _bridged(self) -> Chosen:
-        """Of each pending edge, whether the time since the edge before it can be bridged."""
-        times = self._pending.times
-        before = np.concatenate([[self._last[0]] if self._last is not None and self._piece is not None else [], times])
-        steps = np.diff(before)
-        if times.size == steps.size + 1:  # the first edge of a piece has nothing before it
-            steps = np.concatenate([[0.0], steps])
-        usual = _medians(np.concatenate([self._steps, steps]))[self._steps.size :]
-        middle = float(np.median(usual)) if usual.size else 0.0
-        reach = bridged_time(middle, self._filter) if middle > 0.0 else np.inf
-        limits = np.fmax(reach, BRIDGED_EDGES * usual)
+    def stop(self) -> None:
+        """Ends here, whatever was still to come."""
+        self._pending = no_edges()
+        self._end(forget=True)
+
+    def _bridged(self, times: Array) -> Chosen:
+        """Of each of the next edges, whether the time since the edge before it can be bridged."""
+        before = self._last[0] if self._piece is not None and self._last is not None else float(times[0])
+        steps = np.diff(times, prepend=before)
+        if self._piece is None:  # the first edge of a piece has nothing before it
+            limits = np.concatenate([[np.inf], _longest(_usual(steps[1:]), steps[1:], self._filter)])
+        else:
+            usual = _usual(np.concatenate([self._steps, steps]))[self._steps.size :]
+            limits = _longest(usual, steps, self._filter)
         found: Chosen = steps <= limits
         if self._fusion is not None:
             for i in np.flatnonzero(~found):
@@ -203,32 +214,37 @@ class Tracker:
                 found[i] = bool(np.all(between <= limits[i]))
         return found
 
-    def _segment(self, bridged: Chosen, last: bool) -> Iterator[Tracked]:
-        """Takes in the pending edges up to the next cut."""
-        start = 1 if self._piece is None else 0
-        cuts = np.flatnonzero(~bridged[start:]) + start
-        end = int(cuts[0]) if cuts.size else self._pending.times.size
-        whole = bool(cuts.size) or last
+    def _segment(self, last: bool) -> Generator[Tracked, None, bool]:
+        """Takes in the pending edges up to the next cut; false where more have to be known first."""
+        wanted = edges_wanted(self._filter.wheel)
+        looked_at = self._pending.times[: max(EDGES_AT_ONCE, wanted)]
+        cuts = np.flatnonzero(~self._bridged(looked_at))
+        end = int(cuts[0]) if cuts.size else looked_at.size
         if self._piece is None:
-            if end < edges_wanted(self._filter.wheel) and not whole:
-                return
-            if end < FEWEST_EDGES or not self._pending.times[end - 1] > self._pending.times[0]:
+            if end < wanted and not cuts.size and not last:
+                return False
+            first, final = float(looked_at[0]), float(looked_at[end - 1])
+            if end < FEWEST_EDGES or not final > first or abs(final) * self.rate > MOST_ROWS:
                 self.left_out += end
+                self.left_out_times = [*self.left_out_times, *looked_at[:end].tolist()][:NAMED_TIMES]
                 self._pending = part(self._pending, slice(end, None))
-                return
-            self._begin(part(self._pending, slice(0, min(end, edges_wanted(self._filter.wheel)))))
+                return True
+            self._begin(part(self._pending, slice(0, min(end, wanted))))
+            before = first
+        else:
+            assert self._last is not None
+            before = self._last[0]
         taken = part(self._pending, slice(0, end))
-        if end:
-            steps = np.diff(taken.times) if start else np.diff([self._last[0], *taken.times])  # type: ignore[index]
-            self.longest_bridged = max(self.longest_bridged, float(np.max(steps, initial=0.0)))
-            self._steps = np.concatenate([self._steps, steps])[-RECENT:]
         self._pending = part(self._pending, slice(end, None))
         if end:
+            steps = np.diff(taken.times, prepend=before)[0 if self._steps.size else 1 :]
+            self.longest_bridged = max(self.longest_bridged, float(np.max(steps, initial=0.0)))
+            self._steps = np.concatenate([self._steps, steps])[-RECENT:]
             yield from self._rows(taken, float(taken.times[-1] + 0.5 * taken.intervals[-1]))
         if cuts.size:
-            assert self._last is not None
             yield from self._rows(no_edges(), min(self._lasting(), float(self._pending.times[0])))
             self._end(forget=False)
+        return True
 
     def _begin(self, first: Edges) -> None:
         found = alignment(first, self._filter.wheel)
@@ -267,7 +283,7 @@ class Tracker:
         if forget:
             if self._last is not None:
                 self._last = (0.0, self._last[1], 0.0)
-            self._next, self.reached = None, -np.inf
+            self._next, self.reached, self._covered_to = None, -np.inf, None
 
     def _lasting(self) -> float:
         """Until when rows can be given without another edge [s]."""
@@ -282,8 +298,9 @@ class Tracker:
 
     def _reach(self) -> float:
         """How long after the last edge the filter is still followed [s]."""
-        usual = float(np.median(self._steps)) if self._steps.size else 0.0
-        return max(bridged_time(usual, self._filter), BRIDGED_EDGES * usual) if usual > 0.0 else 0.0
+        if not self._steps.size:
+            return 0.0
+        return float(_longest(_usual(self._steps)[-1:], np.array([np.inf]), self._filter)[0])
 
     def _rows(self, edges: Edges, until: float) -> Iterator[Tracked]:
         """The filter over these edges and over the rows up to `until` [s]."""
@@ -357,6 +374,9 @@ class Tracker:
             piece.settled_at = float(edges.times[settling - piece.edges])
         piece.edges += m
         piece.missed = float(shown[-1, 6])
+        before = float(edges.times[0]) if self._covered_to is None else self._covered_to
+        self.covered += float(edges.times[-1]) - before
+        self._covered_to = float(edges.times[-1])
         self._last = (float(edges.times[-1]), float(number[-1]), float(speed[-1]))
         sector = np.mod(number, self._sectors)
         angle = TURN * np.floor(number / self._sectors) + np.array(self._filter.wheel.edges)[sector.astype(int)]
@@ -403,25 +423,37 @@ def bridged_time(period: float, settings: EventFilter) -> float:
 
     Source  ours, docs/logs.md
     """
-    sector = TURN / len(settings.wheel.edges)
-    q, R = max(settings.acceleration_density, 1e-12), settings.edge_variance * period
+    return float(_bridged_times(np.array([period]), settings)[0])
+
+
+def _bridged_times(periods: Array, settings: EventFilter) -> Array:
+    half, q = 0.5 * TURN / len(settings.wheel.edges), max(settings.acceleration_density, 1e-12)
     root = np.sqrt(2.0)
+    R: Any = settings.edge_variance * periods
     steady = AngleSpeed(0.0, 0.0, root * q**0.25 * R**0.75, np.sqrt(q * R), root * q**0.75 * R**0.25)
-    low, high = 0.0, 1e6
+    low, high = np.zeros(periods.size), np.full(periods.size, 1e6)
     for _ in range(60):
-        middle = 0.5 * (low + high)
-        if 3.0 * np.sqrt(propagated(steady, middle, q).angle_variance) < 0.5 * sector:
-            low = middle
-        else:
-            high = middle
+        middle: Any = 0.5 * (low + high)
+        short = 3.0 * np.sqrt(propagated(steady, middle, q).angle_variance) < half
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
     return low
 
 
-def _medians(steps: Array) -> Array:
-    """The usual time between edges around each."""
-    from scipy.ndimage import median_filter
+def _longest(usual: Array, steps: Array, settings: EventFilter) -> Array:
+    """How long silences may last to be bridged [s], where edges usually take `usual` [s] and these take `steps` [s];
+    where they take no more than a few edges do, that is all that is asked."""
+    found = BRIDGED_EDGES * usual
+    doubtful = np.flatnonzero(steps > found)
+    found[doubtful] = np.fmax(found[doubtful], _bridged_times(usual[doubtful], settings))
+    limited: Array = np.fmin(found, LONGEST_BRIDGED)
+    return limited
 
+
+def _usual(steps: Array) -> Array:
+    """The usual time between edges at each: the median of those before it, or of the first ones of the piece."""
     if not steps.size:
         return steps
-    found: Array = median_filter(steps, size=min(RECENT, steps.size), mode="nearest")
+    size = min(RECENT, steps.size)
+    medians = ranked(steps, size, (size - 1) // 2)
+    found: Array = medians[np.fmax(np.arange(steps.size) - size, 0)]
     return found

@@ -21,7 +21,9 @@ TURN = 2.0 * np.pi
 RPM = TURN / 60.0
 MOST_POINTS = 4000
 """Points in a line or a cloud; longer records are thinned out, or shown by their extremes."""
-PERIODS_SHOWN = 3
+INVERSE = "#aab2ba"
+MOST_EXAGGERATED = 10.0
+"""Offsets of the wheel's edges are drawn so many times as large, at most."""
 
 
 def log_figures(kept: Kept) -> Iterator[Drawn]:
@@ -102,7 +104,8 @@ def _speed_caption(kept: Kept) -> str:
     return (
         f"Speed of the spool; mean {fixed(mean, 1)} rpm, standard deviation {number(deviation, 3)} rpm. Above: the "
         "whole log. Below: some turns of it. Dark: the estimate; band: plus and minus two of its standard deviations. "
-        f"Grey: one sector over the time that it took, which noise of the edges alone spreads widely.{more} Gaps: "
+        "Grey (dots; below also steps): one sector over the time that it took, which noise of the edges alone spreads "
+        f"widely.{more} Gaps: "
         "without edges nothing is said."
     )
 
@@ -117,8 +120,8 @@ def _speed(figure: "Figure", kept: Kept) -> None:
     edge_time, edge_speed, edge_piece = _inverse_times(kept)
     thinned = slice(None, None, max(1, edge_time.size // MOST_POINTS))
     whole.set_ylim(*_limits(speed, deviation, edge_speed))
-    whole.plot(edge_time[thinned], edge_speed[thinned], ".", color="#aab2ba", markersize=1.6, label="inverse time",
-               rasterized=True, zorder=1)  # fmt: skip
+    whole.plot(edge_time[thinned], edge_speed[thinned], ".", color=INVERSE, markersize=5.0, markeredgewidth=0.0,
+               rasterized=True, zorder=2.5)  # fmt: skip
     _band(whole, *_parted(np.flatnonzero(np.diff(piece)) + 1, t, speed, deviation))
     whole.set_xlabel("time [s]")
     origin, scale, begin, end, number_of_piece = _zoomed(kept)
@@ -126,12 +129,15 @@ def _speed(figure: "Figure", kept: Kept) -> None:
     inside = (edge_time >= begin) & (edge_time <= end) & (edge_piece == number_of_piece)
     part.set_ylim(*_limits(speed, deviation, edge_speed[inside]))
     x = (t - origin) * scale
-    part.step((edge_time[inside] - origin) * scale, edge_speed[inside], where="pre", color="#aab2ba", linewidth=1.0,
-              label="inverse time", zorder=1)  # fmt: skip
+    ends, speeds = (edge_time[inside] - origin) * scale, edge_speed[inside]
+    part.step(ends, speeds, where="pre", color=INVERSE, linewidth=1.0, zorder=2.5)
+    # The dots lie over all, to be seen also where every sector took as long as the estimate says.
+    part.plot(ends, speeds, ".", color=INVERSE, markersize=5.0, markeredgewidth=0.0, zorder=5)
+    part.plot([], [], ".-", color=INVERSE, markersize=5.0, markeredgewidth=0.0, linewidth=1.0, label="inverse time")
     _band(part, x, speed, deviation)
     if kept.has("smoothed_speed"):
         smoothed = _between(kept, begin, end, number_of_piece, "smoothed_speed")[1]
-        part.plot(x, smoothed / RPM, "--", color=INLET, linewidth=1.1, label="smoothed")
+        part.plot(x, smoothed / RPM, "--", color=INLET, linewidth=1.4, label="smoothed", zorder=4)
     part.set_xlabel(_time_label(origin, "ms" if scale == 1e3 else "s"))
     for axes in (whole, part):
         axes.set_ylabel("speed [rpm]")
@@ -224,8 +230,9 @@ def _innovation_caption(kept: Kept) -> str:
     return (
         "By how much each edge differed from what was expected (left; lines: plus and minus two expected deviations), "
         "and the squares of these differences over what was expected (right; line: what chance makes of them if the "
-        f"settings fit). The mean of the squares is {number(_value(kept, 'nis_mean'), 3)}; {low} to {high} would be "
-        f"chance over {plain(_value(kept, 'nis_edges'))} edges."
+        f"settings fit; hatched: all from {plain(float(kept.column('innovations/bins')[-2]))} on). The mean of the "
+        f"squares is {number(_value(kept, 'nis_mean'), 3)}; {low} to {high} would be chance over "
+        f"{plain(_value(kept, 'nis_edges'))} edges."
     )
 
 
@@ -255,11 +262,14 @@ def _innovations(figure: "Figure", kept: Kept) -> None:
     density = counts / max(float(np.sum(counts)), 1.0) / np.diff(bins)
     right.bar(bins[:-1], density, width=np.diff(bins), align="edge", color=TANK, edgecolor="white", linewidth=0.3,
               label="edges")  # fmt: skip
+    right.bar(bins[-2], density[-1], width=bins[-1] - bins[-2], align="edge", color="white", edgecolor=INK,
+              hatch="//////", linewidth=0.5)  # fmt: skip
     right.plot(*_chance(bins), color=INK, linewidth=1.0, label="chance")
     right.set_yscale("log")
     right.set_ylim(1e-4, 1.5 * max(float(np.max(density, initial=0.0)), 1.0))
     right.set_xlim(0.0, float(bins[-1]))
     right.set_xlabel("squared normalised innovation [1]")
+    right.set_xticks([0.0, 2.0, 4.0, 6.0, float(0.5 * (bins[-2] + bins[-1]))], ["0", "2", "4", "6", "all\nabove"])
     right.set_ylabel("density [1]")
     legend(right, 2)
 
@@ -278,7 +288,8 @@ def _wheel_caption(kept: Kept) -> str:
         "By how much each edge of the wheel lies further on than it should, mean over all turns; bars: two standard "
         "errors; their mean is zero, since no angle is known from outside. Rising edges (even) and falling ones (odd) "
         "apart: a threshold that is off. One "
-        "wave over the turn: an eccentric wheel. One edge alone: dirt, a damaged sector, or an index."
+        "wave over the turn: an eccentric wheel. One edge alone: dirt, a damaged sector, or an index. On the left the "
+        "wheel, bright sectors white, with the offsets enlarged as said there; those within their error are left out."
     )
 
 
@@ -287,7 +298,7 @@ def _wheel(figure: "Figure", kept: Kept) -> None:
     offsets, errors = kept.column("wheel/offset"), kept.column("wheel/offset_deviation")
     n = offsets.size
     places = _places(kept, n)
-    _disc(left, places, offsets)
+    _disc(left, places, offsets, errors)
     x = np.arange(n)
     even = x % 2 == 0
     known = bool(np.any(kept.column("edges/polarity") != 0.0))
@@ -317,8 +328,9 @@ def _places(kept: Kept, n: int) -> Array:
     return places
 
 
-def _disc(axes: "Axes", places: Array, offsets: Array) -> None:
-    """The wheel as it is seen: bright sectors white, dark ones grey; each edge a line, red by its offset."""
+def _disc(axes: "Axes", places: Array, offsets: Array, errors: Array) -> None:
+    """The wheel as it is seen: bright sectors white, dark ones grey; where each edge should be, and in the colours of
+    the bars where it is, if that is sure."""
     from matplotlib.patches import Wedge
 
     n = places.size
@@ -329,21 +341,30 @@ def _disc(axes: "Axes", places: Array, offsets: Array) -> None:
     for radius in (0.58, 1.0):
         circle = np.linspace(0.0, TURN, 200)
         axes.plot(radius * np.cos(circle), radius * np.sin(circle), color="#6b747d", linewidth=0.7)
-    largest = float(np.nanmax(np.abs(offsets)))
-    grown = 0.25 * TURN / n / largest if largest > 0.0 else 0.0
-    for place, offset in zip(places, offsets, strict=True):
-        for angle, colour, width in ((place, "#6b747d", 0.7), (place + grown * np.nan_to_num(offset), INLET, 1.6)):
+    sure = np.abs(np.nan_to_num(offsets)) > 2.0 * np.nan_to_num(errors, nan=np.inf)
+    grown = enlargement(offsets[sure], n)
+    for i, place in enumerate(places):
+        marks = [(place, "#6b747d", 0.7)]
+        if sure[i]:
+            marks.append((place + grown * offsets[i], LOAD if i % 2 == 0 else INLET, 1.6))
+        for angle, colour, width in marks:
             c, s = np.cos(angle), np.sin(angle)
             axes.plot([0.58 * c, c], [0.58 * s, s], color=colour, linewidth=width, solid_capstyle="butt")
     if n <= 32:
         for i, place in enumerate(places):
             axes.text(1.14 * np.cos(place), 1.14 * np.sin(place), str(i), ha="center", va="center", fontsize=7.0)
-    factor = f"\u00d7 {number(grown, 2)}" if grown else ""
-    axes.text(0.0, 0.0, f"offsets\n{factor}", ha="center", va="center", fontsize=7.0, color=INK)
+    words = f"offsets\n\u00d7 {number(grown, 2)}" if sure.any() else "offsets\nwithin\ntheir errors"
+    axes.text(0.0, 0.0, words, ha="center", va="center", fontsize=7.0, color=INK)
     axes.set_aspect("equal")
     axes.set_xlim(-1.28, 1.28)
     axes.set_ylim(-1.28, 1.28)
     axes.axis("off")
+
+
+def enlargement(offsets: Array, sectors: int) -> float:
+    """How many times as large the offsets [rad] are drawn: a quarter of a sector, but not more than is plain to see."""
+    largest = float(np.max(np.abs(offsets), initial=0.0))
+    return min(0.25 * TURN / sectors / largest, MOST_EXAGGERATED) if largest > 0.0 else 1.0
 
 
 # --- the pressure

@@ -105,12 +105,11 @@ def _badges(kept: Kept) -> Iterator[tuple[str, str]]:
         yield (f"{grave} grave finding{'s' if grave > 1 else ''}", "bad")
     if not kept.summary.get("finished", True):
         yield ("interrupted", "bad")
-    mean, low, high = (_of(kept, f"nis_{key}") for key in ("mean", "low", "high"))
-    if np.isfinite(mean):
-        fits = low <= mean <= high or 0.7 <= mean <= 1.3
-        yield ("noise settings fit", "good") if fits else ("noise settings do not fit", "warn")
+    fits = kept.summary.get("settings_fit")
+    if fits is not None:
+        yield ("settings of the filter fit", "good") if fits else ("settings of the filter do not fit", "warn")
     missed = _of(kept, "missed_edges")
-    yield ("no edge missed", "good") if not missed else (f"{plain(missed)} edges missed", "warn")
+    yield ("no edge missed", "good") if not missed else (f"{_count(missed, 'edge')} missed", "warn")
     index = kept.summary.get("index_found")
     if index is not None:
         yield ("index found", "good") if index else ("index not found", "bad")
@@ -118,6 +117,10 @@ def _badges(kept: Kept) -> Iterator[tuple[str, str]]:
         yield ("no index on the wheel", "")
     if kept.summary.get("commensurate"):
         yield ("edges in step with the clock", "bad")
+
+
+def _count(number_of: float, word: str) -> str:
+    return f"{plain(number_of)} {word}{'' if number_of == 1 else 's'}"
 
 
 def _notice(finding: Finding) -> str:
@@ -128,7 +131,7 @@ def _notice(finding: Finding) -> str:
 
 def _in_words(kept: Kept) -> str:
     speed, spread = _of(kept, "spool_speed_mean_rad_s") / RPM, _of(kept, "spool_speed_std_rad_s") / RPM
-    counted = f"{plain(_of(kept, 'edges'))} edges of a wheel with {plain(_of(kept, 'sectors'))} sectors"
+    counted = f"{_count(_of(kept, 'edges'), 'edge')} of a wheel with {plain(_of(kept, 'sectors'))} sectors"
     missed = _of(kept, "missed_edges")
     without = f", {plain(missed)} more did not show" if missed else ""
     settled = (
@@ -167,6 +170,8 @@ def _key_numbers(kept: Kept) -> str:
         line("Double edges", "double_edges", digits=9),
         line("Pieces of the record", "pieces", digits=9),
         line("Squared innovations, mean", "nis_mean", digits=3),
+        line("acceleration_density of the filter", "acceleration_density_rad2_s3", "rad²/s³", digits=3),
+        line("edge_variance of the filter", "edge_variance_rad2", "rad²", digits=3),
         line("Largest offset of an edge", "edge_offset_max_rad", "rad", digits=3),
     ]
     record = [

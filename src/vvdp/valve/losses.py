@@ -244,7 +244,7 @@ def range_warnings(
     if barrier < width * (1.0 - 1e-9):
         found.append(
             f"the barriers ({1e3 * barrier:.3g} mm) are narrower than the nozzles ({1e3 * width:.3g} mm): load and "
-            f"tank are joined for part of every transition, and the closed form of the transition loss is too high"
+            f"tank are joined for part of every transition, and the closed form of the transition loss does not hold"
         )
     return tuple(found)
 

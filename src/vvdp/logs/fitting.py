@@ -1,0 +1,516 @@
+"""Which settings of the filter a log speaks for: how fast its speed wanders, and by how much its edges scatter.
+
+The innovations of a constant-speed Kalman filter are independent and Gaussian where its settings are right, so the
+likelihood of a log is a product over its edges. Derived in docs/logs.md.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.estimation.event_filter import EventFilter
+from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.numerics.tableaus import Array
+from vvdp.sensing.wheel import TURN
+from vvdp.simulation.link import quiet
+from vvdp.simulation.replay import Replay
+
+MOST_EDGES = 4096
+"""Edges that a fit is made of, at most."""
+FEWEST_EDGES = 64
+"""Edges below which nothing is fitted."""
+TURNS_OF_A_WHEEL = 8
+"""A wheel's edges are placed from so many turns, at least."""
+MOST_PLACES = 256
+CLEAR = 10.0
+"""By so much the logarithm of the likelihood has to be higher before one explanation is preferred to another."""
+FASTEST_CHANGE = 1e4
+"""Largest q T^3/R that is tried [1]: the speed is another with each edge."""
+OPTIMISTIC = 1.3
+"""Squared innovations so much larger than expected matter, whatever the speed."""
+WORSE, MODEST = 1.25, 3.0
+"""A speed error so many times as large as it need be, or stated so many times too large, matters ..."""
+WORTH = 2e-3
+"""... from this share of the speed on; `MODEST` times that where it is only stated too large."""
+FAR = 4.0
+"""Deviations beyond which an edge is an outlier."""
+STEP = 0.05
+"""Of the logarithms, in the differences that give the curvature."""
+
+
+class Noise(NamedTuple):
+    """What a log is explained by: q [rad^2/s^3] of the acceleration, and R_2 [rad^2] of an edge's angle."""
+
+    acceleration_density: float
+    edge_variance: float
+
+
+class Passage(NamedTuple):
+    """From one edge to the next: time [s], angle [rad], the variance of the angle from sampling alone [rad^2], and
+    whether a piece begins here (1, else 0)."""
+
+    duration: float
+    angle: float
+    sampling_variance: float
+    first: float
+
+
+class PassageMemory(NamedTuple):
+    """The belief at the last edge, its angle counted from where that edge lies; `seen` edges of the piece, up to 2."""
+
+    belief: AngleSpeed
+    seen: float
+
+
+class Surprise(NamedTuple):
+    """By how much an edge differed from what was expected [rad], and the variance of that; 0 where nothing was."""
+
+    innovation: float
+    variance: float
+
+
+def passage_start() -> PassageMemory:
+    """Memory before the first edge."""
+    return PassageMemory(AngleSpeed(0.0, 0.0, 1.0, 0.0, 0.0), 0.0)
+
+
+def passage_step(memory: PassageMemory, passage: Passage, noise: Noise) -> tuple[PassageMemory, Surprise]:
+    """The constant-speed Kalman filter over one more edge.
+
+    Nothing is known before the first two edges of a piece: they settle the belief and say nothing of the noise,
+    P11 = R, P12 = R/h, P22 = (R + R_before)/h^2 + q h/3.
+
+    Source  ours, docs/logs.md
+    """
+    h, q = passage.duration, noise.acceleration_density
+    R = passage.sampling_variance + noise.edge_variance
+    if passage.first > 0.0 or memory.seen == 0.0:
+        return PassageMemory(AngleSpeed(0.0, 0.0, R, 0.0, 0.0), 1.0), Surprise(0.0, 0.0)
+    if memory.seen == 1.0:
+        P22 = (R + memory.belief.angle_variance) / (h * h) + q * h / 3.0
+        return PassageMemory(AngleSpeed(0.0, passage.angle / h, R, R / h, P22), 2.0), Surprise(0.0, 0.0)
+    prior = propagated(memory.belief, h, q)
+    innovation = passage.angle - prior.angle
+    b = corrected(prior, innovation, R)
+    after = AngleSpeed(b.angle - passage.angle, b.speed, b.angle_variance, b.covariance, b.speed_variance)
+    return PassageMemory(after, 2.0), Surprise(innovation, prior.angle_variance + R)
+
+
+class Passed(NamedTuple):
+    """Edges of a log that have numbers: arrays of one length, in the order of time within each piece."""
+
+    times: Array  # [s]
+    numbers: Array
+    angles: Array  # where the wheel has them [rad]
+    sampling_variances: Array  # [rad^2]
+    pieces: Array
+
+
+@dataclass
+class LongestPieces:
+    """The longest pieces of a log that goes by, up to `MOST_EDGES` edges of each."""
+
+    _pieces: dict[float, list[tuple[Array, ...]]] = field(default_factory=dict)
+    _sizes: dict[float, int] = field(default_factory=dict)
+
+    NAMES = ("time", "number", "angle", "variance")
+
+    def add(self, edges: dict[str, Array]) -> None:
+        """Takes in edges of one piece, in the columns of docs/logs.md."""
+        chosen = (edges["settled"] > 0.0) & np.isfinite(edges["number"])
+        if not chosen.any():
+            return
+        piece = float(edges["piece"][0])
+        room = MOST_EDGES - self._sizes.get(piece, 0)
+        kept = np.flatnonzero(chosen)[: max(room, 0)]
+        self._pieces.setdefault(piece, []).append(tuple(edges[name][kept] for name in self.NAMES))
+        self._sizes[piece] = self._sizes.get(piece, 0) + kept.size
+        if sum(self._sizes.values()) > 3 * MOST_EDGES:
+            self._forget()
+
+    def _longest(self) -> list[float]:
+        """The pieces that are needed, the longest first."""
+        found, total = [], 0
+        for piece in sorted(self._sizes, key=lambda piece: -self._sizes[piece]):
+            if total >= MOST_EDGES:
+                break
+            found.append(piece)
+            total += self._sizes[piece]
+        return found
+
+    def _forget(self) -> None:
+        needed = {*self._longest(), max(self._sizes)}  # the last one may still grow
+        self._pieces = {piece: parts for piece, parts in self._pieces.items() if piece in needed}
+        self._sizes = {piece: size for piece, size in self._sizes.items() if piece in needed}
+
+    def passed(self, edge_variance: float) -> Passed | None:
+        """The edges, `MOST_EDGES` at most; None where there are too few. `edge_variance` is taken off their variances:
+        what is left is from sampling."""
+        found: list[tuple[Array, ...]] = []
+        room = MOST_EDGES
+        for piece in self._longest():
+            t, number, angle, variance = (np.concatenate(column) for column in zip(*self._pieces[piece], strict=True))
+            sound = np.flatnonzero(np.concatenate([[True], np.diff(t) > 0.0]))[:room]
+            if sound.size > 2:
+                sampled = np.fmax(variance[sound] - edge_variance, 0.0)
+                sampled[sampled < 1e-9 * edge_variance] = 0.0  # a difference's rounding
+                found.append((t[sound], number[sound], angle[sound], sampled, np.full(sound.size, piece)))
+                room -= sound.size
+        if MOST_EDGES - room < FEWEST_EDGES:
+            return None
+        return Passed(*(np.concatenate(column) for column in zip(*found, strict=True)))
+
+
+def time_resolution(times: Array) -> float:
+    """The step in which times are written [s]: a power of ten where all are whole multiples of it, else the distance
+    of neighbouring double numbers."""
+    spacing = float(np.spacing(np.max(np.abs(times), initial=1e-300)))
+    for digits in range(10):
+        step = 10.0**-digits
+        if spacing > 1e-3 * step:
+            break
+        parts = times / step
+        if np.all(np.abs(parts - np.round(parts)) < 1e-6 + 2.0 * spacing / step):
+            return step
+    return spacing
+
+
+class Fit(NamedTuple):
+    """The likeliest settings, and what they are worth.
+
+    `errors` are the standard errors of ln q and of ln R_2 [1], infinite where a value lies at its floor: then all below
+    explain the log as well.
+    """
+
+    noise: Noise
+    log_likelihood: float
+    errors: tuple[float, float]
+    at_floor: tuple[bool, bool]
+    edges: int
+
+
+class Likelihood:
+    """The likelihood of the edges of a log under any settings."""
+
+    def __init__(self, passed: Passed, sectors: int, say: Callable[[str], None] = quiet) -> None:
+        self.passed, self.sectors = passed, sectors
+        self._first = np.concatenate([[True], np.diff(passed.pieces) != 0.0])
+        self._durations = np.where(self._first, 0.0, np.diff(passed.times, prepend=passed.times[0]))
+        self._replay = Replay(passage_step, passage_start(), Passage(0.0, 0.0, 0.0, 1.0), Noise(1.0, 1.0), say=say)
+        self._rows = self._rows_of(passed.angles)
+        self.period = float(np.median(self.steps))
+        turned = np.diff(passed.angles, prepend=passed.angles[0])[~self._first]
+        self.speed = float(np.sum(turned) / np.sum(self.steps))
+
+    def _rows_of(self, angles: Array) -> Array:
+        steps = np.where(self._first, 0.0, np.diff(angles, prepend=angles[0]))
+        return np.column_stack([self._durations, steps, self.passed.sampling_variances, self._first])
+
+    def surprises(self, noise: Noise, angles: Array | None = None) -> tuple[Array, Array]:
+        """Innovations [rad] and their variances, of the edges that have them."""
+        rows = self._rows if angles is None else self._rows_of(angles)
+        shown = self._replay(passage_start(), rows, noise).shown
+        told = shown[:, 1] > 0.0
+        return shown[told, 0], shown[told, 1]
+
+    def logarithm(self, noise: Noise) -> float:
+        """ln L = -1/2 sum(ln(2 pi S) + nu^2/S)."""
+        nu, S = self.surprises(noise)
+        return -0.5 * float(np.sum(np.log(TURN * S) + nu * nu / S))
+
+    @property
+    def steps(self) -> Array:
+        """Times between edges [s]."""
+        found: Array = self._durations[~self._first]
+        return found
+
+    @property
+    def steps_sampled(self) -> Array:
+        """Of the edge at the end of each, the variance that is from sampling [rad^2]."""
+        found: Array = self.passed.sampling_variances[~self._first]
+        return found
+
+    @property
+    def sampled(self) -> float:
+        """The part of an edge's variance that is from sampling [rad^2]."""
+        return float(np.median(self.passed.sampling_variances))
+
+    @property
+    def variance_floor(self) -> float:
+        """The edge variance below which nothing can be told [rad^2]: (omega dt)^2/12 from the step in which the times
+        are written, what the rounding of angles makes, and the standard error sqrt(2/n) of the part from sampling."""
+        n = self.passed.times.size
+        rounding = float(np.spacing(np.max(np.abs(self.passed.angles)))) ** 2
+        if self.sampled > 0.0:
+            return max(self.sampled * float(np.sqrt(2.0 / n)), rounding)
+        return max((self.speed * time_resolution(self.passed.times)) ** 2 / 12.0, rounding)
+
+    def without(self, offsets: Array) -> "Likelihood":
+        """The same edges on a wheel whose edges lie `offsets` [rad] further on; their count is the period."""
+        moved = self.passed._replace(angles=self.passed.angles + offsets[self._places(offsets.size)])
+        changed = object.__new__(Likelihood)
+        changed.__dict__ |= self.__dict__
+        changed.passed = moved
+        changed._rows = changed._rows_of(moved.angles)
+        return changed
+
+    def _places(self, period: int) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
+        found: np.ndarray[tuple[int], np.dtype[np.int64]] = np.mod(self.passed.numbers, period).astype(np.int64)
+        return found
+
+    def offsets(self, noise: Noise, period: int) -> Array:
+        """How much further on [rad] the edges lie that follow one another after `period`, mean of all zero.
+
+        The filter is linear in the angles, so the innovations are those of the angles less the sum of the offsets times
+        those of each edge's indicator: linear least squares of what the filter has made white.
+
+        Source  ours, docs/logs.md
+        """
+        nu, S = self.surprises(noise)
+        places, root = self._places(period), np.sqrt(S)
+        columns = [self.surprises(noise, (places == j).astype(float))[0] / root for j in range(period - 1)]
+        found = np.linalg.lstsq(np.column_stack(columns), -nu / root, rcond=1e-10)[0]
+        every = np.append(found, 0.0)
+        shifted: Array = every - np.mean(every)
+        return shifted
+
+
+def fit(likelihood: Likelihood) -> Fit:
+    """The settings under which the log is likeliest: a grid of decades, then a simplex.
+
+    The search runs over ln R_2, above its floor, and ln(q T^3/R), with R the whole variance of an edge. That is n^-4 at
+    least: the filter's time constant (R T/q)^(1/4) is then as long as n edges, and the speed constant as far as they
+    tell.
+
+    Source  ours, docs/logs.md
+    """
+    from scipy.optimize import minimize
+
+    n, pitch = likelihood.passed.times.size, TURN / likelihood.sectors
+    low = np.log([n**-4.0, likelihood.variance_floor])
+    high = np.log([FASTEST_CHANGE, max(pitch**2, 2.0 * likelihood.variance_floor)])
+
+    def noise(place: Array) -> Noise:
+        change, variance = np.exp(np.clip(place, low, high))
+        return Noise(float(change * (variance + likelihood.sampled) / likelihood.period**3), float(variance))
+
+    def unlikely(place: Array) -> float:
+        return -likelihood.logarithm(noise(place)) + float(np.sum((place - np.clip(place, low, high)) ** 2))
+
+    decades = np.ceil((high - low) / np.log(10.0)).astype(int) + 1
+    grid = [np.array([a, b]) for a in np.linspace(low[0], high[0], decades[0])
+            for b in np.linspace(low[1], high[1], decades[1])]  # fmt: skip
+    best = min(grid, key=unlikely)
+    simplex = best + np.array([[0.0, 0.0], [1.2, 0.0], [0.0, 1.2]]) * np.where(best < 0.5 * (low + high), 1.0, -1.0)
+    done = minimize(
+        unlikely, best, method="Nelder-Mead", options={"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-4}
+    )
+    place = np.clip(done.x, low, high)
+    # Where the floor is as likely, it is a bound and no estimate.
+    at_floor = tuple(
+        bool(likelihood.logarithm(noise(np.where(np.arange(2) == i, low, place))) > -done.fun - 0.5) for i in range(2)
+    )
+    place = np.where(at_floor, low, place)
+    found = noise(place)
+    free = (not at_floor[0], not at_floor[1])
+    return Fit(found, likelihood.logarithm(found), _errors(likelihood, found, free), at_floor, n)  # type: ignore[arg-type]
+
+
+def _errors(likelihood: Likelihood, noise: Noise, free: tuple[bool, bool]) -> tuple[float, float]:
+    """Standard errors of ln q and ln R_2, from the curvature of ln L."""
+    at = np.log(np.array(noise))
+    axes = [STEP * np.eye(2)[i] for i in range(2) if free[i]]
+
+    def L(place: Array) -> float:
+        return likelihood.logarithm(Noise(*np.exp(place).tolist()))
+
+    information = np.array([[-(L(at + a + b) - L(at + a - b) - L(at - a + b) + L(at - a - b)) for b in axes]
+                            for a in axes]) / (4.0 * STEP**2)  # fmt: skip
+    errors = np.full(2, np.inf)
+    if axes:
+        own = np.linalg.eigvalsh(information)
+        if own[0] > 0.0:
+            errors[np.array(free)] = np.sqrt(np.diag(np.linalg.inv(information)))
+    return float(errors[0]), float(errors[1])
+
+
+class Errors(NamedTuple):
+    """Of the speed just after an edge [rad/s]: the deviation that the filter states, and the one that it has."""
+
+    stated: float
+    true: float
+
+
+def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
+    """How well a filter with settings `taken` knows the speed of a log whose noise is `true`, mean square over it.
+
+    With the gain K of its own covariance: P = (I - K H')(F P F' + Q)(I - K H')' + K R K', Q and R the true ones.
+
+    Source  ours, docs/logs.md
+    """
+    steps, sampled = likelihood.steps.tolist(), likelihood.steps_sampled.tolist()
+    stated, real = (_after_two(steps[0], sampled[0] + n.edge_variance, n.acceleration_density) for n in (taken, true))
+    sums, late = [0.0, 0.0], len(steps) // 4
+    for k, (h, R) in enumerate(zip(steps, sampled, strict=True)):
+        stated = propagated(stated, h, taken.acceleration_density)
+        b = propagated(real, h, true.acceleration_density)
+        R_taken, R_true = R + taken.edge_variance, R + true.edge_variance
+        S = stated.angle_variance + R_taken
+        k1, k2, left = stated.angle_variance / S, stated.covariance / S, R_taken / S
+        P11, P12 = b.angle_variance, b.covariance
+        real = AngleSpeed(
+            0.0,
+            0.0,
+            left * left * P11 + k1 * k1 * R_true,
+            left * (P12 - k2 * P11) + k1 * k2 * R_true,
+            b.speed_variance + k2 * (k2 * P11 - 2.0 * P12) + k2 * k2 * R_true,
+        )
+        stated = corrected(stated, 0.0, R_taken)
+        if k >= late:
+            sums[0] += stated.speed_variance
+            sums[1] += real.speed_variance
+    return Errors(*(float(np.sqrt(total / (len(steps) - late))) for total in sums))
+
+
+def _after_two(h: float, R: float, q: float) -> AngleSpeed:
+    """What two edges tell."""
+    return AngleSpeed(0.0, 0.0, R, R / h, 2.0 * R / (h * h) + q * h / 3.0)
+
+
+@dataclass(frozen=True)
+class Explained:
+    """What a log is best explained by."""
+
+    used: Noise
+    advised: Noise
+    """What to set: the fit, and offsets of the wheel's edges that the filter is not told of as noise."""
+    plain: Fit
+    """The likeliest settings if the wheel is as it was described."""
+    wheel: Fit | None
+    """The same on a wheel whose edges lie where the log has them; None where that explains nothing more."""
+    offsets: Array
+    settings_gain: float
+    """By which ln L is higher with the fitted settings than with those in use, on the same wheel."""
+    used_errors: Errors
+    fitted_errors: Errors
+    nis: float
+    """Mean of the squared innovations over what the settings in use expect, on that wheel."""
+    outliers: float
+    """Share of the edges that lie beyond four deviations even with the likeliest settings; chance makes 6e-5 of it."""
+    likelihood: Likelihood
+
+    @property
+    def fitted(self) -> Fit:
+        """The likeliest settings, on the wheel that the log speaks for."""
+        return self.wheel if self.wheel is not None else self.plain
+
+    @property
+    def wheel_gain(self) -> float:
+        """By which ln L is higher with the edges of the wheel where the log has them."""
+        return self.wheel.log_likelihood - self.plain.log_likelihood if self.wheel is not None else 0.0
+
+    @property
+    def matters(self) -> bool:
+        """Whether the fitted settings are clearly likelier, and either the edges scatter more than those in use say, or
+        the speed could be known clearly better, or is known much better than they say."""
+        if self.settings_gain < CLEAR:
+            return False
+        now, then, speed = self.used_errors, self.fitted_errors.true, self.likelihood.speed
+        worse = now.true > WORSE * then and now.true > WORTH * speed
+        modest = now.stated > MODEST * max(now.true, then) and now.stated > MODEST * WORTH * speed
+        return self.nis > OPTIMISTIC or worse or modest
+
+    @property
+    def even_clock(self) -> bool:
+        """Whether the times are evenly spaced as far as they are written."""
+        steps = self.likelihood.steps
+        return float(np.ptp(steps)) <= 2.5 * time_resolution(self.likelihood.passed.times)
+
+    @property
+    def index_gain(self) -> float:
+        """By which ln L is higher on the wheel as described than on one whose edges are all alike."""
+        passed = self.likelihood.passed
+        even = passed._replace(angles=passed.numbers * (TURN / self.likelihood.sectors))
+        return self.plain.log_likelihood - fit(Likelihood(even, self.likelihood.sectors)).log_likelihood
+
+    def period_gain(self, period: int) -> float:
+        """By which ln L is higher if edges repeat after `period` instead, the price of its places taken off."""
+        if self.likelihood.sectors % period == 0 or not _told(self.likelihood, period):
+            return 0.0
+        refitted, _ = _placed(self.likelihood, self.plain, period)
+        return refitted.log_likelihood - self.plain.log_likelihood - _price(self.likelihood, period)
+
+
+def fitted_filter(settings: EventFilter, noise: Noise) -> EventFilter:
+    """The filter with this noise; a manoeuvre is no calmer than the rest."""
+    q = noise.acceleration_density
+    return replace(
+        settings,
+        acceleration_density=q,
+        edge_variance=noise.edge_variance,
+        manoeuvre_density=max(settings.manoeuvre_density, q),
+    )
+
+
+def explained(passed: Passed, sectors: int, used: Noise, say: Callable[[str], None] = quiet) -> Explained:
+    """What these edges of a wheel with `sectors` are best explained by: their settings, or where the wheel's edges lie.
+
+    Source  ours, docs/logs.md
+    """
+    likelihood = Likelihood(passed, sectors, say)
+    plain = fit(likelihood)
+    wheel, offsets, own = None, np.zeros(sectors), likelihood
+    if _told(likelihood, sectors):
+        placed, found = _placed(likelihood, plain, sectors)
+        if placed.log_likelihood - plain.log_likelihood - _price(likelihood, sectors) > CLEAR:
+            wheel, offsets, own = placed, found, likelihood.without(found)
+    fitted = wheel if wheel is not None else plain
+    (nu, S), (mu, S_fitted) = own.surprises(used), own.surprises(fitted.noise)
+    density = _careful_density(own, fitted, used) if fitted.at_floor[0] else fitted.noise.acceleration_density
+    return Explained(
+        used,
+        Noise(density, fitted.noise.edge_variance + float(np.mean(offsets**2))),
+        plain,
+        wheel,
+        offsets,
+        fitted.log_likelihood - own.logarithm(used),
+        speed_errors(own, used, fitted.noise),
+        speed_errors(own, Noise(density, fitted.noise.edge_variance), fitted.noise),
+        float(np.mean(nu * nu / S)),
+        float(np.mean(mu * mu > FAR * FAR * S_fitted)),
+        likelihood,
+    )
+
+
+def _careful_density(likelihood: Likelihood, fitted: Fit, used: Noise) -> float:
+    """Where the speed was constant as far as the log tells, the largest q, not above the one in use, that costs no
+    speed error worth a word: it will not always be, and a filter that is sure of its speed goes on through a stop."""
+    q, R = fitted.noise
+    density = used.acceleration_density
+    while density > q:
+        if speed_errors(likelihood, Noise(density, R), fitted.noise).true < 0.5 * WORTH * likelihood.speed:
+            return density
+        density *= 0.1
+    return q
+
+
+def _told(likelihood: Likelihood, period: int) -> bool:
+    return 2 <= period <= MOST_PLACES and likelihood.passed.times.size >= TURNS_OF_A_WHEEL * period
+
+
+def _price(likelihood: Likelihood, period: int) -> float:
+    """What so many places that were fitted cost in ln L: (period - 1)/2 ln n, after Schwarz."""
+    return 0.5 * (period - 1) * float(np.log(likelihood.passed.times.size))
+
+
+def _placed(likelihood: Likelihood, plain: Fit, period: int) -> tuple[Fit, Array]:
+    """The likeliest settings where the edges lie as the log has them, with a period; settings and places by turns."""
+    found, offsets = plain, np.zeros(period)
+    for _ in range(3):
+        offsets = likelihood.offsets(found.noise, period)
+        before, found = found, fit(likelihood.without(offsets))
+        if found.log_likelihood < before.log_likelihood + 0.5:
+            break
+    return found, offsets

@@ -1,0 +1,192 @@
+"""The settings that a log speaks for: the likelihood itself, and what is found where the noise is known."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2, multivariate_normal
+
+from vvdp.estimation.event_filter import event_filter
+from vvdp.logs.fitting import (
+    Likelihood,
+    LongestPieces,
+    Noise,
+    Passage,
+    Passed,
+    explained,
+    fit,
+    fitted_filter,
+    passage_start,
+    passage_step,
+    speed_errors,
+    time_resolution,
+)
+from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.sensing.wheel import TURN, equal_wheel
+from vvdp.simulation.replay import Replay
+
+PITCH = TURN / 8.0
+SPEED = 120.0
+
+
+def passed(times, angles, sampled=0.0, pieces=1.0):
+    one = np.ones(times.size)
+    return Passed(times, np.round(angles / PITCH), angles, sampled * one, pieces * one)
+
+
+def wandering(count, noise, seed, speed=SPEED):
+    """Angles at regular times, measured with noise, and the true speed: exactly the model of the filter."""
+    rng = np.random.default_rng(seed)
+    h, q = PITCH / speed, noise.acceleration_density
+    root = np.linalg.cholesky(q * np.array([[h**3 / 3.0, h**2 / 2.0], [h**2 / 2.0, h]]))
+    pushes = rng.normal(size=(count, 2)) @ root.T
+    speeds = speed + np.cumsum(pushes[:, 1])
+    before = np.concatenate([[speed], speeds[:-1]])
+    true = np.cumsum(h * before + pushes[:, 0])
+    times = h * np.arange(1, count + 1)
+    return passed(times, true + rng.normal(0.0, np.sqrt(noise.edge_variance), count)), speeds
+
+
+def test_the_third_edge_says_what_the_second_difference_does():
+    # nu = y3 - 2 y2 + y1. Noise: (1 + 4 + 1) R. White acceleration of density q: with u the time from the middle edge,
+    # the second difference weighs it by h - |u|, so its variance is 2 q int_0^h (h - u)^2 du = 2/3 q h^3.
+    q, R, h = 30.0, 4e-4, 0.01
+    memory, shown = passage_start(), None
+    for angle, first in ((0.0, 1.0), (0.3, 0.0), (0.35, 0.0)):
+        memory, shown = passage_step(memory, Passage(h, angle, 0.0, first), Noise(q, R))
+    assert shown.innovation == pytest.approx(0.35 - 0.3)
+    assert shown.variance == pytest.approx(6.0 * R + 2.0 / 3.0 * q * h**3, rel=1e-12)
+
+
+def test_the_likelihood_is_that_of_the_second_differences():
+    # Second differences of angles at even times are Gaussian, with the covariances R (6, -4, 1) and, of integrated
+    # white noise, q h^3 (2/3, 1/6): an independent way to the same number, since they map onto y3, y4, ... with
+    # determinant 1.
+    noise = Noise(42.0, 3.8e-4)
+    edges, _ = wandering(80, noise, 1)
+    h = float(np.diff(edges.times)[0])
+    n = 78
+    C = sum(value * (np.eye(n, k=k) + (np.eye(n, k=-k) if k else 0.0)) for k, value in enumerate((
+        6.0 * noise.edge_variance + 2.0 / 3.0 * noise.acceleration_density * h**3,
+        -4.0 * noise.edge_variance + noise.acceleration_density * h**3 / 6.0,
+        noise.edge_variance,
+    )))  # fmt: skip
+    expected = multivariate_normal(np.zeros(n), C).logpdf(np.diff(edges.angles, 2))
+    assert Likelihood(edges, 8).logarithm(noise) == pytest.approx(expected, rel=1e-9)
+
+
+def test_where_the_record_begins_in_time_and_angle_does_not_matter():
+    noise = Noise(42.0, 3.8e-4)
+    edges, _ = wandering(200, noise, 2)
+    moved = edges._replace(times=edges.times + 64.0, angles=edges.angles + 512.0)
+    one, other = (Likelihood(each, 8).logarithm(noise) for each in (edges, moved))
+    assert other == pytest.approx(one, rel=1e-8)
+
+
+def test_known_noise_is_recovered_within_the_standard_errors():
+    # Of 24 records, the sums of the squared errors of ln q and of ln R_2 over their variances are chi-square with 24
+    # degrees each; the bounds leave out 1e-4 at either end.
+    noise = Noise(50.0, 4e-4)
+    z = []
+    for seed in range(24):
+        found = fit(Likelihood(wandering(1000, noise, 100 + seed)[0], 8))
+        assert found.at_floor == (False, False)
+        z.append((np.log(np.array(found.noise)) - np.log(np.array(noise))) / np.array(found.errors))
+    low, high = chi2.ppf([1e-4, 1.0 - 1e-4], 24)
+    squares = np.sum(np.square(z), axis=0)
+    assert np.all((low < squares) & (squares < high)), squares
+    # ... and no bias: the mean of 24 has a standard error of 1/sqrt(24)
+    assert np.all(np.abs(np.mean(z, axis=0)) < 4.0 / np.sqrt(24.0))
+
+
+def test_what_sampling_makes_is_not_taken_for_the_edges_own():
+    noise, sampled = Noise(50.0, 4e-4), 6e-4
+    edges, _ = wandering(3000, Noise(50.0, noise.edge_variance + sampled), 5)
+    found = fit(Likelihood(edges._replace(sampling_variances=np.full(3000, sampled)), 8))
+    assert abs(np.log(found.noise.edge_variance / noise.edge_variance)) < 4.0 * found.errors[1]
+
+
+def test_a_constant_speed_and_exact_edges_end_at_the_floors():
+    times = np.round(0.1 + np.arange(1000) * PITCH / SPEED, 9)
+    found = fit(Likelihood(passed(times, np.arange(1000) * PITCH), 8))
+    assert found.at_floor == (True, True) and found.errors == (np.inf, np.inf)
+    assert found.noise.edge_variance == pytest.approx((SPEED * 1e-9) ** 2 / 12.0, rel=1e-6)
+    # q T^3/R = n^-4
+    assert found.noise.acceleration_density == pytest.approx(
+        found.noise.edge_variance / 1000.0**4 / (PITCH / SPEED) ** 3, rel=1e-4
+    )
+
+
+@pytest.mark.parametrize(("step", "begin"), [(1e-9, 0.0), (1e-6, 1.7e5), (1e-3, 0.2)])
+def test_the_resolution_of_written_times(step, begin):
+    times = begin + np.round(np.sort(np.random.default_rng(0).uniform(0.0, 10.0, 500)) / step) * step
+    assert time_resolution(times) == pytest.approx(step)
+    assert time_resolution(np.random.default_rng(0).uniform(0.5, 0.99, 500)) == np.spacing(0.99)
+
+
+def test_the_wheel_is_told_from_the_speed():
+    places = 0.05 * np.array([1.0, -1.0, 0.5, 0.0, -0.5, 0.0, 0.3, -0.3])
+    edges, _ = wandering(2000, Noise(50.0, 4e-4), 7)
+    numbers = np.arange(2000.0)
+    edges = edges._replace(numbers=numbers)
+    none = explained(edges, 8, Noise(50.0, 4e-4))
+    assert none.wheel is None and none.settings_gain < 10.0 and not none.matters
+    # an edge that lies further on is measured at an angle that is smaller than where it is
+    seen = edges._replace(angles=edges.angles - places[np.mod(numbers, 8).astype(int)])
+    found = explained(seen, 8, Noise(50.0, 4e-4))
+    assert found.wheel is not None and found.wheel_gain > 100.0
+    # 250 turns: 2 % of a deviation of 0.02 rad each, and a little more since the speed wanders
+    assert np.allclose(found.offsets, places - np.mean(places), atol=0.008)
+    q, R = found.wheel.noise
+    assert abs(np.log(q / 50.0)) < 4.0 * found.wheel.errors[0] and abs(np.log(R / 4e-4)) < 4.0 * found.wheel.errors[1]
+    assert found.advised.edge_variance == pytest.approx(R + np.mean(found.offsets**2))
+    assert found.period_gain(9) < 0.0 and found.period_gain(2) == 0.0
+    assert found.period_gain(10) < 0.5 * found.wheel_gain  # what it shares with 8: even and odd edges
+
+
+def test_the_speed_error_is_what_a_filter_has():
+    true, taken = Noise(50.0, 4e-4), Noise(0.25, 3.47e-3)
+    edges, speeds = wandering(4000, true, 11)
+    likelihood = Likelihood(edges, 8)
+    errors = speed_errors(likelihood, taken, true)
+    belief, left = AngleSpeed(edges.angles[0], SPEED, 1.0, 0.0, 1.0), []
+    for k, h in enumerate(np.diff(edges.times).tolist()):
+        belief = propagated(belief, h, taken.acceleration_density)
+        belief = corrected(belief, edges.angles[k + 1] - belief.angle, taken.edge_variance)
+        left.append(belief.speed - speeds[k + 1])
+    # the filter remembers (R T/q)^(1/4) = 0.1 s of 26 s: some 250 independent values, 4.5 %; four times that
+    assert np.sqrt(np.mean(np.square(left[1000:]))) == pytest.approx(errors.true, rel=0.2)
+    assert errors.stated == pytest.approx(np.sqrt(belief.speed_variance), rel=0.05)
+    best = speed_errors(likelihood, true, true)
+    assert best.stated == pytest.approx(best.true, rel=1e-9)
+    for factor in (0.1, 10.0):
+        assert speed_errors(likelihood, Noise(50.0 * factor, 4e-4), true).true > best.true
+
+
+def test_the_longest_pieces_are_kept_in_bounded_memory():
+    found = LongestPieces()
+    for piece, count in ((1.0, 300), (2.0, 9000), (3.0, 10), (4.0, 2000), *((5.0 + k, 900) for k in range(20))):
+        for begin in range(0, count, 500):
+            t = piece * 1000.0 + np.arange(begin, min(begin + 500, count)) * 0.01
+            one = np.ones(t.size)
+            found.add({"time": t, "number": t * 100.0, "angle": t, "variance": 5e-3 * one, "piece": piece * one,
+                       "settled": one})  # fmt: skip
+            assert sum(found._sizes.values()) <= 3 * 4096
+    edges = found.passed(3e-3)
+    assert edges.times.size == 4096 and set(edges.pieces) == {2.0}
+    assert np.allclose(edges.sampling_variances, 2e-3)
+    assert LongestPieces().passed(3e-3) is None
+
+
+def test_a_manoeuvre_is_no_calmer_than_what_was_fitted():
+    found = fitted_filter(event_filter(equal_wheel(8)), Noise(3e4, 1e-5))
+    assert (found.acceleration_density, found.manoeuvre_density, found.edge_variance) == (3e4, 3e4, 1e-5)
+
+
+def test_plain_python_and_replay_agree_about_a_passage():
+    edges, _ = wandering(60, Noise(50.0, 4e-4), 3)
+    likelihood = Likelihood(edges._replace(pieces=np.repeat([1.0, 2.0], 30)), 8)
+    replay = Replay(passage_step, passage_start(), Passage(0.0, 0.0, 0.0, 1.0), Noise(1.0, 1.0))
+    shown = replay(passage_start(), likelihood._rows, Noise(50.0, 4e-4)).shown
+    memory = passage_start()
+    for row, expected in zip(likelihood._rows, shown, strict=True):
+        memory, surprise = passage_step(memory, Passage(*row.tolist()), Noise(50.0, 4e-4))
+        assert tuple(surprise) == pytest.approx(tuple(expected), rel=1e-12, abs=1e-15)
