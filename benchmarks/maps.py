@@ -27,7 +27,7 @@ def main() -> None:
     print(machine())
     held = stand(load_system("prototype"))
     large, axes = default_axes(held, 100, 100), default_axes(held, 12, 10)
-    analytic_map(held, axes, engine=ThisProcess(2))
+    analytic_map(held, axes, cores=2)
     times = interleaved({f"{n} cores": partial(analytic_map, held, large, cores=n) for n in (1, 2)}, REPEATS)
     for name, found in times.items():
         met = median(found) < ANALYTIC_TARGET if name == "2 cores" else None

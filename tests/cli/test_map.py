@@ -85,3 +85,39 @@ def test_pump_at_rest_is_refused(vvdp, here):
     answer = vvdp("map", "prototype", "--set", "operation.pump_speed=0 rpm")
     assert answer.code == 2
     assert "expected more than 0 rad/s" in answer.err
+
+
+def test_axes_in_the_units_of_the_reader(vvdp, here):
+    """Gauge, as they were written, and duty ratios from 0 to 1 only."""
+    answer = vvdp("map", "prototype", "--pressure", "100 bar", "10 bar", "4", "--duty", "0.2", "1.5", "4")
+    assert answer.code == 2
+    assert "--pressure: '100 bar' to '10 bar'; expected increasing values" in answer.err
+    assert "--duty: 1.5 is outside 0 to 1" in answer.err
+    assert "-0.2 is outside 0 to 1" in vvdp("map", "prototype", "--duty", "-0.2", "1", "4").err
+    assert "-1000 rpm; expected numbers above 0 rpm" in vvdp("map", "prototype", "--speed", "-1000 rpm").err
+    assert not (here / "results").exists()
+
+
+def test_every_speed_and_temperature_has_its_table(vvdp, here):
+    axes = ("--speed", "1000 rpm", "--speed", "1500 rpm", "--temperature", "20 degC", "--temperature", "50 degC")
+    answer = vvdp("map", "prototype", "--analytic", *SMALL, *axes, "--no-report")
+    for words in ("1000 rpm, 20 °C", "1500 rpm, 20 °C", "1000 rpm, 50 °C", "1500 rpm, 50 °C"):
+        assert f"overall efficiency [%], {words}" in answer.out
+
+
+def test_spool_that_cannot_turn_is_refused(vvdp, here):
+    answer = vvdp("map", "prototype-constant-load", "--set", "valve.friction_area=0.9 m^2", *SMALL)
+    assert answer.code == 2
+    assert "with a friction of 0.442 N*m*s (valve.friction_area 0.9 m^2)" in answer.err
+
+
+def test_analytic_and_simulated_maps_do_not_replace_each_other(vvdp, here):
+    one = ("--duty", "0.5", "0.5", "1", "--pressure", "40 bar", "40 bar", "1", "--no-report", "--out")
+    assert vvdp("map", "prototype-constant-load", *one, "m").code == 0
+    before = (here / "m" / "map.csv").read_text()
+    answer = vvdp("map", "prototype-constant-load", "--analytic", *one, "m")
+    assert answer.code == 2
+    assert "m: holds a simulated map; choose another directory for an analytic one" in answer.err
+    assert (here / "m" / "map.csv").read_text() == before
+    assert vvdp("map", "prototype-constant-load", "--analytic", *one, "a").code == 0
+    assert "holds an analytic map" in vvdp("map", "prototype-constant-load", *one, "a").err

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from vvdp.rigs import cycle
 from vvdp.rigs.averages import averages
-from vvdp.rigs.cycle import CyclePoint, cycle_means
+from vvdp.rigs.cycle import SLOWEST, CyclePoint, cycle_means, half_period, speed_after
 from vvdp.valve import flow_map
 from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_mean
 from vvdp.valve.losses import closed_form_load_flow
@@ -77,3 +77,21 @@ def test_number_of_angles_is_enough(source_stand):
         fine = cycle_means(point(0.37, 80e5), valve)
     assert coarse.load_flow == pytest.approx(fine.load_flow, abs=1e-5 * FLOW)
     assert coarse.inlet_pressure == pytest.approx(fine.inlet_pressure, rel=2e-4)
+
+
+def test_speed_after_a_stretch_by_hand():
+    """J = 2, from 3 rad/s with 5 N m - 1 N m s omega over 1 rad: omega^2 - 9 = 5 - omega, omega = 3.2749."""
+    assert speed_after(1.0, 3.0, 5.0, 1.0, 2.0) == pytest.approx(0.5 * (57.0**0.5 - 1.0), rel=1e-12)
+
+
+def test_slowness_tells_a_spool_that_stops(source_stand):
+    """Even torque: the time at the balanced speed. Friction fourfold: still turning; twentyfold and more: it stops."""
+    even = np.full(50, 0.2)
+    assert half_period(even, 0.1 * even, 1e-5, 0.02) == pytest.approx(50 * 0.02 / 10.0, rel=1e-9)
+    area = source_stand.tables["valve"].friction_area
+    slowness = [
+        cycle_means(point(), source_stand.changed("valve", friction_area=factor * area).tables["valve"]).slowness
+        for factor in (1.0, 4.0, 20.0, 300.0)
+    ]
+    assert all(each < 1.5 for each in slowness[:2])
+    assert all(each > 2.0 * SLOWEST for each in slowness[2:])

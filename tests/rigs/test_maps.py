@@ -1,6 +1,7 @@
 """Maps: what physics says of them, that they are what a run gives, and that finished points survive anything."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -10,11 +11,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vvdp.base.errors import ConfigError, RunError
+from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.base.signal import constant
+from vvdp.report.rig_figures import rig_figures
+from vvdp.report.rig_report import thinned_rows
 from vvdp.rigs import maps
 from vvdp.rigs.map_result import map_result
 from vvdp.rigs.maps import Axes, analytic_map, default_axes, map_directory, simulated_map, usable
+from vvdp.rigs.pressure_drop import pressure_drop
 from vvdp.rigs.result import read_rig, write_rig
 from vvdp.rigs.steady import steady_states
 from vvdp.simulation.outcome import outcome
@@ -139,9 +143,12 @@ def test_what_varies_is_held_and_what_watches_is_dropped(orifice_stand):
     ("change", "words"),
     [
         ({"duty_ratios": ()}, "none; expected at least one"),
-        ({"load_pressures": (2e5, 1e5)}, "expected increasing values"),
-        ({"pump_speeds": (0.0,)}, "expected numbers above 0"),
-        ({"temperatures": (np.nan,)}, "expected numbers above 0"),
+        ({"load_pressures": (ZERO + 100e5, ZERO + 10e5)}, "load pressures: 10 bar after 100 bar; expected increasing"),
+        ({"load_pressures": (-1e5, ZERO)}, "-2.01325 bar; expected numbers above -1.01325 bar"),
+        ({"pump_speeds": (-104.71975511965977,)}, "pump speeds: -1000 rpm; expected numbers above 0 rpm"),
+        ({"temperatures": (np.nan,)}, "nan degC; expected numbers above -273.15 degC"),
+        ({"duty_ratios": (-0.2, 0.5)}, "duty ratios: -0.2; expected numbers from 0 to 1"),
+        ({"duty_ratios": (0.5, 1.2, 1.5)}, "duty ratios: 1.2 and 1 more; expected numbers from 0 to 1"),
     ],
 )
 def test_bad_axes_are_refused(change, words):
@@ -155,6 +162,66 @@ def test_all_faults_of_axes_at_once():
     assert len(caught.value.faults) == 3
 
 
+STUCK = "with a friction of 0.442 N.m.s .valve.friction_area 0.9 m.2. it stops where both ports are nearly shut"
+
+
+def test_spool_that_cannot_turn_is_refused_at_once(source_stand, tmp_path):
+    """The prototype's 1.3347e-3 N m s times 0.9 m^2 over its own area; a run would wait minutes for a mark."""
+    braked = source_stand.changed("valve", friction_area=0.9)
+    for found in (lambda: analytic_map(braked, COARSE), lambda: simulated_map(braked, COARSE, tmp_path / "m")):
+        with pytest.raises(ParameterError, match=STUCK + ", at each of 12 points"):
+            found()
+    assert not (tmp_path / "m").exists()
+    (state,) = steady_states([(braked, COARSE.points[5])])
+    assert state.periodic is None
+    assert state.reason is not None
+    assert "it stops where both ports are nearly shut" in state.reason
+    driven = braked.driven(70.0)
+    assert driven.standstill(313.15, driven.means(COARSE.points[5])) is None
+
+
+def test_map_without_any_result_is_drawn(orifice_stand, tmp_path):
+    """Nothing is delivered that could hold a pressure, so no point is run; columns and pictures are there still."""
+    found = simulated_map(orifice_stand, replace(COARSE, duty_ratios=(0.0, 0.001)), tmp_path)
+    assert all(reason is not None for reason in found.reasons)
+    assert np.all(np.isnan(found.columns["mean_pump_flow_m3_s"]))
+    assert [each.name for each in rig_figures(map_result(found))] == ["flow", "efficiency"]
+
+
+def test_why_a_point_has_no_efficiency(source_stand):
+    """Nothing can be delivered above the relief setting of 120 bar, and no power at the tank's pressure."""
+    levels = (ZERO, ZERO + 100e5, ZERO + 160e5, ZERO + 200e5)
+    found = analytic_map(source_stand, replace(COARSE, duty_ratios=(0.4, 0.7), load_pressures=levels))
+    relief = "the load pressure is above the relief setting of 120 bar"
+    assert found.reasons == (*["no load pressure above the tank's, so no efficiency"] * 2, None, None, *[relief] * 4)
+    assert map_result(found).numbers["points_without_result"] == 6.0
+    assert np.isfinite(found.columns["overall_efficiency"]).tolist() == [reason is None for reason in found.reasons]
+    flow = next(rig_figures(map_result(found)))
+    assert "A load above the relief setting drives oil backwards, down to" in flow.caption
+
+
+def test_best_efficiency_says_where(source_stand):
+    wide = replace(COARSE, pump_speeds=(94.24777960769379, 188.49555921538757), temperatures=(303.15, 333.15))
+    several, one = (map_result(analytic_map(source_stand, axes)).findings[0] for axes in (wide, COARSE))
+    assert re.search(r"bar, (900|1800) rpm, (30|60) °C; at most", several)
+    assert "rpm" not in one
+
+
+def test_long_tables_are_thinned_evenly(source_stand):
+    """180 rows of 30 flows: every second flow of each course, the last among them; even strides on a map's axes."""
+    sheet = pressure_drop(source_stand, temperatures=(293.15, 313.15)).sheets["pressure-drop"]
+    rows, words = thinned_rows(sheet)
+    assert len(rows) == 90
+    flows = (np.array(sheet["flow_m3_s"])[rows] * 6e4).reshape(2, 3, 15)
+    np.testing.assert_allclose(flows, np.broadcast_to(np.arange(4.0, 61.0, 4.0), flows.shape))
+    assert words == ", 1 in 2 of the values of flow"
+    found = map_result(analytic_map(source_stand, default_axes(source_stand, 40, 30))).sheets["map"]
+    rows, words = thinned_rows(found)
+    assert 75 < len(rows) <= 150
+    assert words.count("1 in") == 2
+    assert rows[-1] == found.rows - 1
+
+
 def test_result_comes_back_from_disk(simulated, tmp_path):
     result = map_result(simulated)
     write_rig(tmp_path, result, "")
@@ -165,7 +232,7 @@ def test_result_comes_back_from_disk(simulated, tmp_path):
         np.testing.assert_array_equal(again.sheets["map"][name], column.values)
     lines = (tmp_path / "map.csv").read_text().splitlines()
     assert len(lines) == 13
-    assert lines[0].startswith("duty_ratio,load_pressure_Pa [Pa gauge],")
+    assert lines[0].startswith("duty_ratio,load_pressure_Pa [gauge],pump_speed_rad_s,")
 
 
 def test_finished_points_are_not_run_again(source_stand, simulated, tmp_path, monkeypatch):

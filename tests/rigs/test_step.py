@@ -89,3 +89,8 @@ def test_bad_frequencies_are_refused(source_stand, frequencies, words):
 def test_no_step_is_refused(source_stand):
     with pytest.raises(ParameterError, match="expected two different ones"):
         dynamics(source_stand, (0.4, 0.4))
+
+
+def test_step_beyond_the_duty_ratios_is_refused(source_stand):
+    with pytest.raises(ParameterError, match=r"from duty ratio 0 to 1\.5; expected two different ones from 0 to 1"):
+        dynamics(source_stand, (0.0, 1.5))

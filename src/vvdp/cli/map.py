@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, Settings, SystemName
+from vvdp.cli.options import AsJson, Settings, SystemName, out_option
 
 if TYPE_CHECKING:
     from vvdp.base.errors import Fault
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 INTERRUPTED = 130
 NOT_TRUSTED = 3
+MOST_TABLES = 8
+"""Pairs of pump speed and oil temperature whose table is printed."""
 
 Span = Annotated[
     tuple[str, str, int] | None,
@@ -54,7 +56,7 @@ def map(  # noqa: A001 - the name of the verb
     temperature: Temperatures = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Where to write; by default results/map-SYSTEM."),
+        out_option("Where to write; by default results/map-SYSTEM."),
     ] = None,
     on: On = HERE,
     workers: Workers = None,
@@ -85,7 +87,7 @@ def map(  # noqa: A001 - the name of the verb
     engine = chosen_engine(on, workers, cores, sbatch, directory)
     if analytic and on != HERE:
         raise unusable("--on", f"{on!r}; an analytic map is worked out at once, here")
-    with map_directory(directory):
+    with map_directory(directory, simulated=not analytic):
         if analytic:
             found = analytic_map(held, axes, cores=cores, say=say)
         else:
@@ -119,12 +121,12 @@ def chosen_axes(
 ) -> "Axes":
     """The axes that options ask for, the default ones where they do not. Raises ConfigError with all faults."""
     from vvdp.base.errors import ConfigError, Fault
-    from vvdp.base.kinds import DUTY_RATIO, PRESSURE_LEVEL, SPEED, TEMPERATURE
+    from vvdp.base.kinds import FRACTION, PRESSURE_LEVEL, SPEED, TEMPERATURE
     from vvdp.rigs.maps import default_axes
 
     faults: list[Fault] = []
     given = {
-        "duty_ratios": _stretch("--duty", duty, DUTY_RATIO, faults),
+        "duty_ratios": _stretch("--duty", duty, FRACTION, faults),
         "load_pressures": _stretch("--pressure", pressure, PRESSURE_LEVEL, faults),
         "pump_speeds": tuple(sorted(set(_parsed("--speed", speed or (), SPEED, faults)))),
         "temperatures": tuple(sorted(set(_parsed("--temperature", temperature or (), TEMPERATURE, faults)))),
@@ -149,6 +151,9 @@ def _stretch(option: str, ends: tuple[str, str, int] | None, kind: "Kind", fault
     low, high = found
     if ends[2] == 1 or low == high:
         return (low,)
+    if low > high:
+        faults.append(Fault(option, 0, "", f"{ends[0]!r} to {ends[1]!r}; expected increasing values"))
+        return ()
     step = (high - low) / (ends[2] - 1)
     return tuple(low + step * place for place in range(ends[2] - 1)) + (high,)
 
@@ -167,11 +172,12 @@ def _parsed(option: str, texts: Sequence[str], kind: "Kind", faults: list["Fault
 
 
 def _print(result: "RigResult", found: "PumpMap") -> None:
-    """Overall efficiency over pressure and duty ratio at the first speed and temperature, and what was found."""
+    """Overall efficiency over pressure and duty ratio at each temperature and speed, and what was found."""
     import numpy as np
 
     from vvdp.cli.screen import console, grid, warn
     from vvdp.report.wording import number
+    from vvdp.rigs.conditions import CELSIUS, RPM
 
     out = console()
     out.print(f"{result.title}: {result.system}", soft_wrap=True)
@@ -180,17 +186,23 @@ def _print(result: "RigResult", found: "PumpMap") -> None:
     axes = found.axes
     places = [round(x) for x in np.linspace(0, len(axes.duty_ratios) - 1, min(12, len(axes.duty_ratios))).tolist()]
     heads = [f"{axes.duty_ratios[place]:.3g}" for place in places]
-    table = grid(
-        "load [bar] \\ duty", *heads, title="overall efficiency [%], * above the motor's power", right=tuple(heads)
-    )
-    efficiency, heavy = found.grid("overall_efficiency")[0, 0], found.grid("motor_overloaded")[0, 0]
     gauge = (np.array(axes.load_pressures) - found.stand.reference) / 1e5
-    for row, pressure in enumerate(gauge):
-        cells = [
-            number(100.0 * efficiency[row, place], 3) + ("*" if heavy[row, place] > 0.0 else "") for place in places
-        ]
-        table.add_row(f"{round(pressure, 6):.4g}", *cells)
-    out.print(table)
+    pairs = list(np.ndindex(len(axes.temperatures), len(axes.pump_speeds)))
+    for i, k in pairs[:MOST_TABLES]:
+        where = f", {axes.pump_speeds[k] / RPM:.5g} rpm, {axes.temperatures[i] - CELSIUS:.4g} °C"
+        title = f"overall efficiency [%]{where if len(pairs) > 1 else ''}, * above the motor's power"
+        out.print(title, style="bold", soft_wrap=True)
+        table = grid("load [bar] \\ duty", *heads, right=tuple(heads))
+        efficiency, heavy = found.grid("overall_efficiency")[i, k], found.grid("motor_overloaded")[i, k]
+        for row, pressure in enumerate(gauge):
+            cells = [
+                number(100.0 * efficiency[row, place], 3) + ("*" if heavy[row, place] > 0.0 else "") for place in places
+            ]
+            table.add_row(f"{round(pressure, 6):.4g}", *cells)
+        out.print(table)
+    if len(pairs) > MOST_TABLES:
+        rest = len(pairs) - MOST_TABLES
+        out.print(f"{rest} more pairs of pump speed and temperature are in the report and in map.csv", soft_wrap=True)
     for sentence in result.findings:
         out.print(sentence, soft_wrap=True)
     out.print(f"{found.ran} points run in {found.seconds:.2f} s")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.map import Levels, Span, Speeds, Temperatures, chosen_axes
-from vvdp.cli.options import AsJson, Cores, Force, Settings, SystemName, default_directory
+from vvdp.cli.options import AsJson, Cores, Force, Settings, SystemName, default_directory, out_option
 
 if TYPE_CHECKING:
     from vvdp.rigs.result import RigResult
@@ -20,7 +20,7 @@ app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Where to write; by default results/RIG-SYSTEM-DATE-TIME."),
+    out_option("Where to write; by default results/RIG-SYSTEM-DATE-TIME."),
 ]
 NoReport = Annotated[bool, typer.Option("--no-report", help="Write no report.")]
 Steps = Annotated[
@@ -102,7 +102,7 @@ def pump(
     between: Steps = (0.4, 0.6),
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Where to write; by default results/pump-SYSTEM."),
+        out_option("Where to write; by default results/pump-SYSTEM."),
     ] = None,
     cores: Cores = None,
     json: AsJson = False,
@@ -166,6 +166,7 @@ def _run(
     no_report: bool,
 ) -> None:
     """Puts a system on its stand, has `work` done there, and writes and shows what comes of it."""
+    from vvdp.cli.screen import say
     from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.result import write_rig
     from vvdp.rigs.stand import stand
@@ -176,11 +177,18 @@ def _run(
     held = stand(loaded)
     directory = out if out is not None else default_directory(f"{name}-{loaded.name}")
     with result_directory(directory, force=force) as folder:
-        result = work(held)
+        try:
+            result = work(held)
+        except KeyboardInterrupt:
+            say("interrupted; a part of this has no meaning, nothing is written")
+            raise
         write_rig(folder, result, resolved_text(loaded))
         if not no_report:
             write_rig_report(folder)
     _show(result, directory, json, no_report)
+    if not result.finished:
+        say("interrupted; what was finished is written")
+        raise typer.Exit(INTERRUPTED)
 
 
 def _show(result: "RigResult", directory: Path, json: bool, no_report: bool) -> None:

@@ -110,13 +110,23 @@ def _optimum(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[str
         )
 
 
+SHARES = ("efficiency", "transition_fraction")
+
+
+def change(name: str, before: float, after: float) -> str:
+    """From before to after: in per cent, for a share in percentage points."""
+    if name in SHARES:
+        return f"{100.0 * (after - before):+.1f} points"
+    return percent(after / before - 1.0) if before else "&ndash;"
+
+
 def _in_words(found: Mapping[str, Any]) -> str:
     name = found["objective"]
     before, after = found["objective_before"], found["objective_after"]
-    change = after / before - 1.0 if before else float("nan")
     demands = ", ".join(each["text"] + (" (a usual limit)" if each["usual"] else "") for each in found["limits"])
     lead = (
-        f"The {words(name)} goes from {quantity(before, name)} to <b>{quantity(after, name)}</b> ({percent(change)})"
+        f"The {words(name)} goes from {quantity(before, name)} to <b>{quantity(after, name)}</b> "
+        f"({change(name, before, after)})"
         f"{', subject to ' + text(demands) if demands else ''}, in closed form."
     )
     if found["simulated_means"]:
@@ -187,8 +197,8 @@ def _points(found: Mapping[str, Any]) -> str:
 
 
 def _active(each: Mapping[str, Any]) -> str:
-    change = "&ndash;" if each["elasticity"] is None else f"{fixed(each['elasticity'], 3)} %"
-    return row([text(each["text"]), text(each["kind"]), change], ("", "q", "n"))
+    effect = "&ndash;" if each["elasticity"] is None else f"{fixed(each['elasticity'], 3)} %"
+    return row([text(each["text"]), text(each["kind"]), effect], ("", "q", "n"))
 
 
 def _search(found: Mapping[str, Any]) -> str:
@@ -219,8 +229,7 @@ def _quantities(found: Mapping[str, Any]) -> str:
     lines = []
     for name, kind in KINDS.items():
         before, after = (found[f"mean_{when}"][key(name, kind)] for when in ("before", "after"))
-        change = percent(after / before - 1.0) if before else "&ndash;"
-        cells = [text(words(name)), quantity(before, name), quantity(after, name), change]
+        cells = [text(words(name)), quantity(before, name), quantity(after, name), change(name, before, after)]
         lines.append(row(cells, ("", "n", "n", "n")))
     return table(("closed form", "before", "optimum", "change"), lines, (1, 2, 3))
 

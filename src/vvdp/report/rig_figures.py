@@ -21,6 +21,10 @@ RPM, CELSIUS = 2.0 * np.pi / 60.0, 273.15
 MOST_MAPS = 6
 """Pairs of pump speed and temperature that get a figure of their own."""
 MOST_LINES = 6
+SHOWN_BACKWARDS = 0.1
+"""Of the pump flow: no more is shown of a flow that comes back from the load."""
+EDGE = 0.07
+"""Of the width and height of a picture: closer to its edge no label stands."""
 LEVELS = np.arange(0.0, 1.01, 0.1)
 COLOURS = (LOAD, INLET, TANK, "#7a4fa3", "#2f7f4f", RELIEF)
 EFFICIENCIES = (
@@ -85,7 +89,7 @@ def _map(result: RigResult) -> Iterator[Drawn]:
         caption = (
             f"Delivered flow and input power over the duty ratio, a line for each load pressure. Dotted: the derived "
             f"flow, duty ratio times pump flow; dashed: the rated power of the motor, where it lies in the "
-            f"picture.{words}"
+            f"picture.{_backwards(grid, i, k)}{words}"
         )
         yield drawn(f"flow{ending}", caption, 2.9, partial(_flow, grid=grid, i=i, k=k, rated=rated / 1e3))
         if grid.shape[2] > 1 and grid.shape[3] > 1:
@@ -102,6 +106,21 @@ def _map(result: RigResult) -> Iterator[Drawn]:
         yield drawn("conditions", caption, 2.7, lambda f: _by_condition(f, grid))
 
 
+def _backwards(grid: _Grid, i: int, k: int) -> str:
+    """What the caption says where a load above the relief setting sends flow back: it is not drawn to its end."""
+    flow, pump_flow = (known(grid[name][i, k]) for name in ("delivered_flow_m3_s", "mean_pump_flow_m3_s"))
+    if not flow.size or flow.min() >= -SHOWN_BACKWARDS * pump_flow.max():
+        return ""
+    least = plain(flow.min() / LPM, 3)
+    return f" A load above the relief setting drives oil backwards, down to {least} lpm; the picture ends before."
+
+
+def known(values: Array) -> Array:
+    """Those of the values that there are."""
+    found: Array = values[np.isfinite(values)]
+    return found
+
+
 def _flow(figure: "Figure", grid: _Grid, i: int, k: int, rated: float) -> None:
     flows, powers = figure.subplots(1, 2)
     duty, pressures = grid.axes[3], grid.axes[2]
@@ -111,8 +130,10 @@ def _flow(figure: "Figure", grid: _Grid, i: int, k: int, rated: float) -> None:
         style: dict[str, Any] = {"color": colour, "label": label, "marker": "." if duty.size < 30 else None}
         flows.plot(duty, grid["delivered_flow_m3_s"][i, k, place] / LPM, markersize=4.0, **style)
         powers.plot(duty, grid["input_power_W"][i, k, place] / 1e3, markersize=4.0, **style)
-    pump_flow = np.nanmax(grid["mean_pump_flow_m3_s"][i, k]) / LPM
-    flows.plot(duty, duty * pump_flow, color=INK, linestyle=":", linewidth=1.0)
+    pump_flow = known(grid["mean_pump_flow_m3_s"][i, k]) / LPM
+    if pump_flow.size:
+        flows.plot(duty, duty * pump_flow.max(), color=INK, linestyle=":", linewidth=1.0)
+        flows.set_ylim(bottom=max(flows.get_ylim()[0], -SHOWN_BACKWARDS * pump_flow.max()))
     flows.set_ylabel("delivered flow [lpm]")
     powers.set_ylabel("input power [kW]")
     top = powers.get_ylim()[1]
@@ -141,8 +162,13 @@ def _efficiencies(figure: "Figure", grid: _Grid, i: int, k: int, rated: float) -
         axes.grid(visible=False)
         filled = axes.contourf(duty, pressure, values, levels=LEVELS, colors=_pale(LEVELS.size - 1), extend="max")
         lines = axes.contour(duty, pressure, values, levels=LEVELS[1:-1], colors=INK, linewidths=0.5)
-        axes.clabel(lines, levels=LEVELS[2:-1:2], fmt=lambda value: f"{100.0 * value:.0f}", fontsize=6.5)
-        excess = np.ma.masked_invalid(grid["input_power_W"][i, k] / rated - 1.0)
+        labels = axes.clabel(lines, levels=LEVELS[2:-1:2], fmt=lambda value: f"{100.0 * value:.0f}", fontsize=6.5)
+        for label in labels:
+            place = axes.transAxes.inverted().transform(axes.transData.transform(label.get_position()))
+            if np.any(place < EDGE) or np.any(place > 1.0 - EDGE):
+                label.set_visible(False)
+        works = np.isfinite(grid["overall_efficiency"][i, k])
+        excess = np.ma.masked_invalid(np.where(works, grid["input_power_W"][i, k] / rated - 1.0, np.nan))
         if (excess > 0.0).any() and (excess < 0.0).any():
             hatched = axes.contourf(duty, pressure, excess, levels=[0.0, 1e9], colors="none", hatches=["////"])
             hatched.set_edgecolor("#ffffffb0")
@@ -211,9 +237,7 @@ def _drops(figure: "Figure", sheet: Sheet) -> None:
     for fraction, colour in zip(fractions, shades(fractions.size)[::-1], strict=True):
         for k, temperature in enumerate(temperatures):
             part = (sheet["opening"] == fraction) & (sheet["oil_temperature_K"] == temperature)
-            words = f"{plain(fraction, 3)}" + (
-                f", {plain(temperature - CELSIUS, 4)} °C" if temperatures.size > 1 else " open"
-            )
+            words = plain(fraction, 3) + (f" at {plain(temperature - CELSIUS, 4)} °C" if temperatures.size > 1 else "")
             openings.plot(
                 flow[part],
                 sheet["pressure_drop_total_Pa"][part] / BAR,
@@ -221,7 +245,7 @@ def _drops(figure: "Figure", sheet: Sheet) -> None:
                 linestyle=styles[k % 4],
                 label=words,
             )
-    legend(openings, 3)
+    line_legend(openings, "open fraction")
     for axes in (sections, openings):
         axes.set_xlabel("flow [lpm]")
         axes.set_xlim(0.0, flow.max())
@@ -287,11 +311,15 @@ def _step(result: RigResult) -> Iterator[Drawn]:
         "step within a PWM period."
     )
     if "load_flow_m3_s" in result.sheets["step_up"].columns:
-        caption += " Dashed: flow through the load, behind the load line."
+        caption += (
+            " Dashed: flow through the load, behind the load line, as it is at each instant; where the load pressure "
+            "is below the precharge the accumulator takes nothing in, and this flow shows the switching."
+        )
     yield drawn("step", caption, 2.6, lambda figure: _steps(figure, result))
     caption = (
         "Gain and phase of the delivered flow over a sinusoidal duty ratio, relative to the static gain; dotted: half "
-        "the PWM frequency, beyond which no frequency can be told from its mirror image."
+        "the PWM frequency, beyond which no frequency can be told from its mirror image. Near a third of the PWM "
+        "frequency, left out, the second harmonic of the flow folds back upon the frequency itself."
     )
     yield drawn("frequency-response", caption, 3.2, lambda figure: _bode(figure, result))
 

@@ -83,8 +83,9 @@ def _page(result: RigResult, meta: Mapping[str, str], pictures: tuple[Drawn, ...
     facts = [f"System <b>{text(result.system)}</b>", text(meta["written"][:10]), f"vvdp {text(meta['vvdp'])}"]
     yield f'<p class="facts">{" &middot; ".join(facts)}</p>'
     if not result.finished:
-        words = "<p>The same command goes on from here.</p>"
-        yield f'<div class="notice"><strong>Interrupted: not all points were run</strong>{words}</div>'
+        goes_on = "The same command goes on from here." if result.rig == "map" else "Run again for the whole."
+        words = f"<p>{goes_on}</p>"
+        yield f'<div class="notice"><strong>Interrupted: not all was run</strong>{words}</div>'
     for sentence in result.findings:
         yield f'<p class="lead">{text(sentence)}</p>'
     yield f"<h2>How it was done</h2>\n<p>{text(result.manner)}</p>"
@@ -110,10 +111,9 @@ def _sheet(rig: str, name: str, sheet: Sheet) -> Iterator[str]:
     yield f'<h2 class="page">{text(sheet.title)}</h2>'
     more = "" if len(shown) == len(sheet.columns) else "; all columns are there"
     words = f"Pressures are gauge. The table is in {text(name)}.csv, in SI{more}."
-    places = list(range(sheet.rows))
-    if sheet.rows > MOST_ROWS:
-        places = [round(x) for x in np.linspace(0, sheet.rows - 1, MOST_ROWS).tolist()]
-        words += f" Shown are {MOST_ROWS} of {sheet.rows} rows."
+    places, thinned = thinned_rows(sheet)
+    if len(places) < sheet.rows:
+        words += f" Shown are {len(places)} of {sheet.rows} rows{thinned}."
     yield f'<p class="small">{words}</p>'
     numeric = [i for i, key in enumerate(shown) if sheet[key].dtype.kind == "f"]
     heads = [_head(sheet, key) for key in shown]
@@ -122,6 +122,31 @@ def _sheet(rig: str, name: str, sheet: Sheet) -> Iterator[str]:
         for place in places
     ]
     yield table(heads, lines, numeric)
+
+
+AXES = ("flow_m3_s", "duty_ratio", "load_pressure_Pa", "pump_speed_rad_s", "oil_temperature_K", "opening")
+"""Columns that a table goes through in every combination."""
+
+
+def thinned_rows(sheet: Sheet) -> tuple[list[int], str]:
+    """Rows that the page shows, at most `MOST_ROWS`, and how they were chosen, in words.
+
+    Where a table goes through axes, every n-th value of one of them stays, the last among them, and so whole courses.
+    """
+    values = {key: np.unique(sheet[key], return_inverse=True) for key in AXES if key in sheet.columns}
+    counts = {key: each.size for key, (each, _) in values.items() if each.size > 1}
+    if sheet.rows <= MOST_ROWS:
+        return list(range(sheet.rows)), ""
+    if int(np.prod(list(counts.values()))) != sheet.rows:
+        return [round(x) for x in np.linspace(0, sheet.rows - 1, MOST_ROWS).tolist()], ""
+    every = dict.fromkeys(counts, 1)
+    while np.prod([-(-counts[key] // every[key]) for key in counts]) > MOST_ROWS:
+        every[max(counts, key=lambda key: -(-counts[key] // every[key]))] += 1
+    kept = np.ones(sheet.rows, bool)
+    for key, count in counts.items():
+        kept &= (count - 1 - values[key][1]) % every[key] == 0
+    words = [f"1 in {step} of the values of {sheet.columns[key].label}" for key, step in every.items() if step > 1]
+    return np.flatnonzero(kept).tolist(), f", {' and '.join(words)}"
 
 
 def _head(sheet: Sheet, key: str) -> str:

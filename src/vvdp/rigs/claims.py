@@ -320,8 +320,13 @@ def claims(
 ) -> RigResult:
     """All claims for one system; those that need a load line are left out, and said to be, where there is none.
 
+    Ctrl-C leaves out those that are not yet worked out; before the first of them is, it is raised. Raises
+    ParameterError where the spool does not turn.
+
     Source  wang2017, chapters 1, 2 and 5
     """
+    if stuck := stand.standstill(stand.set_point.oil_temperature, stand.means(stand.set_point)):
+        raise ParameterError(f"{stand.system.name}: {stuck}")
     began = time.perf_counter()
     say("against throttling")
     throttled = against_throttling(stand, cores=cores, cache=cache, say=say)
@@ -333,23 +338,30 @@ def claims(
         "Stiction, flow forces and springs of the linear valve; energy put into its braking is not recovered.",
         "Seals and bearings of a driven spool's shaft, and the efficiency of its motor.",
     ]
+    finished = True
     if stand.makes_pressure:
-        say("self-spinning against driven")
-        driving = self_against_driven(stand, cores=cores, cache=cache, say=say)
-        sheets |= {
-            "driving": Sheet("Spool driven by a motor", _driving_columns(driving)),
-            "best": Sheet("Self-spinning, and driven at the best frequency", _best_columns(stand, driving)),
-        }
-        more, words = _driving_words(stand, driving)
-        numbers, findings = numbers | more, findings + words
-        say("ripple")
-        waves = ripple(stand, [stand.set_point.duty_ratio], RIPPLE_FREQUENCIES, RIPPLE_SIZES, cores=cores, cache=cache)
-        sheets |= {
-            "ripple_frequency": replace(waves.sheets["frequency"], title="Ripple over PWM frequency"),
-            "ripple_volume": replace(waves.sheets["accumulator"], title="Ripple over gas volume"),
-        }
-        more, words = _ripple_words(stand, sheets)
-        numbers, findings = numbers | more, findings + words
+        try:
+            say("self-spinning against driven")
+            driving = self_against_driven(stand, cores=cores, cache=cache, say=say)
+            sheets |= {
+                "driving": Sheet("Spool driven by a motor", _driving_columns(driving)),
+                "best": Sheet("Self-spinning, and driven at the best frequency", _best_columns(stand, driving)),
+            }
+            more, words = _driving_words(stand, driving)
+            numbers, findings = numbers | more, findings + words
+            say("ripple")
+            here = [stand.set_point.duty_ratio]
+            waves = ripple(stand, here, RIPPLE_FREQUENCIES, RIPPLE_SIZES, cores=cores, cache=cache)
+            sheets |= {
+                "ripple_frequency": replace(waves.sheets["frequency"], title="Ripple over PWM frequency"),
+                "ripple_volume": replace(waves.sheets["accumulator"], title="Ripple over gas volume"),
+            }
+            more, words = _ripple_words(stand, sheets)
+            numbers, findings = numbers | more, findings + words
+        except KeyboardInterrupt:
+            finished = False
+            missing = "Ripple" if "driving" in sheets else "Self-spinning against driven, and ripple"
+            left_out.append(f"{missing}: interrupted before.")
     else:
         left_out.append(
             "Self-spinning against driven, and ripple: both need a load line, and here a source is the load."
@@ -357,10 +369,10 @@ def claims(
     sheets["actuation"] = Sheet("Actuation power", _actuation_columns(stand))
     more, words = _actuation_words(stand)
     numbers, findings = numbers | more, findings + words
-    here, valve = stand.set_point, stand.tables["valve"]
+    point, valve = stand.set_point, stand.tables["valve"]
     said = conditions(stand) | {
-        "duty ratio": f"{here.duty_ratio:.4g} unless varied",
-        "load pressure": f"{gauge(here.load_pressure)} bar unless varied",
+        "duty ratio": f"{point.duty_ratio:.4g} unless varied",
+        "load pressure": f"{gauge(point.load_pressure)} bar unless varied",
         "linear valves": f"{valve.spool_mass:g} kg moved by {1e3 * same_ports_stroke(valve):.3g} mm, and "
         f"{LIGHT_MASS:g} kg by {1e3 * annular_stroke(valve):.3g} mm, in {100.0 * transition_fraction(valve):.3g} % of "
         "a period (assumed)",
@@ -378,6 +390,7 @@ def claims(
         numbers=numbers,
         findings=tuple(findings),
         seconds=time.perf_counter() - began,
+        finished=finished,
     )
 
 

@@ -9,15 +9,30 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.books import Nothing
-from vvdp.base.kinds import Conductance, Density, DutyRatio, DynamicViscosity, Flow, Pressure, PressureDifference, Speed
+from vvdp.base.kinds import (
+    Conductance,
+    Density,
+    DutyRatio,
+    DynamicViscosity,
+    Flow,
+    Pressure,
+    PressureDifference,
+    Ratio,
+    Speed,
+)
 from vvdp.base.select import maximum, minimum
+from vvdp.numerics.tableaus import Array
 from vvdp.valve.branch import BranchFlow, BranchLaw, branch_drops, branch_law, law_flow
 from vvdp.valve.geometry import Openings, PortShape, port_shape, shape_openings
 from vvdp.valve.rotary import RotaryValve
-from vvdp.valve.torque import spool_torque
+from vvdp.valve.torque import spool_inertia, spool_torque
 
 ANGLES = 500
 """Equally spaced over half a PWM period, the other half being its mirror image."""
+SLOWEST = 3.0
+"""Slowness beyond which a spool counts as one that stops: those that turn have up to 1.7, the others 3.9 or more."""
+CREEP = 1e-9
+"""Speed that takes the place of none in a quotient [rad/s]."""
 MOST_TRIALS = 60
 CLOSE = 1e-12
 """Width of the bracket, over the highest pressure, at which the inlet pressure counts as found."""
@@ -38,13 +53,19 @@ class CyclePoint(NamedTuple):
 
 
 class CycleMeans(NamedTuple):
-    """Means over a PWM period, and the speed at which the torques balance over it."""
+    """Means over a PWM period, the speed at which the torques balance over it, and how slow the spool is against that.
+
+    `slowness` is the time that the spool takes for half a period, driven by the torque at each angle with its own
+    inertia, over the time at `spool_speed`: about 1 for a spool that turns, beyond `SLOWEST` for one that stops where
+    both ports are nearly shut.
+    """
 
     load_flow: Flow
     tank_flow: Flow
     relief_flow: Flow
     inlet_pressure: Pressure
     spool_speed: Speed
+    slowness: Ratio
 
 
 class Instant(NamedTuple):
@@ -160,6 +181,7 @@ def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
     law, shape = branch_law(point.density, valve), port_shape(valve)
     load_flow, tank_flow, relief_flow, inlet = 0.0, 0.0, 0.0, 0.0
     at_rest, slowed = 0.0, 0.0
+    torque, resistance = np.zeros(ANGLES), np.zeros(ANGLES)
     openings = angle_openings(0, point, shape)
     alike = 1.0  # neighbours with the same openings, as while a port is fully open
     for i in range(1, ANGLES + 1):
@@ -174,10 +196,59 @@ def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
         tank_flow += alike * now.tank.flow
         relief_flow += alike * now.passed
         inlet += alike * now.inlet_pressure
+        lost = still.turbine - moving.turbine + moving.friction
         at_rest += alike * still.turbine
-        slowed += alike * (still.turbine - moving.turbine + moving.friction)
+        slowed += alike * lost
+        torque[i - int(alike) : i] = still.turbine
+        resistance[i - int(alike) : i] = lost
         openings, alike = following, 1.0
-    return CycleMeans(load_flow / ANGLES, tank_flow / ANGLES, relief_flow / ANGLES, inlet / ANGLES, at_rest / slowed)
+    balanced = at_rest / slowed
+    inertia, stretch = spool_inertia(valve), np.pi / shape.sections / ANGLES
+    slowness = balanced * half_period(torque, resistance, inertia, stretch) / (stretch * ANGLES)
+    return CycleMeans(load_flow / ANGLES, tank_flow / ANGLES, relief_flow / ANGLES, inlet / ANGLES, balanced, slowness)
+
+
+def half_period(torque: Array, resistance: Array, inertia: float, stretch: float) -> float:
+    """Mean time of the two halves of a period through which the spool turns by these torques [s].
+
+    It begins at the fastest balance of torques, and the first of two turns to and fro is not counted.
+
+    torque      on the spool at rest, at equal stretches of half a period [N m]
+    resistance  torque lost per speed there, > 0 [N m s]
+    inertia     [kg m^2]
+    stretch     [rad]
+
+    Source  ours, docs/rigs.md
+    """
+    speed = maximum((torque / resistance).max(), CREEP)
+    elapsed, n = 0.0, torque.size
+    for number in range(4 * n):
+        place = number % (2 * n)
+        if place >= n:
+            place = 2 * n - 1 - place
+        speed = speed_after(stretch, speed, torque[place], resistance[place], inertia)
+        if number >= 2 * n:
+            elapsed += stretch / speed
+    return 0.5 * elapsed
+
+
+def speed_after(stretch: float, speed: float, torque: float, resistance: float, inertia: float) -> float:
+    """Speed of the spool at the end of a stretch of angle with a torque tau - b omega [rad/s].
+
+    J (omega^2 - omega_0^2) / 2 = (tau - b omega) stretch
+
+    stretch     of the angle [rad]
+    speed       at its start [rad/s]
+    torque      on the spool at rest [N m]
+    resistance  torque lost per speed, > 0 [N m s]
+    inertia     [kg m^2]
+
+    Source  ours, docs/rigs.md
+    """
+    b = resistance * stretch
+    energy = maximum(0.5 * inertia * speed * speed + torque * stretch, 0.0)
+    # The root without the difference of two like numbers.
+    return maximum(2.0 * energy / (b + np.sqrt(b * b + 2.0 * inertia * energy)), CREEP)
 
 
 def angle_openings(number: int, point: CyclePoint, shape: PortShape) -> Openings:

@@ -120,13 +120,23 @@ def _numbers(found: PumpMap) -> dict[str, float]:
     return numbers
 
 
+def _where(found: PumpMap, numbers: dict[str, float]) -> str:
+    """Pump speed and oil temperature of the best point, where the map has several of them."""
+    words = ""
+    if len(found.axes.pump_speeds) > 1:
+        words += f", {numbers['best_efficiency_pump_speed_rad_s'] / RPM:.5g} rpm"
+    if len(found.axes.temperatures) > 1:
+        words += f", {numbers['best_efficiency_oil_temperature_K'] - CELSIUS:.4g} °C"
+    return words
+
+
 def _findings(found: PumpMap) -> tuple[str, ...]:
     numbers, sentences = _numbers(found), []
     if "best_efficiency" in numbers:
         sentences.append(
             f"The best efficiency that the motor bears is {100.0 * numbers['best_efficiency']:.3g} %, at duty ratio "
             f"{numbers['best_efficiency_duty_ratio']:.3g} and "
-            f"{numbers['best_efficiency_load_pressure_Pa'] / BAR:.4g} bar; at most "
+            f"{numbers['best_efficiency_load_pressure_Pa'] / BAR:.4g} bar{_where(found, numbers)}; at most "
             f"{numbers['highest_delivered_flow_m3_s'] / LPM:.4g} lpm are delivered."
         )
     if over := int(numbers["points_above_motor_power"]):
@@ -135,7 +145,7 @@ def _findings(found: PumpMap) -> tuple[str, ...]:
         )
     for reason in dict.fromkeys(r for r in found.reasons if r and r != NOT_RUN):
         count = sum(r == reason for r in found.reasons)
-        sentences.append(f"{count} point{'s' if count > 1 else ''} without a result: {reason}.")
+        sentences.append(f"{count} point{'s' if count > 1 else ''} without an efficiency: {reason}.")
     if not found.finished:
         missing = sum(r == NOT_RUN for r in found.reasons)
         sentences.append(f"Interrupted: {missing} of {found.axes.count} points were not run yet.")

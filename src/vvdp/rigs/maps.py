@@ -18,12 +18,14 @@ import numpy as np
 import numpy.typing as npt
 
 import vvdp
-from vvdp.base.errors import ConfigError, Fault, unusable
+from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
+from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.fluid.oil import dynamic_viscosity
 from vvdp.numerics.tableaus import Array
 from vvdp.rigs import periodic, steady
 from vvdp.rigs.averages import averages
+from vvdp.rigs.conditions import BAR, CELSIUS, RPM, gauge
 from vvdp.rigs.cycle import CycleMeans
 from vvdp.rigs.result import read_rig
 from vvdp.rigs.stand import SetPoint, Stand
@@ -89,14 +91,14 @@ class Axes:
 
     def __post_init__(self) -> None:
         faults = [
-            Fault("map", 0, name, f"{problem}")
-            for name, values, lowest in (
-                ("duty ratios", self.duty_ratios, -np.inf),
-                ("load pressures", self.load_pressures, 0.0),
-                ("pump speeds", self.pump_speeds, 0.0),
-                ("temperatures", self.temperatures, 0.0),
+            Fault("map", 0, name, problem)
+            for name, values, scale in (
+                ("duty ratios", self.duty_ratios, _DUTY),
+                ("load pressures", self.load_pressures, _PRESSURE),
+                ("pump speeds", self.pump_speeds, _SPEED),
+                ("temperatures", self.temperatures, _TEMPERATURE),
             )
-            if (problem := _axis_problem(values, lowest))
+            if (problem := _axis_problem(values, scale))
         ]
         if not faults and self.count > MOST_POINTS:
             faults = [Fault("map", 0, "", f"{self.count} points; at most {MOST_POINTS}")]
@@ -120,13 +122,38 @@ class Axes:
         return [SetPoint(d, p, n, t) for t, n, p, d in ordered]
 
 
-def _axis_problem(values: Sequence[float], lowest: float) -> str | None:
+class _Scale(NamedTuple):
+    """How a person reads the values of an axis, and what they may be [SI]: above `lowest`, up to `highest`."""
+
+    unit: str
+    size: float
+    zero: float
+    expected: str
+    lowest: float
+    highest: float
+
+    def words(self, value: float) -> str:
+        """`value` [SI] with its unit."""
+        return f"{round((value - self.zero) / self.size, 6):.6g} {self.unit}".rstrip()
+
+
+BELOW_ZERO = -1e-12
+"""A duty ratio that counts as 0: what rounding leaves of it."""
+_DUTY = _Scale("", 1.0, 0.0, "numbers from 0 to 1", BELOW_ZERO, 1.0 - BELOW_ZERO)
+_PRESSURE = _Scale("bar", BAR, ATMOSPHERE, "numbers above -1.01325 bar", 0.0, np.inf)
+_SPEED = _Scale("rpm", RPM, 0.0, "numbers above 0 rpm", 0.0, np.inf)
+_TEMPERATURE = _Scale("degC", 1.0, CELSIUS, "numbers above -273.15 degC", 0.0, np.inf)
+
+
+def _axis_problem(values: Sequence[float], scale: _Scale) -> str | None:
     if not values:
         return "none; expected at least one"
-    if not all(np.isfinite(v) and v > lowest for v in values):
-        return f"{', '.join(f'{v:g}' for v in values)}; expected numbers above {lowest:g}"
-    if any(b <= a for a, b in itertools.pairwise(values)):
-        return f"{', '.join(f'{v:g}' for v in values)}; expected increasing values"
+    if outside := [v for v in values if not (np.isfinite(v) and scale.lowest < v <= scale.highest)]:
+        more = f" and {len(outside) - 1} more" if len(outside) > 1 else ""
+        return f"{scale.words(outside[0])}{more}; expected {scale.expected}"
+    for before, after in itertools.pairwise(values):
+        if after <= before:
+            return f"{scale.words(after)} after {scale.words(before)}; expected increasing values"
     return None
 
 
@@ -149,7 +176,7 @@ class PumpMap:
     """A map: a column [SI] for every quantity, a row for every point in the order of `axes.points`.
 
     Pressures in columns are gauge, flows counted in tank volumes where simulated, in actual volumes where analytic.
-    `reasons` says why a point has no result, None where it has.
+    `reasons` says why a point has no result, or not all of it; None where it has all.
     """
 
     stand: Stand
@@ -184,7 +211,7 @@ def analytic_map(
     """The map as the quasi-steady averages give it: constant load pressure, stiff oil, a relief valve without lag.
 
     The compressibility loss is nominal, f V W_V, and not part of the efficiency: see `compressibility_loss`. A driven
-    spool switches at the speed of its motor.
+    spool switches at the speed of its motor. Raises ParameterError where the spool turns at no point.
 
     Source  ours, docs/rigs.md
     """
@@ -203,7 +230,9 @@ def analytic_map(
     rows[:, 6] = pump.leakage_conductance
     rows[:, 7] = [at[value].density for value in t]
     rows[:, 8] = [at[value].viscosity for value in t]
-    means = CycleMeans(*_columns(averages(rows, valve, cores=cores, cache=cache, say=say).T))
+    averaged = averages(rows, valve, cores=cores, cache=cache, say=say)
+    means = CycleMeans(*_columns(averaged.T))
+    stuck = _standstills(stand, axes.points, averaged)
     speed: Any = means.spool_speed
     if stand.is_driven:
         speed = np.full_like(d, tables["operation"].spool_motor_speed.base)
@@ -226,9 +255,22 @@ def analytic_map(
         "motor_overloaded": (shaft > tables["motor"].rated_power).astype(float),
         "loss_compressibility_W": frequency * tables["inlet"].volume * compression_energy_per_volume(p, tank, oil),
     }
-    columns = _judged(stand, axes, columns)
-    reasons = _reasons(columns, (None,) * axes.count)
+    turns = np.array([reason is None for reason in stuck])
+    columns = _judged(stand, axes, {name: np.where(turns, values, np.nan) for name, values in columns.items()})
+    reasons = _reasons(stand, columns, stuck)
     return PumpMap(stand, axes, False, columns, reasons, axes.count, time.perf_counter() - began)
+
+
+def _standstills(stand: Stand, points: Sequence[SetPoint], means: Array) -> list[str | None]:
+    """For each point why the spool does not turn there, None where it does; a row of `means` for each.
+
+    Raises ParameterError where it turns at none.
+    """
+    rows = zip(points, means.tolist(), strict=True)
+    found = [stand.standstill(point.oil_temperature, CycleMeans(*each)) for point, each in rows]
+    if found and all(found):
+        raise ParameterError(f"{stand.system.name}: {found[0]}, at each of {len(found)} points")
+    return found
 
 
 def _columns(values: Iterable[Any]) -> tuple[Any, ...]:
@@ -262,12 +304,22 @@ def _judged(stand: Stand, axes: Axes, columns: Mapping[str, Array]) -> dict[str,
     return {name: np.asarray(found[name], float) for name in order}
 
 
-def _reasons(columns: Mapping[str, Array], reasons: Sequence[str | None]) -> tuple[str | None, ...]:
+def _reasons(stand: Stand, columns: Mapping[str, Array], reasons: Sequence[str | None]) -> tuple[str | None, ...]:
+    """Why each point has no result, or no efficiency."""
     dry = ~(columns["delivered_flow_m3_s"] > 0.0)
-    return tuple(reason or (NOTHING_DELIVERED if empty else None) for reason, empty in zip(reasons, dry, strict=True))
+    above = columns["load_pressure_Pa"] + stand.reference > stand.relief_pressure
+    relief = f"{ABOVE_RELIEF} of {gauge(stand.relief_pressure)} bar"
+    idle = ~(columns["load_power_W"] > 0.0)
+    return tuple(
+        relief if too_high and nothing and reason != NOT_RUN
+        else reason or (NOTHING_DELIVERED if nothing else NO_LOAD_POWER if no_power else None)
+        for reason, nothing, too_high, no_power in zip(reasons, dry, above, idle, strict=True)
+    )  # fmt: skip
 
 
 NOTHING_DELIVERED = "delivers nothing"
+ABOVE_RELIEF = "the load pressure is above the relief setting"
+NO_LOAD_POWER = "no load pressure above the tank's, so no efficiency"
 
 
 def simulated_map(
@@ -285,9 +337,12 @@ def simulated_map(
     Points that `directory` already has are not run again; they are known by every number that they depend on. `engine`
     says where the others are run. Each batch is kept when it is done and `progress` hears of it (points done, of all).
     Ctrl-C ends the map after the batches at hand, and running it again goes on from there. Raises ConfigError where the
-    directory cannot be used, RunError where a worker has another vvdp, or none is left.
+    directory cannot be used, ParameterError where the spool turns at no point, RunError where a worker has another
+    vvdp, or none is left.
     """
     began = time.perf_counter()
+    rows = np.array([stand.cycle_point(point) for point in axes.points])
+    _standstills(stand, axes.points, averages(rows, stand.tables["valve"], cache=cache, say=say))
     store = directory / STORE
     finished = opened_store(store, {"vvdp": vvdp.__version__, "system": stand.system.name})
     points = axes.points
@@ -297,9 +352,8 @@ def simulated_map(
     if len(pending) < len(points):
         say(f"{len(points) - len(pending)} of {len(points)} points are finished already")
     progress(len(points) - len(pending), len(points))
-    if pending:  # here, so that workers find it compiled
-        compiled_loop(say)
-        averages(np.array([stand.cycle_point(points[0])]), stand.tables["valve"], cores=1, cache=cache, say=say)
+    if pending:
+        compiled_loop(say)  # here, so that workers find it compiled
     ran = 0
     with interrupts_held() as interrupted:
         for done in kept_batches(partial(_points_done, stand, cache), pending, store, engine, interrupted):
@@ -325,10 +379,10 @@ def _points_done(stand: Stand, cache: Path | None, batch: Sequence[_Wanted], cor
 
 
 @contextmanager
-def map_directory(directory: Path, rig: str = "map") -> Iterator[None]:
+def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True) -> Iterator[None]:
     """Makes `directory` the place of a map, new or gone on with, and removes it again if nothing came into it.
 
-    `rig` says of which rig the map is a part.
+    `rig` says of which rig the map is a part. A simulated map and an analytic one do not replace each other.
 
     Raises ConfigError where it holds something else or cannot be written.
     """
@@ -339,6 +393,11 @@ def map_directory(directory: Path, rig: str = "map") -> Iterator[None]:
         raise unusable(directory, "holds something else than a map; choose another directory")
     if (directory / "rig.json").is_file() and read_rig(directory).rig != rig:
         raise unusable(directory, "holds the result of another rig; choose another directory")
+    stored = (directory / STORE).exists()
+    if stored and not simulated:
+        raise unusable(directory, "holds a simulated map; choose another directory for an analytic one")
+    if simulated and not stored and (directory / "rig.json").is_file():
+        raise unusable(directory, "holds an analytic map; choose another directory for a simulated one")
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
@@ -378,13 +437,12 @@ def _collected(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: i
     def column(name: str) -> Array:
         return np.array([float(row.get(name, np.nan)) for row in rows])
 
-    names = [name for name in (*FOUND, *SIMULATED_ONLY) if any(name in row for row in rows)]
-    columns = {name: column(name) for name in (*names, "input_power_W", "spool_motor_power_W", "load_power_W")}
+    some = [name for name in SIMULATED_ONLY if any(name in row for row in rows)]
+    columns = {name: column(name) for name in (*FOUND, *some)}
     columns["delivered_flow_m3_s"] = column("mean_load_flow_m3_s")  # leakage taken off
-    columns.setdefault("motor_overloaded", column("motor_overloaded"))
     reasons = [each.failure if each else NOT_RUN for each in done]
     judged = _judged(stand, axes, columns)
-    return PumpMap(stand, axes, True, judged, _reasons(judged, reasons), ran, seconds)
+    return PumpMap(stand, axes, True, judged, _reasons(stand, judged, reasons), ran, seconds)
 
 
 Flags = npt.NDArray[np.bool_]

@@ -12,7 +12,7 @@ from vvdp.numerics.tableaus import Array
 from vvdp.rigs.conditions import BAR, CELSIUS, LPM, conditions, span
 from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.stand import Stand
-from vvdp.valve.branch import branch_drops
+from vvdp.valve.branch import turbulent_drops
 from vvdp.valve.operating_point import TURBULENT, nozzle_reynolds_number
 
 OPENINGS = (1.0, 0.5, 0.25)
@@ -24,6 +24,7 @@ MANNER = (
 LEFT_OUT = (
     "Pipes and fittings between the pressure taps, whose own drop a test subtracts.",
     "The swirl of a turning spool, and the drop of the outlet rail unless a rail coefficient is given.",
+    "The transition to a linear law at very small drops, which keeps the simulation smooth at zero flow.",
     "Viscosity: the section's coefficients were found at one; only the density follows the temperature.",
     "Leakage past the spool.",
 )
@@ -52,7 +53,7 @@ def pressure_drop(
     t, a, q = _formulas(points.T)
     oil, valve = stand.tables["oil"], stand.tables["valve"]
     rho, mu = density(t, oil), dynamic_viscosity(t, oil)
-    drops: Any = branch_drops(q, a, rho, valve)
+    drops: Any = turbulent_drops(q, a, rho, valve)
     total: Any = drops.nozzle + drops.centre_section + drops.outlet_turbine
     reynolds: Any = nozzle_reynolds_number(q, rho, mu, valve)
     columns = {
@@ -96,7 +97,7 @@ def _numbers(stand: Stand, t: Array, a: Array, q: Array, total: Array) -> dict[s
     """The drop at the pump flow and its parts, and the power law that comes closest to the open valve."""
     here = stand.set_point
     flow, oil, valve = stand.pump_flow(here), stand.tables["oil"], stand.tables["valve"]
-    drops = branch_drops(flow, 1.0, float(density(here.oil_temperature, oil)), valve)
+    drops = turbulent_drops(flow, 1.0, float(density(here.oil_temperature, oil)), valve)
     found = {
         "flow_m3_s": flow,
         "pressure_drop_nozzle_Pa": float(drops.nozzle),

@@ -1,7 +1,7 @@
 """What every test rig leaves: tables, the conditions they were made under, and what was left out; on disk and back.
 
 rig.json      what it is: title, manner, conditions, what was left out, findings, columns
-NAME.csv      each table, a row for every point, units in the header
+NAME.csv      each table, a row for every point; the names of the columns end with their units
 numbers.json  the figures that it comes to, flat, SI
 system.toml   the system as it was resolved
 meta.json     version, time, seconds
@@ -183,7 +183,7 @@ def sheet_text(sheet: Sheet) -> str:
     """A table as CSV; an empty cell stands for what is not known."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([name if c.unit == "" else f"{name} [{c.unit}]" for name, c in sheet.columns.items()])
+    writer.writerow([f"{name} [gauge]" if c.unit == "Pa gauge" else name for name, c in sheet.columns.items()])
     for row in zip(*(c.values for c in sheet.columns.values()), strict=True):
         writer.writerow([_written(value) for value in row])
     return text.getvalue()

@@ -12,13 +12,14 @@ from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.circuits.supply import Operation, SupplyParams
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.orifice import orifice_area_for
-from vvdp.rigs.cycle import CycleMeans, CyclePoint, cycle_means
+from vvdp.rigs.cycle import SLOWEST, CycleMeans, CyclePoint, cycle_means
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Stepping
 from vvdp.systems.benches import BENCHES, Bench, DutyOperation
 from vvdp.systems.system import System
 from vvdp.systems.watching import WATCHING
 from vvdp.valve.leakage import leakage_conductance
+from vvdp.valve.torque import friction_coefficient
 
 ORIFICE_LOAD = "orifice-load"
 STIFF_COUPLING = 1.0
@@ -155,6 +156,23 @@ class Stand:
         if self.is_driven:
             return float(self.tables["operation"].spool_motor_speed.base)
         return means.spool_speed
+
+    def standstill(self, temperature: float, means: CycleMeans) -> str | None:
+        """Why the spool has no speed at which it goes on turning, with the numbers; None where it has one.
+
+        temperature  of the oil [K]
+        means        the quasi-steady averages
+        """
+        if self.is_driven or (means.spool_speed > 0.0 and means.slowness <= SLOWEST):
+            return None
+        if not means.spool_speed > 0.0:
+            return "the spool does not turn: the flow drives it backwards or not at all"
+        valve = self.tables["valve"]
+        friction = friction_coefficient(float(dynamic_viscosity(temperature, self.tables["oil"])), valve)
+        return (
+            f"the spool does not turn: with a friction of {friction:.3g} N*m*s (valve.friction_area "
+            f"{valve.friction_area:.3g} m^2) it stops where both ports are nearly shut"
+        )
 
     def cycle_point(self, point: SetPoint) -> CyclePoint:
         """A set point as the quasi-steady averages take it."""

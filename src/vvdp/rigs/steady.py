@@ -69,6 +69,8 @@ def steady_states(
         speed = stand.guessed_speed(means)
         if opened is None:
             found[number] = Steady(stand, point, None, np.nan, "delivers nothing that could hold this load pressure")
+        elif stuck := stand.standstill(point.oil_temperature, means):
+            found[number] = Steady(stand, point, None, np.nan, stuck)
         elif not speed > 0.0:
             found[number] = Steady(stand, point, None, np.nan, "the spool does not turn")
         else:

@@ -18,8 +18,9 @@ from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.ripple import line_capacity
 from vvdp.rigs.stand import Stand
 from vvdp.rigs.steady import Steady, steady_states
+from vvdp.rigs.waveform import whole_run
 from vvdp.simulation.link import quiet
-from vvdp.simulation.run import Run, simulate
+from vvdp.simulation.run import Run
 
 STEPS = (0.4, 0.6)
 PHASES = 8
@@ -34,6 +35,10 @@ AMPLITUDE = 0.05
 """Of the duty ratio in the frequency response."""
 HIGHEST = 0.45
 """Of the PWM frequency: above half of it the flow cannot tell a frequency from its mirror image."""
+FOLDED = 1.0 / 3.0
+"""Of the PWM frequency: there the second harmonic, folded back by the switching, falls upon the frequency itself."""
+NEAR = 1.0 / 36.0
+"""Of the PWM frequency: closer to the folding the window cannot tell both apart."""
 COUNT = 14
 LONGEST_WINDOW = 2.0
 MANNER = (
@@ -122,7 +127,7 @@ def step_response(state: Steady, after: float, *, length: float = SHOWN, cache: 
         stepping = replace(
             stand.stepping, until=until, record_interval=INTERVAL, window=until, window_interval=INTERVAL
         )
-        run = simulate(stand.model, case, stepping, cache=cache)
+        run = whole_run(stand.model, case, stepping, cache)
         flows.append(np.interp(times + begin, run.times, period_mean_flow(run, sections)))
         loads.append(np.interp(times + begin, run.times, load_flow_now(run, stand)))
     all_ = np.array(flows)
@@ -170,7 +175,7 @@ def frequency_response(
             stand.stepping, until=until, record_interval=interval, window=until, window_interval=interval
         )
         case = _with_duty(state, sine(state.point.duty_ratio, amplitude, f))
-        run = simulate(stand.model, case, stepping, cache=cache)
+        run = whole_run(stand.model, case, stepping, cache)
         delivered.append(_of_volume(run.times, delivered_volume(run), start, until, f) / amplitude)
         load.append(_of_value(run.times, load_flow_now(run, stand), start, until, f) / amplitude)
     return np.array(delivered), np.array(load)
@@ -226,14 +231,14 @@ def dynamics(
 ) -> RigResult:
     """Response of the delivered flow to the duty ratio between two values: steps up and down, gain and phase.
 
-    Raises ParameterError where the two are equal or one of them has no steady state.
+    Raises ParameterError where the two are equal or outside 0 to 1, or one of them has no steady state.
 
     Source  ours, docs/rigs.md, in the manner of iso17559
     """
     began = time.perf_counter()
     low, high = steps
-    if low == high:
-        raise ParameterError(f"a step from duty ratio {low:g} to {high:g}; expected two different ones")
+    if low == high or not (0.0 <= low <= 1.0 and 0.0 <= high <= 1.0):
+        raise ParameterError(f"a step from duty ratio {low:g} to {high:g}; expected two different ones from 0 to 1")
     here = stand.set_point
     states = _states(stand, low, high, cores, cache, say)
     down, up, middle = states
@@ -244,7 +249,8 @@ def dynamics(
     pwm = 1.0 / middle.periodic.period
     if frequencies is None:
         lowest = min(1.0, 0.1 / line_time(middle)) if stand.makes_pressure else 1.0
-        frequencies = [float(f) for f in np.geomspace(lowest, HIGHEST * pwm, COUNT)]
+        spread = np.geomspace(lowest, HIGHEST * pwm, COUNT)
+        frequencies = [float(f) for f in spread if abs(f / pwm - FOLDED) > NEAR]
     asked = np.array(list(frequencies), float)
     if not asked.size or np.any(asked <= 0.0) or np.any(asked > 0.5 * pwm):
         raise ParameterError(

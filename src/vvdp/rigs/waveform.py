@@ -7,7 +7,8 @@ import numpy as np
 
 from vvdp.numerics.tableaus import Array
 from vvdp.rigs.steady import Steady
-from vvdp.simulation.run import simulate
+from vvdp.simulation.model import Case, Model
+from vvdp.simulation.run import Run, Stepping, simulate
 
 SAMPLES = 512
 
@@ -33,7 +34,7 @@ def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None
         state.stand.stepping, until=period, record_interval=step, window=period, window_interval=step,
         relative_tolerance=min(1e-8, state.stand.stepping.relative_tolerance),
     )  # fmt: skip
-    run = simulate(state.stand.model, state.periodic.case, stepping, cache=cache)
+    run = whole_run(state.stand.model, state.periodic.case, stepping, cache)
     outputs = run.outputs
     even = np.arange(samples) * step
     near = np.array([int(np.argmin(np.abs(run.times - t))) for t in even])
@@ -44,6 +45,14 @@ def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None
         outputs.load_pressure[near],
         outputs.load_flow[near],
     )
+
+
+def whole_run(model: Model, case: Case, stepping: Stepping, cache: Path | None = None) -> Run:
+    """A run to its end; Ctrl-C is raised, since part of it gives no mean and no harmonic."""
+    run = simulate(model, case, stepping, cache=cache)
+    if not run.finished:
+        raise KeyboardInterrupt
+    return run
 
 
 def harmonics(values: Array, count: int) -> Array:
