@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from vvdp.base.units import in_unit
 from vvdp.design.quantities import KINDS
@@ -299,7 +300,7 @@ def front_figures(found: Mapping[str, Any]) -> Iterator[Drawn]:
     first = words(names[0])
     caption = (
         f"The designs of the front, two objectives at a time; the colour is the {first}. The diamond is the design as "
-        "it was. No design is better than another in every objective."
+        "it was. No design is better than another in every objective. Hollow: in doubt by simulation."
     )
     count = len(names) - 1
     yield drawn("front", caption, 3.2 if count == 1 else 0.6 + 1.85 * count, lambda f: _front(f, found, names))
@@ -316,10 +317,17 @@ def _columns(found: Mapping[str, Any], name: str) -> tuple[Any, str]:
     return in_shown([each[part][name] for each in found["designs"]], name)
 
 
+def _doubted(found: Mapping[str, Any]) -> npt.NDArray[np.bool_]:
+    """Of each design whether its simulation contradicts the closed form; none where nothing was simulated."""
+    simulated = found["simulated"][1:]  # the first is the system as it was
+    return np.array([bool(each["doubts"]) for each in simulated] or [False] * len(found["designs"]))
+
+
 def _front(figure: "Figure", found: Mapping[str, Any], names: list[str]) -> None:
     count = len(names) - 1
     panels = figure.subplots(count, count, squeeze=False, sharex="col", sharey="row")
     colour, unit = _columns(found, names[0])
+    doubted = _doubted(found)
     shown: Any = None
     for i in range(count):
         for j in range(count):
@@ -329,6 +337,7 @@ def _front(figure: "Figure", found: Mapping[str, Any], names: list[str]) -> None
                 continue
             (x, x_unit), (y, y_unit) = (_columns(found, names[k]) for k in (j, i + 1))
             shown = axes.scatter(x, y, c=colour, cmap="viridis", s=13, linewidths=0.0)
+            axes.scatter(np.asarray(x)[doubted], np.asarray(y)[doubted], s=3, color="white", linewidths=0.0)
             before = [float(in_shown(found["before"][names[k]], names[k])[0]) for k in (j, i + 1)]
             axes.plot(*before, "D", color="white", markeredgecolor=INK, markersize=5.0)
             if i == count - 1:
