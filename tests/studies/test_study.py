@@ -143,3 +143,10 @@ seed = 1.5
     ]
     with pytest.raises(ConfigError, match="nothing is varied"):
         load_study(written(tmp_path, 'system = "prototype"\noutputs = ["efficiency"]\n'))
+
+
+def test_a_length_without_unit_is_told_with_its_line(tmp_path: Path) -> None:
+    text = 'system = "prototype"\nuntil = "0.5"\noutputs = ["efficiency"]\n[grid]\n"load.pressure" = "1 bar"\n'
+    with pytest.raises(ConfigError) as caught:
+        load_study(written(tmp_path, text))
+    assert [(fault.line, fault.key) for fault in caught.value.faults] == [(2, "until"), (5, "grid.load.pressure")]

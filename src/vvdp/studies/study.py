@@ -33,8 +33,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.kinds import TIME
 from vvdp.base.tables import Table, read_table
-from vvdp.base.units import number_and_unit
+from vvdp.base.units import number_and_unit, parsed
 from vvdp.systems.system import System, shipped
 
 Settings: TypeAlias = Mapping[str, Any]
@@ -149,6 +150,11 @@ def load_study(path: Path | str) -> Study:
     until = content.get("until")
     if until is not None and not isinstance(until, str):
         faults.add("until", f'{until!r}; expected a time, for example "0.5 s"')
+    elif until is not None:
+        try:
+            parsed(until, TIME)
+        except ParameterError as problem:
+            faults.add("until", str(problem))
     outputs = content.get("outputs")
     if not isinstance(outputs, list) or not outputs or not all(isinstance(word, str) for word in outputs):
         faults.add("outputs", f'{outputs!r}; expected a list of keys of a summary, for example ["efficiency"]')
