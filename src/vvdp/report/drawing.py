@@ -63,10 +63,20 @@ def drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], Non
         figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)
         draw(figure)
+        _settle(figure)
         svg, png = io.StringIO(), io.BytesIO()
         figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
         figure.savefig(png, format="png", dpi=DOTS, metadata={"Software": None})
     return Drawn(name, caption, svg.getvalue(), png.getvalue())
+
+
+def _settle(figure: "Figure") -> None:
+    """Lays the figure out once, to a millionth of its size: the solver's last digits differ from time to time."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        left, bottom, width, height = (round(float(edge), 6) for edge in axes.get_position(original=True).bounds)
+        axes.set_position((left, bottom, width, height))
 
 
 def legend(axes: "Axes", columns: int) -> None:
