@@ -8,6 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.tables import write_new
 from vvdp.estimation.event_filter import event_filter
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.channel import ChannelInfo
@@ -21,7 +22,6 @@ from vvdp.logs.config import (
     Wave,
     config_text,
     load_estimation,
-    write_config,
 )
 from vvdp.sensing.wheel import equal_wheel, wheel_of_widths
 
@@ -188,10 +188,10 @@ def test_what_is_written_reads_back_the_same(tmp_path_factory, source, wheel, ra
 
 def test_a_config_is_not_written_over_another(tmp_path):
     path = tmp_path / "c.toml"
-    write_config(path, "a", force=False)
+    write_new(path, "a", force=False)
     with pytest.raises(ConfigError, match="already exists"):
-        write_config(path, "b", force=False)
-    write_config(path, "b", force=True)
+        write_new(path, "b", force=False)
+    write_new(path, "b", force=True)
     assert path.read_text() == "b"
     with pytest.raises(ConfigError, match="cannot be written"):
-        write_config(tmp_path / "none" / "c.toml", "a", force=False)
+        write_new(tmp_path / "none" / "c.toml", "a", force=False)

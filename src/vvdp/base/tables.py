@@ -255,3 +255,14 @@ def nearest(word: str, known: list[str]) -> str:
 
     close = difflib.get_close_matches(word, known, 1)
     return f"; did you mean {close[0]!r}?" if close else f"; expected one of {', '.join(sorted(known))}"
+
+
+def write_new(path: Path, text: str, *, force: bool) -> None:
+    """Writes a file for a person to go on with, never over another without `force`. Raises ConfigError."""
+    try:
+        with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        raise unusable(path, "already exists; choose another name or use --force") from None
+    except OSError as problem:
+        raise unusable(path, f"cannot be written ({problem.strerror})") from None

@@ -122,7 +122,8 @@ def estimate(
 
 
 def _write_config(log: Path, target: Path, config: Path | None, options: "list[Option]", force: bool) -> None:
-    from vvdp.logs.config import SOURCES, config_text, load_estimation, write_config
+    from vvdp.base.tables import write_new
+    from vvdp.logs.config import SOURCES, config_text, load_estimation
     from vvdp.logs.guess import guessed_options
 
     given = {option.key for option in options}
@@ -130,7 +131,7 @@ def _write_config(log: Path, target: Path, config: Path | None, options: "list[O
         if config is None and not given & {f"sensor.{key}" for key in SOURCES}:
             options = [*options, *(found for found in guessed_options(source) if found.key not in given)]
         wanted = load_estimation(config, options)
-        write_config(target, config_text(wanted, source.channels(), log.name), force=force)
+        write_new(target, config_text(wanted, source.channels(), log.name), force=force)
     channel = wanted.source.channel
     typer.echo(f"{target} written, with the edges from {channel!r}; run it with: vvdp estimate {log} --config {target}")
 

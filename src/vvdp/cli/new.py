@@ -18,6 +18,7 @@ def new(
 ) -> None:
     """Write a system file of your own, a commented copy of another."""
     from vvdp.base.errors import unusable
+    from vvdp.base.tables import write_new
     from vvdp.systems.system import load_system, source_text
 
     load_system(source)  # a copy of something broken helps nobody
@@ -25,13 +26,7 @@ def new(
     if not path.stem.isprintable() or path.name == ".toml":
         raise unusable(path, "is no name for a system; use letters, digits and hyphens")
     text = _titled(source_text(source), path.stem)
-    try:
-        with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        raise unusable(path, "already exists; choose another name or use --force") from None
-    except OSError as problem:
-        raise unusable(path, f"cannot be written ({problem.strerror})") from None
+    write_new(path, text, force=force)
     typer.echo(f"{path} written; run it with: vvdp run {path}")
 
 

@@ -8,7 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from vvdp.base.kinds import Angle, Count, Speed
+from vvdp.numerics.kalman import AngleSpeed
 
 
 class Estimate(NamedTuple):
@@ -26,6 +29,13 @@ class Estimate(NamedTuple):
     innovation: Angle
     innovation_deviation: Angle
     missed_edges: Count
+
+
+def believed(belief: AngleSpeed, innovation: float, innovation_deviation: float, missed_edges: float) -> Estimate:
+    """The estimate that a belief about the time of the sample makes; arguments as in `Estimate`."""
+    b = belief
+    angle_deviation, speed_deviation = np.sqrt(b.angle_variance), np.sqrt(b.speed_variance)
+    return Estimate(b.angle, b.speed, angle_deviation, speed_deviation, innovation, innovation_deviation, missed_edges)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from vvdp.estimation.association import (
     irregular_share,
     sector,
 )
-from vvdp.estimation.estimator import Estimate, Estimator
+from vvdp.estimation.estimator import Estimate, Estimator, believed
 from vvdp.estimation.index import IndexMemory, index_after_edge, index_start
 from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
 from vvdp.sensing.reading import Reading
@@ -159,15 +159,7 @@ def event_filter_step(
     if reading.edges > 0.0:
         memory, innovation, deviation = after_edge(memory, reading, settings)
     belief = propagated(memory.belief, reading.time - memory.time, memory.density)
-    estimate = Estimate(
-        belief.angle,
-        belief.speed,
-        np.sqrt(belief.angle_variance),
-        np.sqrt(belief.speed_variance),
-        innovation,
-        deviation,
-        memory.missed_edges,
-    )
+    estimate = believed(belief, innovation, deviation, memory.missed_edges)
     return memory, estimate
 
 

@@ -13,7 +13,7 @@ from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Rati
 from vvdp.base.params import Params
 from vvdp.base.select import maximum
 from vvdp.estimation.association import sector
-from vvdp.estimation.estimator import Estimate
+from vvdp.estimation.estimator import Estimate, believed
 from vvdp.estimation.event_filter import (
     EventFilter,
     EventFilterMemory,
@@ -188,15 +188,7 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
         memory = _after_pressure_edge(memory, reading, settings)
     last = memory.filter
     belief = propagated(last.belief, encoder.time - last.time, last.density)
-    estimate = Estimate(
-        belief.angle,
-        belief.speed,
-        np.sqrt(belief.angle_variance),
-        np.sqrt(belief.speed_variance),
-        innovation,
-        deviation,
-        last.missed_edges,
-    )
+    estimate = believed(belief, innovation, deviation, last.missed_edges)
     shown = FusionEstimate(
         estimate,
         memory.mean[2],

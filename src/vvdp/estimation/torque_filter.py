@@ -13,9 +13,10 @@ from vvdp.base.kinds import AccelerationDensity, AngularVariance, Flow, Kind, Ra
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
-from vvdp.estimation.estimator import Estimate, Estimator
-from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE
+from vvdp.estimation.estimator import Estimate, Estimator, believed
+from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, event_filter
 from vvdp.fluid.oil import Oil, density, kinematic_viscosity
+from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
 from vvdp.valve.rotary import RotaryValve
@@ -121,19 +122,20 @@ class Lag(NamedTuple):
 def torque_filter(wheel: CodeWheel, oil: Oil, valve: RotaryValve) -> TorqueFilter:
     """The usual settings; change one with `dataclasses.replace`.
 
-    Source  ours, docs/models/torque-filter.md; edge variance and start after wang2017, section 3.5
+    Source  ours, docs/models/torque-filter.md; what it shares with the event filter is that of `event_filter`
     """
+    shared = event_filter(wheel)
     return TorqueFilter(
-        acceleration_density=0.25,
+        acceleration_density=shared.acceleration_density,
         excess_density=1e-4,
-        edge_variance=3.47e-3,
-        lowest_speed=2.0 * np.pi,
-        angle_variance=1000.0,
-        speed_variance=1000.0,
+        edge_variance=shared.edge_variance,
+        lowest_speed=shared.lowest_speed,
+        angle_variance=shared.angle_variance,
+        speed_variance=shared.speed_variance,
         excess_variance=0.09,
         change_variance=0.02,
-        manoeuvre_gate=6.0,
-        association_speed_deviation=10.0,
+        manoeuvre_gate=shared.manoeuvre_gate,
+        association_speed_deviation=shared.association_speed_deviation,
         wheel=wheel,
         oil=oil,
         valve=valve,
@@ -345,15 +347,9 @@ def torque_filter_step(
         m.rise,
         m.fall,
     )
-    estimate = Estimate(
-        belief.angle,
-        belief.speed,
-        np.sqrt(belief.angle_variance),
-        np.sqrt(belief.speed_variance),
-        innovation,
-        deviation,
-        memory.missed_edges,
-    )
+    b = belief
+    motion = AngleSpeed(b.angle, b.speed, b.angle_variance, b.angle_speed, b.speed_variance)
+    estimate = believed(motion, innovation, deviation, memory.missed_edges)
     return memory, estimate
 
 

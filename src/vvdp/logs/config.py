@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
+from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import DUTY_RATIO, FRACTION, FREQUENCY, PRESSURE_DIFFERENCE, PRESSURE_LEVEL, TIME, Kind
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import Table, nearest, read_table
@@ -511,14 +511,3 @@ def _flag(value: bool) -> str:
 
 def _comment(value: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in value)
-
-
-def write_config(path: Path, text: str, *, force: bool) -> None:
-    """Writes a config file, never over another without `force`. Raises ConfigError."""
-    try:
-        with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        raise unusable(path, "already exists; choose another name or use --force") from None
-    except OSError as problem:
-        raise unusable(path, f"cannot be written ({problem.strerror})") from None

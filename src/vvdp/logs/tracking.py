@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_filter import EventFilter, EventFilterMemory, event_filter_start, event_filter_step
 from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
 from vvdp.logs.alignment import Alignment, alignment, edges_wanted
@@ -58,8 +59,14 @@ def tracked_step(memory: EventFilterMemory, reading: Reading, settings: EventFil
 
     Source  wang2017, eqs. 3.5 to 3.10, corrected: docs/errata.md
     """
-    memory, e = event_filter_step(memory, reading, settings)
-    shown = Shown(
+    memory, estimate = event_filter_step(memory, reading, settings)
+    return memory, shown_with(estimate, memory.edge)
+
+
+def shown_with(estimate: Estimate, edge: float) -> Shown:
+    """An estimate with the number of the last edge."""
+    e = estimate
+    return Shown(
         e.angle,
         e.speed,
         e.angle_deviation,
@@ -67,9 +74,8 @@ def tracked_step(memory: EventFilterMemory, reading: Reading, settings: EventFil
         e.innovation,
         e.innovation_deviation,
         e.missed_edges,
-        memory.edge,
+        edge,
     )
-    return memory, shown
 
 
 class FusedShown(NamedTuple):
@@ -88,17 +94,7 @@ def fused_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -
     Source  ours, docs/models/pressure-fusion.md
     """
     memory, f = fusion_step(memory, reading, settings)
-    e = f.estimate
-    shown = Shown(
-        e.angle,
-        e.speed,
-        e.angle_deviation,
-        e.speed_deviation,
-        e.innovation,
-        e.innovation_deviation,
-        e.missed_edges,
-        memory.filter.edge,
-    )
+    shown = shown_with(f.estimate, memory.filter.edge)
     return memory, FusedShown(shown, f.phase, f.duty_ratio, f.duty_deviation, f.lag)
 
 

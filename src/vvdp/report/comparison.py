@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from importlib import resources
 from pathlib import Path
 
 from vvdp.comparison.results import Comparison, read_comparison
@@ -10,9 +9,9 @@ from vvdp.comparison.scores import Measured
 from vvdp.report.comparison_figures import comparison_figures
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, group, row, table, text
+from vvdp.report.page import opening, write_page
 from vvdp.report.wording import fixed, number
 
-NAME = "report.html"
 HEAD = (
     "", "speed rms<br>rad/s", "95 %", "worst", "mean", "angle rms<br>rad", "95 %", "worst", "settles<br>ms",
     "delay<br>ms", "lost", "NIS",
@@ -31,22 +30,12 @@ def write_comparison_report(directory: Path) -> Path:
     found = read_comparison(directory)
     meta = json.loads((directory / "meta.json").read_text("utf-8"))
     drawn = tuple(comparison_figures(found))
-    folder = directory / "figures"
-    folder.mkdir(exist_ok=True)
-    for each in drawn:
-        (folder / f"{each.name}.svg").write_bytes(each.svg.encode())
-        (folder / f"{each.name}.png").write_bytes(each.png)
-    path = directory / NAME
-    path.write_text("\n".join(_page(found, meta, drawn)) + "\n", encoding="utf-8")
-    return path
+    return write_page(directory, _page(found, meta, drawn), drawn)
 
 
 def _page(found: Comparison, meta: Mapping[str, str], drawn: tuple[Drawn, ...]) -> Iterator[str]:
-    style = resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
     title = "Estimators of angle and speed on a coarse encoder"
-    yield f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f"<style>\n{style}</style>\n</head>\n<body>\n<h1>{title}</h1>"
+    yield f"{opening(title)}\n<h1>{title}</h1>"
     facts = [
         f"{found.sectors} sectors sampled at {number(found.rate)} Hz",
         f"{sum(played.runs for played in found.scenarios.values())} runs of {len(found.estimators)} estimators",

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +15,9 @@ from vvdp.design.variables import VARIABLES
 from vvdp.report.design_figures import front_figures, optimum_figures, temperature_figures, tolerance_figures, words
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
+from vvdp.report.page import opening, write_page
 from vvdp.report.wording import fixed, number, percent, plain, unit_shown
 
-NAME = "report.html"
 SOURCE_OPTIMUM = 2.48e5
 """Full-open drop that wang2017, section 2.6, states for its optimum [Pa]."""
 
@@ -35,22 +34,10 @@ def write_design_report(directory: Path) -> Path:
 
 def written(directory: Path, title: str, body: Iterator[str], figures: Sequence[Drawn]) -> Path:
     """Writes a page with `body` and the files of its `figures`."""
-    folder = directory / "figures"
-    folder.mkdir(exist_ok=True)
-    for each in figures:
-        (folder / f"{each.name}.svg").write_bytes(each.svg.encode())
-        (folder / f"{each.name}.png").write_bytes(each.png)
     meta = json.loads((directory / "meta.json").read_text("utf-8"))
-    style = resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
     facts = f"{text(meta['written'][:10])} &middot; vvdp {text(meta['vvdp'])}"
-    head = (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{text(title)}</title>\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>\n{style}</style>\n</head>\n'
-        f'<body>\n<h1>{text(title)}</h1>\n<p class="facts">{facts}</p>'
-    )
-    path = directory / NAME
-    path.write_text("\n".join([head, *body, "</body>\n</html>"]) + "\n", encoding="utf-8")
-    return path
+    head = f'{opening(text(title))}\n<h1>{text(title)}</h1>\n<p class="facts">{facts}</p>'
+    return write_page(directory, [head, *body, "</body>\n</html>"], figures)
 
 
 def quantity(value: float | None, name: str, digits: int = 4) -> str:

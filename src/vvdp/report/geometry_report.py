@@ -3,7 +3,6 @@
 import base64
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +11,9 @@ from vvdp.geometry.domains import Domain
 from vvdp.geometry.measure import Comparison
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
+from vvdp.report.page import opening, write_page
 from vvdp.report.wording import number
 
-NAME = "report.html"
 FILM = "period.gif"
 SHOWN = {
     "m": ("mm", 1e3),
@@ -42,15 +41,8 @@ class Page:
 
 def write_geometry_report(folder: Path, page: Page) -> Path:
     """Writes report.html and figures/ into a folder that holds the film, if there is one; the path of the page."""
-    figures = folder / "figures"
-    figures.mkdir(exist_ok=True)
-    for each in page.drawn:
-        (figures / f"{each.name}.svg").write_bytes(each.svg.encode())
-        (figures / f"{each.name}.png").write_bytes(each.png)
     film = folder / FILM
-    path = folder / NAME
-    path.write_text("\n".join(_lines(page, film.read_bytes() if film.is_file() else b"")) + "\n", encoding="utf-8")
-    return path
+    return write_page(folder, _lines(page, film.read_bytes() if film.is_file() else b""), page.drawn)
 
 
 def shown(value: float, unit: str) -> str:
@@ -60,11 +52,8 @@ def shown(value: float, unit: str) -> str:
 
 
 def _lines(page: Page, film: bytes) -> Iterator[str]:
-    style = resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
     title = f"Shape of the valve: {text(page.title)}"
-    yield f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f"<style>\n{style}</style>\n</head>\n<body>\n<h1>{title}</h1>"
+    yield f"{opening(title)}\n<h1>{title}</h1>"
     s = page.summary
     facts = [
         f"duty ratio {number(s['duty_ratio'], 3)}",

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from datetime import datetime
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,8 @@ from vvdp.logs.kept import Finding, Kept, read_kept
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
 from vvdp.report.log_figures import RPM, log_figures
+from vvdp.report.page import opening, write_page
 from vvdp.report.reading import BAR
-from vvdp.report.report import NAME
 from vvdp.report.wording import fixed, number, percent, plain
 
 FORM = ("", "n", "u")
@@ -29,33 +28,13 @@ def write_log_report(directory: Path) -> Path:
     """
     kept = read_kept(directory)
     drawn = tuple(log_figures(kept))
-    page = "\n".join(_page(kept, drawn)) + "\n"
-    folder = directory / "figures"
-    folder.mkdir(exist_ok=True)
-    names = {f"{each.name}{ending}" for each in drawn for ending in (".svg", ".png")}
-    for stale in sorted(folder.iterdir()):
-        if stale.name not in names and stale.suffix in (".svg", ".png"):
-            stale.unlink()
-    for each in drawn:
-        _replaced(folder / f"{each.name}.svg", each.svg.encode())
-        _replaced(folder / f"{each.name}.png", each.png)
-    return _replaced(directory / NAME, page.encode())
-
-
-def _replaced(path: Path, content: bytes) -> Path:
-    """Writes a file under a temporary name, so that it is whole or the old one."""
-    temporary = path.with_name(f".{path.name}.tmp")
-    temporary.write_bytes(content)
-    return temporary.replace(path)
+    return write_page(directory, _page(kept, drawn), drawn)
 
 
 def _page(kept: Kept, drawn: tuple[Drawn, ...]) -> Iterator[str]:
     log = Path(str(kept.meta.get("log", "log"))).name
     title = f"Angle and speed from {text(log)}"
-    style = resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
-    yield f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f"<style>\n{style}</style>\n</head>\n<body>"
+    yield opening(title)
     yield f'<h1>{title}</h1>\n<p class="facts">{" &middot; ".join(_facts(kept))}</p>'
     marks = "".join(f'<li class="{grade}">{text(words)}</li>' for words, grade in _badges(kept))
     yield f'<ul class="badges">{marks}</ul>'

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from datetime import datetime
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from vvdp.report.diagram import circuit_diagram
 from vvdp.report.drawing import Drawn
 from vvdp.report.figures import figures
 from vvdp.report.html import figure, text
+from vvdp.report.page import opening, write_page
 from vvdp.report.reading import Reading, reading
 from vvdp.report.references import bibliography
 from vvdp.report.tables import (
@@ -23,7 +23,6 @@ from vvdp.report.tables import (
 )
 from vvdp.report.verdict import badges, in_words, notices, range_notes
 
-NAME = "report.html"
 DIAGRAM = "circuit"
 
 
@@ -35,32 +34,12 @@ def write_report(directory: Path) -> Path:
     """
     read = reading(directory)
     diagram, drawn = circuit_diagram(read), tuple(figures(read))
-    page = "\n".join(_page(read, diagram, drawn)) + "\n"
-    folder = directory / "figures"
-    folder.mkdir(exist_ok=True)
-    kept = {f"{DIAGRAM}.svg", *(f"{each.name}{ending}" for each in drawn for ending in (".svg", ".png"))}
-    for stale in sorted(folder.iterdir()):
-        if stale.name not in kept and stale.suffix in (".svg", ".png"):
-            stale.unlink()
-    _replaced(folder / f"{DIAGRAM}.svg", diagram.encode())
-    for each in drawn:
-        _replaced(folder / f"{each.name}.svg", each.svg.encode())
-        _replaced(folder / f"{each.name}.png", each.png)
-    return _replaced(directory / NAME, page.encode())
-
-
-def _replaced(path: Path, content: bytes) -> Path:
-    """Writes a file under a temporary name, so that it is whole or the old one."""
-    temporary = path.with_name(f".{path.name}.tmp")
-    temporary.write_bytes(content)
-    return temporary.replace(path)
+    return write_page(directory, _page(read, diagram, drawn), drawn, {DIAGRAM: diagram})
 
 
 def _page(read: Reading, diagram: str, drawn: tuple[Drawn, ...]) -> Iterator[str]:
-    title, style = text(read.system.title), resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
-    yield f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f"<style>\n{style}</style>\n</head>\n<body>"
+    title = text(read.system.title)
+    yield opening(title)
     yield from _head(read, title)
     yield "<h2>Circuit</h2>"
     caption = (

@@ -274,15 +274,19 @@ def _ripples(figure: "Figure", result: RigResult) -> None:
         ),
         strict=True,
     ):
-        sheet = result.sheets[name]
-        x = sheet[column] / scale
-        axes.plot(x, sheet["estimated_ripple_Pa"] / BAR, color=FAINT, linestyle="--", linewidth=1.8, label="estimate")
-        axes.plot(x, sheet["load_ripple_Pa"] / BAR, color=LOAD, marker="o", markersize=3.2, label="simulated")
-        axes.set_xlabel(words)
-        axes.set_ylim(bottom=0.0)
-        axes.set_xlim(left=0.0)
+        _estimated_and_simulated(axes, result.sheets[name], column, scale, words)
     panels[0].set_ylabel("load pressure, peak to peak [bar]")
     legend(panels[0], 2)
+
+
+def _estimated_and_simulated(axes: "Axes", sheet: Sheet, column: str, scale: float, words: str) -> None:
+    """The load's ripple over `column`, which is shown in units of `scale`."""
+    x = sheet[column] / scale
+    axes.plot(x, sheet["estimated_ripple_Pa"] / BAR, color=FAINT, linestyle="--", linewidth=1.8, label="estimate")
+    axes.plot(x, sheet["load_ripple_Pa"] / BAR, color=LOAD, marker="o", markersize=3.2, label="simulated")
+    axes.set_xlabel(words)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
 
 
 def _harmonics(figure: "Figure", result: RigResult) -> None:
@@ -473,13 +477,7 @@ def _ripple_laws(figure: "Figure", result: RigResult) -> None:
         (panels[0], "ripple_frequency", "pwm_frequency_Hz", 1.0, "PWM frequency [Hz]"),
         (panels[1], "ripple_volume", "gas_volume_m3", 1e-6, "gas volume [cm³]"),
     ):
-        sheet = result.sheets[name]
-        x = sheet[column] / scale
-        axes.plot(x, sheet["estimated_ripple_Pa"] / BAR, color=FAINT, linestyle="--", linewidth=1.8, label="estimate")
-        axes.plot(x, sheet["load_ripple_Pa"] / BAR, color=LOAD, marker="o", markersize=3.2, label="simulated")
-        axes.set_xlabel(words)
-        axes.set_xlim(left=0.0)
-        axes.set_ylim(bottom=0.0)
+        _estimated_and_simulated(axes, result.sheets[name], column, scale, words)
     panels[0].set_ylabel("load, peak to peak [bar]")
     legend(panels[0], 2)
 

@@ -2,21 +2,19 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
 
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
+from vvdp.report.page import opening, write_page
 from vvdp.report.reading import BAR, LPM
 from vvdp.report.references import bibliography
 from vvdp.report.rig_figures import CELSIUS, RPM, rig_figures
 from vvdp.report.wording import number
 from vvdp.rigs.result import RigResult, Sheet, read_rig
-from vvdp.studies.store import write_whole
 
-NAME = "report.html"
 MOST_ROWS = 150
 WRAPPED = "th.n { white-space: normal; }\n"
 """Heads of wide tables may wrap; their numbers may not."""
@@ -61,25 +59,12 @@ def write_rig_report(directory: Path) -> Path:
     result = read_rig(directory)
     meta = json.loads((directory / "meta.json").read_text("utf-8"))
     pictures = tuple(rig_figures(result))
-    folder = directory / "figures"
-    folder.mkdir(exist_ok=True)
-    kept = {f"{each.name}{ending}" for each in pictures for ending in (".svg", ".png")}
-    for stale in sorted(folder.iterdir()):
-        if stale.name not in kept and stale.suffix in (".svg", ".png"):
-            stale.unlink()
-    for each in pictures:
-        (folder / f"{each.name}.svg").write_bytes(each.svg.encode())
-        (folder / f"{each.name}.png").write_bytes(each.png)
-    write_whole(directory / NAME, "\n".join(_page(result, meta, pictures)) + "\n")
-    return directory / NAME
+    return write_page(directory, _page(result, meta, pictures), pictures)
 
 
 def _page(result: RigResult, meta: Mapping[str, str], pictures: tuple[Drawn, ...]) -> Iterator[str]:
-    style = resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
     title = text(result.title)
-    yield f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f"<style>\n{style}{WRAPPED}</style>\n</head>\n<body>\n<h1>{title}</h1>"
+    yield f"{opening(title, WRAPPED)}\n<h1>{title}</h1>"
     facts = [f"System <b>{text(result.system)}</b>", text(meta["written"][:10]), f"vvdp {text(meta['vvdp'])}"]
     yield f'<p class="facts">{" &middot; ".join(facts)}</p>'
     if not result.finished:

@@ -39,7 +39,6 @@ LEFT_OUT = (
     "The pump's own flow ripple, which has no common period with the valve.",
 )
 UNITS = {"duty_ratio": "", "oil_temperature_K": "K", "load_area_m2": "m^2"}
-FLAGS = ("motor_overloaded", "cavitation", "trusted")
 
 
 def map_result(found: PumpMap) -> RigResult:

@@ -1,0 +1,48 @@
+"""A report's page and the files of its figures."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from types import MappingProxyType
+
+from vvdp.report.drawing import Drawn
+
+NAME = "report.html"
+
+
+def opening(title: str, style: str = "") -> str:
+    """The beginning of a page up to its body; `title` is ready HTML, `style` stands after the style of all reports."""
+    common = resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<style>\n{common}{style}</style>\n</head>\n<body>"
+    )
+
+
+def write_page(
+    directory: Path, lines: Iterable[str], drawn: Sequence[Drawn], more: Mapping[str, str] = MappingProxyType({})
+) -> Path:
+    """Writes report.html and figures/ into `directory` and gives the path of the page.
+
+    `more` are further SVG figures by name. Pictures of an earlier page that are no longer drawn are taken away.
+    """
+    page = "\n".join(lines) + "\n"
+    folder = directory / "figures"
+    folder.mkdir(exist_ok=True)
+    files = {f"{name}.svg": svg.encode() for name, svg in more.items()}
+    for each in drawn:
+        files |= {f"{each.name}.svg": each.svg.encode(), f"{each.name}.png": each.png}
+    for stale in sorted(folder.iterdir()):
+        if stale.name not in files and stale.suffix in (".svg", ".png"):
+            stale.unlink()
+    for name, content in files.items():
+        _replaced(folder / name, content)
+    return _replaced(directory / NAME, page.encode())
+
+
+def _replaced(path: Path, content: bytes) -> Path:
+    """Writes a file under a temporary name, so that it is whole or the old one."""
+    temporary = path.with_name(f".{path.name}.tmp")
+    temporary.write_bytes(content)
+    return temporary.replace(path)

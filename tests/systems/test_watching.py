@@ -1,0 +1,114 @@
+"""A bench whose spool is watched: encoder and filter in the compiled loop, and what a run says of them."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.base.tables import Table
+from vvdp.estimation.event_filter import EventFilterValues, event_filter, event_filter_start, event_filter_step
+from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
+from vvdp.sensing.wheel import equal_wheel
+from vvdp.simulation.results import shown
+from vvdp.simulation.run import simulate
+from vvdp.simulation.values import flat
+from vvdp.systems.summary import summary
+from vvdp.systems.system import built_system, load_system, system_table
+from vvdp.systems.watching import estimate_errors
+
+SECTOR = 2.0 * np.pi / 8.0
+
+
+def estimates(run):
+    return {path: values for path, (values, _) in shown(run).items()}
+
+
+def without(*tables):
+    table = system_table("prototype")
+    return Table(table.place, {k: v for k, v in table.content.items() if k not in tables}, table.lines)
+
+
+def test_the_loop_takes_the_same_steps_as_plain_python(ran):
+    """Rows at the samples show the estimate of the sample before; its readings follow from the rows themselves."""
+    _, run = ran("prototype", ["run.window=0 s"], "0.2 s")
+    settings = load_system("prototype").case.settings
+    spool, found = run.state.supply.spool, estimates(run)
+    sensor = encoder_start(settings.encoder, 0.0, float(spool.angle[0]), 1.0)
+    memory = event_filter_start(settings.filter, 0.0, 0.0, 0.0)
+    for k in range(run.times.size - 1):
+        shaft = Shaft(float(run.times[k]), float(spool.angle[k]), float(spool.speed[k]))
+        sensor, reading = encoder_step(sensor, shaft, settings.encoder)
+        memory, estimate = event_filter_step(memory, reading, settings.filter)
+        for name in ("angle", "speed", "angle_deviation", "innovation", "missed_edges"):
+            assert found[name][k + 1] == pytest.approx(getattr(estimate, name), rel=1e-9, abs=1e-9), (name, k)
+
+
+def test_watching_changes_nothing_of_what_is_watched():
+    watched = load_system("prototype", until="0.1 s")
+    alone = built_system(without("encoder", "spool_filter"), "prototype")
+    alone_run = simulate(alone.model, alone.case, watched.stepping)
+    watched_run = simulate(watched.model, watched.case, watched.stepping)
+    assert np.array_equal(flat(alone_run.state), flat(watched_run.state))
+    assert not shown(alone_run)
+    assert "spool_angle_error_rms_rad" not in summary(alone, alone_run)
+
+
+def test_angle_and_speed_are_found(ran):
+    """Absolute, as there is an index: within the 0.06 rad that wang2017, section 3.5, states for a constant speed."""
+    found, run = ran("prototype", (), "1 s")
+    assert found["spool_angle_error_rms_rad"] < 0.06
+    assert found["spool_missed_edges"] == 0.0
+    # The speed swings within each PWM period, which eight sectors cannot show: what is left is little more than that.
+    spool, late = run.state.supply.spool, run.times >= 0.75
+    swing = np.std(spool.speed[late])
+    assert swing < found["spool_speed_error_rms_rad_s"] < 1.3 * swing
+
+
+def test_missed_edges_are_known_and_cost_no_sector(ran):
+    found, run = ran("prototype", ["encoder.missed_edges=0.2"], "2 s")
+    spool, edges = run.state.supply.spool, estimates(run)
+    errors = estimate_errors(run.times, spool.angle, spool.speed, edges)[0][run.times > 0.5]
+    assert np.max(np.abs(errors)) < 0.5 * SECTOR
+    count = (spool.angle[-1] - spool.angle[0]) / SECTOR
+    chance = np.sqrt(count * 0.2 * 0.8)
+    assert abs(found["spool_missed_edges"] - 0.2 * count) < 4.0 * chance + 8.0  # and a turn before the filter knows
+
+
+def test_errors_are_those_of_the_carried_on_angle_within_half_a_turn():
+    """2 rad + 10 rad/s x 0.01 s = 2.1 rad, against 2 rad + 1 turn: 0.1 rad too far; the speed is 1 rad/s too high."""
+    told = {"time": np.array([0.99]), "angle": np.array([2.0]), "speed": np.array([10.0])}
+    angle, speed = estimate_errors(np.array([1.0]), np.array([2.0 + 2.0 * np.pi]), np.array([9.0]), told)
+    assert angle == pytest.approx([0.1])
+    assert speed == pytest.approx([1.0])
+
+
+def test_a_short_run_has_no_errors_to_tell(ran):
+    assert "spool_angle_error_rms_rad" not in ran("prototype", (), "0.1 s")[0]
+
+
+def test_the_filter_of_the_prototype_is_the_usual_one():
+    values = load_system("prototype").tables["spool_filter"]
+    usual = event_filter(equal_wheel(8))
+    for field in fields(EventFilterValues):
+        assert getattr(values, field.name) == pytest.approx(getattr(usual, field.name), rel=1e-12), field.name
+
+
+@pytest.mark.parametrize("missing", ["encoder", "spool_filter"])
+def test_half_of_the_tables_is_refused(missing):
+    with pytest.raises(ConfigError, match=f"{missing}: missing table"):
+        built_system(without(missing), "prototype")
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("encoder.sectors=7", "7"),
+        ("encoder.seed=1.5", "whole numbers"),
+        ("encoder.spot_width=9 mm", "narrower than every sector"),
+        ("spool_filter.edge_variance=0 rad^2", "edge_variance"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_numbers(setting, told):
+    with pytest.raises(ConfigError, match=told):
+        load_system("prototype", [setting])
