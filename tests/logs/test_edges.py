@@ -30,7 +30,7 @@ def plain(times, polarities=None):
                  np.ones(t.size))  # fmt: skip
 
 
-# --- plateaus
+# Plateaus
 
 
 @pytest.mark.parametrize("samples", [2, 3, 5])
@@ -64,7 +64,7 @@ def test_noise_and_a_constant_are_no_wave(seed):
     assert plateaus(np.full(5000, 3.3)) is None
 
 
-# --- wave
+# Wave
 
 
 def test_crossings_lie_between_the_samples():
@@ -154,7 +154,7 @@ def test_a_threshold_follows_a_lamp_that_fades():
     assert finder.found == pytest.approx(299, abs=1)
 
 
-# --- counter
+# Counter
 
 
 def test_edges_of_a_counter_are_the_steps_in_their_sampling_intervals():
@@ -197,7 +197,7 @@ def test_a_counter_that_counts_down_goes_on():
     assert np.array_equal(found.counts, [1.0, 1.0, 2.0]) and finder.downward
 
 
-# --- stamps
+# Stamps
 
 
 def test_two_columns_are_merged_with_their_polarity():
@@ -215,7 +215,7 @@ def test_stamps_that_are_no_numbers_are_left_out():
     assert np.array_equal(found.times, [0.1, 0.3]) and np.array_equal(found.polarities, [0.0, 0.0])
 
 
-# --- bounces
+# Bounces
 
 
 def test_an_edge_that_bounced_is_one_and_a_glitch_is_none():

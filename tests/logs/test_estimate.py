@@ -78,7 +78,7 @@ def stamped(times):
     return {"edge": (times, "s")}
 
 
-# --- the estimate itself
+# The estimate itself
 
 
 def test_exact_stamps_give_the_exact_speed(estimated):
@@ -176,7 +176,7 @@ def test_the_smoother_is_better_than_the_filter(estimated):
     assert np.isfinite(smoothed[late]).all()
 
 
-# --- what may be wrong with a record
+# What may be wrong with a record
 
 
 def test_missed_edges_are_counted_one_by_one(estimated):
@@ -524,7 +524,7 @@ def test_edge_times_in_other_units(estimated):
     assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-7)
 
 
-# --- pressure
+# Pressure
 
 
 def pressure_of(angles, duty=0.4):
@@ -615,7 +615,7 @@ def test_the_pressure_carries_the_angle_where_the_encoder_is_silent(estimated):
     assert np.all(fused.column("pressure_lag")[silent] == 1e-4)  # taken as known
 
 
-# --- what cannot be estimated, and what is kept
+# What cannot be estimated, and what is kept
 
 
 @pytest.mark.parametrize(
@@ -702,7 +702,7 @@ def test_a_damaged_result_is_refused(estimated):
         read_kept(kept.directory)
 
 
-# --- the steps
+# The steps
 
 
 def test_bridged_time_is_where_three_deviations_reach_half_a_sector():

@@ -384,7 +384,7 @@ class _Run:
         rate, measured = self.sums.rate, self.sums.measured
         return min(self.sums.rows / rate / measured, 1.0) if rate and measured > 0.0 else np.nan
 
-    # --- what goes in
+    # What goes in
 
     def _take(self, portion: Mapping[str, Portion]) -> None:
         match self.wanted.source, self.finder:
@@ -553,7 +553,7 @@ class _Run:
                 elif clock > self.clock:
                     self.pressure.later.append((clock, times, values))
 
-    # --- what comes out
+    # What comes out
 
     def _write(self, tracked: Tracked) -> None:
         rows = dict(tracked.rows)

@@ -44,7 +44,7 @@ def _value(kept: Kept, key: str) -> float:
     return float("nan") if value is None else float(value)
 
 
-# --- the wave
+# The wave
 
 
 def _wave_caption(kept: Kept) -> str:
@@ -91,7 +91,7 @@ def _time_label(origin: float, unit: str) -> str:
     return f"time since {plain(round(origin, 3), 9)} s [{unit}]"
 
 
-# --- the speed
+# The speed
 
 
 def _speed_caption(kept: Kept) -> str:
@@ -222,7 +222,7 @@ def _zoomed(kept: Kept) -> tuple[float, float, float, float, float]:
     return origin, scale, float(times[0]), float(times[-1]), float(piece)
 
 
-# --- the innovations
+# The innovations
 
 
 def _innovation_caption(kept: Kept) -> str:
@@ -280,7 +280,7 @@ def _chance(bins: Array) -> tuple[Array, Array]:
     return x, np.exp(-0.5 * x) / np.sqrt(TURN * x)
 
 
-# --- the wheel
+# The wheel
 
 
 def _wheel_caption(kept: Kept) -> str:
@@ -367,7 +367,7 @@ def enlargement(offsets: Array, sectors: int) -> float:
     return min(0.25 * TURN / sectors / largest, MOST_EXAGGERATED) if largest > 0.0 else 1.0
 
 
-# --- the pressure
+# The pressure
 
 
 def _pressure_caption(kept: Kept) -> str:
