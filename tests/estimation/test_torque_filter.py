@@ -292,7 +292,7 @@ def test_covariance_stays_one(history):
         assert np.linalg.eigvalsh(P * np.outer(scale, scale)).min() > -1e-9
 
 
-# Whole records ------------------------------------------------------------------------------------------------
+# Whole records
 
 
 def spun_up(rng, before, after, time_constant, sampled_edges, until, *, jitter=0.0, flows=(LOW, HIGH)):
