@@ -5,9 +5,10 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
 from vvdp.studies.study import Random, Study, Uniform
@@ -84,3 +85,22 @@ def kept() -> Callable[[Path], set[str]]:
         }
 
     return keys
+
+
+@pytest.fixture
+def kill_a_worker() -> Callable[[Callable[[], Iterable[psutil.Process]]], None]:
+    """Kills the first process of Dask's workers among those given, which may end while they are looked at."""
+
+    def is_worker(process: psutil.Process) -> bool:
+        try:
+            return "spawn_main" in " ".join(process.cmdline())
+        except psutil.NoSuchProcess:  # a zombie is one too
+            return False
+
+    def kill(processes: Callable[[], Iterable[psutil.Process]]) -> None:
+        until = time.monotonic() + 60.0
+        while not (workers := [p for p in processes() if is_worker(p)]) and time.monotonic() < until:
+            time.sleep(0.01)
+        workers[0].kill()
+
+    return kill

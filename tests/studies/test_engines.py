@@ -126,7 +126,9 @@ def test_dask_gives_the_same_numbers(two_workers: LocalDask, tmp_path: Path) -> 
     assert again.ran == 0 and heard == ["12 of 12 cases are finished already"]
 
 
-def test_a_worker_that_is_killed_costs_nothing_that_was_finished(two_workers: LocalDask, kept, tmp_path: Path) -> None:
+def test_a_worker_that_is_killed_costs_nothing_that_was_finished(
+    two_workers: LocalDask, kill_a_worker, kept, tmp_path: Path
+) -> None:
     random = Random({"oil.air_fraction": Uniform("0.5 %", "2 %")}, 120, 5)
     study = Study("prototype", random, ("efficiency",), until="0.2 s")
     finished: list[set[str]] = []
@@ -134,8 +136,7 @@ def test_a_worker_that_is_killed_costs_nothing_that_was_finished(two_workers: Lo
     def progress(done: int, total: int) -> None:
         finished.append(kept(tmp_path / "s"))
         if done > 0 and len(finished) <= 3:
-            worker = next(p for p in psutil.Process().children(recursive=True) if "spawn_main" in " ".join(p.cmdline()))
-            worker.kill()
+            kill_a_worker(lambda: psutil.Process().children(recursive=True))
 
     found = run_study(study, tmp_path / "s", engine=two_workers, progress=progress)
     assert found.finished and found.ran == 120 and not found.failures

@@ -110,7 +110,7 @@ def own_slurm(not_tested, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def test_a_study_on_slurm_survives_everything(
-    own_slurm, begin_study, awaited, kept, long_study, tmp_path: Path
+    own_slurm, begin_study, awaited, kill_a_worker, kept, long_study, tmp_path: Path
 ) -> None:
     """The whole study is killed; then a worker is, and all jobs are cancelled; what was finished is never run again."""
     directory = tmp_path / "long"
@@ -131,8 +131,7 @@ def test_a_study_on_slurm_survives_everything(
     def progress(done: int, total: int) -> None:
         steps.append(kept(directory))
         if len(steps) == 2:
-            worker = next(p for p in psutil.process_iter() if "spawn_main" in " ".join(p.cmdline()) and in_job(p))
-            worker.kill()
+            kill_a_worker(lambda: filter(in_job, psutil.process_iter()))
         if len(steps) == 3:
             told("scancel", *told("squeue", "-h", "-o", "%i").split())
 
@@ -147,8 +146,11 @@ def test_a_study_on_slurm_survives_everything(
 
 
 def in_job(process: psutil.Process) -> bool:
-    """Whether a process is of a SLURM job."""
-    return "SLURM_JOB_ID" in process.environ()
+    """Whether a process is of a SLURM job; one that has ended, or is another user's, is not."""
+    try:
+        return "SLURM_JOB_ID" in process.environ()
+    except psutil.Error:
+        return False
 
 
 def test_the_command_line_runs_a_study_on_slurm(
