@@ -144,6 +144,17 @@ def test_without_a_speed_the_period_of_the_wave_serves():
     assert shown.wave_duty_ratio == pytest.approx(6.0 / 15.0, rel=1e-9)
 
 
+def test_a_speed_that_is_found_within_a_pulse_has_no_angle_at_its_rise():
+    """From a rise at an unknown angle, 0, to 16.2 rad: 7.7 periods. The second pulse is timed: 8 of 13.96 ms."""
+    memory = duty_start()
+    found = []
+    for at, polarity, speed in ((0.1, 1.0, 0.0), (0.108, -1.0, 150.0), (0.11396, 1.0, 0.0), (0.12196, -1.0, 150.0)):
+        memory, shown = duty_step(memory, told(edge(at, polarity), speed), SETTINGS)
+        found.append(shown.wave_duty_ratio)
+    assert np.isnan(found[1])
+    assert found[3] == pytest.approx(8.0 / 13.96, rel=1e-9)
+
+
 @pytest.fixture(scope="module")
 def duty_replays():
     start = pressure_edges_start(0.0, 1e5)

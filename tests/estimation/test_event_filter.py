@@ -230,14 +230,15 @@ def test_time_stamps_and_unknown_polarity(edge_times, filtered, interval, known)
 
 @pytest.mark.parametrize(("rise", "fall", "edge"), [(0.0, 0.0, 507.0), (5.6, 0.0, 507.0), (0.0, 5.6, 505.0)])
 def test_only_late_edges_make_a_slower_wheel_likely(rise, fall, edge):
-    """Three edges of 503 to 507 missed at 68.5 rad/s, the fourth just where it is expected: -3 ln 0.15 = 5.7. 505, the
-    next that falls, is 2 sectors = 1.57 rad behind: after a manoeuvre 1.96 deviations, sqrt(2e4 0.0459^3/3) = 0.8
-    and ln(0.80/0.075) = 2.4: 4.3, and the odds against it, 12 or, after late edges only, 2 (6 - 5.6) = 0.8: 5.1.
+    """Three edges of 503 to 507 missed at 68.5 rad/s, the fourth just where it is expected: two more than for 505, the
+    next that falls, -2 ln 0.05 = 6.0. 505 is 2 sectors = 1.57 rad behind: after a manoeuvre 1.96 deviations,
+    sqrt(2e4 0.0459^3/3) = 0.8 and ln(0.80/0.075) = 2.4: 4.3, and the odds against it, 12 or, after late edges only,
+    2 (6 - 5.6) = 0.8: 5.1.
     """
     still = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
     belief = AngleSpeed(edge_angle(503.0, WHEEL), 68.5, 1.1e-3, 7e-3, 0.04)
     memory = EventFilterMemory(
-        0.0, belief, 503.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.15, PUBLISHED.acceleration_density, rise, fall, still.search
+        0.0, belief, 503.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.05, PUBLISHED.acceleration_density, rise, fall, still.search
     )
     passed = 4.0 * SECTOR / 68.5
     after, _ = event_filter_step(memory, Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), PUBLISHED)

@@ -106,6 +106,7 @@ ACCELERATION_DENSITY = Kind(
     "spectral density of an angular acceleration", "rad^2/s^3", 0.0, 1e12, "0.25 rad^2/s^3", units=("rad^2/s^3",)
 )
 DRIFT = Kind("relative drift", "1", -0.1, 0.1, "1e-4")
+RATIO_DRIFT = Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")
 COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
 
 Scalar: TypeAlias = float
@@ -155,6 +156,7 @@ PressureTime = Annotated[float, PRESSURE_TIME]
 Duration = Annotated[float, DURATION]
 Coupling = Annotated[float, COUPLING]
 Drift = Annotated[float, DRIFT]
+RatioDrift = Annotated[float, RATIO_DRIFT]
 AngularVariance = Annotated[float, ANGULAR_VARIANCE]
 SpeedVariance = Annotated[float, SPEED_VARIANCE]
 AccelerationDensity = Annotated[float, ACCELERATION_DENSITY]

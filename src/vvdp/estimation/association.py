@@ -103,7 +103,7 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     manoeuvre = sighting.manoeuvre_odds + 0.5 * away * away / S_m + 0.5 * np.log(S_m / S)
     count_cost = minimum(0.5 * away * away / S, manoeuvre)
     off = edge_angle(nearest, wheel) - sighting.angle
-    missed = maximum(nearest - last - sighting.ignored - fresh, 0.0)
+    missed = maximum(nearest - counted, 0.0)  # more than the next by count asks for
     silence = maximum(maximum(sighting.irregular, RAREST) ** missed, DROPOUT)
     nearest_cost = 0.5 * off * off / S - np.log(silence)
     return Association(nearest if nearest_cost < count_cost else counted, 1.0)

@@ -26,7 +26,7 @@ def commensurate_clock(
 ) -> Commensurate | None:
     """The fraction p/q, q <= `largest`, of the sampling rate that the edge rate is, or None where it is none.
 
-    None also where the edge rate is 0 or above the sampling rate, when edges are lost and nothing can be said.
+    None also where the edge rate is 0, or the sampling rate or more: edges are lost, and nothing can be said.
     Edges that a capture unit stamps are free of all this. The usual values suit the event filter as published.
 
     edge_rate    edges a second of the whole wheel [1/s]

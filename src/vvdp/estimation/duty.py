@@ -175,12 +175,13 @@ def duty_step(memory: DutyWaveMemory, reading: DutyReading, settings: DutyWave) 
     rise_time, rise_angle, rise_interval = memory.rise_time, memory.rise_angle, memory.rise_interval
     rise_level, rise_before, within = memory.rise_level, memory.rise_before, memory.within_pulse
     duty, wave, deviation = memory.duty_ratio, memory.wave_duty_ratio, memory.deviation
-    angle = reading.angle - reading.speed * (edge.time - edge.pressure_edge_time)
+    moving = reading.speed > 0.0
+    angle = reading.angle - reading.speed * (edge.time - edge.pressure_edge_time) if moving else np.nan
     if edge.pressure_edges > 0.0 and edge.pressure_polarity > 0.0:
         rise_before, rise_time, rise_angle = rise_time, edge.pressure_edge_time, angle
         rise_interval, rise_level, within = edge.pressure_edge_interval, edge.level, 1.0
     falling = edge.pressure_edges > 0.0 and edge.pressure_polarity < 0.0
-    known = reading.speed > 0.0
+    known = moving and rise_angle > -np.inf  # NaN while the speed was unknown
     if falling and within > 0.0 and (known or rise_time > rise_before):
         frequency = reading.speed * N / (2.0 * np.pi) if known else 1.0 / (rise_time - rise_before)
         wave = wave_duty_ratio(rise_angle, angle, N) if known else frequency * (edge.pressure_edge_time - rise_time)

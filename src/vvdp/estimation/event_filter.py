@@ -4,7 +4,7 @@ The belief is kept at the time of the last edge. A sample without an edge costs 
 Derived in docs/models/event-filter.md.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -163,7 +163,16 @@ def event_filter_step(
     return memory, estimate
 
 
-def edge_angle_variance(speed: float, edge_interval: float, settings: EventFilter) -> float:
+class EdgeNoise(Protocol):
+    """How well edges are seen: settings that have these of the event filter."""
+
+    @property
+    def edge_variance(self) -> float: ...
+    @property
+    def lowest_speed(self) -> float: ...
+
+
+def edge_angle_variance(speed: float, edge_interval: float, settings: EdgeNoise) -> float:
     """Variance of the angle at which an edge was seen, R = (omega T)^2 / 12 + R_2 [rad^2].
 
     speed          believed [rad/s]

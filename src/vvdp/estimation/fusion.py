@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Ratio, Time
+from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Ratio, RatioDrift, Time
 from vvdp.base.params import Params
-from vvdp.base.select import maximum
+from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.estimator import Estimate, believed
 from vvdp.estimation.event_filter import (
@@ -20,6 +20,7 @@ from vvdp.estimation.event_filter import (
     after_edge,
     edge_angle_variance,
     event_filter_start,
+    widened,
 )
 from vvdp.estimation.threshold import AngleDrift
 from vvdp.numerics.kalman import AngleSpeed, propagated
@@ -27,16 +28,17 @@ from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, edge_below
 
-RATIO_DRIFT = Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")
 TIME_VARIANCE = Kind("variance of a time", "s^2", 0.0, 1.0, "1e-8 s^2")
 LAG = Kind("lag", "s", -1.0, 1.0, "0.2 ms")
 
-RatioDrift = Annotated[float, RATIO_DRIFT]
 TimeVariance = Annotated[float, TIME_VARIANCE]
 Lag = Annotated[float, LAG]
 
 SILENT_SECTORS = 4.0
 """Sectors that pass without an edge until the encoder counts as lost."""
+
+FAR = 2.0
+"""Deviations beyond which pressure edges of one side, several in a row, show that something has changed [1]."""
 
 
 class Fusion(Params):
@@ -45,8 +47,8 @@ class Fusion(Params):
     `pressure_variance` is sigma_p^2, of a pressure edge as an angle, besides its time resolution. The wave is that of a
     spool with `sections`, its duty ratio larger by `duty_excess`, late by the phase (mounting angle) and by `lag`;
     `lag_variance` 0 takes the lag as known. `duty_sensor_variance` is that of a measured duty ratio. A pressure edge
-    further than `gate` deviations from where it is expected is refused; after `patience` of them in a row something
-    else has changed.
+    further than `gate` deviations from where it is expected is refused; after `patience` of them in a row the wave has
+    changed or, where the encoder is silent, after as many edges far to one side the speed or the duty ratio.
     """
 
     filter: EventFilter
@@ -77,14 +79,18 @@ class Fusion(Params):
 
 class FusionMemory(NamedTuple):
     """The event filter with its belief at the last edge of either sensor; mean (5,) and covariance (5, 5) of angle,
-    speed, phase, duty ratio and lag at that time; when the encoder last spoke, and how many pressure edges in a row
-    were refused."""
+    speed, phase, duty ratio and lag at that time; when the encoder last spoke and when an edge of either was last
+    accepted; how many pressure edges in a row were refused, lay on one side of where they should while the encoder was
+    silent (`speed_run`), and meant a longer or shorter pulse then (`duty_run`)."""
 
     filter: EventFilterMemory
     mean: Array
     covariance: Array
     encoder_time: Time
+    agreed_time: Time
     refused: Count
+    speed_run: float
+    duty_run: float
 
 
 class FusionReading(NamedTuple):
@@ -167,7 +173,7 @@ def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> F
     mean, P = np.zeros(5), np.zeros((5, 5))
     _begin_wave(mean, P, settings)
     _believe(mean, P, start.belief)
-    return FusionMemory(start, mean, P, time, 0.0)
+    return FusionMemory(start, mean, P, time, time, 0.0, 0.0, 0.0)
 
 
 def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusionEstimate]:
@@ -272,7 +278,10 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
     before = memory.filter
     after, innovation, deviation = after_edge(before, encoder, settings.filter)
     if not deviation > 0.0:
-        still = FusionMemory(after, memory.mean, memory.covariance, memory.encoder_time, memory.refused)
+        m = memory
+        still = FusionMemory(
+            after, m.mean, m.covariance, m.encoder_time, m.agreed_time, m.refused, m.speed_run, m.duty_run
+        )
         return still, innovation, deviation
     S = deviation * deviation
     R = edge_angle_variance(before.belief.speed, encoder.edge_interval, settings.filter)
@@ -287,7 +296,8 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
     # Once the index is found, all angles are counted from another edge than before.
     mean[2] += after.belief.angle - mean[0]
     _believe(mean, P, after.belief)
-    return FusionMemory(after, mean, P, encoder.time, memory.refused), innovation, deviation
+    done = FusionMemory(after, mean, P, encoder.time, after.time, memory.refused, 0.0, 0.0)
+    return done, innovation, deviation
 
 
 def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> FusionMemory:
@@ -309,37 +319,63 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     H = np.array([1.0, -lag, -1.0, per_duty, -mean[1]])
     passed = maximum(mean[1], event.lowest_speed) * reading.pressure_edge_interval
     R = passed * passed / 12.0 + settings.pressure_variance
-    S = R
-    for i in range(5):
-        for j in range(5):
-            S += H[i] * P[i, j] * H[j]
-    density, refused = before.density, 0.0
+    S = _innovation_variance(P, H, R)
     silent = (reading.encoder.time - memory.encoder_time) * maximum(mean[1], event.lowest_speed) > (
         SILENT_SECTORS * sector(event.wheel)
     )
-    wave_lost = False
-    if innovation * innovation < settings.gate * settings.gate * S:
-        _observe(mean, P, H, innovation, R)
-        if silent:
-            density = maximum(density * (1.0 - 1.0 / event.manoeuvre_edges), event.acceleration_density)
-    else:
-        refused = memory.refused + 1.0
-        if refused >= settings.patience:
-            # With an encoder that speaks it is the wave that has changed, without one it must be the speed.
-            wave_lost, refused = not silent, 0.0
-            density = event.manoeuvre_density if silent else density
-
-    if wave_lost:
+    density, speed_run, duty_run = before.density, 0.0, 0.0
+    if silent:
+        z = innovation / np.sqrt(S)
+        speed_run, duty_run = run_on(memory.speed_run, z), run_on(memory.duty_run, s * z)
+        density = maximum(density * (1.0 - 1.0 / event.manoeuvre_edges), event.acceleration_density)
+        if abs(speed_run) >= settings.patience:
+            density, speed_run = event.manoeuvre_density, 0.0
+            since = maximum(reading.pressure_edge_time - memory.agreed_time, 0.0)
+            _believe(mean, P, widened(_belief(mean, P), since, density))
+        if abs(duty_run) >= settings.patience:
+            P[3, 3] += settings.duty_ratio_variance
+            duty_run = 0.0
+        S = _innovation_variance(P, H, R)
+    accepted = innovation * innovation < settings.gate * settings.gate * S
+    refused = 0.0 if accepted else memory.refused + 1.0
+    if not silent and refused >= settings.patience:
         _begin_wave(mean, P, settings)
+        refused = 0.0
+    if accepted:
+        _observe(mean, P, H, innovation, R)
     time = before.time
     if h < 0.0:
         _move(mean, P, -h)
     else:
         time = reading.pressure_edge_time
     after = _believing(before, time, _belief(mean, P), density)
-    if silent and refused == 0.0:
+    if silent and accepted:
         after = _counted_on(after, event)
-    return FusionMemory(after, mean, P, memory.encoder_time, refused)
+    agreed_time = maximum(reading.pressure_edge_time, memory.agreed_time) if accepted else memory.agreed_time
+    return FusionMemory(after, mean, P, memory.encoder_time, agreed_time, refused, speed_run, duty_run)
+
+
+def run_on(run: float, innovation: float) -> float:
+    """How many innovations in a row lay more than `FAR` deviations to one side, negative below [1], with one more.
+
+    run         before
+    innovation  over its deviation [1]
+
+    Source  ours, docs/models/pressure-fusion.md
+    """
+    if innovation > FAR:
+        return maximum(run, 0.0) + 1.0
+    if innovation < -FAR:
+        return minimum(run, 0.0) - 1.0
+    return 0.0
+
+
+def _innovation_variance(covariance: Array, observation: Array, variance: float) -> float:
+    P, H, S = covariance, observation, variance
+    for i in range(H.size):
+        for j in range(H.size):
+            S += H[i] * P[i, j] * H[j]
+    return S
 
 
 def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilterMemory:

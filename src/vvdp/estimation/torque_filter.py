@@ -9,12 +9,22 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import AccelerationDensity, AngularVariance, Flow, Kind, Ratio, Speed, SpeedVariance, Temperature
+from vvdp.base.kinds import (
+    AccelerationDensity,
+    AngularVariance,
+    Flow,
+    Kind,
+    Ratio,
+    RatioDrift,
+    Speed,
+    SpeedVariance,
+    Temperature,
+)
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
 from vvdp.estimation.estimator import Estimate, Estimator, believed
-from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, event_filter
+from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, edge_angle_variance, event_filter
 from vvdp.fluid.oil import Oil, density, kinematic_viscosity
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading
@@ -22,7 +32,6 @@ from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import flow_damping, friction_coefficient, spool_inertia, stall_torque
 
-ExcessDensity = Annotated[float, Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")]
 ExcessVariance = Annotated[float, Kind("variance of a ratio", "1", 0.0, 1e6, "0.09")]
 
 
@@ -35,7 +44,7 @@ class TorqueFilter(Params):
     """
 
     acceleration_density: AccelerationDensity
-    excess_density: ExcessDensity
+    excess_density: RatioDrift
     edge_variance: AngularVariance
     lowest_speed: Speed
     angle_variance: AngularVariance
@@ -359,8 +368,7 @@ def _after_edge(
     wheel, gate, m = settings.wheel, settings.manoeuvre_gate, memory
     prior = turned(m.belief, reading.edge_time - m.time, spin, settings.acceleration_density, settings.excess_density)
     wide = widened(prior, reading.edge_time - m.calm_time, spin, settings.change_variance)
-    passed = maximum(prior.speed, settings.lowest_speed) * reading.edge_interval
-    R = passed * passed / 12.0 + settings.edge_variance
+    R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
     edges = m.ignored + reading.edges
     if m.started == 0.0:
         number = first_edge(m.belief.angle, reading.polarity, wheel)
