@@ -107,12 +107,22 @@ def test_the_page_can_be_written_anew(vvdp, here):
     assert "ISO 4411" in Path("drop/report.html").read_text("utf-8")
 
 
-def test_a_page_made_once_is_refused_with_a_reason(vvdp, here):
+def test_the_page_of_a_design_can_be_written_anew(vvdp, here):
+    vvdp("design", "temperature", "prototype", "--out", "warm")
+    page = Path("warm/report.html")
+    before = page.read_bytes()
+    page.unlink()
+    assert vvdp("report", "warm").out.strip() == str(page)
+    assert page.read_bytes() == before
+
+
+@pytest.mark.parametrize(("file", "why"), [("geometry.toml", "run the command again"), ("design.json", "is damaged")])
+def test_a_page_that_cannot_be_made_is_refused_with_a_reason(vvdp, here, file, why):
     Path("opt").mkdir()
-    Path("opt/design.json").write_text("{}")
+    Path("opt", file).write_text("{}")
     answer = vvdp("report", "opt")
     assert answer.code == 2
-    assert "run the command again" in answer.err
+    assert why in answer.err
 
 
 def interrupt(*_: object, **__: object) -> None:

@@ -82,12 +82,21 @@ def test_settling_means_staying():
     late[-1] += 5.0
     assert settling_time(TIME, late, STEP) == np.inf
     assert settling_time(TIME, np.full(TIME.size, 150.0), STEP) == 0.0
+    assert settling_time(TIME, np.full(TIME.size, np.nan), STEP) == np.inf
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.0123, 0.05, 0.1507])
 def test_delays_are_found(delay):
     shown = STEP.speed(TIME - delay)
     assert equivalent_delay(TIME, shown, STEP) == pytest.approx(delay, abs=2e-5)
+
+
+def test_a_delay_beyond_what_is_sought_is_not_measured():
+    assert equivalent_delay(TIME, STEP.speed(TIME - 0.3), STEP) == np.inf
+    scores = np.zeros((3, len(Score._fields)))
+    scores[:, Score._fields.index("delay")] = 0.01, np.inf, 0.02
+    mean = summary(scores)["delay_s"]
+    assert mean.value == np.inf and np.isnan(mean.error)
 
 
 def test_a_lag_delays_by_about_its_time_constant():

@@ -75,7 +75,7 @@ def map(  # noqa: A001 - the name of the verb
     from vvdp.cli.screen import print_json, say
     from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.map_result import map_result
-    from vvdp.rigs.maps import analytic_map, map_directory, simulated_map
+    from vvdp.rigs.maps import NOT_RUN, analytic_map, map_directory, simulated_map
     from vvdp.rigs.result import write_rig
     from vvdp.rigs.stand import stand
     from vvdp.systems.system import load_system, resolved_text
@@ -103,7 +103,7 @@ def map(  # noqa: A001 - the name of the verb
         _print(result, found)
         typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
     if not found.finished:
-        missing = sum(reason == "not run yet" for reason in found.reasons)
+        missing = found.reasons.count(NOT_RUN)
         say(f"interrupted with {missing} points to go; the same command goes on from here")
         raise typer.Exit(INTERRUPTED)
     if result.numbers.get("untrusted_points", 0.0) > 0.0:

@@ -100,7 +100,7 @@ def settling_time(time: Array, speed: Array, motion: Motion) -> float:
     """
     if not motion.changes:
         return np.nan
-    outside = np.abs(speed - motion.after) > BAND * abs(motion.after - motion.before)
+    outside = ~(np.abs(speed - motion.after) <= BAND * abs(motion.after - motion.before))  # NaN is
     late = np.flatnonzero(outside & (time >= motion.change_at))
     if not late.size:
         return 0.0
@@ -112,7 +112,8 @@ def settling_time(time: Array, speed: Array, motion: Motion) -> float:
 def equivalent_delay(time: Array, speed: Array, motion: Motion) -> float:
     """The lag L >= 0 for which the true speed at t - L comes closest to `speed` at t in the mean square [s].
 
-    Sought on the grid of the samples, then between them by a parabola. NaN where the speed does not change.
+    Sought on the grid of the samples, then between them by a parabola. NaN where the speed does not change; infinite
+    where it is longer than `LONGEST_DELAY`.
     """
     if not motion.changes:
         return np.nan
@@ -126,8 +127,10 @@ def equivalent_delay(time: Array, speed: Array, motion: Motion) -> float:
     energy = squares[time.size :] - squares[: -time.size]
     misfit = (energy - 2.0 * np.correlate(true, speed, "valid"))[::-1]  # place k: k periods ago
     best = int(np.argmin(misfit))
-    if not 0 < best < lags:
-        return best * period
+    if best == lags:
+        return np.inf
+    if best == 0:
+        return 0.0
     left, middle, right = misfit[best - 1 : best + 2]
     return float(period * (best + 0.5 * (left - right) / (left - 2.0 * middle + right)))
 
@@ -166,6 +169,8 @@ def summary(scores: Array) -> dict[str, Measured]:
 
 def _mean(values: Array) -> Measured:
     n = values.size
+    if not np.isfinite(values).all():
+        return Measured(float(np.mean(values)))
     return Measured(float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(n)) if n > 1 else np.nan)
 
 

@@ -69,7 +69,7 @@ def comparison_figures(found: Comparison) -> Iterator[Drawn]:
         caption = (
             f"Delay and settling time in the scenario {_stepped(found)}, and what a sample takes on one core; all "
             "logarithmic. Left is better. An arrow stands for less than the scale shows; without a dot an estimator "
-            "does not settle in most runs."
+            "does not settle in most runs, or lags by more than 0.2 s in one."
         )
     yield drawn(
         "delay-and-cost", caption, 0.7 + 0.16 * len(found.estimators), partial(_dots, found=found, panels=panels)
