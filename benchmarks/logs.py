@@ -119,15 +119,20 @@ def estimated(path: Path) -> tuple[float, float, float, dict[str, object]]:
     options = ["--wave", "photodiode", "--pressure", "inlet", "--sectors", str(SECTORS)]
     command = [sys.executable, "-m", "vvdp", "estimate", str(path), *options, "--no-report", "--json", "--force"]
     began = time.perf_counter()
-    with subprocess.Popen([*command, "--out", str(out)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as running:
+    with (
+        tempfile.TemporaryFile() as said,
+        subprocess.Popen([*command, "--out", str(out)], stdout=subprocess.PIPE, stderr=said) as running,
+    ):
         assert running.stdout is not None
-        found = json.loads(running.stdout.read())
+        answer = running.stdout.read()
         _, status, used = os.wait4(running.pid, 0)
         running.returncode = os.waitstatus_to_exitcode(status)
-    wall = time.perf_counter() - began
+        wall = time.perf_counter() - began
+        said.seek(0)
+        errors = said.read().decode(errors="replace")
     if running.returncode:
-        raise SystemExit(f"{path.name}: the command ended with {running.returncode}")
-    return wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0, found
+        raise SystemExit(f"{path.name}: the command ended with {running.returncode}\n{errors}".rstrip())
+    return wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0, json.loads(answer)
 
 
 def main() -> None:

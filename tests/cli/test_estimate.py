@@ -163,6 +163,20 @@ def test_columns_of_seconds_are_edges_and_a_clock_is_none(vvdp, here):
     assert "row.csv --wave a\n" in vvdp("estimate", "row.csv").err
 
 
+def test_columns_in_sec_are_edges_and_not_waves(vvdp, here):
+    t = 0.2 + np.arange(400) * PITCH / SPEED
+    table(here / "two.csv", rise=("sec", t[0::2]), fall=("sec", t[1::2]))
+    assert "two.csv --edges rise --falling fall\n" in vvdp("estimate", "two.csv").err
+
+
+def test_a_config_for_edges_beside_a_clock_is_written(vvdp, here):
+    t = np.arange(0.0, 1.0, 1e-3)
+    table(here / "log.csv", t=("s", t), c=("s", t + 0.1))
+    done = vvdp("estimate", "log.csv", "--edges", "c", "--time", "t", "--write-config", "c.toml")
+    assert done.code == 0, done.err
+    assert load_estimation(here / "c.toml").time == "t"
+
+
 def test_the_settings_are_fitted_on_request(vvdp, stamps):
     done = vvdp("estimate", stamps, "--edges", "edge", "--fit", "--json", "--no-report", "--out", "r")
     assert done.code == 0, done.err
@@ -274,7 +288,7 @@ def test_several_faults_are_told_together(vvdp, stamps, here):
         ("log.xyz", b"a\n1\n", "extension"),
         ("text.csv", b"edge [s]\nhello\n", ""),
         ("few.csv", b"edge [s]\n1.0\n1.1\n", "2 edges were found"),
-        ("unit.csv", b"edge [bar]\n1.0\n1.1\n1.2\n", "edge times are in s"),
+        ("unit.csv", b"edge [bar]\n1.0\n1.1\n1.2\n", "'edge' is in 'bar'; expected one of s, "),
         ("same.csv", b"edge [s]\n1.0\n1.0\n1.0\n1.0\n", "an estimate needs"),
     ],
 )
@@ -308,7 +322,8 @@ def test_ctrl_c_keeps_what_was_reached(here):
         running.send_signal(signal.SIGINT)
         out, err = running.communicate(timeout=60)
     assert running.returncode == 130, err
-    assert "interrupted after" in err and "warning: Interrupted" in out
+    assert "interrupted; what was reached is kept" in err
+    assert re.search(r"warning: Interrupted: The estimation was stopped after [\d.]+ s of the log\.", out)
     kept = read_kept(here / "r")
     assert kept.summary["finished"] is False
     assert 0.0 < kept.summary["duration_s"] < n * 1e-4

@@ -14,9 +14,10 @@ from vvdp.estimation.event_filter import event_filter, event_filter_start
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.config import Option, load_estimation
+from vvdp.logs.edges import Edges
 from vvdp.logs.estimate import estimate, opened
 from vvdp.logs.kept import ROWS_IN_CHUNK, Store, read_kept
-from vvdp.logs.tracking import bridged_time, fused_step, tracked_step
+from vvdp.logs.tracking import Tracker, Waves, bridged_time, fused_step, tracked_step
 from vvdp.numerics.kalman import AngleSpeed, propagated
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, equal_wheel
@@ -52,14 +53,17 @@ def brightness(angles, wheel, spot=0.49):
 
 @pytest.fixture
 def estimated(tmp_path):
-    """Writes channels (name: values and unit) to a file, runs an estimation, and gives what it kept."""
+    """Writes channels (name: values, unit, and the sample rate of those without a clock beside them) to a file, runs an
+    estimation, and gives what it kept."""
 
     def run(channels, progress=lambda done: None, **keys):
         path = tmp_path / "log.h5"
         with h5py.File(path, "w") as file:
-            for name, (values, unit) in channels.items():
+            for name, (values, unit, *rate) in channels.items():
                 file[name] = values
                 file[name].attrs["units"] = unit
+                if rate:
+                    file[name].attrs["sample_rate"] = rate[0]
         wanted = load_estimation(None, [Option(key.replace("__", "."), key, value) for key, value in keys.items()])
         folder = tmp_path / f"out{len(list(tmp_path.glob('out*')))}"
         folder.mkdir()
@@ -519,9 +523,65 @@ def test_a_time_range_is_kept_to(estimated):
     assert kept.summary["edges"] == pytest.approx(2.0 * 24.7 * 8, abs=1)
 
 
+@pytest.mark.parametrize("portion", [1_000_000, 3_000, 700])
+def test_a_time_range_holds_for_each_of_several_records(estimated, monkeypatch, portion):
+    """Of two records of 2 s, 1 s of each: at 24.7 turns of 8 sectors, 197.6 edges each, less those at the ends."""
+    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    t = np.arange(0.0, 2.0, 1e-3)
+    counts = np.floor((0.1 + SPEED * t) / PITCH)
+    channels = {"time": (np.tile(t, 2), "s"), "n": (np.tile(counts, 2), "")}
+    found = estimated(channels, sensor__counts="n", log__until="1 s").summary
+    assert found["edges"] == pytest.approx(2.0 * 197.6, abs=2)
+    assert (found["backward_times"], found["pieces"]) == (1, 2)
+    assert found["duration_s"] == pytest.approx(2.0, abs=2e-3)
+
+
 def test_edge_times_in_other_units(estimated):
     kept = estimated({"edge": (1e3 * passing_times(400), "ms")}, sensor__edges="edge")
     assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-7)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("ms", 1e3), ("sec", 1.0), ("min", 1.0 / 60.0)])
+def test_each_column_of_edge_times_has_its_own_unit(estimated, unit, factor):
+    times = passing_times(400)
+    kept = estimated({"rise": (times[0::2], "s"), "fall": (factor * times[1::2], unit)}, sensor__edges="rise",
+                     sensor__falling="fall")  # fmt: skip
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-7)
+    assert kept.summary["edges"] == 400 and kept.summary["pieces"] == 1
+
+
+def test_the_unit_of_edge_times_is_for_those_that_have_none(estimated):
+    kept = estimated({"edge": (1e3 * passing_times(400), "")}, sensor__edges="edge", log__time_unit="ms")
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-7)
+    with pytest.raises(ConfigError, match="'edge' is in 's', which contradicts 'ms'"):
+        estimated(stamped(passing_times(400)), sensor__edges="edge", log__time_unit="ms")
+
+
+# Which edge is the first
+
+
+@pytest.mark.parametrize("start", [0.3, 4.5])
+def test_of_two_sectors_the_polarity_tells_the_index(estimated, start):
+    """The angle is absolute, though there is one candidate and none to compare it with. At 0.3 the spot is on the
+    bright sector, so the first edge falls, edge 1; at 4.5, beyond 1.3 pi = 4.08, it is on the dark one."""
+    wheel = equal_wheel(2, 0.3)
+    t = np.arange(0.0, 3.0, 1e-4)
+    v = brightness(start + SPEED * t, wheel, 0.2) + np.random.default_rng(1).normal(0.0, 0.01, t.size)
+    kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__wave="diode", sensor__sectors=2,
+                     sensor__index_shift=0.3)  # fmt: skip
+    assert kept.summary["index_found"] is True
+    rows = kept.column("time")
+    error = np.mod(kept.column("angle") - start - SPEED * rows + np.pi, TURN) - np.pi
+    assert np.max(np.abs(error[rows > 1.0])) < 0.02
+
+
+def test_a_wheel_with_an_index_that_is_sampled_too_slowly_is_none(estimated):
+    # 160 sectors a second at 60 Hz: a sample has 2 or 3 of them, so no stretch of 16 has the 8 edges of a turn
+    t = np.arange(0.0, 60.0, 1.0 / 60.0)
+    counts = np.floor((TURN * 20.0 * t + 0.2 + 0.3 * np.sin(0.5 * t)) / PITCH)
+    kept = estimated({"time": (t, "s"), "n": (counts, "")}, sensor__counts="n", sensor__index_shift=0.3)
+    assert kept.summary["index_found"] is False and "Index not found" in titles(kept)
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(TURN * 20.0, rel=0.01)
 
 
 # Pressure
@@ -580,6 +640,103 @@ def test_the_pressure_is_cut_where_time_runs_backwards(estimated, monkeypatch, p
     assert np.allclose((high[down] - 101325.0) / 1e5, 5.0, atol=1.0)
 
 
+@pytest.mark.parametrize("rate", [1e2, 5e4])
+def test_the_clock_of_the_wave_is_not_that_of_the_pressure(estimated, rate):
+    """2 s at 5 kHz, 395 edges; by the pressure's clock at 50 kHz each interval would be a gap, 10 of the usual ones."""
+    t, tp = np.arange(10_000) / 5e3, np.arange(2 * int(rate)) / rate
+    wave = brightness(0.3 + SPEED * t, equal_wheel(8))
+    found = estimated(
+        {"diode": (wave, "V", 5e3), "inlet": (pressure_of(0.3 + SPEED * tp), "bar", rate)},
+        sensor__wave="diode",
+        pressure__channel="inlet",
+        pressure__fuse=True,
+    ).summary
+    assert found["sample_rate_Hz"] == pytest.approx(5e3) and found["output_rate_Hz"] == 1e3
+    assert found["gaps"] == 0 and found["missed_edges"] == 0
+    assert found["edges"] == pytest.approx(2.0 * 24.7 * 8, abs=2)
+
+
+def test_a_time_range_holds_for_the_pressure(estimated):
+    """0 bar before 1 s and after 2 s, 100 bar between: of the range 1.2 s to 1.8 s the mean is 100 bar gauge."""
+    t = np.arange(0.0, 3.0, 2e-4)
+    inlet = np.where((t > 1.0) & (t < 2.0), 100.0, 0.0)
+    found = estimated(
+        {"time": (t, "s"), "diode": (brightness(0.3 + SPEED * t, equal_wheel(8)), "V"), "inlet": (inlet, "bar")},
+        sensor__wave="diode",
+        pressure__channel="inlet",
+        log__from="1.2 s",
+        log__until="1.8 s",
+    ).summary
+    for which in ("mean", "min", "max"):
+        assert found[f"inlet_pressure_{which}_Pa"] == pytest.approx(100e5 + 101325.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("portion", [1_000_000, 2_000, 501])
+@pytest.mark.parametrize(("rate", "duration"), [(500.0, 2.0), (500.0, 8.0), (5e3, 4.0)])
+def test_every_row_has_the_pressure_that_the_log_has_there(estimated, monkeypatch, portion, rate, duration):
+    """A wave of 4 s and a pressure that begins 50 ms later and ends sooner or later: the parts of a portion lie apart
+    in time. The pressure rises by 1 bar a second, so between its samples a row has 1 bar + 1 bar/s t as well."""
+    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    t, tp = np.arange(20_000) / 5e3, 0.05 + np.arange(int(rate * duration)) / rate
+    kept = estimated(
+        {
+            "a/time": (t, "s"),
+            "a/diode": (brightness(0.3 + SPEED * t, equal_wheel(8)), "V"),
+            "b/time": (tp, "s"),
+            "b/inlet": (1.0 + tp, "bar"),
+        },
+        sensor__wave="a/diode",
+        pressure__channel="b/inlet",
+    )
+    rows, found = kept.column("time"), kept.column("inlet_pressure")
+    assert found.size == rows.size
+    inside = (rows > tp[0] + 1e-9) & (rows < tp[-1] - 1e-9)
+    assert np.allclose(found[inside], (1.0 + rows[inside]) * 1e5 + 101325.0, rtol=1e-9)
+    assert np.isnan(found[(rows < tp[0] - 1e-9) | (rows > tp[-1] + 1e-9)]).all()
+    # each sample is folded once: all those between the first and the last row
+    covered = tp[(tp >= rows[0]) & (tp <= rows[-1])]
+    assert kept.summary["inlet_pressure_max_Pa"] == pytest.approx((1.0 + covered[-1]) * 1e5 + 101325.0, rel=1e-9)
+    low = kept.summary["inlet_pressure_min_Pa"]
+    mean = np.mean(tp[tp <= rows[-1] + 1e-9])
+    assert low == pytest.approx((1.0 + tp[0]) * 1e5 + 101325.0, rel=1e-9)
+    assert kept.summary["inlet_pressure_mean_Pa"] == pytest.approx((1.0 + mean) * 1e5 + 101325.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("duration", [2, 8])
+def test_rows_without_a_pressure_are_not_held_for_ever(estimated, monkeypatch, duration):
+    """With room for 500 rows or samples and a pressure that lags or leads, some of it is lost, but each row is written,
+    and once. By the end it is 2 s behind or 4 s ahead, 2000 rows or samples."""
+    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", 1_000)
+    monkeypatch.setattr(estimating._Pressure, "LONGEST", 500)
+    held = []
+    taken_in = estimating._Run._take_in_pressure
+
+    def watched(run, **given):
+        taken_in(run, **given)
+        held.extend((0 if run._rows is None else run._rows[0].size, run.pressure.waiting.size))
+
+    monkeypatch.setattr(estimating._Run, "_take_in_pressure", watched)
+    t, tp = np.arange(20_000) / 5e3, np.arange(500 * duration) / 500.0
+    channels = {"diode": (brightness(0.3 + SPEED * t, equal_wheel(8)), "V", 5e3), "inlet": (1.0 + tp, "bar", 500.0)}
+    kept = estimated(channels, sensor__wave="diode", pressure__channel="inlet")
+    rows, found = kept.column("time"), kept.column("inlet_pressure")
+    assert max(held) == 500 and found.size == rows.size and np.isnan(found[rows > duration]).all()
+    known = np.isfinite(found)
+    assert known.sum() > 500 and np.allclose(found[known], (1.0 + rows[known]) * 1e5 + 101325.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("written", "given", "pascals"), [("", "bar", 3.5e5 + 101325.0), ("bar", "bara", 3.5e5)])
+def test_the_unit_of_the_pressure_may_be_given(estimated, written, given, pascals):
+    t = np.arange(0.0, 1.0, 2e-4)
+    wave = brightness(0.3 + SPEED * t, equal_wheel(8))
+    channels = {"time": (t, "s"), "diode": (wave, "V"), "inlet": (np.full(t.size, 3.5), written)}
+    keys = {"sensor__wave": "diode", "pressure__channel": "inlet"}
+    found = estimated(channels, **keys, pressure__unit=given).summary
+    assert found["inlet_pressure_mean_Pa"] == pytest.approx(pascals, rel=1e-12)
+    with pytest.raises(ConfigError, match="not in 'psi'" if written else "name it in .pressure. unit"):
+        estimated(channels, **keys, **({"pressure__unit": "psi"} if written else {}))
+
+
 def test_rows_are_written_by_whole_chunks(tmp_path):
     """What comes in portions of any size is what was given, whether a chunk is full or not."""
     values = np.random.default_rng(1).normal(size=3 * ROWS_IN_CHUNK + 17)
@@ -592,7 +749,9 @@ def test_rows_are_written_by_whole_chunks(tmp_path):
         assert np.array_equal(file["edges/x"][:], values)
 
 
-def test_the_pressure_carries_the_angle_where_the_encoder_is_silent(estimated):
+@pytest.mark.parametrize("portion", [1_000_000, 2_000])
+def test_the_pressure_carries_the_angle_where_the_encoder_is_silent(estimated, monkeypatch, portion):
+    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
     t = np.arange(0.0, 6.0, 2e-4)
     speed = SPEED * (1.0 + 0.02 * np.sin(TURN * 0.5 * t))
     true = 0.3 + np.cumsum(speed) * 2e-4
@@ -626,7 +785,7 @@ def test_the_pressure_carries_the_angle_where_the_encoder_is_silent(estimated):
         ({"edge": (passing_times(90)[::-1], "s")}, {"sensor__edges": "edge"}, "time runs backwards there, 89 times"),
         ({"edge": (1e6 * passing_times(90), "s")}, {"sensor__edges": "edge"}, "look at the unit of the times"),
         ({"edge": (passing_times(9), "s")}, {"sensor__edges": "edge", "log__from": "9 s"}, "time range"),
-        ({"edge": (passing_times(9), "V")}, {"sensor__edges": "edge"}, "edge times are in s"),
+        ({"edge": (passing_times(9), "V")}, {"sensor__edges": "edge"}, "'edge' is in 'V'; expected one of s, "),
         ({"edge": (passing_times(9), "s")}, {"sensor__edges": "egde"}, "did you mean 'edge'"),
         ({"time": (np.arange(900.0), "s"), "w": (np.ones(900), "V")}, {"sensor__wave": "w"}, "no threshold"),
         (
@@ -638,7 +797,7 @@ def test_the_pressure_carries_the_angle_where_the_encoder_is_silent(estimated):
         (
             {"time": (np.arange(9.0), "s"), "w": (np.ones(9), "V"), "p": (np.ones(9), "kg")},
             {"sensor__wave": "w", "pressure__channel": "p"},
-            "name its unit",
+            "is in 'kg': .* is not a pressure level",
         ),
     ],
 )
@@ -675,6 +834,51 @@ def test_ctrl_c_is_heeded_in_the_midst_of_a_portion(estimated, monkeypatch):
     assert kept.summary["finished"] is False and "Interrupted" in titles(kept)
     assert kept.size("time") < 1_000_000
     assert kept.summary["duration_s"] == pytest.approx(kept.column("time")[-1], abs=50.0)
+
+
+@pytest.mark.parametrize("by", ["progress", "Ctrl-C"])
+def test_an_interruption_of_the_second_pass_keeps_all_but_what_it_had_to_come(estimated, monkeypatch, by):
+    """20 s in pieces of 200 edges, 1.01 s each; after some of them it is stopped."""
+    monkeypatch.setattr(estimating, "SMOOTHED_EDGES", 200)
+    shares = []
+    smoothed = estimating._Run._write_smoothed
+
+    def stop(done):
+        shares.append(done)
+        if by == "progress" and done > 0.7:
+            raise KeyboardInterrupt
+
+    def pressed(run, *given):
+        smoothed(run, *given)
+        if by == "Ctrl-C" and shares[-1] > 0.6:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(estimating._Run, "_write_smoothed", pressed)
+    kept = estimated(stamped(passing_times(4000)), progress=stop, sensor__edges="edge", output__smooth=True)
+    assert kept.summary["finished"] is False and kept.summary["edges"] == 4000
+    assert shares == sorted(shares) and 0.5 in shares and 0.6 < shares[-1] < 0.9
+    (finding,) = [f for f in kept.findings if f.title == "Interrupted"]
+    assert "of piece 1 on the smoothed columns are NaN" in finding.found and "second pass" in finding.found
+    until = float(finding.found.partition("from ")[2].split()[0])
+    t, speed, angle = (kept.column(name) for name in ("time", "smoothed_speed", "smoothed_angle"))
+    assert 4.0 < until < 18.0
+    assert np.isfinite(speed[t < until - 1e-6]).all() and np.isnan(speed[t > until - 1e-6]).all()
+    assert np.allclose(angle[t < until - 1e-6], SPEED * (t[t < until - 1e-6] - 0.25), atol=1e-6)
+
+
+def test_ctrl_c_after_the_passes_changes_nothing(estimated, monkeypatch):
+    summary = estimating.summary
+
+    def pressed(*given):
+        signal.raise_signal(signal.SIGINT)
+        return summary(*given)
+
+    monkeypatch.setattr(estimating, "summary", pressed)
+    try:
+        kept = estimated(stamped(passing_times(300)), sensor__edges="edge")
+    except KeyboardInterrupt:
+        pytest.fail("nothing was kept")
+    assert kept.summary["finished"] is True and kept.summary["edges"] == 300 and not titles(kept)
 
 
 def test_all_that_is_kept_has_units_and_names(estimated, tmp_path):
@@ -719,6 +923,19 @@ def test_bridged_time_is_where_three_deviations_reach_half_a_sector():
                        M.speed_variance - k2 * M.covariance)  # fmt: skip
     reached = 3.0 * np.sqrt(propagated(P, h, settings.acceleration_density).angle_variance)
     assert reached == pytest.approx(0.5 * PITCH, rel=0.02)  # the closed form is that of continuous measurements
+
+
+def test_edges_of_the_pressure_end_with_their_clock():
+    """Heard after the last row of one clock, at 3 s, they say nothing of 3 s on the next."""
+    settings = event_filter(equal_wheel(8))
+    one, two = (Edges(t, 0.0 * t, 0.0 * t, 0.0 * t + 1.0) for t in (passing_times(200), passing_times(1200)))
+    told = []
+    for heard in (np.empty(0), np.array([3.0, 3.006, 3.0135])):
+        tracker = Tracker(settings, 1000.0, 3, fusion(settings))
+        tracker.hear(Waves(heard + 1e-3, heard, 0.0 * heard + 1e-4, np.resize([1.0, -1.0], heard.size)))
+        for edges in (one, two):
+            told.append([tracked.rows["pressure_phase"] for tracked in tracker.push(edges, edges.times[-1], last=True)])
+    assert np.array_equal(np.concatenate(told[1]), np.concatenate(told[3]), equal_nan=True)
 
 
 def test_plain_python_and_replay_agree():

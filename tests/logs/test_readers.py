@@ -467,6 +467,8 @@ def test_a_channel_as_a_quantity(tmp_path):
         assert np.array_equal(to_si(log.path, log.channel("p"), PRESSURE_LEVEL)(values), [101325.0, 201325.0])
         assert to_si(log.path, log.channel("n"), SPEED)(60.0 * values)[1] == pytest.approx(2 * np.pi)
         assert to_si(log.path, log.channel("x"), SPEED, "rad/s")(values)[1] == 1.0
+        assert to_si(log.path, log.channel("p"), PRESSURE_LEVEL, "bara")(values)[1] == 1e5
+        assert to_si(log.path, log.channel("p"), PRESSURE_LEVEL, "barg")(values)[1] == 201325.0
         for channel, unit, expected in (
             ("q", None, "is in 'V'"),
             ("x", None, "has no unit"),

@@ -100,12 +100,13 @@ def estimate(
     with opened(log, wanted) as source:
         directory = out if out is not None else default_directory(log.stem)
         with result_directory(directory, force=force) as folder:
-            with reached(1.0, lambda share: f"{100.0 * share:.0f} % of the log") as progress:
+            what = "both passes over the log" if wanted.smooth else "the log"
+            with reached(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as progress:
                 done = estimated(
                     source, wanted, folder, progress=progress, say=say, more=plain(_origin(config, options))
                 )
             if not done.finished:
-                say(f"interrupted after {done.summary['duration_s']:.6g} s of the log; what was reached is kept")
+                say("interrupted; what was reached is kept")
     if json:
         print_json({"log": str(log), **done.summary, "out": str(directory)})
     else:
@@ -143,7 +144,7 @@ def _looked_at(log: Path, options: "list[Option]") -> "Log":
     from vvdp.logs.source import open_log
 
     text = {option.key: str(option.value) for option in options}
-    rate = 1.0 if "sensor.edges" in text else None
+    rate = 1.0 if "sensor.edges" in text and "log.time" not in text else None
     if "log.sample_rate" in text:
         rate = parsed(text["log.sample_rate"], FREQUENCY)
     return open_log(log, time=text.get("log.time"), rate=rate)

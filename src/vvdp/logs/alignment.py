@@ -46,12 +46,15 @@ def alignment(edges: Edges, wheel: CodeWheel) -> Alignment:
     first = np.flatnonzero(numbers <= max(n, 2))[-1]
     speed = float(TURN / n * numbers[first] / (edges.times[first] - edges.times[0]))
     plain = 1 if edges.polarities[0] < 0.0 else 0
+    known = edges.polarities[0] != 0.0
+    if wheel.has_index and known and n == 2:  # of two sectors the polarity tells which
+        return Alignment(plain, speed, True)
     if not wheel.has_index or numbers[-1] < STRETCH * n:
         return Alignment(plain, speed, False)
-    candidates = np.arange(n)
-    if edges.polarities[0] != 0.0:
-        candidates = candidates[candidates % 2 == plain]
+    candidates = np.arange(plain, n, 2) if known else np.arange(n)
     squares = np.array(list(_squares(edges.times, numbers, candidates, wheel)))
+    if not squares.size:  # with several edges at once, no stretch has as many of them as a turn
+        return Alignment(plain, speed, False)
     total = np.sum(squares, axis=0)
     best = int(np.argmin(total))
     second = float(np.min(np.delete(total, best)))

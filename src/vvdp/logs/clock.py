@@ -99,7 +99,12 @@ def is_time_name(name: str) -> bool:
 
 def is_time(name: str, unit: str) -> bool:
     """Whether a channel is a time by its name or its unit."""
-    return is_time_name(name) or unit in _SECONDS or _SINCE.fullmatch(unit) is not None
+    return is_time_name(name) or is_time_unit(unit)
+
+
+def is_time_unit(unit: str) -> bool:
+    """Whether times may be written in this unit."""
+    return unit in _SECONDS or _SINCE.fullmatch(unit) is not None
 
 
 def heading(text: str) -> tuple[str, str]:

@@ -26,6 +26,7 @@ from vvdp.estimation.event_filter import EventFilter, event_filter
 from vvdp.estimation.fusion import LAG
 from vvdp.estimation.pressure_edges import PressureEdges, pressure_edges
 from vvdp.logs.channel import ChannelInfo
+from vvdp.logs.clock import ClockChoice
 from vvdp.sensing.wheel import CodeWheel, equal_wheel, sector_widths, wheel_of_widths
 
 LOG_TIME = Kind("time on the clock of the log", "s", -1e12, 1e12, "2.5 s")
@@ -230,7 +231,10 @@ def _estimation(given: _Given) -> Estimation | None:
     if time is not None and rate is not None:
         given.fault("log.sample_rate", f"a rate and the clock {time!r} are given; expected one of them")
     if time_unit is not None:
-        _checked_unit(given, "log.time_unit", time_unit, TIME)
+        try:
+            ClockChoice(unit=time_unit).check()
+        except ParameterError as problem:
+            given.fault("log.time_unit", str(problem))
     pressure = _pressure(given)
     output_rate = given.above_zero("output.rate", FREQUENCY, None)
     smooth, fit = given.flag("output.smooth", False), given.flag("filter.fit", False)
@@ -338,7 +342,10 @@ def _pressure(given: _Given) -> InletPressure | None:
     }
     unit = given.text("pressure.unit")
     if unit is not None:
-        _checked_unit(given, "pressure.unit", unit, PRESSURE_LEVEL)
+        try:
+            line_to_si(unit, PRESSURE_LEVEL)
+        except ParameterError as problem:
+            given.fault("pressure.unit", str(problem))
     wave = {key: given.quantity(f"pressure.{key}", kind, 0.0) for key, kind in WAVE_KINDS.items()}
     channel = given.text("pressure.channel")
     if channel is None:
@@ -350,13 +357,6 @@ def _pressure(given: _Given) -> InletPressure | None:
     except ParameterError as problem:
         given.fault("pressure", str(problem))
         return None
-
-
-def _checked_unit(given: _Given, key: str, unit: str, kind: Kind) -> None:
-    try:
-        line_to_si(unit, kind)
-    except ParameterError as problem:
-        given.fault(key, str(problem))
 
 
 def source_channels(wanted: Estimation) -> tuple[str, ...]:

@@ -20,20 +20,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import vvdp
-from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
-from vvdp.base.kinds import PRESSURE_LEVEL, TIME
-from vvdp.base.units import line_to_si
+from vvdp.base.errors import ConfigError, Fault, unusable
+from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.estimation.fusion import fusion
 from vvdp.estimation.pressure_edges import PressureSample, pressure_edges_start, pressure_edges_step
 from vvdp.estimation.smoother import Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
 from vvdp.logs.channel import Log, Portion
-from vvdp.logs.config import Counts, Estimation, Stamps, Wave, config_text, source_channels
-from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges
-from vvdp.logs.findings import Sums, findings, numbers_in_doubt, settings_of, summary
+from vvdp.logs.clock import ClockChoice, seconds
+from vvdp.logs.config import Counts, Estimation, InletPressure, Stamps, Wave, config_text, source_channels
+from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges, part
+from vvdp.logs.findings import ANGLES, Sums, findings, numbers_in_doubt, settings_of, summary
 from vvdp.logs.fitting import fitted_filter
 from vvdp.logs.kept import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Finding, Store, write_texts
+from vvdp.logs.quantity import Conversion, to_si
 from vvdp.logs.source import open_log
-from vvdp.logs.tracking import LONGEST_BRIDGED, Tracked, Tracker, Waves, no_waves
+from vvdp.logs.tracking import FEWEST_EDGES, LONGEST_BRIDGED, Tracked, Tracker, Waves, no_waves
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import TURN, sector_widths
@@ -49,11 +50,8 @@ FITTED_EDGES = 20_000
 """The settings of the filter are fitted to so many edges at the beginning of the log ..."""
 FITTED_AT_ONCE = 100_000
 """... which is read in portions of so many samples."""
-FEWEST = 3
 EXCERPT_TURNS = 3
 LARGEST_EXCERPT = 20_000
-ANGLES = 360
-"""Bins of a turn in which the pressure is collected."""
 SMOOTHED_EDGES = 50_000
 FORGOTTEN = 1e-4
 """Edges count for a smoothed instant until their share has fallen to this."""
@@ -104,103 +102,26 @@ def _opened_stamps(path: Path, wanted: Estimation) -> Log:
 def check_channels(log: Log, wanted: Estimation) -> None:
     """Raises ConfigError for every channel that the log does not have, and for units that are none."""
     faults: list[Fault] = []
-    names = source_channels(wanted) + ((wanted.pressure.channel,) if wanted.pressure is not None else ())
-    for name in names:
+    for name in source_channels(wanted):
         try:
             log.channel(name)
         except ConfigError as problem:
             faults.extend(problem.faults)
-    if not faults and wanted.pressure is not None:
-        name = wanted.pressure.channel
-        unit = wanted.pressure.unit or log.channel(name).unit
+    if wanted.pressure is not None:
         try:
-            line_to_si(unit, PRESSURE_LEVEL)
-        except ParameterError:
-            told = f"is in {unit!r}, which is no unit of a pressure" if unit else "has no unit"
-            words = f'channel {name!r} {told}; name its unit in [pressure] unit, for example "bar"'
-            faults.append(Fault(str(log.path), 0, "", words))
+            _pascals(log, wanted.pressure)
+        except ConfigError as problem:
+            faults.extend(problem.faults)
     if faults:
         raise ConfigError(faults)
 
 
-def estimate(
-    log: Log,
-    wanted: Estimation,
-    folder: Path,
-    *,
-    progress: Callable[[float], None] = lambda done: None,
-    say: Callable[[str], None] = quiet,
-    more: Mapping[str, Any] | None = None,
-) -> Estimated:
-    """Runs an estimation over a log and writes all of it into `folder`.
-
-    progress  hears the share of the log that is done, 0 to 1; KeyboardInterrupt raised there, and Ctrl-C, end the
-              record where it is, and all that was reached is kept
-    more      is added to meta.json
-    Raises ConfigError where the log has no edges to go by or the file is damaged, KeyboardInterrupt where it ended
-    before anything was reached.
-    """
-    began = time.perf_counter()
-    wanted = _fitted(log, wanted, say)
-    with Store(folder / "result.h5") as store:
-        run = _Run(log, wanted, store, say)
-        finished = run.through(progress)
-        if not run.sums.rows:
-            if not finished:
-                raise KeyboardInterrupt
-            raise unusable(log.path, run.nothing_found())
-        run.tell_left_out()
-        if wanted.smooth:
-            run.smooth()
-        run.keep_pictures()
-    found = summary(run.sums, wanted)
-    found |= {"estimated_share": run.estimated_share, "finished": finished, "wall_time_s": time.perf_counter() - began}
-    told = findings(found, run.sums, wanted, log)
-    found["warnings"] = "; ".join(f"{finding.title}: {finding.found}" for finding in told)
-    found = {key: _plain(value) for key, value in found.items()}
-    meta = {
-        "vvdp": vvdp.__version__,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "log": str(log.path),
-        "log_bytes": log.path.stat().st_size,
-        "log_sha256": _hash(log.path),
-        "remarks": list(log.remarks),
-        "finished": finished,
-        "seconds": found["wall_time_s"],
-        **(more or {}),
-    }
-    write_texts(folder, config_text(wanted, log.channels(), log.path.name), found, told, meta)
-    return Estimated(found, told, finished)
-
-
-def _fitted(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimation:
-    """The estimation with the settings that the beginning of the log speaks for, if it asks for them."""
-    if not wanted.fit:
-        return wanted
-    with TemporaryDirectory() as place, Store(Path(place) / "first.h5") as store:
-        run = _Run(log, wanted, store, say)
-        if not run.through(lambda done: None, FITTED_EDGES):
-            raise KeyboardInterrupt
-        told = run.sums.explained(settings_of(wanted))
-    if told is None or numbers_in_doubt(told, run.sums, wanted):
-        why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
-        log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
-        return replace(wanted, fit=False)
-    return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told.advised))
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    if isinstance(value, list):
-        return [_plain(item) for item in value]
-    return value
-
-
-def _hash(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+def _pascals(log: Log, pressure: InletPressure) -> Conversion:
+    channel = log.channel(pressure.channel)
+    if not (channel.unit or pressure.unit):
+        words = 'has no unit; name it in [pressure] unit, for example "bar"'
+        raise ConfigError([Fault(str(log.path), 0, channel.name, words)])
+    return to_si(log.path, channel, PRESSURE_LEVEL, pressure.unit or None)
 
 
 @contextmanager
@@ -225,7 +146,96 @@ def _interrupt_noted() -> Iterator[Callable[[], bool]]:
 
 
 class _Stopped(Exception):
-    """Ctrl-C was pressed in the midst of a portion."""
+    """Ctrl-C was pressed where the record can be left."""
+
+
+def estimate(
+    log: Log,
+    wanted: Estimation,
+    folder: Path,
+    *,
+    progress: Callable[[float], None] = lambda done: None,
+    say: Callable[[str], None] = quiet,
+    more: Mapping[str, Any] | None = None,
+) -> Estimated:
+    """Runs an estimation over a log and writes all of it into `folder`.
+
+    progress  hears the share that is done of the log, or with `smooth` of both passes over it, 0 to 1;
+              KeyboardInterrupt raised there, and Ctrl-C, end the pass where it is, and all that was reached is kept
+    more      is added to meta.json
+    Raises ConfigError where the log has no edges to go by or the file is damaged, KeyboardInterrupt where it ended
+    before anything was reached.
+    """
+    began = time.perf_counter()
+    wanted = _fitted(log, wanted, say)
+    with Store(folder / "result.h5") as store:
+        run = _Run(log, wanted, store, say)
+        passes = 2.0 if wanted.smooth else 1.0
+        run.through(lambda done: progress(done / passes))
+        if not run.sums.rows:
+            if run.sums.interruptions:
+                raise KeyboardInterrupt
+            raise unusable(log.path, run.nothing_found())
+        with _interrupt_noted():  # the second pass heeds Ctrl-C itself; all else is done to the end, in seconds
+            run.tell_left_out()
+            if wanted.smooth:
+                run.smooth(lambda done: progress((1.0 + done) / passes))
+            run.keep_pictures()
+            return _kept(run, wanted, log, folder, began, more or {})
+
+
+def _kept(run: "_Run", wanted: Estimation, log: Log, folder: Path, began: float, more: Mapping[str, Any]) -> Estimated:
+    """Writes what a run comes to beside its rows."""
+    finished = not run.sums.interruptions
+    found = summary(run.sums, wanted)
+    found |= {"estimated_share": run.estimated_share, "finished": finished, "wall_time_s": time.perf_counter() - began}
+    told = findings(found, run.sums, wanted, log)
+    found["warnings"] = "; ".join(f"{finding.title}: {finding.found}" for finding in told)
+    found = {key: _plain(value) for key, value in found.items()}
+    meta = {
+        "vvdp": vvdp.__version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "log": str(log.path),
+        "log_bytes": log.path.stat().st_size,
+        "log_sha256": _hash(log.path),
+        "remarks": list(log.remarks),
+        "finished": finished,
+        "seconds": found["wall_time_s"],
+        **more,
+    }
+    write_texts(folder, config_text(wanted, log.channels(), log.path.name), found, told, meta)
+    return Estimated(found, told, finished)
+
+
+def _fitted(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimation:
+    """The estimation with the settings that the beginning of the log speaks for, if it asks for them."""
+    if not wanted.fit:
+        return wanted
+    with TemporaryDirectory() as place, Store(Path(place) / "first.h5") as store:
+        run = _Run(log, wanted, store, say)
+        run.through(lambda done: None, FITTED_EDGES)
+        if run.sums.interruptions:
+            raise KeyboardInterrupt
+        told = run.sums.explained(settings_of(wanted))
+    if told is None or numbers_in_doubt(told, run.sums, wanted):
+        why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
+        log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
+        return replace(wanted, fit=False)
+    return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told.advised))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 @dataclass
@@ -244,12 +254,15 @@ class _Excerpt:
 class _Pressure:
     """The inlet pressure on its way: samples that wait for the angle, the wave's edges, and the fold over a turn."""
 
-    factor: float
-    offset: float
+    pascals: Conversion
     replay: Replay
     memory: Any = None
     waiting_times: Array = field(default_factory=lambda: np.empty(0))
     waiting: Array = field(default_factory=lambda: np.empty(0))
+    folded: int = 0
+    """1 where the first of these was folded already; rows before the next sample lie between the two."""
+    bare_rows: int = 0
+    """So many of the last rows still lack their pressure."""
     rise_angle: float = np.nan
     waves: Waves = field(default_factory=no_waves)
     """Edges that wait for the speed."""
@@ -264,7 +277,7 @@ class _Pressure:
     def restart(self) -> None:
         """Forget what came before: the time went back."""
         self.memory, self.rise_angle, self.waves = None, np.nan, no_waves()
-        self.waiting_times, self.waiting = np.empty(0), np.empty(0)
+        self.waiting_times, self.waiting, self.folded = np.empty(0), np.empty(0), 0
 
 
 class _Run:
@@ -277,7 +290,7 @@ class _Run:
         self.tracker: Tracker | None = None
         narrowest = min(sector_widths(wanted.wheel)) * len(wanted.wheel.edges) / TURN
         self.debounce = Debounce(shortest=min(0.15, 0.4 * narrowest))
-        self.last_time = self.clock_at = -np.inf
+        self.clock_at = -np.inf
         self.clock = 0  # how often the time went back
         self.excerpt: _Excerpt | None = None
         self.pressure = self._pressure()
@@ -291,34 +304,30 @@ class _Run:
                 self.finder = StampEdges(bool(falling))
         self.sums.finder = self.finder
         self._interrupted: Callable[[], bool] = lambda: False
-        self._stamp_factor = self._seconds_of_stamps()
+        self._stamp_units = self._units_of_stamps()
+        self._smoothed_rows = 0
 
-    def _seconds_of_stamps(self) -> float:
+    def _units_of_stamps(self) -> dict[str, str]:
         if not isinstance(self.wanted.source, Stamps):
-            return 1.0
-        unit = self.wanted.time_unit or self.log.channel(self.wanted.source.channel).unit
-        if not unit:
-            self.log.remark(f"{self.wanted.source.channel!r} has no unit; taken as s")
-            return 1.0
-        try:
-            return line_to_si(unit, TIME)[0]
-        except ParameterError:
-            raise unusable(
-                self.log.path, f"channel {self.wanted.source.channel!r} is in {unit!r}; edge times are in s, ms or us"
-            ) from None
+            return {}
+        choice, units = ClockChoice(unit=self.wanted.time_unit), {}
+        for name in source_channels(self.wanted):
+            units[name], remark = choice.unit_of(self.log.path, name, self.log.channel(name).unit)
+            if remark is not None:
+                self.log.remark(remark)
+        return units
 
     def _pressure(self) -> _Pressure | None:
         wanted = self.wanted.pressure
         if wanted is None:
             return None
-        factor, offset = line_to_si(wanted.unit or self.log.channel(wanted.channel).unit, PRESSURE_LEVEL)
         replay = Replay(
             pressure_edges_step, pressure_edges_start(0.0, 0.0), PressureSample(0.0, 0.0), wanted.edges, say=self.say
         )
-        return _Pressure(factor, offset, replay)
+        return _Pressure(_pascals(self.log, wanted), replay)
 
-    def through(self, progress: Callable[[float], None], most_edges: float = np.inf) -> bool:
-        """Takes in the whole log, or its first edges; False where it was interrupted."""
+    def through(self, progress: Callable[[float], None], most_edges: float = np.inf) -> None:
+        """Takes in the whole log, or its first edges; an interruption is told in the sums."""
         names = source_channels(self.wanted)
         if self.wanted.pressure is not None:
             names += (self.wanted.pressure.channel,)
@@ -337,14 +346,12 @@ class _Run:
                     except KeyboardInterrupt:
                         finished = False
                         break
-                    if self.wanted.end is not None and self.last_time > self.wanted.end:
-                        break
                 self._close_clock()
-                self._pressure_up_to(np.inf)
             except _Stopped:
                 finished = False
                 self._stop_here()
-        return finished
+        if not finished:
+            self.sums.interruptions.append(f"The estimation was stopped after {self.sums.measured:.6g} s of the log.")
 
     def _heed(self) -> None:
         """Raises _Stopped after Ctrl-C; asked wherever the record can be left."""
@@ -357,7 +364,7 @@ class _Run:
             return
         if np.isfinite(self.tracker.reached):
             self.sums.measured -= max(0.0, self.sums.end - self.tracker.reached)
-            self._pressure_up_to(self.tracker.reached)
+        self._take_in_pressure(last=True)
         self.tracker.stop()
         self._count()
 
@@ -389,8 +396,8 @@ class _Run:
     def _take(self, portion: Mapping[str, Portion]) -> None:
         match self.wanted.source, self.finder:
             case Stamps(channel=channel, falling=falling), StampEdges() as finder:
-                rising = portion[channel].values * self._stamp_factor
-                other = portion[falling].values * self._stamp_factor if falling else np.empty(0)
+                rising = seconds(portion[channel].values, self._stamp_units[channel])
+                other = seconds(portion[falling].values, self._stamp_units[falling]) if falling else np.empty(0)
                 self.sums.samples += rising.size
                 found = finder.push(rising, other, last=False)
                 self.sums.not_numbers = finder.not_numbers
@@ -401,24 +408,24 @@ class _Run:
                 self._take_samples(portion[channel])
 
     def _within(self, edges: Edges) -> Edges:
-        begin, end = self._range()
-        inside = (edges.times >= begin) & (edges.times <= end)
-        return Edges(*(column[inside] for column in edges))
+        return part(edges, self._inside(edges.times))
 
-    def _range(self) -> tuple[float, float]:
+    def _inside(self, times: Array) -> Chosen:
+        """Which times are in the range that was asked for."""
         begin, end = self.wanted.begin, self.wanted.end
-        return (-np.inf if begin is None else begin), (np.inf if end is None else end)
+        found: Chosen = np.isfinite(times)
+        if begin is not None:
+            found &= times >= begin
+        if end is not None:
+            found &= times <= end
+        return found
 
     def _take_samples(self, portion: Portion) -> None:
         times, values = portion
         self.sums.samples += times.size
         sound = np.isfinite(values) & np.isfinite(times)
         self.sums.not_numbers += int(times.size - np.count_nonzero(sound))
-        if times.size:
-            finite = times[np.isfinite(times)]
-            self.last_time = float(finite[-1]) if finite.size else self.last_time
-        begin, end = self._range()
-        inside = np.isfinite(times) & (times >= begin) & (times <= end)
+        inside = self._inside(times)
         if not self.period and np.count_nonzero(inside) > 1:
             self._meet_clock(times[inside])
         self._watch_clock(times[inside])
@@ -490,7 +497,9 @@ class _Run:
         self._track(self.debounce.push(found), last=False)
 
     def _track(self, settled: Edges, *, last: bool) -> None:
-        tracker = self._meet_tracker(np.empty(0))
+        if self.tracker is None:
+            self.tracker = self._tracker()
+        tracker = self.tracker
         waiting = self.debounce.waiting_from
         horizon = min(self.sums.end, waiting)
         self.sums.edges += float(np.sum(settled.counts))
@@ -499,16 +508,8 @@ class _Run:
             self._write(tracked)
             self._heed()
             if self._rows is not None and self._rows[0].size > REMEMBERED:
-                self._pressure_up_to(tracker.reached)
-        self._pressure_up_to(tracker.reached)
-
-    def _meet_tracker(self, times: Array) -> Tracker:
-        """The tracker, made when the first samples have told their clock."""
-        if self.tracker is None:
-            if not self.period and times.size > 1 and not isinstance(self.wanted.source, Stamps):
-                self._meet_clock(times)
-            self.tracker = self._tracker()
-        return self.tracker
+                self._take_in_pressure()
+        self._take_in_pressure()
 
     def _tracker(self) -> Tracker:
         usual = USUAL_RATE if not self.period else min(USUAL_RATE, 1.0 / self.period)
@@ -527,7 +528,10 @@ class _Run:
         more = {**(PRESSURE_ROW if self.pressure is not None else {}), **(FUSED_ROWS if together is not None else {})}
         self.store.columns("", {**ROWS, **more})
         self.store.columns("edges", EDGES)
-        return Tracker(wanted.filter, rate, wanted.sections, together, self.say)
+        tracker = Tracker(wanted.filter, rate, wanted.sections, together, self.say)
+        if together is not None and self.pressure is not None:
+            tracker.hear(self.pressure.waves)
+        return tracker
 
     def _close_clock(self) -> None:
         """Nothing follows on this clock: what waits is settled."""
@@ -542,7 +546,7 @@ class _Run:
         self._track(settled, last=True)
         self._count()
         if self.pressure is not None:
-            self._pressure_up_to(np.inf)
+            self._take_in_pressure(last=True)
             self.pressure.restart()
             self._rows = None
             self.clock += 1
@@ -559,8 +563,8 @@ class _Run:
         rows = dict(tracked.rows)
         if rows["time"].size:
             if self.pressure is not None:
-                rows["inlet_pressure"] = self._pressure_at(rows["time"])
                 self._remember(rows)
+                self.pressure.bare_rows += rows["time"].size
             self.store.append("", rows)
         if tracked.edges:
             self.store.append("edges", tracked.edges)
@@ -575,8 +579,8 @@ class _Run:
     def _take_pressure(self, portion: Portion) -> None:
         pressure = self.pressure
         assert pressure is not None
-        sound = np.isfinite(portion.values) & np.isfinite(portion.times)
-        times, values = portion.times[sound], portion.values[sound] * pressure.factor + pressure.offset
+        sound = np.isfinite(portion.values) & self._inside(portion.times)
+        times, values = portion.times[sound], pressure.pascals(portion.values[sound])
         if not times.size:
             return
         back = np.flatnonzero(np.diff(np.concatenate([[pressure.last_time], times])) < 0.0)
@@ -596,8 +600,11 @@ class _Run:
         assert pressure is not None
         if pressure.memory is None:
             pressure.memory = pressure_edges_start(float(times[0]), float(values[0]))
-        pressure.waiting_times = np.concatenate([pressure.waiting_times, times])[-pressure.LONGEST :]
-        pressure.waiting = np.concatenate([pressure.waiting, values])[-pressure.LONGEST :]
+        pressure.waiting_times = np.concatenate([pressure.waiting_times, times])
+        pressure.waiting = np.concatenate([pressure.waiting, values])
+        if pressure.waiting.size > pressure.LONGEST:
+            pressure.waiting_times = pressure.waiting_times[-pressure.LONGEST :]
+            pressure.waiting, pressure.folded = pressure.waiting[-pressure.LONGEST :], 0
         done = pressure.replay(pressure.memory, np.column_stack([times, values]))
         pressure.memory = done.memory
         columns = dict(zip(pressure.replay.columns, done.shown.T, strict=True))
@@ -605,40 +612,52 @@ class _Run:
         names = ("time", "pressure_edge_time", "pressure_edge_interval", "pressure_polarity")
         found = Waves(*(columns[name][at] for name in names))
         pressure.waves = Waves(*(np.concatenate(both) for both in zip(pressure.waves, found, strict=True)))
-        if self.wanted.pressure is not None and self.wanted.pressure.fused:
-            self._meet_tracker(times).hear(found)
+        if self.wanted.pressure is not None and self.wanted.pressure.fused and self.tracker is not None:
+            self.tracker.hear(found)
 
-    def _pressure_at(self, times: Array) -> Array:
+    def _take_in_pressure(self, *, last: bool = False) -> None:
+        """Gives the rows their pressure, folds it over the angle and takes its duty ratio, as far as both are known;
+        `last`: no more of it comes on this clock."""
         pressure = self.pressure
-        assert pressure is not None
-        if not pressure.waiting.size:
-            return np.full(times.size, np.nan)
-        return np.interp(times, pressure.waiting_times, pressure.waiting, left=np.nan, right=np.nan)
-
-    def _pressure_up_to(self, until: float) -> None:
-        """Folds the pressure over the angle and takes its duty ratio, as far as the angle is known."""
-        pressure = self.pressure
-        if pressure is None or self._rows is None or not pressure.waiting.size:
+        if pressure is None or self._rows is None:
             return
         row_times, angles = self._rows
-        until = min(until, float(row_times[-1]))
+        self._give_pressure(row_times, last)
+        until = float(row_times[-1])
         ready = int(np.searchsorted(pressure.waiting_times, until, side="right"))
-        if not ready:
-            kept = max(int(np.searchsorted(row_times, pressure.waiting_times[0])) - 1, 0)
-            self._rows = (row_times[kept:], angles[kept:])
-            return
-        times, values = pressure.waiting_times[:ready], pressure.waiting[:ready]
-        pressure.waiting_times, pressure.waiting = pressure.waiting_times[ready:], pressure.waiting[ready:]
-        known = times >= row_times[0]
-        angle = np.interp(times, row_times, angles)
-        self.sums.pressures(values, np.where(known, np.mod(angle, TURN), np.nan))
-        waves = pressure.waves
-        ready = int(np.searchsorted(waves.known, until, side="right"))
-        pressure.waves = Waves(*(column[ready:] for column in waves))
-        edge_times = waves.times[:ready]
-        self._duty(np.interp(edge_times, row_times, angles, left=np.nan), waves.polarities[:ready] > 0.0)
-        kept = max(int(np.searchsorted(row_times, times[-1])) - 1, 0)
-        self._rows = (row_times[kept:], angles[kept:])
+        if ready > pressure.folded:
+            new = slice(pressure.folded, ready)
+            times, values = pressure.waiting_times[new], pressure.waiting[new]
+            known = times >= row_times[0]
+            angle = np.interp(times, row_times, angles)
+            self.sums.pressures(values, np.where(known, np.mod(angle, TURN), np.nan))
+            waves = pressure.waves
+            heard = int(np.searchsorted(waves.known, until, side="right"))
+            pressure.waves = Waves(*(column[heard:] for column in waves))
+            edge_times = waves.times[:heard]
+            self._duty(np.interp(edge_times, row_times, angles, left=np.nan), waves.polarities[:heard] > 0.0)
+            pressure.waiting_times, pressure.waiting = (
+                pressure.waiting_times[ready - 1 :],
+                pressure.waiting[ready - 1 :],
+            )
+            pressure.folded = 1
+        begin = max(0, row_times.size - pressure.LONGEST)
+        if pressure.waiting.size:
+            begin = max(begin, int(np.searchsorted(row_times, pressure.waiting_times[0])) - 1)
+        self._rows = (row_times[begin:], angles[begin:])
+
+    def _give_pressure(self, row_times: Array, last: bool) -> None:
+        """Writes the pressure of the rows up to its newest sample; of all rows, if it is the `last`."""
+        pressure = self.pressure
+        assert pressure is not None
+        times, values = pressure.waiting_times, pressure.waiting
+        begin = row_times.size - pressure.bare_rows
+        end = int(np.searchsorted(row_times, times[-1], side="right")) if times.size else 0
+        end = row_times.size if last else max(begin, end, row_times.size - pressure.LONGEST)
+        rows = row_times[begin:end]
+        given = np.interp(rows, times, values, left=np.nan, right=np.nan) if times.size else np.full(rows.size, np.nan)
+        self.store.append("", {"inlet_pressure": given})
+        pressure.bare_rows -= rows.size
 
     def _duty(self, angles: Array, rising: Chosen) -> None:
         """Takes in each pulse: the angles of a rising edge and of the falling one that follows it."""
@@ -697,15 +716,21 @@ class _Run:
             put("folded/low", sums.folded_low, "Pa", "lowest inlet pressure there (absolute)")
             put("folded/high", sums.folded_high, "Pa", "highest inlet pressure there (absolute)")
 
-    def smooth(self) -> None:
-        """The second pass: every row again, given the edges before and after it."""
-        file = self.store.file
-        self.store.flush()
-        self.store.columns("", SMOOTHED)
-        pieces, numbers = file["piece"][:], file["edges/piece"][:]
-        nan = {name: np.full(pieces.size, np.nan) for name in SMOOTHED}
-        self.store.append("", nan)
-        self.store.flush()
+    def smooth(self, progress: Callable[[float], None]) -> None:
+        """The second pass: every row again, given the edges before and after it; it may be interrupted as well."""
+        with _interrupt_noted() as self._interrupted:
+            self.store.flush()
+            self.store.columns("", SMOOTHED)
+            pieces = self.store.file["piece"][:]
+            self.store.append("", {name: np.full(pieces.size, np.nan) for name in SMOOTHED})
+            self.store.flush()
+            try:
+                self._smooth_pieces(pieces, progress)
+            except _Stopped:
+                self._stop_smoothing(pieces.size)
+
+    def _smooth_pieces(self, pieces: Array, progress: Callable[[float], None]) -> None:
+        numbers = self.store.file["edges/piece"][:]
         runs: dict[Any, Replay] = {}
 
         def run(step: Any, memory: Any, row: Any, settings: Any, rows: Array) -> tuple[Any, Array]:
@@ -717,8 +742,20 @@ class _Run:
         for piece in np.unique(numbers):
             first, last = np.searchsorted(numbers, [piece, piece + 0.5])
             begin, end = np.searchsorted(pieces, [piece, piece + 0.5])
+            self._heed()
             for smoothed in self._smoothed(int(first), int(last), run):
                 self._write_smoothed(smoothed, int(begin), int(end))
+                try:
+                    progress(self._smoothed_rows / pieces.size)
+                except KeyboardInterrupt:
+                    raise _Stopped from None
+
+    def _stop_smoothing(self, rows: int) -> None:
+        if self._smoothed_rows < rows:
+            time, piece = (self.store.file[name][self._smoothed_rows] for name in ("time", "piece"))
+            self.sums.interruptions.append(
+                f"The second pass was stopped; from {time:.6g} s of piece {piece:g} on the smoothed columns are NaN."
+            )
 
     def _smoothed(self, first: int, last: int, run: Any) -> Iterator[Smoothed]:
         file, q = self.store.file["edges"], self.wanted.filter.acceleration_density
@@ -756,6 +793,8 @@ class _Run:
             values = (motion.angle, motion.speed, np.sqrt(motion.angle_variance), np.sqrt(motion.speed_variance))
             for name, column in zip(SMOOTHED, values, strict=True):
                 file[name][begin + start : begin + stop] = column
+            self._smoothed_rows = begin + stop
+            self._heed()
 
     def nothing_found(self) -> str:
         """Why there is no estimate."""
@@ -775,13 +814,13 @@ class _Run:
             )
         if not self.sums.edges and (self.wanted.begin is not None or self.wanted.end is not None):
             return f"no edges of {channel!r} lie in the time range that was asked for"
-        needed = f"an estimate needs at least {FEWEST} on one clock"
+        needed = f"an estimate needs at least {FEWEST_EDGES} on one clock"
         if self.sums.backward:
             return (
                 f"{edges} in channel {channel!r}, but time runs backwards there, {self.sums.backward} times; {needed}, "
                 "and in the order of time"
             )
-        if self.sums.edges > FEWEST:
+        if self.sums.edges > FEWEST_EDGES:
             apart = (self.sums.end - self.sums.begin) / (self.sums.edges - 1.0)
             return (
                 f"{edges} in channel {channel!r}, {apart:.4g} s apart on average, which is no turning; look at the "

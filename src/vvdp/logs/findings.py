@@ -11,7 +11,7 @@ from vvdp.logs.alignment import Alignment
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import is_time_name
 from vvdp.logs.config import Counts, Estimation, Stamps, Wave
-from vvdp.logs.edges import Chosen, CountEdges, StampEdges, WaveEdges
+from vvdp.logs.edges import GAP, Chosen, CountEdges, StampEdges, WaveEdges
 from vvdp.logs.fitting import CLEAR, Explained, LongestPieces, Noise, explained
 from vvdp.logs.guess import channels_of_edges
 from vvdp.logs.kept import Finding
@@ -35,6 +35,7 @@ FEW_SAMPLES = 3.0
 HISTOGRAM_END = 8.0
 HISTOGRAM_BINS = 40
 ANGLES = 360
+"""Bins of a turn in which the pressure is collected."""
 
 
 @dataclass
@@ -105,6 +106,8 @@ class Sums:
     left_out: int = 0
     longest_bridged: float = 0.0
     alignments: list[Alignment] = field(default_factory=list)
+    interruptions: list[str] = field(default_factory=list)
+    """Where Ctrl-C ended a pass over the log."""
 
     def __post_init__(self) -> None:
         n = self.sectors
@@ -404,10 +407,8 @@ def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) ->
 
 
 def _of_the_course(found: dict[str, Any], sums: Sums, wanted: Estimation) -> Iterator[Finding]:
-    if not found["finished"]:
-        yield Finding(
-            "Interrupted", f"The estimation was stopped after {sums.measured:.6g} s of the log.", "Run it again.", True
-        )
+    for words in sums.interruptions:
+        yield Finding("Interrupted", words, "Run it again.", True)
     if not found["settled"]:
         yield Finding(
             "Too short",
@@ -430,8 +431,8 @@ def _of_the_record(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
     if sums.gaps:
         yield Finding(
             "Gaps in the record",
-            f"{_times(sums.gaps).capitalize()} no sample came for more than 3.5 usual intervals; the longest gap is "
-            f"{sums.longest_gap:.4g} s.",
+            f"{_times(sums.gaps).capitalize()} no sample came for more than {GAP:g} usual intervals; the longest gap "
+            f"is {sums.longest_gap:.4g} s.",
             "Edges inside a gap count as missed; a gap that cannot be bridged starts the filter anew.",
         )
     if sums.not_numbers:

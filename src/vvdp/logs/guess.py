@@ -9,7 +9,7 @@ from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.units import line_to_si
 from vvdp.logs.channel import ChannelInfo, Log
-from vvdp.logs.clock import is_time_name
+from vvdp.logs.clock import is_time_name, is_time_unit
 from vvdp.logs.config import Option
 from vvdp.logs.edges import plateaus
 from vvdp.logs.source import open_log
@@ -29,7 +29,6 @@ IN_SECONDS = 0.9
 ALTERNATING = 0.9
 """Share of the times of two columns that take turns where one has the rising and the other the falling edges."""
 INLET = re.compile(r"inlet|_in\b|p_?in|p_?1\b", re.IGNORECASE)
-_SECONDS = ("s", "ms", "us", "µs", "μs", "ns")
 
 
 def guessed_options(log: Log) -> list[Option]:
@@ -107,7 +106,7 @@ def _first_values(log: Log, channels: tuple[ChannelInfo, ...]) -> Iterator[tuple
     try:
         with open_log(log.path, rate=1.0) as counted:  # edge times need no clock
             for info in counted.channels():
-                if info.unit in _SECONDS or not info.unit:
+                if is_time_unit(info.unit) or not info.unit:
                     yield info.name, _values(counted, info)
     except ConfigError:
         return  # the log has a clock
@@ -131,7 +130,7 @@ def _scores(info: ChannelInfo, values: Array | None) -> Iterator[tuple[str, floa
     whole = values is not None and values.size > 2 and bool(np.all(values == np.round(values)))
     if is_time_name(_own_name(info)):
         return
-    if info.unit in _SECONDS:
+    if is_time_unit(info.unit):
         yield "sensor.edges", named["sensor.edges"] + (IN_SECONDS if rising else 0.0)
         return
     if _is_pressure(info):

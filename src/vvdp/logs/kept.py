@@ -60,7 +60,7 @@ EDGES: Mapping[str, tuple[str, str]] = {
     "innovation": ("rad", "by how much the edge differs from what was expected; NaN where it was not used"),
     "innovation_deviation": ("rad", "by how much it was expected to differ"),
     "normalised_innovation": ("1", "innovation over its deviation"),
-    "settled": ("1", "1 from the second turn of a piece on"),
+    "settled": ("1", "1 after the first two turns of a piece"),
 }
 
 

@@ -149,7 +149,6 @@ def _add(tree: Tree, records: _Records, index: int, path: tuple[str, ...], chann
         tree.refuse(path, "holds no numbers")
         return
     unit = str(getattr(conversion, "unit", "") or getattr(channel, "unit", "") or "")
-    master = file.masters_db.get(number)
     samples = _Samples(records, index)
     master = file.masters_db.get(number)
     on_time = master is not None and getattr(group.channels[master], "sync_type", _TIME) in (0, _TIME)

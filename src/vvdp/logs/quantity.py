@@ -23,13 +23,13 @@ class Conversion(NamedTuple):
 def to_si(path: Path, channel: ChannelInfo, kind: Kind, unit: str | None = None) -> Conversion:
     """How the values of a channel become SI of `kind`; `unit` is for a channel that has none written.
 
-    A plain pressure unit on a level is gauge, as everywhere. Raises ConfigError where the channel is something else,
-    has no unit, or `unit` contradicts the one that is written.
+    A plain pressure unit on a level is gauge, as everywhere; where `bar` is written, `unit` may say `bara`. Raises
+    ConfigError where the channel is something else, has no unit, or `unit` contradicts the one that is written.
     """
-    if unit is not None and channel.unit and unit != channel.unit:
+    if unit is not None and channel.unit and unit not in (channel.unit, f"{channel.unit}a", f"{channel.unit}g"):
         problem = f"is in {channel.unit!r} as the file says, not in {unit!r}"
         raise ConfigError([Fault(str(path), 0, channel.name, problem)])
-    written = channel.unit or unit or ""
+    written = unit or channel.unit
     if not written and kind.unit != "1":
         problem = f"has no unit; {kind.named} was expected, say in {kind.shown or kind.unit}"
         raise ConfigError([Fault(str(path), 0, channel.name, problem)])

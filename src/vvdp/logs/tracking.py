@@ -12,7 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.estimation.estimator import Estimate
-from vvdp.estimation.event_filter import EventFilter, EventFilterMemory, event_filter_start, event_filter_step
+from vvdp.estimation.event_filter import (
+    EventFilter,
+    EventFilterMemory,
+    edge_angle_variance,
+    event_filter_start,
+    event_filter_step,
+)
 from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
 from vvdp.logs.alignment import Alignment, alignment, edges_wanted
 from vvdp.logs.edges import Chosen, Edges, joined, no_edges, part, ranked
@@ -154,7 +160,7 @@ class Tracker:
         self._fusion, self._waves = fusion, no_waves()
         self._filter, self.rate, self._sections = settings, rate, sections
         self._sectors = len(settings.wheel.edges)
-        self._pending, self._held = no_edges(), 0.0
+        self._pending = no_edges()
         self._piece: _Piece | None = None
         self._steps = np.empty(0)
         self._last: tuple[float, float, float] | None = None  # time, number and speed at the last edge
@@ -280,6 +286,7 @@ class Tracker:
             if self._last is not None:
                 self._last = (0.0, self._last[1], 0.0)
             self._next, self.reached, self._covered_to = None, -np.inf, None
+            self._waves = no_waves()
 
     def _lasting(self) -> float:
         """Until when rows can be given without another edge [s]."""
@@ -376,7 +383,7 @@ class Tracker:
         self._last = (float(edges.times[-1]), float(number[-1]), float(speed[-1]))
         sector = np.mod(number, self._sectors)
         angle = TURN * np.floor(number / self._sectors) + np.array(self._filter.wheel.edges)[sector.astype(int)]
-        sampled = np.fmax(speed, self._filter.lowest_speed) * edges.intervals
+        variance = edge_angle_variance(speed, edges.intervals, self._filter)  # type: ignore[arg-type]
         nothing = np.where(used, 0.0, np.nan)
         return {
             "time": edges.times,
@@ -386,7 +393,7 @@ class Tracker:
             "sector": sector + nothing,
             "polarity": edges.polarities,
             "angle": angle + nothing,
-            "variance": sampled**2 / 12.0 + self._filter.edge_variance,
+            "variance": np.asarray(variance),
             "innovation": nu + nothing,
             "innovation_deviation": deviation + nothing,
             "normalised_innovation": nu / np.where(used, deviation, np.nan),
