@@ -1,9 +1,13 @@
 """The claims: a number by hand and a law for every formula, an independent check for every simulated comparison."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.signal import constant
+from vvdp.rigs import claims as module
 from vvdp.rigs.claims import (
     LIGHT_MASS,
     against_throttling,
@@ -50,6 +54,14 @@ def test_pwm_valve_loses_less_than_throttling(source_stand):
     # The loss of the PWM valve does not depend on the duty ratio in between; that of throttling falls with the flow.
     assert np.ptp(found.switched) < 0.02 * found.switched.mean()
     assert np.all(np.diff(found.metered) < 0.0)
+
+
+def test_friction_of_the_pump_is_in_all_ways_of_control(source_stand):
+    """3 N m at 188.50 rad/s: 565.5 W more to lose for each, so what sets them apart stays."""
+    rough = source_stand.changed("pump", friction_torque=3.0)
+    smooth, found = (against_throttling(each, [0.5], [0.6]) for each in (source_stand, rough))
+    for name in ("switched", "metered", "bled_off"):
+        assert getattr(found, name) - getattr(smooth, name) == pytest.approx(565.5, abs=0.1)
 
 
 def test_bleeding_off_wins_near_full_flow(source_stand):
@@ -156,6 +168,16 @@ def test_driven_spool_keeps_the_ripple_at_low_flow(driving):
     assert driving.best_loss[0] < 1.05 * driving.self_loss[0]
 
 
+def test_flows_of_the_comparison_are_those_of_the_system(orifice_stand, monkeypatch):
+    """A quarter to all of the prototype's 40 lpm; at half the speed 10 and 20 lpm are half and all of it."""
+    np.testing.assert_allclose([share * 40.0 for share in module.FLOW_SHARES], [10, 15, 20, 25, 30, 35, 40])
+    monkeypatch.setattr(module, "FLOW_SHARES", (0.5, 1.0))
+    slow = orifice_stand.changed("operation", pump_speed=constant(0.5 * orifice_stand.set_point.pump_speed))
+    found = self_against_driven(slow, frequencies=[30.0, 60.0])
+    np.testing.assert_allclose(found.flows, [10 * LPM, 20 * LPM], rtol=1e-3)
+    assert np.all(np.isfinite(found.self_frequency))
+
+
 def test_areas_for_self_spinning(source_stand):
     """Half the areas give twice the torque, so twice the speed, and four times the quadratic drops."""
     valve = source_stand.tables["valve"]
@@ -189,3 +211,45 @@ def test_claims_without_a_load_line_say_what_is_missing(source_stand):
     assert found.numbers["rotary_power_exponent"] == pytest.approx(2.0)
     assert found.numbers["linear_power_exponent"] == pytest.approx(3.0)
     assert found.numbers["least_saving_over_metering"] > 0.3
+
+
+@pytest.fixture
+def quick_claims(monkeypatch):
+    """The claims with few points in each of their sweeps."""
+    monkeypatch.setattr(module, "against_throttling", partial(against_throttling, duty_ratios=[0.4, 0.9]))
+    few = partial(self_against_driven, flows=[20 * LPM, 40 * LPM], frequencies=[30.0, 60.0])
+    monkeypatch.setattr(module, "self_against_driven", few)
+    monkeypatch.setattr(module, "RIPPLE_FREQUENCIES", (30.0, 60.0))
+    monkeypatch.setattr(module, "RIPPLE_SIZES", (0.5, 1.0))
+    return claims
+
+
+def test_driven_spool_that_the_flow_cannot_turn(orifice_stand, quick_claims):
+    """Twenty times the friction of 1.3349e-3 N m s, 0.0267: beside it there is no self-spinning spool, all else is."""
+    area = orifice_stand.tables["valve"].friction_area
+    found = quick_claims(orifice_stand.changed("valve", friction_area=20.0 * area).driven(60.0))
+    assert set(found.sheets) == {"throttling", "ripple_frequency", "ripple_volume", "actuation"}
+    words = "Self-spinning against driven: left to itself the spool does not turn: with a friction of 0.0267 N*m*s"
+    assert any(sentence.startswith(words) for sentence in found.left_out)
+    assert "largest_drive_power_W" not in found.numbers
+
+
+def test_line_without_gas_has_claims(orifice_stand, quick_claims, monkeypatch):
+    """The gas volume is then varied around 50 cm^3, precharged to half the load's 101 bar. Gas takes in
+    50e-6 x 0.5^(1/1.3) / (1.3 x 101e5) = 2.23e-12 m^3/Pa, oil and hose 4.1e-13: 84.5 % are the gas's.
+    """
+    monkeypatch.setattr(module, "self_against_driven", partial(self_against_driven, flows=[40 * LPM], frequencies=[60]))
+    rigid = orifice_stand.changed("load_line", gas_volume=0.0, precharge_pressure=0.0)
+    found = quick_claims(rigid)
+    assert {"driving", "best", "ripple_frequency", "ripple_volume"} < set(found.sheets)
+    np.testing.assert_allclose(found.sheets["ripple_volume"]["gas_volume_m3"], [25e-6, 50e-6])
+    assert found.numbers["gas_share_of_line_capacity"] == pytest.approx(0.845, abs=0.005)
+
+
+def test_system_that_delivers_nothing_has_claims(orifice_stand, quick_claims):
+    """At duty ratio 0.005 no orifice holds the pressure: what runs at other duty ratios is there still."""
+    found = quick_claims(orifice_stand.changed("operation", duty_ratio=constant(0.005)))
+    assert {"throttling", "actuation"} < set(found.sheets)
+    assert "Left to itself the spool has no steady state at any of these flows." in found.findings
+    assert any(sentence.startswith("Ripple: prototype: no periodic state") for sentence in found.left_out)
+    assert "largest_drive_power_W" not in found.numbers

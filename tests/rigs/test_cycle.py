@@ -11,6 +11,7 @@ from vvdp.rigs.cycle import SLOWEST, CyclePoint, cycle_means, half_period, speed
 from vvdp.valve import flow_map
 from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_mean
 from vvdp.valve.losses import closed_form_load_flow
+from vvdp.valve.torque import friction_coefficient
 
 TANK, RELIEF, FLOW, RHO, MU = 101325.0, 121.01325e5, 40e-3 / 60.0, 876.0, 0.0387
 
@@ -53,6 +54,16 @@ def test_flows_add_up_with_pump_leakage(source_stand):
     found = cycle_means(point(leakage=leakage, override=10e5), source_stand.tables["valve"])
     leak = leakage * (found.inlet_pressure - TANK)
     assert found.load_flow + found.tank_flow + found.relief_flow + leak == pytest.approx(FLOW, rel=1e-9)
+
+
+def test_resistance_by_hand(source_stand):
+    """That of friction, and of the swirl with which oil leaves, rho R_out^2 q: 876 x 0.0127^2 x 6.6667e-4 = 9.4193e-5
+    N m s for all of the pump flow, so that times the share of it that passes the ports.
+    """
+    valve = source_stand.tables["valve"]
+    found = cycle_means(point(), valve)
+    passed = (found.load_flow + found.tank_flow) / FLOW
+    assert found.resistance == pytest.approx(friction_coefficient(MU, valve) + 9.4193e-5 * passed, rel=1e-4)
 
 
 def test_pump_leakage_takes_from_the_load(source_stand):

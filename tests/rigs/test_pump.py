@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from vvdp.base.errors import ParameterError
 from vvdp.rigs.maps import Axes, simulated_map
 from vvdp.rigs.pump import control_numbers, dead_band, linearity, pump, pump_axes
 from vvdp.studies import work
@@ -57,6 +58,12 @@ def test_interrupted_test_leaves_out_the_dynamics(source_stand, tmp_path, monkey
     )
     assert not part.finished
     assert set(part.sheets) == {"steady"}
+
+
+def test_bad_step_is_refused_before_the_map(source_stand, tmp_path):
+    with pytest.raises(ParameterError, match=r"from duty ratio 0\.4 to 1\.4; expected two different ones from 0 to 1"):
+        pump(source_stand, tmp_path, steps=(0.4, 1.4))
+    assert not list(tmp_path.iterdir())
 
 
 def test_numbers_of_a_map_without_results_are_missing(source_stand, tmp_path):

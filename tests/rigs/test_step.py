@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.rigs.step import _of_value, _of_volume, crossing_time, dynamics, settling_time
+from vvdp.rigs.step import (
+    _of_value,
+    _of_volume,
+    checked_steps,
+    crossing_time,
+    dynamics,
+    response_frequencies,
+    settling_time,
+)
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +70,26 @@ def test_gain_is_flat_against_a_source(against_source):
     assert "load_flow_gain" not in sheet.columns
 
 
+def test_slow_switching_changes_nothing(source_stand):
+    """At 4 Hz the mean over a period of 0.25 s is only there 0.25 s after the step, and 24 periods last 6 s: 3 whole
+    cycles of 0.5 Hz, 11 of 1.75 Hz. The gain stays 1, the static one 40 lpm.
+    """
+    found = dynamics(source_stand.driven(4.0), (0.4, 0.6), [0.5, 1.75])
+    assert found.numbers["static_gain_m3_s"] == pytest.approx(40e-3 / 60.0, rel=0.01)
+    np.testing.assert_allclose(found.sheets["frequency"]["delivered_flow_gain"], 1.0, atol=0.01)
+    # Flow turns the stiffly coupled spool some percent faster.
+    assert found.sheets["step_up"]["time_s"][-1] == pytest.approx(2.5 / found.numbers["pwm_frequency_Hz"], rel=0.01)
+
+
+def test_frequencies_go_up_from_the_lowest():
+    """1 to 0.45 x 60 = 27 Hz; at 2 Hz 2 x 0.02 = 0.04 to 0.9 Hz; 0.1 over a line's 0.5 s are 0.2 Hz."""
+    for pwm, lag, ends in ((60.0, 0.0, (1.0, 27.0)), (2.0, 0.0, (0.04, 0.9)), (60.0, 0.5, (0.2, 27.0))):
+        found = response_frequencies(pwm, lag)
+        assert (found[0], found[-1]) == pytest.approx(ends, rel=1e-9)
+        assert np.all(np.diff(found) > 0.0)
+        assert min(abs(f / pwm - 1.0 / 3.0) for f in found) > 1.0 / 36.0
+
+
 def test_line_is_a_low_pass(against_orifice):
     """First order with the stated time constant: gain over the delivered flow's 1/sqrt(1 + (w tau)^2), within 15 %."""
     sheet, tau = against_orifice.sheets["frequency"], against_orifice.numbers["load_line_time_constant_s"]
@@ -94,3 +122,12 @@ def test_no_step_is_refused(source_stand):
 def test_step_beyond_the_duty_ratios_is_refused(source_stand):
     with pytest.raises(ParameterError, match=r"from duty ratio 0 to 1\.5; expected two different ones from 0 to 1"):
         dynamics(source_stand, (0.0, 1.5))
+
+
+def test_order_of_the_duty_ratios_does_not_matter(source_stand, against_source):
+    """From 0.4 to 0.6 of 40 lpm is up, 8 lpm more, however it is said."""
+    assert checked_steps((0.6, 0.4)) == (0.4, 0.6)
+    turned = dynamics(source_stand, (0.6, 0.4), [10.0]).numbers
+    rise = turned["step_up_flow_after_m3_s"] - turned["step_up_flow_before_m3_s"]
+    assert rise == pytest.approx(8e-3 / 60.0, rel=0.01)
+    assert turned["step_up_to_63_s"] == against_source.numbers["step_up_to_63_s"]

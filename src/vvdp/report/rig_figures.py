@@ -11,13 +11,13 @@ from vvdp.numerics.tableaus import Array
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
 from vvdp.report.reading import BAR, LPM
 from vvdp.report.wording import plain
+from vvdp.rigs.conditions import CELSIUS, RPM
 from vvdp.rigs.result import RigResult, Sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-RPM, CELSIUS = 2.0 * np.pi / 60.0, 273.15
 MOST_MAPS = 6
 """Pairs of pump speed and temperature that get a figure of their own."""
 MOST_LINES = 6

@@ -11,8 +11,9 @@ from vvdp.report.html import figure, row, table, text
 from vvdp.report.page import opening, write_page
 from vvdp.report.reading import BAR, LPM
 from vvdp.report.references import bibliography
-from vvdp.report.rig_figures import CELSIUS, RPM, rig_figures
+from vvdp.report.rig_figures import rig_figures
 from vvdp.report.wording import number
+from vvdp.rigs.conditions import CELSIUS, RPM
 from vvdp.rigs.result import RigResult, Sheet, read_rig
 
 MOST_ROWS = 150

@@ -11,10 +11,11 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.hydraulics.pump import pump_friction_power
 from vvdp.numerics.tableaus import Array
 from vvdp.rigs.conditions import LPM, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
-from vvdp.rigs.ripple import NO_ACCUMULATOR, line_capacity, power_of, ripple
+from vvdp.rigs.ripple import line_capacity, power_of, ripple, with_gas
 from vvdp.rigs.stand import SetPoint, Stand
 from vvdp.rigs.steady import Steady, steady_states
 from vvdp.simulation.link import quiet
@@ -26,7 +27,8 @@ from vvdp.valve.torque import equilibrium_speed, friction_coefficient, pwm_frequ
 DUTY_RATIOS = (0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85, 1.0)
 PRESSURE_SHARES = (0.4, 0.6, 0.8)
 """Load pressures for the comparison with throttling, over the relief setting."""
-FLOWS = (10.0 * LPM, 15.0 * LPM, 20.0 * LPM, 25.0 * LPM, 30.0 * LPM, 35.0 * LPM, 40.0 * LPM)
+FLOW_SHARES = (0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
+"""Flows of the comparison of drives, over the pump flow of the system."""
 FREQUENCIES = (5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0)
 DRIVEN_SHARE = 0.6
 """Load pressure of the comparison of drives, over the relief setting: ripple must not reach the relief valve."""
@@ -126,6 +128,8 @@ def against_throttling(
 ) -> Throttling:
     """Loss of the PWM valve, simulated, beside two ways of throttling the same pump to the same flow.
 
+    The pump turns as fast in all three, so its friction T_f |omega| is in all of them.
+
     Source  wang2017, chapter 1
     """
     here = stand.set_point
@@ -136,7 +140,7 @@ def against_throttling(
         for d in duty_ratios
     ]
     states = _solved(steady_states([(stand, p) for p in points], cores=cores, cache=cache, say=say))
-    flow = stand.pump_flow(here)
+    flow, friction = stand.pump_flow(here), pump_friction_power(here.pump_speed, stand.tables["pump"])
     delivered = np.array([float(state.summary["mean_load_flow_m3_s"]) for state in states])
     load = np.array([state.point.load_pressure - stand.tank_pressure for state in states])
     loss = np.array([float(state.summary["loss_total_W"]) for state in states])
@@ -146,8 +150,8 @@ def against_throttling(
         delivered=delivered,
         share=delivered / flow,
         switched=loss,
-        metered=np.array([metered_loss(flow, q, p, rise) for q, p in zip(delivered, load, strict=True)]),
-        bled_off=np.array([bled_off_loss(flow, q, p) for q, p in zip(delivered, load, strict=True)]),
+        metered=np.array([metered_loss(flow, q, p, rise) for q, p in zip(delivered, load, strict=True)]) + friction,
+        bled_off=np.array([bled_off_loss(flow, q, p) for q, p in zip(delivered, load, strict=True)]) + friction,
     )
 
 
@@ -182,9 +186,21 @@ class Driving:
     best_drive_power: Array
 
 
+def self_spinning(stand: Stand) -> Stand:
+    """The same stand with nothing that turns the spool but the flow."""
+    return stand.changed("spool_drive", coupling=0.0)
+
+
+def driving_point(stand: Stand, flow: float) -> SetPoint:
+    """Where drives are compared at a pump flow [m^3/s]."""
+    pressure = stand.tank_pressure + DRIVEN_SHARE * (stand.relief_pressure - stand.tank_pressure)
+    speed = float(flow) / stand.tables["pump"].displacement
+    return stand.set_point._replace(pump_speed=speed, load_pressure=float(pressure))
+
+
 def self_against_driven(
     stand: Stand,
-    flows: Sequence[float] = FLOWS,
+    flows: Sequence[float] | None = None,
     frequencies: Sequence[float] = FREQUENCIES,
     ripple_limit: float | None = None,
     *,
@@ -195,18 +211,17 @@ def self_against_driven(
     """Drive power and total loss over flow, and the PWM frequency that loses least within a limit of the ripple.
 
     The load's ripple is what asks for a frequency: without a limit the slowest spool loses least. By default the limit
-    is the ripple of the self-spinning spool at the largest flow. Raises ParameterError without a load line.
+    is the ripple of the self-spinning spool at the largest flow, and the pump flows [m^3/s] are `FLOW_SHARES` of the
+    stand's own. Raises ParameterError without a load line.
 
     Source  wang2017, section 2.1, after tu2011; ours, docs/rigs.md
     """
     if not stand.makes_pressure:
         raise ParameterError(f"{stand.system.name}: expected a system with a load line, whose pressure can ripple")
-    here = stand.set_point
-    displacement = stand.tables["pump"].displacement
-    pressure = stand.tank_pressure + DRIVEN_SHARE * (stand.relief_pressure - stand.tank_pressure)
-    at = [here._replace(pump_speed=float(q) / displacement, load_pressure=float(pressure)) for q in flows]
-    self_spun = stand.changed("spool_drive", coupling=0.0)
-    stands: list[tuple[Stand, SetPoint]] = [(self_spun, point) for point in at]
+    if flows is None:
+        flows = [share * stand.pump_flow(stand.set_point) for share in FLOW_SHARES]
+    at = [driving_point(stand, q) for q in flows]
+    stands: list[tuple[Stand, SetPoint]] = [(self_spinning(stand), point) for point in at]
     stands += [(stand.driven(float(f)), point) for point in at for f in frequencies]
     states = steady_states(stands, cores=cores, cache=cache, say=say)
     rows = [_driven_row(state) for state in states]
@@ -319,6 +334,7 @@ def claims(
     say: Callable[[str], None] = quiet,
 ) -> RigResult:
     """All claims for one system; those that need a load line are left out, and said to be, where there is none.
+    So is a driven spool beside a self-spinning one where the flow cannot turn it.
 
     Ctrl-C leaves out those that are not yet worked out; before the first of them is, it is raised. Raises
     ParameterError where the spool does not turn.
@@ -340,27 +356,35 @@ def claims(
     ]
     finished = True
     if stand.makes_pressure:
+        alone, largest = self_spinning(stand), driving_point(stand, stand.pump_flow(stand.set_point))
+        if stuck := alone.standstill(largest.oil_temperature, alone.means(largest)):
+            left_out.append(f"Self-spinning against driven: left to itself {stuck}.")
         try:
-            say("self-spinning against driven")
-            driving = self_against_driven(stand, cores=cores, cache=cache, say=say)
-            sheets |= {
-                "driving": Sheet("Spool driven by a motor", _driving_columns(driving)),
-                "best": Sheet("Self-spinning, and driven at the best frequency", _best_columns(stand, driving)),
-            }
-            more, words = _driving_words(stand, driving)
-            numbers, findings = numbers | more, findings + words
+            if not stuck:
+                say("self-spinning against driven")
+                driving = self_against_driven(stand, cores=cores, cache=cache, say=say)
+                sheets |= {
+                    "driving": Sheet("Spool driven by a motor", _driving_columns(driving)),
+                    "best": Sheet("Self-spinning, and driven at the best frequency", _best_columns(stand, driving)),
+                }
+                more, words = _driving_words(stand, driving)
+                numbers, findings = numbers | more, findings + words
             say("ripple")
             here = [stand.set_point.duty_ratio]
-            waves = ripple(stand, here, RIPPLE_FREQUENCIES, RIPPLE_SIZES, cores=cores, cache=cache)
-            sheets |= {
-                "ripple_frequency": replace(waves.sheets["frequency"], title="Ripple over PWM frequency"),
-                "ripple_volume": replace(waves.sheets["accumulator"], title="Ripple over gas volume"),
-            }
-            more, words = _ripple_words(stand, sheets)
-            numbers, findings = numbers | more, findings + words
+            try:
+                waves = ripple(stand, here, RIPPLE_FREQUENCIES, RIPPLE_SIZES, cores=cores, cache=cache)
+            except ParameterError as problem:
+                left_out.append(f"Ripple: {problem}.")
+            else:
+                sheets |= {
+                    "ripple_frequency": replace(waves.sheets["frequency"], title="Ripple over PWM frequency"),
+                    "ripple_volume": replace(waves.sheets["accumulator"], title="Ripple over gas volume"),
+                }
+                more, words = _ripple_words(stand, sheets)
+                numbers, findings = numbers | more, findings + words
         except KeyboardInterrupt:
             finished = False
-            missing = "Ripple" if "driving" in sheets else "Self-spinning against driven, and ripple"
+            missing = "Ripple" if stuck or "driving" in sheets else "Self-spinning against driven, and ripple"
             left_out.append(f"{missing}: interrupted before.")
     else:
         left_out.append(
@@ -495,8 +519,9 @@ def _driving_words(stand: Stand, d: Driving) -> tuple[dict[str, float], list[str
     numbers = {
         "ripple_limit_Pa": d.limit,
         "self_frequency_exponent": power_of(d.flows, d.self_frequency),
-        "largest_drive_power_W": float(np.nanmax(d.best_drive_power)),
     }
+    if not known.any():
+        return numbers, ["Left to itself the spool has no steady state at any of these flows."]
     words = [
         f"Left to itself the spool switches at {d.self_frequency[known][0]:.3g} Hz with "
         f"{d.flows[known][0] / LPM:.3g} lpm and at {d.self_frequency[known][-1]:.3g} Hz with "
@@ -506,6 +531,7 @@ def _driving_words(stand: Stand, d: Driving) -> tuple[dict[str, float], list[str
     if np.isfinite(d.best_frequency).any():
         found = np.flatnonzero(np.isfinite(d.best_frequency))
         first, last = int(found[0]), int(found[-1])
+        numbers["largest_drive_power_W"] = float(np.nanmax(d.best_drive_power))
         words.append(
             f"Within a ripple of {d.limit / 1e5:.3g} bar a driven spool loses least at {d.best_frequency[first]:.3g} "
             f"Hz with {d.flows[first] / LPM:.3g} lpm and at {d.best_frequency[last]:.3g} Hz with "
@@ -575,10 +601,7 @@ def _actuation_words(stand: Stand) -> tuple[dict[str, float], list[str]]:
 def _ripple_words(stand: Stand, sheets: dict[str, Sheet]) -> tuple[dict[str, float], list[str]]:
     f, v = sheets["ripple_frequency"], sheets["ripple_volume"]
     pressure = stand.set_point.load_pressure
-    gas = stand.tables["load_line"].gas_volume or NO_ACCUMULATOR
-    share = 1.0 - line_capacity(pressure, stand.changed("load_line", gas_volume=0.0)) / line_capacity(
-        pressure, stand.changed("load_line", gas_volume=gas)
-    )
+    share = 1.0 - line_capacity(pressure, with_gas(stand, 0.0)) / line_capacity(pressure, with_gas(stand, 1.0))
     numbers = {
         "ripple_frequency_exponent": power_of(f["pwm_frequency_Hz"], f["load_ripple_Pa"]),
         "ripple_gas_volume_exponent": power_of(v["gas_volume_m3"], v["load_ripple_Pa"]),

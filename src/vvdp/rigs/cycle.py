@@ -11,6 +11,7 @@ import numpy as np
 from vvdp.base.books import Nothing
 from vvdp.base.kinds import (
     Conductance,
+    Coupling,
     Density,
     DutyRatio,
     DynamicViscosity,
@@ -55,6 +56,9 @@ class CyclePoint(NamedTuple):
 class CycleMeans(NamedTuple):
     """Means over a PWM period, the speed at which the torques balance over it, and how slow the spool is against that.
 
+    `resistance` is the torque that the spool loses per speed: to turn at omega takes resistance times
+    (omega - spool_speed) from outside.
+
     `slowness` is the time that the spool takes for half a period, driven by the torque at each angle with its own
     inertia, over the time at `spool_speed`: about 1 for a spool that turns, beyond `SLOWEST` for one that stops where
     both ports are nearly shut.
@@ -65,6 +69,7 @@ class CycleMeans(NamedTuple):
     relief_flow: Flow
     inlet_pressure: Pressure
     spool_speed: Speed
+    resistance: Coupling
     slowness: Ratio
 
 
@@ -171,7 +176,7 @@ def flows_at(pressure: float, openings: Openings, point: CyclePoint, law: Branch
 
 
 def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
-    """Mean flows [m^3/s] and inlet pressure [Pa] over a PWM period, and the averaged spool speed [rad/s].
+    """Mean flows [m^3/s] and inlet pressure [Pa] over a PWM period, and the averaged spool speed [rad/s], among others.
 
     Quasi-steady: stiff oil, constant pressures at load and tank, a relief valve without lag. The torque is linear in
     the speed, so its means at two speeds give the balance.
@@ -205,7 +210,15 @@ def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
     balanced = at_rest / slowed
     inertia, stretch = spool_inertia(valve), np.pi / shape.sections / ANGLES
     slowness = balanced * half_period(torque, resistance, inertia, stretch) / (stretch * ANGLES)
-    return CycleMeans(load_flow / ANGLES, tank_flow / ANGLES, relief_flow / ANGLES, inlet / ANGLES, balanced, slowness)
+    return CycleMeans(
+        load_flow / ANGLES,
+        tank_flow / ANGLES,
+        relief_flow / ANGLES,
+        inlet / ANGLES,
+        balanced,
+        slowed / ANGLES,
+        slowness,
+    )
 
 
 def half_period(torque: Array, resistance: Array, inertia: float, stretch: float) -> float:

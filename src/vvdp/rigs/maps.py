@@ -22,6 +22,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.fluid.oil import dynamic_viscosity
+from vvdp.hydraulics.spool_drive import drive_power
 from vvdp.numerics.tableaus import Array
 from vvdp.rigs import periodic, steady
 from vvdp.rigs.averages import averages
@@ -211,7 +212,8 @@ def analytic_map(
     """The map as the quasi-steady averages give it: constant load pressure, stiff oil, a relief valve without lag.
 
     The compressibility loss is nominal, f V W_V, and not part of the efficiency: see `compressibility_loss`. A driven
-    spool switches at the speed of its motor. Raises ParameterError where the spool turns at no point.
+    spool turns as fast as its motor and the flow together let it. Raises ParameterError where the spool turns at no
+    point.
 
     Source  ours, docs/rigs.md
     """
@@ -221,21 +223,14 @@ def analytic_map(
     ))  # fmt: skip
     tables, tank = stand.tables, stand.tank_pressure
     pump, oil, valve = tables["pump"], tables["oil"], tables["valve"]
-    at = {value: stand.cycle_point(SetPoint(0.5, tank, axes.pump_speeds[0], value)) for value in axes.temperatures}
-    flow = pump.displacement * n
-    rows = np.empty((t.size, 9))
-    rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3] = d, p, tank, stand.relief_pressure
-    relief = tables["relief_valve"]
-    rows[:, 4], rows[:, 5] = relief.override_pressure * flow / relief.rated_flow, flow
-    rows[:, 6] = pump.leakage_conductance
-    rows[:, 7] = [at[value].density for value in t]
-    rows[:, 8] = [at[value].viscosity for value in t]
+    points = SetPoint(d, p, n, t)
+    flow = stand.pump_flow(points)
+    rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
     averaged = averages(rows, valve, cores=cores, cache=cache, say=say)
     means = CycleMeans(*_columns(averaged.T))
     stuck = _standstills(stand, axes.points, averaged)
-    speed: Any = means.spool_speed
-    if stand.is_driven:
-        speed = np.full_like(d, tables["operation"].spool_motor_speed.base)
+    speed: Any = stand.guessed_speed(means)
+    motor: Any = drive_power(tables["operation"].spool_motor_speed.base, speed, tables["spool_drive"])
     frequency = pwm_frequency(speed, valve)
     leakage = leakage_conductance(dynamic_viscosity(t, oil), valve) * (p - tank)
     delivered = means.load_flow - leakage
@@ -243,7 +238,7 @@ def analytic_map(
     columns = {
         "delivered_flow_m3_s": delivered,
         "input_power_W": shaft,
-        "spool_motor_power_W": np.full_like(d, np.nan if stand.is_driven else 0.0),
+        "spool_motor_power_W": motor if stand.is_driven else np.zeros_like(d),
         "load_power_W": delivered * (p - tank),
         "pwm_frequency_Hz": frequency,
         "mean_load_pressure_Pa": p - stand.reference,
@@ -411,7 +406,8 @@ def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True) 
 
 def _key(stand: Stand, point: SetPoint, digest: str) -> str:
     """What a point is known by: everything that its result depends on."""
-    solver = (periodic.LIMIT, periodic.DISTANCE, periodic.TOLERANCE, steady.HELD, stand.stepping.method)
+    tolerance = min(stand.stepping.relative_tolerance, periodic.TOLERANCE)
+    solver = (periodic.LIMIT, periodic.DISTANCE, tolerance, steady.HELD, stand.stepping.method)
     found = hashlib.sha256(repr((vvdp.__version__, digest, stand.system.circuit, solver, tuple(point))).encode())
     for name in sorted(stand.tables):
         table = stand.tables[name]

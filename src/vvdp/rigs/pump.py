@@ -13,7 +13,7 @@ from vvdp.rigs.map_result import map_result
 from vvdp.rigs.maps import Axes, PumpMap, default_axes, simulated_map
 from vvdp.rigs.result import RigResult
 from vvdp.rigs.stand import Stand
-from vvdp.rigs.step import STEPS, dynamics
+from vvdp.rigs.step import STEPS, checked_steps, dynamics
 from vvdp.simulation.link import quiet
 from vvdp.studies.engine import ThisProcess
 from vvdp.studies.run import silent
@@ -49,11 +49,12 @@ def pump(
     """Steady maps over duty ratio and load pressure (pump speed, temperature), then step and frequency response.
 
     Finished points of the maps are kept in `directory`; where the maps were interrupted the dynamics are left for the
-    next time. Raises ConfigError where the directory cannot be used.
+    next time. Raises ConfigError where the directory cannot be used, ParameterError where there is no such step.
 
     Source  ours, docs/rigs.md, in the manner of iso17559 and iso4409
     """
     began = time.perf_counter()
+    low, high = checked_steps(steps)
     axes = axes or pump_axes(stand)
     steady = simulated_map(stand, axes, directory, engine=ThisProcess(cores), progress=progress, say=say, cache=cache)
     found = map_result(steady)
@@ -68,7 +69,7 @@ def pump(
     )
     if not steady.finished:
         return replace(result, seconds=time.perf_counter() - began)
-    moving = dynamics(stand, steps, cores=cores, cache=cache, say=say)
+    moving = dynamics(stand, (low, high), cores=cores, cache=cache, say=say)
     return replace(
         result,
         manner=f"{found.manner} {moving.manner}",

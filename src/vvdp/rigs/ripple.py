@@ -65,6 +65,16 @@ def estimated_ripple(delivered: float, pump_flow: float, pwm_frequency: float, c
     return delivered * (1.0 - delivered / pump_flow) / (pwm_frequency * capacity)
 
 
+def with_gas(stand: Stand, size: float) -> Stand:
+    """The stand with an accumulator of `size` times its own gas volume [1].
+
+    Where it has none, `NO_ACCUMULATOR` is taken for that, and half the load pressure for a precharge that is missing.
+    """
+    line = stand.tables["load_line"]
+    gas, precharge = line.gas_volume or NO_ACCUMULATOR, line.precharge_pressure or 0.5 * stand.set_point.load_pressure
+    return stand.changed("load_line", gas_volume=size * gas, precharge_pressure=precharge)
+
+
 def ripple(
     stand: Stand,
     duty_ratios: Sequence[float] = DUTY_RATIOS,
@@ -88,13 +98,10 @@ def ripple(
             "load line, such as prototype"
         )
     here = stand.set_point
-    gas = stand.tables["load_line"].gas_volume or NO_ACCUMULATOR
-    precharge = {} if stand.tables["load_line"].precharge_pressure > 0.0 else {"precharge_pressure": 0.5 * here[1]}
-    vessels = [stand.changed("load_line", gas_volume=size * gas, **precharge) for size in sizes]
     groups: dict[str, list[tuple[Stand, SetPoint]]] = {
         "duty": [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
         "frequency": [(stand.driven(float(f)), here) for f in frequencies],
-        "accumulator": [(vessel, here) for vessel in vessels],
+        "accumulator": [(with_gas(stand, size), here) for size in sizes],
         "set point": [(stand, here)],
     }
     flat = [item for group in groups.values() for item in group]

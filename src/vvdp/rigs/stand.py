@@ -105,7 +105,8 @@ class Stand:
 
     def pump_flow(self, point: SetPoint) -> float:
         """Flow that the pump displaces [m^3/s]."""
-        return float(self.tables["pump"].displacement * point.pump_speed)
+        flow: float = self.tables["pump"].displacement * point.pump_speed
+        return flow
 
     def changed(self, table: str, **values: Any) -> "Stand":
         """The same stand with some values of a table replaced. Raises ParameterError where they contradict."""
@@ -152,10 +153,15 @@ class Stand:
         return self.bench.case(tables)
 
     def guessed_speed(self, means: CycleMeans) -> float:
-        """The spool's speed as the quasi-steady torques give it, or that of its motor [rad/s]."""
-        if self.is_driven:
-            return float(self.tables["operation"].spool_motor_speed.base)
-        return means.spool_speed
+        """The spool's speed as the quasi-steady torques give it, with that of its motor if it has one [rad/s].
+
+        k (omega_m - omega) = b (omega - omega_0), with the resistance b and the speed omega_0 that flow alone gives it.
+        """
+        if not self.is_driven:
+            return means.spool_speed
+        k, b = self.tables["spool_drive"].coupling, means.resistance
+        speed: float = (k * self.tables["operation"].spool_motor_speed.base + b * means.spool_speed) / (k + b)
+        return speed
 
     def standstill(self, temperature: float, means: CycleMeans) -> str | None:
         """Why the spool has no speed at which it goes on turning, with the numbers; None where it has one.
@@ -175,7 +181,7 @@ class Stand:
         )
 
     def cycle_point(self, point: SetPoint) -> CyclePoint:
-        """A set point as the quasi-steady averages take it."""
+        """A set point as the quasi-steady averages take it; arrays of many points pass through as well."""
         oil, relief = self.tables["oil"], self.tables["relief_valve"]
         return CyclePoint(
             point.duty_ratio,
@@ -186,8 +192,8 @@ class Stand:
             relief.override_pressure * self.pump_flow(point) / relief.rated_flow,
             self.pump_flow(point),
             self.tables["pump"].leakage_conductance,
-            float(density(point.oil_temperature, oil)),
-            float(dynamic_viscosity(point.oil_temperature, oil)),
+            density(point.oil_temperature, oil),
+            dynamic_viscosity(point.oil_temperature, oil),
         )
 
     def means(self, point: SetPoint) -> CycleMeans:

@@ -26,9 +26,13 @@ STEPS = (0.4, 0.6)
 PHASES = 8
 """Instants within a PWM period at which a step begins."""
 SHOWN, BEFORE = 0.25, 0.04
-"""What is recorded of a step, after it and before it [s]; after it is longer where the load line is slow."""
+"""What is recorded of a step, after it and before it [s]; after it is longer where load line or switching is slow."""
 LINE_TIMES = 4.0
-INTERVAL = 2e-4
+STEP_PERIODS = 2.5
+"""PWM periods that are recorded after a step at least: within one the mean over a period has all of it, and the last
+fifth of what is recorded is taken for the flow after it."""
+INTERVAL, INTERVAL_SHARE = 2e-4, 0.01
+"""Between recorded instants [s]; longer in the frequency response of a slow spool: this share of the PWM period."""
 BAND = 0.05
 """Of a step: within it the flow has settled."""
 AMPLITUDE = 0.05
@@ -40,7 +44,10 @@ FOLDED = 1.0 / 3.0
 NEAR = 1.0 / 36.0
 """Of the PWM frequency: closer to the folding the window cannot tell both apart."""
 COUNT = 14
-LONGEST_WINDOW = 2.0
+LOWEST, LOWEST_SHARE = 1.0, 0.02
+"""Lowest frequency of the response at most [Hz], and over the PWM frequency: of a slow spool it is lower."""
+WINDOW_CYCLES, WINDOW_PERIODS = 3, 24.0
+"""Cycles of a frequency and PWM periods that its window holds at least: enough to tell the sine from the switching."""
 MANNER = (
     "Dynamic characteristics in the manner of ISO 17559: delivered flow after a step of the duty ratio, and its gain "
     "and phase against a sinusoidal duty ratio. Flow is the mean over the last turn through one PWM period at "
@@ -167,10 +174,9 @@ def frequency_response(
     stand, delivered, load = state.stand, [], []
     for f in frequencies:
         start = max(0.15, 2.0 / f, LINE_TIMES * line_time(state))
-        # The window holds whole cycles, and enough of them to tell the sine from the switching.
-        cycles = int(np.ceil(f * max(24.0 * state.periodic.period, 3.0 / f)))
-        window = min(cycles / f, max(LONGEST_WINDOW, 3.0 / f))
-        until, interval = start + window, min(INTERVAL, 1.0 / (200.0 * f))
+        window = max(WINDOW_CYCLES, int(np.ceil(f * WINDOW_PERIODS * state.periodic.period))) / f  # whole cycles
+        until = start + window
+        interval = min(max(INTERVAL, INTERVAL_SHARE * state.periodic.period), 1.0 / (200.0 * f))
         stepping = replace(
             stand.stepping, until=until, record_interval=interval, window=until, window_interval=interval
         )
@@ -220,6 +226,29 @@ def _of_value(times: Array, values: Array, begin: float, end: float, f: float) -
     return complex(2j * np.trapezoid(w * x * np.exp(-2j * np.pi * f * t), t) / (0.5 * (end - begin)))
 
 
+def response_frequencies(pwm: float, lag: float) -> list[float]:
+    """Frequencies for the response of a spool that switches at `pwm` [Hz], increasing [Hz].
+
+    lag  time constant of the load line; 0 where a source is the load [s]
+
+    Source  ours, docs/rigs.md
+    """
+    lowest = min(LOWEST, LOWEST_SHARE * pwm, 0.1 / lag if lag > 0.0 else np.inf)
+    return [float(f) for f in np.geomspace(lowest, HIGHEST * pwm, COUNT) if abs(f / pwm - FOLDED) > NEAR]
+
+
+def checked_steps(steps: tuple[float, float]) -> tuple[float, float]:
+    """The two duty ratios of a step, the lower one first.
+
+    Raises ParameterError where they are equal or outside 0 to 1.
+    """
+    low, high = sorted(steps)
+    if not 0.0 <= low < high <= 1.0:
+        a, b = steps
+        raise ParameterError(f"a step from duty ratio {a:g} to {b:g}; expected two different ones from 0 to 1")
+    return low, high
+
+
 def dynamics(
     stand: Stand,
     steps: tuple[float, float] = STEPS,
@@ -231,33 +260,31 @@ def dynamics(
 ) -> RigResult:
     """Response of the delivered flow to the duty ratio between two values: steps up and down, gain and phase.
 
-    Raises ParameterError where the two are equal or outside 0 to 1, or one of them has no steady state.
+    Raises ParameterError where the two are equal or outside 0 to 1, or one of them has no steady state. In which order
+    they are given does not matter.
 
     Source  ours, docs/rigs.md, in the manner of iso17559
     """
     began = time.perf_counter()
-    low, high = steps
-    if low == high or not (0.0 <= low <= 1.0 and 0.0 <= high <= 1.0):
-        raise ParameterError(f"a step from duty ratio {low:g} to {high:g}; expected two different ones from 0 to 1")
+    low, high = checked_steps(steps)
     here = stand.set_point
     states = _states(stand, low, high, cores, cache, say)
     down, up, middle = states
     assert middle.periodic is not None
-    length = max(SHOWN, LINE_TIMES * max(line_time(state) for state in states))
+    slowest = max(state.periodic.period for state in states if state.periodic is not None)
+    length = max(SHOWN, STEP_PERIODS * slowest, LINE_TIMES * max(line_time(state) for state in states))
     rising = step_response(down, high, length=length, cache=cache)
     falling = step_response(up, low, length=length, cache=cache)
     pwm = 1.0 / middle.periodic.period
     if frequencies is None:
-        lowest = min(1.0, 0.1 / line_time(middle)) if stand.makes_pressure else 1.0
-        spread = np.geomspace(lowest, HIGHEST * pwm, COUNT)
-        frequencies = [float(f) for f in spread if abs(f / pwm - FOLDED) > NEAR]
+        frequencies = response_frequencies(pwm, line_time(middle))
     asked = np.array(list(frequencies), float)
     if not asked.size or np.any(asked <= 0.0) or np.any(asked > 0.5 * pwm):
         raise ParameterError(
             f"frequencies {', '.join(f'{f:g}' for f in asked)} Hz; expected some above 0 and up to half the PWM "
             f"frequency, {0.5 * pwm:.4g} Hz"
         )
-    amplitude = min(AMPLITUDE, 0.5 * abs(high - low))
+    amplitude = min(AMPLITUDE, 0.5 * (high - low))
     delivered, load = frequency_response(middle, frequencies, amplitude, cache=cache)
     static = (rising.after - rising.before) / (high - low)
     said = conditions(stand) | {
@@ -299,13 +326,12 @@ def _states(
     point. Raises ParameterError where there is no steady state.
     """
     here = stand.set_point
-    most = max(low, high)
     found: dict[float, Steady] = {}
     area = None
-    for duty in (most, min(low, high), 0.5 * (low + high)):
+    for duty in (high, low, 0.5 * (low + high)):
         pressure = here.load_pressure
         if stand.makes_pressure:  # flows through an orifice go with the root of the drop
-            pressure = stand.tank_pressure + (pressure - stand.tank_pressure) * (max(duty, 0.1) / max(most, 0.1)) ** 2
+            pressure = stand.tank_pressure + (pressure - stand.tank_pressure) * (max(duty, 0.1) / max(high, 0.1)) ** 2
         point = here._replace(duty_ratio=float(duty), load_pressure=float(pressure))
         (state,) = steady_states([(stand, point)], area, cores=cores, cache=cache, say=say)
         if state.reason is not None or state.periodic is None:
