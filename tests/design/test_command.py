@@ -143,6 +143,40 @@ def test_interrupted_later_keeps_what_was_found(designing, tmp_path, monkeypatch
     assert (tmp_path / "there" / "report.html").is_file()
 
 
+def test_interrupted_while_limits_are_moved_keeps_the_simulations(designing, tmp_path, monkeypatch):
+    """In the first of the optima with a limit moved: no curve is whole, all else is there."""
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vvdp.design.optimise._least_from", stopped)
+    code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--starts", "1", "--out", "there", "--json")
+    assert code == 130
+    assert json.loads(out)["after_simulated_trusted"] is True
+    assert "interrupted; what was found until then is written" in err
+    numbers = json.loads((tmp_path / "there" / "design.json").read_text("utf-8"))
+    assert numbers["moved"] == []
+    assert len(numbers["simulated"]) == 2
+    assert load_system(str(tmp_path / "there" / "optimum.toml"))
+    assert (tmp_path / "there" / "report.html").is_file()
+
+
+def test_a_limit_of_zero_is_shown_without_an_elasticity(designing, tmp_path):
+    arguments = ("prototype", "--minimise", "load_pulsation", "--subject-to", "relief_margin >= 0 bar", *CLEARANCE)
+    code, out, err = designing(*arguments, "--no-simulation", "--starts", "1", "--out", "there")
+    assert code == 0, err
+    line = next(each for each in out.splitlines() if each.strip().startswith("relief_margin >= 0 bar"))
+    assert line.split()[-2:] == ["limit", "-"]
+    assert "30 of 30 optima with a limit moved" in err
+    numbers = json.loads((tmp_path / "there" / "design.json").read_text("utf-8"))
+    told = next(each for each in numbers["active"] if each["text"] == "relief_margin >= 0 bar")
+    assert told["elasticity"] is None
+    assert told["sensitivity"] > 0.0
+    assert not any("relief_margin" in each["text"] for each in numbers["moved"])
+    page = (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert '<td class="n">&ndash;</td>' in page.partition("relief_margin &gt;= 0 bar</td>")[2].partition("</tr>")[0]
+
+
 def test_cycle(designing, tmp_path):
     (tmp_path / "cycle.toml").write_text(
         '[[points]]\nweight = 2\n"operation.duty_ratio" = "0.4"\n'

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from vvdp.design.optimise import FEASIBLE, gradients, moved, optimised
+from vvdp.base.errors import VvdpError
+from vvdp.design.optimise import FEASIBLE, gradients, movable, moved, optimised
 from vvdp.design.problem import problem
 from vvdp.design.proof import doubts, optimum_system
 from vvdp.design.quantities import Quantities
@@ -153,6 +154,102 @@ def test_multipliers_are_what_a_moved_limit_does(prototype):
         assert told[name].elasticity == pytest.approx(slope, rel=2e-3), name
     per_hertz = (at(frequency=72.36) - at(frequency=71.64)) / 0.72
     assert told["pwm_frequency"].sensitivity == pytest.approx(per_hertz, rel=1e-3)
+
+
+def elasticity(low, high, ratio):
+    """By differences, of objectives at a value over and times `ratio`; error of order (ratio - 1)^2."""
+    return np.log(high / low) / (2.0 * np.log(ratio))
+
+
+def test_a_value_demanded_exactly_has_one_multiplier(prototype):
+    """Radius and clearance held: the torque goes as 1/A at a scale of both areas, the drop of nozzles and outlet as
+    1/A^2, so the drop without the centre section's share c goes as f^2: 2 (1 - c), c = 0.81 of 6.63 bar: 1.756."""
+    limits, bounds = ["pwm_frequency = 72 Hz"], ["spool_radius = 12.7 mm", "radial_clearance = 12.7 um"]
+    found = best(prototype, DROP, limits, bounds)
+    of_frequency = [each for each in found.holding if each.text == limits[0]]
+    assert len(of_frequency) == 1
+    centre = found.after[0].pressure_drop_centre_section / found.objective
+    assert of_frequency[0].elasticity == pytest.approx(2.0 * (1.0 - centre), rel=1e-5)
+    assert of_frequency[0].elasticity == pytest.approx(1.756, abs=1e-3)
+    assert of_frequency[0].sensitivity == pytest.approx(1.756 * found.objective / 72.0, rel=1e-3)
+
+
+def test_a_value_demanded_exactly_is_met_where_it_costs_most_and_searched_for_without_gradients(prototype):
+    """Least drop alone would be slower than 72 Hz, least pulsation faster: all are held at 72 Hz, and the elasticities
+    are those of differences."""
+    bounds = ["radial_clearance <= 22.5 um"]
+    for minimise in (DROP, "load_pulsation", "spool_volume"):
+        found = best(prototype, minimise, ["pwm_frequency = 72 Hz"], bounds, globally=True)
+        assert found.after[0].pwm_frequency == pytest.approx(72.0, rel=2.0 * FEASIBLE)
+        assert found.global_objective == pytest.approx(found.objective, rel=2e-3)
+        told = sum(each.elasticity for each in found.holding if each.text == "pwm_frequency = 72 Hz")
+        low, high = (
+            best(prototype, minimise, [f"pwm_frequency = {f!r} Hz"], bounds).objective for f in (72 / 1.01, 72 * 1.01)
+        )
+        assert told == pytest.approx(elasticity(low, high, 1.01), rel=2e-3), minimise
+
+
+def test_multiplier_of_a_negative_limit():
+    """A driven spool that must brake with 20 W: 1 % more, 20.2 W, costs more. By differences at 20.2 and 19.8 W."""
+    driven = load_system("prototype", ["spool_drive.coupling=0.002 N*m*s", "operation.spool_motor_speed=2000 rpm"])
+
+    def at(power):
+        return best(driven, "loss_total", [f"spool_drive_power <= {power!r} W"], ["radial_clearance <= 22.5 um"])
+
+    told = next(each for each in at(-20.0).holding if each.text == "spool_drive_power <= -20 W")
+    less, more = at(-19.8).objective, at(-20.2).objective
+    assert told.elasticity == pytest.approx(np.log(more / less) / np.log(20.2 / 19.8), rel=1e-3)
+    assert told.elasticity > 0.0
+    assert told.sensitivity == pytest.approx((less - more) / 0.4, rel=1e-3)
+
+
+def test_a_limit_of_zero_has_a_sensitivity_and_no_elasticity(prototype):
+    """1 % of zero is nothing. Change of the objective per Pa by a one-sided difference of second order,
+    (-3 f(0) + 4 f(h) - f(2 h))/(2 h), h = 5 kPa; and the same demand is not made twice."""
+
+    def at(margin):
+        limits = [f"relief_margin >= {margin} bar"]
+        return best(prototype, "load_pulsation", limits, ["radial_clearance <= 22.5 um"])
+
+    found = at(0)
+    told = {each.text: each for each in found.holding}
+    margin = told["relief_margin >= 0 bar"]
+    assert np.isnan(margin.elasticity)
+    assert not any("relief valve is shut" in text for text in told)
+    slope = (-3.0 * found.objective + 4.0 * at(0.05).objective - at(0.1).objective) / 1e4
+    assert margin.sensitivity == pytest.approx(slope, rel=1e-3)
+    assert not any(each.text == margin.text for each in movable(found))
+
+
+def test_an_objective_of_zero_is_refused(prototype):
+    """Nothing drives the prototype's spool, and a relief setting may be all but the load and the drop."""
+    for minimise in ("spool_drive_power", "relief_margin"):
+        with pytest.raises(VvdpError, match=rf"the least {minimise} comes to zero.* --subject-to \"{minimise} <= "):
+            best(prototype, minimise, [], [])
+
+
+def test_a_bound_is_not_moved_past_the_other(prototype):
+    """Radius from 12 to 13 mm, held at 12: of 0.7 to 1.4 times that in steps of 0.05 those up to 1.05, 12.6 mm, are
+    below the other bound, the seven from 1.1, 13.2 mm, are not. A fixed radius has no other bound."""
+    found = best(prototype, DROP, [FAST], ["radial_clearance <= 22.5 um", "spool_radius >= 12 mm",
+                                           "spool_radius <= 13 mm"])  # fmt: skip
+    row = next(each for each in moved(found) if each.text == "spool_radius >= 12 mm")
+    assert np.isfinite(row.objectives).tolist() == [True] * 8 + [False] * 7
+    fixed = best(prototype, DROP, [FAST], ["radial_clearance <= 22.5 um", "spool_radius = 12 mm"])
+    row = next(each for each in moved(fixed) if each.text == "spool_radius = 12 mm")
+    assert np.all(np.isfinite(row.objectives))
+
+
+def test_curves_end_at_an_interruption(published):
+    """The second limit's curve is begun with the 16th optimum, so one row is whole after 20."""
+
+    def heard(done, total):
+        assert total == 15 * len(movable(published))
+        if done == 20:
+            raise KeyboardInterrupt
+
+    rows = moved(published, progress=heard)
+    assert [each.text for each in rows] == [movable(published)[0].text]
 
 
 def test_a_moved_bound_gives_its_own_optimum(published, prototype):

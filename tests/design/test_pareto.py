@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.design.optimise import InfeasibleError, optimised
+from vvdp.design.optimise import InfeasibleError, Traced, optimised
 from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated, write_front
 from vvdp.design.problem import problem
 from vvdp.design.proof import simulated_designs
@@ -138,6 +138,47 @@ def test_command_for_a_front_and_a_person(designing):
     assert "as it was" in out
     assert "point-001.toml" in out
     assert "generations and designs" in err
+
+
+def test_a_front_over_a_cycle(designing, tmp_path):
+    """The usual frequency is one demand on the mean, shut relief valve and motor are demanded at each of two points:
+    5 numbers, and 2 of the geometry."""
+    (tmp_path / "cycle.toml").write_text(
+        '[[points]]\nweight = 3\n[[points]]\nweight = 1\n"operation.oil_temperature" = "50 degC"\n'
+    )
+    code, out, err = designing(
+        "pareto", "prototype", "--minimise", "loss_total", "--minimise", "spool_volume", "--cycle", "cycle.toml",
+        "--points", "8", "--generations", "3", "--no-simulation", "--json",
+    )  # fmt: skip
+    assert code == 0, err
+    found = json.loads(out)
+    assert len(found["loss_total_W"]) >= 4
+    # 0.75 of 71.99 Hz and 0.25 of 106.3 Hz
+    assert min(found["pwm_frequency_Hz"]) == pytest.approx(0.75 * 71.99 + 0.25 * 106.3, rel=1e-3)
+
+
+def test_a_front_at_an_exact_frequency(prototype):
+    wanted = (Objective("loss_total", False), Objective("spool_volume", False))
+    asked = problem(prototype, "loss_total", ["pwm_frequency = 72 Hz"], ["radial_clearance <= 22.5 um"])
+    found = front(asked, wanted, points=16, generations=12)
+    assert len(found.values) >= 6
+    assert [row["pwm_frequency"] for row in found.quantities] == pytest.approx([72.0] * len(found.values), rel=1e-5)
+
+
+def test_interrupted_in_an_optimum_of_one_objective_leaves_nothing(designing, tmp_path, monkeypatch):
+    """The first optimum is found from its second point, then comes Ctrl-C."""
+    calls, solved = [], Traced.solved
+
+    def stopped(traced, start):
+        calls.append(start)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return solved(traced, start)
+
+    monkeypatch.setattr(Traced, "solved", stopped)
+    code, out, _ = designing("pareto", "prototype", "--points", "8", "--generations", "2", "--out", "there")
+    assert (code, out) == (130, "")
+    assert not (tmp_path / "there").exists()
 
 
 def test_interrupted_front_keeps_its_designs(prototype):

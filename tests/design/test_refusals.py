@@ -162,6 +162,47 @@ def test_reach_where_several_pairs_fight(prototype):
     assert all("(all else allows " in line for line in lines)
 
 
+def test_reach_of_a_mean(prototype, tmp_path):
+    """Radius and clearance held, the frequency is the larger the smaller both areas are: at their least the mean over
+    two points, weighted 3 to 1, is what all else allows; the slower point alone would be less."""
+    file = tmp_path / "cycle.toml"
+    file.write_text('[[points]]\nweight = 3\n[[points]]\nweight = 1\n"operation.oil_temperature" = "50 degC"\n')
+    asked = with_usual_limits(
+        problem(prototype, DROP, [], ["spool_radius = 20 mm", "radial_clearance = 6 um"], file), front=False
+    )
+    corner = {b.variable.name: b.low for b in asked.bounds}
+    least, most = sorted(q.pwm_frequency for q in asked.found(corner))
+    mean = 0.75 * least + 0.25 * most
+    with pytest.raises(InfeasibleError) as raised:
+        optimised(asked, starts=1, globally=False)
+    told = float(str(raised.value).partition("all else allows ")[2].split()[0])
+    assert told == pytest.approx(mean, rel=1e-5)
+    assert told > 1.05 * least
+
+
+def test_conflict_of_whole_numbers_is_that_of_the_closest(prototype):
+    """The frequency is N times that of the spool: five nozzles come closer to 3 kHz than two, and allow what
+    they allow with their number held."""
+    limits, count = ["pwm_frequency >= 3000 Hz"], "sections from 2 to 5: numbers are for 5, the closest"
+    told = conflict(prototype, limits, ["sections >= 2", "sections <= 5"])
+    assert count in told
+
+    def reach(text):
+        return float(text.partition("all else allows ")[2].split()[0])
+
+    each = [reach(conflict(prototype, limits, [f"sections = {n}"])) for n in (2, 5)]
+    assert reach(told) == pytest.approx(each[1], rel=1e-4)
+    assert each[1] > 2.0 * each[0]
+
+
+def test_a_value_demanded_exactly_fights_with_one_of_its_sides(prototype):
+    """150 Hz within 3 bar: at least that is too much, at most that no trouble."""
+    limits, bounds = ["pwm_frequency = 150 Hz", "pressure_drop_total <= 3 bar"], ["radial_clearance <= 22.5 um"]
+    told = conflict(prototype, limits, bounds)
+    assert "pwm_frequency >= 150 Hz (all else allows " in told
+    assert "pwm_frequency <=" not in told
+
+
 LIMITED = ("pwm_frequency", "pressure_drop_total", "leakage_flow")
 
 

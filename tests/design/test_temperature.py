@@ -89,6 +89,8 @@ def test_the_prototype_is_warned_of(warmed):
             ["spool_drive.coupling=100 N*m*s", "operation.spool_motor_speed=20000 rpm"],
             "the film is thinner than",
         ),
+        # 118 bar and 6.68 bar of open drop above a setting of 120 bar
+        (["load.pressure=118 bar"], "relief setting above load and open drop down to -4."),
         # nothing behind the nozzles but the tank
         (["valve.outlet_area=2000 mm^2", "valve.centre_coefficient=1e-3 SI"], "comes out behind the nozzles"),
     ],
@@ -113,6 +115,21 @@ def test_columns_have_units(warmed):
 def test_a_range_of_temperatures_is_needed(prototype):
     with pytest.raises(ParameterError, match="expected a range"):
         over_temperature(prototype, coldest=350.0, hottest=300.0)
+
+
+@pytest.mark.parametrize(
+    ("hottest", "expected"),
+    [
+        # 21 K in steps of at most 2.5 K: 9 of 2.333 K
+        (41.0, 20.0 + 21.0 / 9.0 * np.arange(10)),
+        (22.0, [20.0, 22.0]),
+        (25.0, [20.0, 22.5, 25.0]),
+    ],
+)
+def test_both_ends_are_in_the_range(prototype, hottest, expected):
+    found = over_temperature(prototype, coldest=293.15, hottest=hottest + 273.15)
+    assert found.temperatures - 273.15 == pytest.approx(expected)
+    assert any("at all temperatures" in text for text in found.warnings)
 
 
 def test_what_is_shown_at_40_degrees_is_the_design(prototype, warmed):
@@ -140,3 +157,6 @@ def test_command_over_temperature_for_a_person(designing):
     code, _, err = designing("temperature", "prototype", "--from", "80 degC", "--to", "10 degC")
     assert code == 2
     assert "expected a range of temperatures" in err
+    code, _, err = designing("temperature", "prototype", "--from", "80")
+    assert code == 2
+    assert err.startswith("--from: '80' has no unit")

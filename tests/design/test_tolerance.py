@@ -139,6 +139,37 @@ def test_command_for_a_person(designing):
     assert "0.01 to 0.02" in out
 
 
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        # kappa 0.30
+        ("operation.duty_ratio=0.15", "duty ratio 0.15 lies outside 0.3001 to 0.6999: the load port is never fully op"),
+        # 118 bar and 6.68 bar of open drop above a setting of 120 bar
+        ("load.pressure=118 bar", "the relief setting of 120 bar does not exceed the 124.7 bar that the load and the"),
+    ],
+)
+def test_closed_forms_out_of_their_range_are_told(designing, tmp_path, setting, told):
+    arguments = ("tolerance", "prototype-constant-load", "--set", setting, "--samples", "1024", "--out", "there")
+    code, out, err = designing(*arguments, "--json")
+    assert code == 0, err
+    assert json.loads(out)["warnings"].startswith(told)
+    page = (tmp_path / "there" / "report.html").read_text("utf-8")
+    assert "What is in doubt" in page
+    assert told[:1].upper() + told[1:] in page
+
+
+def test_no_efficiency_where_nothing_is_delivered(designing):
+    """Prototype: the transitions cost the load 0.0689 of the pump's flow, leakage and compression the rest to 0.0786:
+    26 W + 38 W of 40 lpm times 100 bar, 6667 W, are 0.0097."""
+    for duty in ("0", "0.078"):
+        code, _, err = designing("tolerance", "prototype", "--set", f"operation.duty_ratio={duty}", "--samples", "16")
+        assert code == 2
+        assert f"operation.duty_ratio: {duty}: in closed form transitions, leakage and compression take all" in err
+        assert "expected more than 0.07862" in err
+    code, _, _ = designing("tolerance", "prototype", "--set", "operation.duty_ratio=0.079", "--samples", "16")
+    assert code == 0
+
+
 def test_few_samples_are_told(designing):
     code, out, _ = designing("tolerance", "prototype", "--samples", "16")
     assert code == 0

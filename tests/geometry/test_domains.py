@@ -17,6 +17,7 @@ from vvdp.geometry.domains import (
 )
 from vvdp.geometry.mesh import closing, components, crossings, genus, open_edges
 from vvdp.geometry.shape import nozzle_reach, perpendicular_area, stations
+from vvdp.geometry.solids import COARSEST, OVERLAP
 from vvdp.geometry.unrolled import nozzle_outline, open_parts
 from vvdp.valve.geometry import barrier_width, helix_slope, pitch, port_openings
 
@@ -153,6 +154,26 @@ def test_the_tanks_side_is_the_mirror_image(built_shape, built_valve):
     assert tank.inside[2] == pytest.approx(-load.inside[2])
     assert tank.mesh.vertices[:, 2].min() == pytest.approx(-load.mesh.vertices[:, 2].max())
     assert open_edges(tank.mesh) == 0
+
+
+@pytest.mark.parametrize("angle", np.linspace(-0.25, 0.25, 5))
+def test_the_coarsest_parts_overlap(built_shape, built_valve, angle):
+    """ceil(2 pi 10) = 63 edges dip 1 - cos(pi/63) = 1.24e-3 of the radius inside, less than the overlap of 1.6e-3."""
+    assert 1.0 - np.cos(np.pi / np.ceil(2.0 * np.pi * COARSEST)) == pytest.approx(1.243e-3, abs=1e-6)
+    x = 0.5 * built_valve.helix_length
+    for build in (centre_domain, valve_domain):
+        assert open_edges(build(built_shape, built_valve, angle, x, COARSEST).mesh) == 0
+
+
+def test_too_coarse_parts_are_refused(built_shape, built_valve, command):
+    """ceil(2 pi 8) = 51 edges dip 1.9e-3 of the radius inside, more than the overlap."""
+    assert 1.0 - np.cos(np.pi / 51.0) > OVERLAP
+    x = 0.5 * built_valve.helix_length
+    with pytest.raises(ParameterError, match="8 edges per spool radius; expected at least 10"):
+        centre_domain(built_shape, built_valve, 0.0, x, 8.0)
+    said = command("prototype", "--fineness", "9.9")
+    assert said.code == 2
+    assert "Invalid value for '--fineness'" in said.err
 
 
 def test_beyond_the_stroke_is_refused(built_shape, built_valve):

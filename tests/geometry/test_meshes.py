@@ -105,8 +105,8 @@ def test_meshes_are_closed_and_in_one_piece(name, spool_mesh, sleeve_mesh):
 
 
 def test_meshes_do_not_cross_themselves(built_shape, built_valve):
-    assert crossings(spool(built_shape, built_valve, 8.0)) == 0
-    assert crossings(sleeve(built_shape, built_valve, 8.0)) == 0
+    assert crossings(spool(built_shape, built_valve, 10.0)) == 0
+    assert crossings(sleeve(built_shape, built_valve, 10.0)) == 0
 
 
 def test_the_kernel_accepts_the_finished_meshes(spool_mesh, sleeve_mesh):

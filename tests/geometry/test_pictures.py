@@ -84,7 +84,7 @@ def test_the_animation_is_an_endless_gif(built_shape, built_valve):
 
 
 def test_the_command_makes_and_tells_everything(command, tmp_path, keys_as_described):
-    said = command("prototype", "--out", "made", "--fineness", "8", "--frames", "2", "--angle", "21 deg", "--json")
+    said = command("prototype", "--out", "made", "--fineness", "10", "--frames", "2", "--angle", "21 deg", "--json")
     assert said.code == 0
     told = json.loads(said.out)
     keys_as_described("geometry", told)
@@ -126,7 +126,7 @@ def test_an_interruption_keeps_what_is_made(command, tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(geometry_product, "sleeve", stop)
-    said = command("prototype", "--out", "made", "--fineness", "8", "--frames", "2", "--json")
+    said = command("prototype", "--out", "made", "--fineness", "10", "--frames", "2", "--json")
     assert said.code == 130
     assert json.loads(said.out)["finished"] is False
     assert (tmp_path / "made" / "spool.stl").is_file()

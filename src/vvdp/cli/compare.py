@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Protocol, TypeVar
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import Force, default_directory, out_option
+from vvdp.cli.options import Force, default_directory, out_option, parsed_option
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -66,6 +66,7 @@ def estimators(
 
     Ctrl-C ends the comparison early and keeps the runs that are done.
     """
+    from vvdp.base.kinds import FREQUENCY
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.comparison.estimators import contenders
@@ -75,7 +76,7 @@ def estimators(
     from vvdp.report.comparison import write_comparison_report
     from vvdp.simulation.results import result_directory
 
-    frequency = _frequency(rate)
+    frequency = parsed_option("--rate", rate, FREQUENCY)
     chosen = _chosen("--scenario", scenario, scenarios(sectors, frequency))
     rivals = _chosen("--estimator", estimator, contenders(sectors, frequency))
     if show:
@@ -97,17 +98,6 @@ def estimators(
         done = sum(played.runs for played in found.scenarios.values())
         say(f"interrupted after {done} of {seeds * len(chosen)} runs; these were written")
         raise typer.Exit(INTERRUPTED)
-
-
-def _frequency(rate: str) -> float:
-    from vvdp.base.errors import ParameterError, unusable
-    from vvdp.base.kinds import FREQUENCY
-    from vvdp.base.units import parsed
-
-    try:
-        return parsed(rate, FREQUENCY)
-    except ParameterError as problem:
-        raise unusable("--rate", str(problem)) from None
 
 
 def _chosen(option: str, names: list[str] | None, known: Sequence[Chosen]) -> list[Chosen]:

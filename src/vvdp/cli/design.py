@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option, parsed_option
 
 if TYPE_CHECKING:
-    from vvdp.design.optimise import Optimum
+    from vvdp.design.optimise import Moved, Optimum
     from vvdp.design.pareto import Front
     from vvdp.design.problem import Limit
     from vvdp.design.proof import Proof
@@ -90,7 +90,7 @@ def optimum(
     """
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
-    from vvdp.design.optimise import optimised
+    from vvdp.design.optimise import movable, moved, optimised
     from vvdp.design.problem import problem, with_usual_limits
     from vvdp.design.proof import doubts, proofs, simulation_doubts
     from vvdp.design.results import SYSTEM, flat_results, write_design
@@ -111,8 +111,14 @@ def optimum(
         if found.finished and not no_simulation:
             with counted("simulations") as progress:
                 proven = proofs(asked, found.values, progress=progress, say=say)
+        interrupted = not found.finished or (not no_simulation and len(proven) < 2 * len(asked.points))
+        curves: list[Moved] = []
+        if not interrupted:
+            with counted("optima with a limit moved") as progress:
+                curves = moved(found, progress=progress)
+            interrupted = len(curves) < len(movable(found))
         warnings = [*simulation_doubts(found, proven), *doubted]
-        write_design(folder, found, proven, doubted)
+        write_design(folder, found, proven, doubted, curves)
         write_design_report(folder)
     if json:
         simulated = {
@@ -124,7 +130,7 @@ def optimum(
         _print(found, proven, warnings)
         typer.echo(f"system: {directory / SYSTEM}   run it with: vvdp run {directory / SYSTEM}")
         typer.echo(f"report: {directory / 'report.html'}")
-    if not found.finished or (not no_simulation and len(proven) < 2 * len(asked.points)):
+    if interrupted:
         say("interrupted; what was found until then is written")
         raise typer.Exit(INTERRUPTED)
 
@@ -282,7 +288,6 @@ def temperature(
 ) -> None:
     """Show the valve from cold to hot oil, and where its model is in doubt."""
     from vvdp.base.kinds import TEMPERATURE as KIND
-    from vvdp.base.units import parsed
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json
     from vvdp.design import temperature as study
@@ -292,7 +297,7 @@ def temperature(
     from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or ())
-    low, high = parsed(coldest, KIND), parsed(hottest, KIND)
+    low, high = parsed_option("--from", coldest, KIND), parsed_option("--to", hottest, KIND)
     directory = out if out is not None else default_directory(f"temperature-{loaded.name}")
     with result_directory(directory, force=force) as folder:
         with counted("temperatures") as progress:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option
+from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option, parsed_option
 
 if TYPE_CHECKING:
     from vvdp.geometry.measure import Comparison
@@ -29,7 +29,7 @@ def geometry(
     angle: Annotated[
         str, typer.Option("--angle", metavar="ANGLE", help="Spool angle of the oil's volumes; 0 is open to the load.")
     ] = "0 deg",
-    fineness: Annotated[float, typer.Option("--fineness", min=8, max=200, help="Edges per spool radius.")] = 25.0,
+    fineness: Annotated[float, typer.Option("--fineness", min=10, max=200, help="Edges per spool radius.")] = 25.0,
     frames: Annotated[int, typer.Option("--frames", min=0, help="Of the film of one PWM period; 0 for none.")] = 48,
     step: Annotated[bool, typer.Option("--step", help="Write STEP files too; needs the cad extra.")] = False,
     settings: Settings = None,
@@ -41,6 +41,7 @@ def geometry(
     The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set as
     --set geometry.KEY=VALUE. Ctrl-C keeps what is made.
     """
+    from vvdp.base.kinds import ANGLE
     from vvdp.base.signal import signal_value
     from vvdp.cli.screen import print_json, say
     from vvdp.geometry.domains import require_within_stroke
@@ -65,7 +66,7 @@ def geometry(
         valve=supply.valve,
         shape=made,
         rows=rows,
-        angle=_spool_angle(angle),
+        angle=parsed_option("--angle", angle, ANGLE),
         position=position,
         fineness=fineness,
         frames=frames,
@@ -82,17 +83,6 @@ def geometry(
     if not product.finished:
         say("interrupted; what was made is written")
         raise typer.Exit(INTERRUPTED)
-
-
-def _spool_angle(text: str) -> float:
-    from vvdp.base.errors import ConfigError, Fault, ParameterError
-    from vvdp.base.kinds import ANGLE
-    from vvdp.base.units import parsed
-
-    try:
-        return parsed(text, ANGLE)
-    except ParameterError as problem:
-        raise ConfigError([Fault("--angle", 0, "", str(problem))]) from None
 
 
 def _print(system: "System", product: "Product") -> None:

@@ -2,9 +2,12 @@
 
 import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from vvdp.base.kinds import Kind
 
 SystemName = Annotated[
     str, typer.Argument(metavar="SYSTEM", help="A shipped system (see `vvdp list`) or the path of a TOML file.")
@@ -41,3 +44,14 @@ def default_directory(name: str) -> Path:
         number += 1
         directory = Path("results", f"{stem}-{number}")
     return directory
+
+
+def parsed_option(option: str, text: str, kind: "Kind") -> float:
+    """The SI value of an option. Raises ConfigError that names the option."""
+    from vvdp.base.errors import ConfigError, Fault, ParameterError
+    from vvdp.base.units import parsed
+
+    try:
+        return parsed(text, kind)
+    except ParameterError as problem:
+        raise ConfigError([Fault(option, 0, "", str(problem))]) from None

@@ -1,7 +1,7 @@
 """Optimum of a problem: exact gradients by CasADi, an interior-point solver from many starts, and a global check.
 
-Variables are searched in their logarithms and every limit is measured in parts of itself, so that a multiplier is an
-elasticity: by how many per cent the objective changes when a limit or a bound moves by one per cent.
+Variables are searched in their logarithms and every limit is measured in parts of its size, so that multipliers give
+elasticities: by how many per cent the objective changes when a limit or a bound moves by one per cent.
 """
 
 import itertools
@@ -15,7 +15,7 @@ import numpy as np
 
 from vvdp.base.errors import VvdpError
 from vvdp.design.problem import TRANSITIONAL, Bound, Limit, Problem
-from vvdp.design.quantities import KINDS, Quantities
+from vvdp.design.quantities import Quantities
 from vvdp.numerics.tableaus import Array
 from vvdp.valve.geometry import barrier_width
 
@@ -40,7 +40,7 @@ class InfeasibleError(VvdpError):
 @dataclass(frozen=True)
 class Holding:
     """A limit or bound that holds the optimum back. `elasticity`: relative change of the objective over that of the
-    limit; `sensitivity`: change of the objective over that of the limit [SI over SI]."""
+    limit, NaN for a limit of zero; `sensitivity`: change of the objective over that of the limit [SI over SI]."""
 
     text: str
     kind: str
@@ -128,8 +128,18 @@ STAYS_SHUT = Geometry("the relief valve is shut while the load port is open", _s
 
 
 def geometry_of(problem: Problem) -> tuple[Geometry, ...]:
-    """The demands that come from the valve itself and from the range of the formulas."""
-    return (FITS, SEALS, *((STAYS_SHUT,) if problem.quantities & TRANSITIONAL else ()))
+    """The demands that come from the valve itself and from the range of the formulas.
+
+    A relief valve that a limit keeps shut is not demanded to be shut again: of two that are alike each multiplier would
+    be any part of the true one.
+    """
+    kept_shut = any(
+        limit.quantity == "relief_margin" and (limit.at_least or limit.exactly) and limit.value >= 0.0
+        for limit in problem.limits
+        if not limit.over_the_points
+    )
+    stays_shut = (STAYS_SHUT,) if problem.quantities & TRANSITIONAL and not kept_shut else ()
+    return (FITS, SEALS, *stays_shut)
 
 
 class Traced:
@@ -154,6 +164,8 @@ class Traced:
         self.x, self.objective = x, objective
         self.excesses = casadi.vertcat(*excesses, *demands)
         self.count = len(excesses) + len(demands)
+        exact = np.repeat([limit.exactly for limit in problem.limits], self.per_limit).astype(bool)
+        self.floors = np.concatenate([np.where(exact, 0.0, -np.inf), np.full(len(demands), -np.inf)])
         start = self.inside(problem.start)
         self.scale = abs(float(casadi.Function("f", [x], [objective])(start))) or 1.0
         self.low = np.log([b.low for b in self.bounds])
@@ -178,9 +190,9 @@ class Traced:
     def solved(self, start: Array) -> "_Local | None":
         """The local optimum from `start`; None where the solver found none that is feasible."""
         with _quiet():
-            answer = self.solver(x0=start, lbx=self.low, ubx=self.high, lbg=-np.inf, ubg=0.0)
+            answer = self.solver(x0=start, lbx=self.low, ubx=self.high, lbg=self.floors, ubg=0.0)
         x, g = _row(answer["x"]), _row(answer["g"])
-        fine = self.solver.stats()["success"] and np.all(g <= FEASIBLE)
+        fine = self.solver.stats()["success"] and np.all((g >= self.floors - FEASIBLE) & (g <= FEASIBLE))
         if not fine:
             return None
         return _Local(self, x, self.scale * float(answer["f"]), _row(answer["lam_g"]), _row(answer["lam_x"]))
@@ -236,26 +248,18 @@ def optimised(
     """The best design within the bounds that meets all limits.
 
     From the design as it is and from `starts` random ones, each solved to a local optimum; then, `globally`, a search
-    by differential evolution, whose best point is solved in turn. Raises InfeasibleError where no design meets all.
+    by differential evolution, whose best point is solved in turn. Raises InfeasibleError where no design meets all,
+    VvdpError where the objective comes to zero.
     Ctrl-C ends the search and keeps the best so far; the optimum then says that it is not `finished`.
     """
-    needed("casadi", "opt")
-    whole = [b for b in problem.bounds if b.variable.whole]
-    choices = [
-        dict(zip((b.variable.name for b in whole), map(float, numbers), strict=True))
-        for numbers in itertools.product(*(range(round(b.low), round(b.high) + 1) for b in whole))
-    ]
-    search = _Search(problem, starts, seed, globally, len(choices), progress)
-    try:
-        for held in choices:
-            search.look(held)
-    except KeyboardInterrupt:
-        if not search.found:
-            raise
-        search.finished = False
-    if not search.found:
-        raise InfeasibleError(conflict(problem, choices[0]))
-    best = min(search.found, key=lambda local: local.objective)
+    search = searched(problem, starts=starts, seed=seed, globally=globally, progress=progress)
+    best = search.best
+    if abs(best.objective) <= SAME * best.traced.scale:
+        name = problem.objective
+        raise VvdpError(
+            f"the least {name} comes to zero: any change is infinitely large against it, so nothing can be said of the "
+            f'optimum; minimise something else, and demand what you need of it with --subject-to "{name} <= ..."'
+        )
     values = best.traced.values(best.x)
     after = tuple(_plain(q) for q in problem.found(values))
     converged = search.converged
@@ -277,6 +281,36 @@ def optimised(
     )
 
 
+def searched(
+    problem: Problem,
+    *,
+    starts: int,
+    seed: int,
+    globally: bool,
+    progress: Callable[[int, int], None] | None = None,
+) -> "_Search":
+    """All that `optimised` finds on its way. Raises InfeasibleError where no design meets all."""
+    needed("casadi", "opt")
+    whole = [b for b in problem.bounds if b.variable.whole]
+    choices = [
+        dict(zip((b.variable.name for b in whole), map(float, numbers), strict=True))
+        for numbers in itertools.product(*(range(round(b.low), round(b.high) + 1) for b in whole))
+    ]
+    search = _Search(problem, starts, seed, globally, len(choices), progress)
+    try:
+        for held in choices:
+            search.look(held)
+    except KeyboardInterrupt:
+        if not search.found:
+            raise
+        search.finished = False
+    if not search.found:
+        asked = problem.one_sided
+        closest = min(choices, key=lambda held: _Elastic(asked, held).least()[0])
+        raise InfeasibleError(conflict(asked, closest))
+    return search
+
+
 class _Search:
     """What a search has found so far, whole numbers held at one choice after another."""
 
@@ -296,6 +330,11 @@ class _Search:
         self.converged: list[_Local] = []
         self.lowest, self.finished = np.inf, True
 
+    @property
+    def best(self) -> "_Local":
+        """The best design so far, of all that meet the limits."""
+        return min(self.found, key=lambda local: local.objective)
+
     def look(self, held: Mapping[str, float]) -> None:
         """Local optima from the design as it is and from random ones, then the global search."""
         traced = Traced(self.problem, held)
@@ -308,7 +347,7 @@ class _Search:
             if local is not None:
                 self.converged.append(local)
         if self.globally and self.found:
-            x, value, count = _searched(self.problem, traced, self.seed)
+            x, value, count = _searched(self.problem.one_sided, traced, self.seed)
             self.evaluations += count
             self.lowest = min(self.lowest, value)
             if (local := traced.solved(x)) is not None:
@@ -379,23 +418,19 @@ def _searched(problem: Problem, traced: Traced, seed: int) -> tuple[Array, float
 
 
 def _holding(problem: Problem, local: _Local) -> list[Holding]:
-    """What is active at a local optimum. The multiplier of a limit, over all points, is its elasticity."""
+    """What is active at a local optimum. The multiplier of a limit, over all points, is what the relative objective
+    changes by when the limit moves outwards by its measure."""
     relative = local.traced.scale / local.objective
     found = []
     ends = np.cumsum(local.traced.per_limit, dtype=int)
     for limit, count, end in zip(problem.limits, local.traced.per_limit, ends, strict=True):
         multiplier = float(np.sum(local.of_limits[end - count : end])) * relative
         if abs(multiplier) > ACTIVE:
-            # an excess is measured in parts of the limit: raising an upper limit by 1 % lowers the excess by 1 %
-            elasticity = multiplier if limit.at_least else -multiplier
-            found.append(
-                Holding(
-                    str(limit),
-                    "usual limit" if limit.usual else "limit",
-                    elasticity,
-                    elasticity * local.objective / (limit.value or np.nan),
-                )
-            )
+            # raising an upper limit by its measure lowers the excess by 1
+            sensitivity = (multiplier if limit.at_least else -multiplier) * local.objective / limit.measure
+            elasticity = sensitivity * limit.value / local.objective if limit.value else np.nan
+            kind = "usual limit" if limit.usual else "limit"
+            found.append(Holding(str(limit), kind, elasticity, sensitivity))
     for k, each in enumerate(local.traced.geometry):
         multiplier = float(local.of_limits[sum(local.traced.per_limit) + k]) * relative
         if abs(multiplier) > ACTIVE:
@@ -424,46 +459,71 @@ def _holding(problem: Problem, local: _Local) -> list[Holding]:
 
 @dataclass(frozen=True)
 class Moved:
-    """The optimum's objective where one limit or bound takes other values; NaN where there is no design."""
+    """The optimum's objective where one limit or bound takes other values [SI]; NaN where there is no design.
+
+    `at` is the place of the value that it has.
+    """
 
     text: str
-    unit: str
+    at: int
     values: tuple[float, ...]
     objectives: tuple[float, ...]
 
 
 FACTORS = tuple(float(f) for f in np.linspace(0.7, 1.4, 15))
+_AT = int(np.argmin(np.abs(np.array(FACTORS) - 1.0)))
+MOST = 4
+"""How many limits and bounds are moved."""
 
 
-def moved(found: Optimum, *, most: int = 4) -> list[Moved]:
-    """How the optimum goes with what holds it most: each limit or bound moved by `FACTORS`, all else as it is."""
-    problem, rows = found.problem, []
-    held = {b.variable.name: found.values[b.variable.name] for b in problem.bounds if b.variable.whole}
-    for each in [h for h in found.holding if np.isfinite(h.elasticity)][:most]:
-        limit = next((k for k, one in enumerate(problem.limits) if str(one) == each.text), None)
-        if limit is not None:
-            value, unit = problem.limits[limit].value, KINDS[problem.limits[limit].quantity].shown
-            variants = [_with_limit(problem, limit, f * value) for f in FACTORS]
-        else:
-            k, upper = next(
-                (k, upper)
-                for k, b in enumerate(problem.bounds)
-                for upper in (True, False)
-                if b.side(upper) == each.text
-            )
-            bound = problem.bounds[k]
-            value, unit = bound.high if upper else bound.low, bound.variable.kind.shown
-            variants = [_with_side(problem, k, upper, f * value) for f in FACTORS]
-        objectives = []
-        for variant in variants:
-            traced = Traced(variant, held)
-            start = np.clip(traced.inside(found.values), traced.low, traced.high)
-            ends = [
-                local.objective for point in (start, traced.inside(variant.start)) if (local := traced.solved(point))
-            ]
-            objectives.append(min(ends, default=np.nan))
-        rows.append(Moved(each.text, unit, tuple(f * value for f in FACTORS), tuple(objectives)))
+def movable(found: Optimum) -> list[Holding]:
+    """What holds an optimum most, the most at first, of all that can be moved by parts of itself."""
+    return [each for each in found.holding if np.isfinite(each.elasticity)][:MOST]
+
+
+def moved(found: Optimum, *, progress: Callable[[int, int], None] | None = None) -> list[Moved]:
+    """How the optimum goes with what is `movable`: each limit or bound moved by `FACTORS`, all else as it is.
+
+    Ctrl-C ends it; the rows are then fewer.
+    """
+    rows: list[Moved] = []
+    wanted = movable(found)
+    try:
+        for each in wanted:
+            value, variants = _variants(found.problem, each)
+            objectives = []
+            for variant in variants:
+                objectives.append(_least_from(found, variant))
+                if progress:
+                    progress(len(rows) * len(FACTORS) + len(objectives), len(wanted) * len(FACTORS))
+            rows.append(Moved(each.text, _AT, tuple(f * value for f in FACTORS), tuple(objectives)))
+    except KeyboardInterrupt:
+        pass
     return rows
+
+
+def _variants(problem: Problem, holding: Holding) -> tuple[float, list[Problem]]:
+    """The value of a limit or bound [SI], and the problem with it moved by each of `FACTORS`."""
+    limit = next((k for k, one in enumerate(problem.limits) if str(one) == holding.text), None)
+    if limit is not None:
+        value = problem.limits[limit].value
+        return value, [_with_limit(problem, limit, f * value) for f in FACTORS]
+    k, upper = next(
+        (k, upper) for k, b in enumerate(problem.bounds) for upper in (True, False) if b.side(upper) == holding.text
+    )
+    value = problem.bounds[k].high if upper else problem.bounds[k].low
+    return value, [_with_side(problem, k, upper, f * value) for f in FACTORS]
+
+
+def _least_from(found: Optimum, variant: Problem) -> float:
+    """The least objective of a `variant` of a solved problem; NaN where there is no design."""
+    if any(bound.low > bound.high for bound in variant.bounds):
+        return float("nan")
+    held = {b.variable.name: found.values[b.variable.name] for b in variant.bounds if b.variable.whole}
+    traced = Traced(variant, held)
+    start = np.clip(traced.inside(found.values), traced.low, traced.high)
+    ends = [local.objective for point in (start, traced.inside(variant.start)) if (local := traced.solved(point))]
+    return min(ends, default=float("nan"))
 
 
 def _with_limit(problem: Problem, number: int, value: float) -> Problem:
@@ -476,7 +536,7 @@ def _with_side(problem: Problem, number: int, upper: bool, value: float) -> Prob
     bounds = list(problem.bounds)
     bound = bounds[number]
     low, high = (value, value) if bound.fixed else (bound.low, value) if upper else (value, bound.high)
-    bounds[number] = replace(bound, low=min(low, high), high=max(low, high))
+    bounds[number] = replace(bound, low=low, high=high)
     return replace(problem, bounds=tuple(bounds))
 
 
@@ -528,7 +588,8 @@ class _Elastic:
 def conflict(problem: Problem, held: Mapping[str, float]) -> str:
     """Which limits and bounds cannot be met together, none of which may be left out of the list, with numbers.
 
-    Each is left out in turn; where the rest is still in conflict, it is left out for good (deletion filter).
+    Limits have one side, whole numbers are `held`. Each limit and bound is left out in turn; where the rest is still in
+    conflict, it is left out for good (deletion filter).
     """
     excess, _, _ = _Elastic(problem, held).least()
     if excess <= FEASIBLE:
@@ -550,12 +611,16 @@ def conflict(problem: Problem, held: Mapping[str, float]) -> str:
             bound, upper = item
             given = bound.fixed or (bound.high_given if upper else bound.low_given)
             lines.append(f"  {bound.side(upper)}{'' if given else ' (the usual bound; another may be given)'}")
+    for bound in problem.bounds:
+        if bound.variable.whole and not bound.fixed:
+            name, closest_by = bound.variable.name, held[bound.variable.name]
+            lines.append(f"  {name} from {bound.low:g} to {bound.high:g}: numbers are for {closest_by:g}, the closest")
     fighting = replace(problem, limits=tuple(item for item in kept if isinstance(item, Limit)))
     closest = _Elastic(fighting, held)
     values = closest.traced.values(closest.least()[1])
     found = [_plain(q) for q in problem.found(values)]
     valve = valve_of(problem, values)
-    for each in geometry_of(problem):
+    for each in closest.traced.geometry:
         if each.excess(valve, found) > -1e-4:
             lines.append(f"  {each.words} (closest: {each.told(valve, found)})")
     return "\n".join(lines)
@@ -600,11 +665,15 @@ def _furthest(problem: Problem, item: Limit, held: Mapping[str, float]) -> float
     traced = Traced(problem, held)
     with _quiet():
         values = {b.variable.name: casadi.exp(traced.x[i]) for i, b in enumerate(traced.bounds)} | traced.held
-        quantity = [getattr(q, item.quantity) for q in problem.found(values)]
+        at_points = problem.found(values)
+        if item.over_the_points:
+            quantity = [problem.mean(at_points, item.quantity)]
+        else:
+            quantity = [getattr(q, item.quantity) for q in at_points]
         worst = quantity[0]
         for other in quantity[1:]:
             worst = casadi.fmin(worst, other) if item.at_least else casadi.fmax(worst, other)
-        scale = abs(item.value) or 1.0
+        scale = item.measure
         nlp = traced._problem((-1.0 if item.at_least else 1.0) * worst / scale)
         solver = casadi.nlpsol("furthest", "ipopt", nlp, _OPTIONS)
     found = []

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.tables import nearest
-from vvdp.design.optimise import Traced, geometry_of, needed, optimised, valve_of
+from vvdp.design.optimise import Traced, geometry_of, needed, searched, valve_of
 from vvdp.design.problem import Limit, Problem
 from vvdp.design.proof import TOLERANCE, Simulated
 from vvdp.design.quantities import KINDS, Quantities, key
@@ -27,6 +27,10 @@ NUMBERS_OF_FRONT = "front.json"
 GENERATIONS = 60
 ROOM = 1e-4
 """By what part the other quantities may be worse when a design is moved onto the front: the solver needs some room."""
+BAND = 0.02
+"""How far evolution may be off a value that is demanded exactly, as a part of it; the solver then moves it there."""
+EXACT = 1e-5
+"""How far a design of the front may be off such a value."""
 
 
 @dataclass(frozen=True)
@@ -205,6 +209,7 @@ def front(
                 progress(generations + number + 1, generations + len(spread))
     except KeyboardInterrupt:
         found, finished = [*found, *spread[len(found) - len(anchors) :]], False
+    found = [values for values in found if _is_exact(asked, values)]
     rows = [_means(asked, asked.found(values)) for values in found]
     costs = np.array([[each.sign * row[each.quantity] for each in wanted] for row in rows])
     kept = np.flatnonzero(undominated(costs))
@@ -234,9 +239,12 @@ def _means(asked: Problem, found: Sequence[Quantities]) -> dict[str, float]:
 
 
 def _anchor(asked: Problem, objective: Objective, seed: int) -> dict[str, float]:
-    """The optimum of one objective alone."""
+    """The optimum of one objective alone; Ctrl-C ends it, as there is no front without all of these."""
     signed = replace(asked, objective=objective.quantity, sign=objective.sign)
-    return dict(optimised(signed, starts=3, seed=seed, globally=False).values)
+    search = searched(signed, starts=3, seed=seed, globally=False)
+    if not search.finished:
+        raise KeyboardInterrupt
+    return search.best.traced.values(search.best.x)
 
 
 def _spread(
@@ -256,7 +264,8 @@ def _spread(
     bounds = asked.bounds
     low, high = (np.log([getattr(b, end) for b in bounds]) for end in ("low", "high"))
     demands = geometry_of(asked)
-    count = len(asked.limits) * len(asked.points) + len(demands)
+    sided = _banded(asked)
+    count = sum(1 if each.over_the_points else len(asked.points) for each in sided.limits) + len(demands)
 
     def values_of(x: Array) -> dict[str, Any]:
         """Columns of variables for rows of the search."""
@@ -274,7 +283,7 @@ def _spread(
             with np.errstate(all="ignore"):
                 found = asked.found(values)
                 valve = valve_of(asked, values)
-                excess = [excess for each in asked.excesses(found) for excess in each]
+                excess = [excess for each in sided.excesses(found) for excess in each]
                 excess += [each.excess(valve, found) for each in demands]
                 costs = [each.sign * asked.mean(found, each.quantity) for each in wanted]
             out["F"] = np.stack([np.nan_to_num(np.broadcast_to(c, len(x)), nan=1e12) for c in costs], axis=1)
@@ -302,6 +311,21 @@ def _spread(
     return [{name: float(c[k]) for name, c in columns.items()} for k in range(len(fine))], done * points, finished
 
 
+def _banded(asked: Problem) -> Problem:
+    """`asked` with a band in place of each limit that is exact, as evolution would never meet it."""
+    limits = []
+    for limit in asked.limits:
+        room = BAND * limit.measure if limit.exactly else 0.0
+        limits += [replace(side, value=side.value + (-room if side.at_least else room)) for side in limit.sides]
+    return replace(asked, limits=tuple(limits))
+
+
+def _is_exact(asked: Problem, values: dict[str, float]) -> bool:
+    """Whether a design meets the limits that are exact."""
+    pairs = zip(asked.limits, asked.excesses(asked.found(values)), strict=True)
+    return all(abs(excess) <= EXACT for limit, excesses in pairs if limit.exactly for excess in excesses)
+
+
 def _moved_onto(asked: Problem, wanted: Sequence[Objective], values: dict[str, float]) -> dict[str, float]:
     """The design at which the first objective is least while no other gets worse; `values` where that fails."""
     at = _means(asked, asked.found(values))
@@ -318,4 +342,4 @@ def _moved_onto(asked: Problem, wanted: Sequence[Objective], values: dict[str, f
     moved = traced.values(local.x)
     new = _means(asked, asked.found(moved))
     gained = wanted[0].sign * (new[wanted[0].quantity] - at[wanted[0].quantity]) <= 0.0
-    return moved if gained else values
+    return moved if gained or not _is_exact(asked, values) else values

@@ -31,7 +31,7 @@ def shown(value: float, kind: Kind, digits: int = 6) -> str:
 
 @dataclass(frozen=True)
 class Limit:
-    """A quantity that must be at least, or at most, a value [SI], at every operating point, or on average.
+    """A quantity that must be at least, at most, or `exactly` a value [SI], at every operating point, or on average.
 
     `usual` where nobody asked for it.
     """
@@ -41,15 +41,29 @@ class Limit:
     value: float
     over_the_points: bool = False
     usual: bool = False
+    exactly: bool = False
 
     def __str__(self) -> str:
         mean = " on average" if self.over_the_points else ""
-        return f"{self.quantity} {'>=' if self.at_least else '<='} {shown(self.value, KINDS[self.quantity])}{mean}"
+        sign = "=" if self.exactly else ">=" if self.at_least else "<="
+        return f"{self.quantity} {sign} {shown(self.value, KINDS[self.quantity])}{mean}"
+
+    @property
+    def measure(self) -> float:
+        """What an excess is a part of [SI]."""
+        return abs(self.value) or SMALLEST[self.quantity]
 
     def excess(self, found: Any) -> Any:
-        """How far `found` violates the limit, as a part of it; negative within."""
-        share = (found - self.value) / (abs(self.value) or SMALLEST[self.quantity])
+        """How far `found` violates the limit, as a part of it; negative within, or below where it is exact."""
+        share = (found - self.value) / self.measure
         return -share if self.at_least else share
+
+    @property
+    def sides(self) -> "tuple[Limit, ...]":
+        """The limit, or where it is exact both sides of it."""
+        if not self.exactly:
+            return (self,)
+        return tuple(replace(self, at_least=at_least, exactly=False) for at_least in (True, False))
 
 
 SMALLEST = {name: kind.scale for name, kind in KINDS.items()}
@@ -110,6 +124,11 @@ class Problem:
         """The variables as they are in the system, moved into the bounds."""
         at = self.points[0].setup
         return {b.variable.name: float(np.clip(value_in(at, b.variable.name), b.low, b.high)) for b in self.bounds}
+
+    @property
+    def one_sided(self) -> "Problem":
+        """The same with two sides for each limit that is exact."""
+        return replace(self, limits=tuple(side for limit in self.limits for side in limit.sides))
 
     def found(self, values: Mapping[str, Any]) -> list[Quantities]:
         """The quantities at every point with the variables at `values` [SI]."""
@@ -245,7 +264,7 @@ def _limits(text: str, faults: list[Fault]) -> list[Limit]:
     except ParameterError as problem:
         faults.append(Fault(option, 0, name, str(problem)))
         return []
-    return [Limit(name, at_least, value) for at_least in (True, False) if sign == "=" or (sign == ">=") == at_least]
+    return [Limit(name, sign == ">=", value, exactly=sign == "=")]
 
 
 def _bounds(texts: Iterable[str], at: Setup, faults: list[Fault]) -> tuple[Bound, ...]:

@@ -3,12 +3,13 @@
 import json
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import vvdp
 from vvdp.base.errors import unusable
-from vvdp.design.optimise import Optimum, geometry_of, moved
+from vvdp.design.optimise import Moved, Optimum, geometry_of
 from vvdp.design.problem import Problem
 from vvdp.design.proof import Proof, optimum_system, simulated_means, simulation_doubts
 from vvdp.design.quantities import KINDS, Quantities, key
@@ -30,7 +31,7 @@ def _means(problem: Problem, quantities: Sequence[Quantities]) -> dict[str, floa
     return {key(name, kind): float(problem.mean(quantities, name)) for name, kind in KINDS.items()}
 
 
-def content(found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str]) -> dict[str, Any]:
+def content(found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str], moved: Sequence[Moved]) -> dict[str, Any]:
     """All of an optimisation as JSON can hold it."""
     problem = found.problem
     at = problem.points[0].setup
@@ -45,6 +46,7 @@ def content(found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str]) -> d
                 "text": str(each),
                 "quantity": each.quantity,
                 "at_least": each.at_least,
+                "exactly": each.exactly,
                 "value": each.value,
                 "usual": each.usual,
             }
@@ -86,10 +88,7 @@ def content(found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str]) -> d
             {"text": h.text, "kind": h.kind, "elasticity": h.elasticity, "sensitivity": h.sensitivity}
             for h in found.holding
         ],
-        "moved": [
-            {"text": m.text, "unit": m.unit, "values": list(m.values), "objectives": list(m.objectives)}
-            for m in moved(found)
-        ],
+        "moved": [asdict(each) for each in moved],
         "search": {
             "starts": found.starts,
             "converged": found.converged,
@@ -106,7 +105,9 @@ def content(found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str]) -> d
     }
 
 
-def write_design(folder: Path, found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str]) -> None:
+def write_design(
+    folder: Path, found: Optimum, proofs: Sequence[Proof], doubts: Sequence[str], moved: Sequence[Moved]
+) -> None:
     """Writes the optimum as a system file, the numbers, and where they come from."""
     problem = found.problem
     asked = [
@@ -116,7 +117,7 @@ def write_design(folder: Path, found: Optimum, proofs: Sequence[Proof], doubts: 
     ]
     text = "".join(f"# {line}\n" for line in asked)
     (folder / SYSTEM).write_text(text + "\n" + resolved_text(optimum_system(problem, found.values)), "utf-8")
-    write_numbers(folder, NUMBERS, content(found, proofs, doubts))
+    write_numbers(folder, NUMBERS, content(found, proofs, doubts, moved))
 
 
 def write_numbers(folder: Path, name: str, numbers: Mapping[str, Any]) -> None:

@@ -25,7 +25,6 @@ from vvdp.valve.gap_flow import (
     sheared_temperature_rise,
     taylor_number,
 )
-from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.operating_point import TURBULENT
 from vvdp.valve.torque import pwm_frequency
 
@@ -130,16 +129,18 @@ def over_temperature(
     limits: RangeLimits | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> OverTemperature:
-    """The valve of a system over the temperature of its oil [K], all else as at the start of a run.
+    """The valve of a system over the temperature of its oil [K], both ends included, all else as at the start of a run.
 
+    The steps are even, and at most `step`.
     Raises ParameterError where the temperatures make no range, ConfigError where nothing flows through the valve.
     """
     require_flow(system)
-    if not (200.0 <= coldest < hottest <= 450.0 and 0.0 < step <= hottest - coldest):
+    if not (200.0 <= coldest < hottest <= 450.0 and step > 0.0):
         ends = ", ".join(f"{t - 273.15:g} degC" for t in (coldest, hottest))
         raise ParameterError(f"from, to: {ends}, in steps of {step:g} K; expected a range of temperatures")
     limits = limits or RangeLimits()
-    temperatures: Array = coldest + step * np.arange(int((hottest - coldest) / step + 1e-9) + 1, dtype=np.float64)
+    steps = int(np.ceil((hottest - coldest) / step - 1e-9))
+    temperatures: Array = np.linspace(coldest, hottest, steps + 1)
     at, tables = setup(system), system.tables
     rows: list[dict[str, float]] = []
     for temperature in temperatures:
@@ -181,12 +182,11 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
     behind = q.pressure_drop_centre_section + q.pressure_drop_outlet_turbine
     force = radial_jet_force(Q, limits.excess_share, rho, valve)
     difference = at.load_pressure - at.tank_pressure
-    leakage = leakage_conductance(mu, valve) * difference
     return {
         **{name: float(getattr(q, name)) for name in SHOWN},
         "pwm_frequency_averaged": float(averaged),
         "viscosity": mu,
-        "input_power": float(difference * q.load_flow + q.loss_full_open + q.loss_transition),
+        "input_power": float(q.input_power),
         "nozzle_reynolds_number": float(q.nozzle_reynolds_number),
         "cavitation_number_open": cavitation_number(
             at.tank_pressure + q.pressure_drop_total, at.tank_pressure + behind, cavitation_pressure
@@ -196,7 +196,7 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
         "taylor_number": taylor_number(omega, rho, mu, valve),
         "sheared_temperature_rise": sheared_temperature_rise(omega, mu, limits.thermal_conductivity, valve),
         "carried_temperature_rise": carried_temperature_rise(
-            q.spool_friction_power, difference, leakage, rho, limits.specific_heat
+            q.spool_friction_power, difference, q.leakage_flow, rho, limits.specific_heat
         ),
         "radial_force": float(force),
         "bearing_capacity": bearing_force(FULL, omega, mu, valve),
@@ -246,6 +246,12 @@ def _checks(columns: Mapping[str, Array], limits: RangeLimits, rated_power: floa
             limits.eccentricity, False, "the lands leak more than those of a centred spool and may touch",
         ),
         Check(
+            "relief_margin", "relief setting above load and open drop", KINDS["relief_margin"],
+            at.relief_pressure - at.load_pressure - c["pressure_drop_total"], 0.0, True,
+            "the relief valve is open even with the load port fully open, and the closed form of the losses does not "
+            "hold",
+        ),
+        Check(
             "transition_fraction", "transition fraction", _NUMBER, kappa, room, False,
             f"at duty ratio {at.duty_ratio:.4g} a port never opens fully: the closed form of the transition loss does "
             f"not hold",
@@ -270,7 +276,7 @@ def _spans(temperatures: Array, places: Any) -> str:
         return "at all temperatures"
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     ends = [(temperatures[run[0]] - 273.15, temperatures[run[-1]] - 273.15) for run in runs]
-    return "at " + ", ".join(f"{a:g} degC" if a == b else f"{a:g} to {b:g} degC" for a, b in ends)
+    return "at " + ", ".join(f"{a:.4g} degC" if a == b else f"{a:.4g} to {b:.4g} degC" for a, b in ends)
 
 
 def temperature_columns(found: OverTemperature) -> dict[str, Array]:

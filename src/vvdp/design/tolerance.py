@@ -18,9 +18,10 @@ from vvdp.base.units import parsed
 from vvdp.design.optimise import needed
 from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup, unchecked
-from vvdp.fluid.oil import Oil
+from vvdp.fluid.oil import Oil, density
 from vvdp.numerics.tableaus import Array
 from vvdp.systems.system import System
+from vvdp.valve.losses import range_warnings
 from vvdp.valve.rotary import RotaryValve
 
 OUTPUTS = ("pressure_drop_total", "pwm_frequency", "efficiency")
@@ -155,14 +156,22 @@ class Tolerance:
 
     @property
     def warnings(self) -> list[str]:
-        """What to know before the shares are relied on, a sentence each."""
+        """What to know before the numbers are relied on, a sentence each: where the closed form of the losses does not
+        hold at the nominal values, and where samples are few."""
+        at = setup(self.system)
+        rho = density(at.temperature, at.oil)
+        told = list(
+            range_warnings(
+                at.duty_ratio, at.flow, at.load_pressure, at.relief_pressure, at.tank_pressure, rho, at.valve
+            )
+        )
         worst = max(max(each.whole_error.values()) for each in self.scatter.values())
-        if not worst > COARSE:
-            return []
-        return [
-            f"with {self.samples} samples the shares of the variance are uncertain by up to {100.0 * worst:.0f} % of "
-            f"the whole (95 % confidence) and need not sum to 100 %; give more --samples, for example {SAMPLES}"
-        ]
+        if worst > COARSE:
+            told.append(
+                f"with {self.samples} samples the shares of the variance are uncertain by up to {100.0 * worst:.0f} % "
+                f"of the whole (95 % confidence) and need not sum to 100 %; give more --samples, for example {SAMPLES}"
+            )
+        return told
 
 
 PERCENTILES = ("2.5", "16", "50", "84", "97.5")
@@ -171,7 +180,8 @@ PERCENTILES = ("2.5", "16", "50", "84", "97.5")
 def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES, seed: int = 1) -> Tolerance:
     """The study of a system with the spreads `taken`; `samples` is a power of two.
 
-    Raises ParameterError where the number of samples is none, ConfigError where nothing flows through the valve.
+    Raises ParameterError where the number of samples is none, ConfigError where nothing flows through the valve or to
+    the load.
     """
     needed("SALib", "opt")
     require_flow(system)
@@ -182,12 +192,24 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
     from scipy.stats import qmc
 
     at, names = setup(system), [each.name for each in taken]
+    nominal = quantities(at)
+    if not nominal.efficiency > 0.0:
+        through = at.flow * (at.load_pressure - at.tank_pressure)
+        lost = (
+            at.duty_ratio
+            - nominal.load_flow / at.flow
+            + (nominal.loss_leakage + nominal.loss_compressibility) / through
+        )
+        message = (
+            f"{at.duty_ratio:g}: in closed form transitions, leakage and compression take all that the load would get, "
+            f"so there is no efficiency to scatter; expected more than {lost:.4g}"
+        )
+        raise ConfigError([Fault(system.name, 0, "operation.duty_ratio", message)])
     cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     shares = sampling.sample(cube, samples, calc_second_order=False, seed=seed)
     drawn = _evaluated(at, taken, shares)
     even = qmc.Sobol(len(names), seed=seed).random(max(4096, 2 * samples))
     spread_out = _evaluated(at, taken, even)
-    nominal = quantities(at)
     scatter = {}
     for name in OUTPUTS:
         values, column = drawn[name], spread_out[name]

@@ -7,6 +7,7 @@ and moved by -x stands in the sleeve at axial position x. Jets and rotation are 
 
 import numpy as np
 
+from vvdp.base.errors import ParameterError
 from vvdp.geometry.facets import FINENESS, Faceted
 from vvdp.geometry.kernel import Floats, Kernel, S, around, joined
 from vvdp.geometry.mesh import Mesh, require_sound
@@ -27,12 +28,20 @@ from vvdp.valve.rotary import RotaryValve
 
 OVERLAP = 1.6e-3
 """By how much parts of a domain overlap so that no two faces coincide, over the spool radius: 20 um on 12.7 mm."""
+COARSEST = 10.0
+"""Least edges per spool radius. A cylinder of n = ceil(2 pi f) edges dips R (1 - cos(pi/n)) inside: with f = 10 it is
+1.2e-3 R, within OVERLAP; from f = 8.7 downwards (n = 55) more than that, and parts turned to each other leave gaps."""
 BEYOND = 0.06
 """By how much a cutter reaches beyond what it cuts, over the spool radius."""
 
 
 def faceted(valve: RotaryValve, fineness: float = FINENESS) -> Faceted:
-    """The kernel of facets with `fineness` edges per spool radius."""
+    """The kernel of facets with `fineness` edges per spool radius. Raises ParameterError where they are too coarse."""
+    if not fineness >= COARSEST:
+        raise ParameterError(
+            f"{fineness:g} edges per spool radius; expected at least {COARSEST:g}, as coarser parts of the oil do not "
+            f"overlap everywhere"
+        )
     return Faceted(valve.spool_radius / fineness)
 
 

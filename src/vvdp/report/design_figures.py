@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from vvdp.base.units import in_unit
+from vvdp.base.units import ATMOSPHERE, in_unit
 from vvdp.design.quantities import KINDS
 from vvdp.design.variables import VARIABLES
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn
@@ -136,7 +136,7 @@ def _variables(figure: "Figure", found: Mapping[str, Any]) -> None:
 def _amount(value: float, name: str) -> str:
     shown, unit = in_shown(value, name)
     if name == "relief_pressure":
-        shown = shown - 1.01325
+        shown = shown - ATMOSPHERE / 1e5
     return f"{plain(float(shown), 4)} {unit}".strip()
 
 
@@ -147,12 +147,12 @@ def _moved(figure: "Figure", found: Mapping[str, Any]) -> None:
         name, _, told = each["text"].partition(" ")
         x, unit = in_shown(each["values"], name)
         if name == "relief_pressure":
-            x = x - 1.01325
+            x = x - ATMOSPHERE / 1e5
         known = [np.nan if y is None else y for y in each["objectives"]]
         y, of = in_shown(known, found["objective"])
         axes.plot(x, y, color=LOAD)
-        at = int(np.argmin(np.abs(np.array(each["values"]) / each["values"][0] - 1.0 / 0.7)))
-        axes.plot(x[at], in_shown(found["objective_after"], found["objective"])[0], "o", color=INLET, markersize=5.0)
+        best = in_shown(found["objective_after"], found["objective"])[0]
+        axes.plot(x[each["at"]], best, "o", color=INLET, markersize=5.0)
         axes.set_xlabel(f"{words(name)} {SIGNS[told.split(' ')[0]]} [{unit or '1'}]")
     for spare in panels.flat[len(rows) :]:
         spare.set_visible(False)
@@ -353,7 +353,7 @@ def _front_variables(figure: "Figure", found: Mapping[str, Any], first: str) -> 
     x, unit = _columns(found, first)
     for axes, each in zip(panels.flat, found["bounds"], strict=False):
         y, y_unit = _columns(found, each["name"])
-        shift = 1.01325 if each["name"] == "relief_pressure" else 0.0
+        shift = ATMOSPHERE / 1e5 if each["name"] == "relief_pressure" else 0.0
         axes.plot(x, y - shift, "o", color=LOAD, markersize=3.0)
         for end in ("low", "high"):
             axes.axhline(float(in_shown(each[end], each["name"])[0]) - shift, color=INLET, linewidth=0.8)

@@ -73,8 +73,8 @@ def _optimum(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[str
     yield _points(found)
     yield "<h2>What holds the optimum</h2>"
     yield (
-        "<p>From the multipliers of the solver. The change of the objective is for 1 % more of the value; a bound that "
-        "is not listed has no influence.</p>"
+        "<p>From the multipliers of the solver. The change of the objective is for 1 % more of the value, which zero "
+        "and a demand of the geometry do not have; a bound that is not listed has no influence.</p>"
     )
     yield table(("held by", "which is a", "objective changes by"), [_active(each) for each in found["active"]], (2,))
     yield "<h2>How sure it is</h2>"
@@ -168,7 +168,6 @@ def _variable(each: Mapping[str, Any]) -> str:
 
 
 def _points(found: Mapping[str, Any]) -> str:
-    reference = 101325.0
     lines = []
     for each in found["points"]:
         cells = [
@@ -176,8 +175,8 @@ def _points(found: Mapping[str, Any]) -> str:
             f"{fixed(6e4 * each['flow_m3_s'], 2)} lpm",
             f"{fixed(each['temperature_K'] - 273.15, 1)} °C",
             number(each["duty_ratio"], 3),
-            f"{fixed((each['load_pressure_Pa'] - reference) / 1e5, 1)} bar",
-            f"{fixed((each['relief_pressure_Pa'] - reference) / 1e5, 1)} bar",
+            f"{fixed((each['load_pressure_Pa'] - ATMOSPHERE) / 1e5, 1)} bar",
+            f"{fixed((each['relief_pressure_Pa'] - ATMOSPHERE) / 1e5, 1)} bar",
         ]
         lines.append(row(cells, ("n",) * 6))
     return table(("weight", "pump flow", "oil", "duty ratio", "load", "relief setting"), lines, range(6))
@@ -274,7 +273,7 @@ def _tolerance(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[s
     yield f'<p class="lead">{_tolerance_in_words(found)}</p>'
     if found["warnings"]:
         told = "".join(f"<p>{text(each[:1].upper() + each[1:])}.</p>" for each in found["warnings"])
-        yield f'<div class="notice"><strong>Few samples</strong>{told}</div>'
+        yield f'<div class="notice"><strong>What is in doubt</strong>{told}</div>'
     yield from (figure(each.svg, each.name, count, text(each.caption)) for count, each in enumerate(figures, 1))
     yield "<h2>Outputs</h2>"
     head = ("output", "nominal", "mean", "deviation", "2.5 %", "median", "97.5 %")
@@ -330,7 +329,7 @@ def write_temperature_report(directory: Path) -> Path:
 
 def _temperature(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[str]:
     t, c = found["temperatures"], found["columns"]
-    ends = f"{t[0] - 273.15:g} and {t[-1] - 273.15:g} °C"
+    ends = f"{t[0] - 273.15:.4g} and {t[-1] - 273.15:.4g} °C"
     frequency, efficiency = c["pwm_frequency"], c["efficiency"]
     yield (
         f'<p class="lead">Between {ends} the PWM frequency of the fully open valve goes from '
@@ -374,7 +373,7 @@ def _temperature_rows(t: Sequence[float], c: Mapping[str, Sequence[float]]) -> I
     every = max(1, round(10.0 / (t[1] - t[0])))
     for k in range(0, len(t), every):
         cells = (
-            f"{t[k] - 273.15:g} °C", number(1e3 * c["viscosity"][k], 3), number(c["pwm_frequency"][k], 3),
+            f"{t[k] - 273.15:.4g} °C", number(1e3 * c["viscosity"][k], 3), number(c["pwm_frequency"][k], 3),
             number(c["pwm_frequency_averaged"][k], 3), number(1e-5 * c["pressure_drop_total"][k], 4),
             number(c["loss_total"][k], 4), number(c["loss_leakage"][k], 3), percent(c["efficiency"][k]),
             number(c["eccentricity"][k], 2),
