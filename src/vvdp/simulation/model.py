@@ -1,62 +1,90 @@
-"""What is simulated: a circuit and the functions that belong to it."""
+"""What is simulated: a circuit, the programs that watch and command it, and the values that they start from."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
-from vvdp.base.books import NOTHING, Nothing
+from vvdp.base.books import NOTHING
 from vvdp.simulation.values import same
 
 
-def no_program(t: float, memory: Any, measured: Any, settings: Any) -> tuple[Any, Any]:
-    """The program of a system without sensors and controllers: nothing remembered, nothing commanded."""
-    return memory, Nothing(0.0)
-
-
-def no_mark(t: float, state: Any, params: Any) -> float:
-    """The mark of a system without events."""
+def no_mark(t: float, state: Any, command: Any, params: Any) -> float:
+    """The mark of a system without periods."""
     return 0.0
 
 
-def no_stop(t: float, params: Any) -> float:
+def no_stop(t: float, command: Any, params: Any) -> float:
     """The next jump of a system without jumps: never."""
     return np.inf
+
+
+def no_memory(settings: Any) -> Any:
+    """The memory of a program that remembers nothing."""
+    return NOTHING
+
+
+@dataclass(frozen=True)
+class Program:
+    """A controller, estimator or display: what it measures, and the step that it takes at each of its samples.
+
+    measure(t, state, outputs, params) -> reading              what its sensors see: no books, nothing that none measures
+    step(t, memory, reading, settings) -> (memory, command)    a NamedTuple each, all floats or arrays of fixed length
+    start(settings) -> memory                                  the memory before the first sample
+    trigger(t, state, command, params) -> float                an event wherever its floor changes
+
+    It is called at `phase`, and then every `period` [s] (None: the run's sample period); with a trigger instead at
+    each event, where a step of the run ends exactly. Its command acts `latency` [s] later, at most one period.
+    `command` is what holds before the first one acts.
+    """
+
+    measure: Callable[..., Any]
+    step: Callable[..., Any]
+    command: Any = NOTHING
+    start: Callable[..., Any] = no_memory
+    trigger: Callable[..., Any] | None = None
+    period: float | None = None
+    phase: float = 0.0
+    latency: float = 0.0
 
 
 @dataclass(frozen=True)
 class Model:
     """Plain functions that say how a system behaves.
 
-    circuit(t, state, command, params) -> (rates, outputs)    rates have the NamedTuple of the state
-    stored(state, params) -> Stored                           what the books' balance needs; None leaves it unchecked
-    program(t, memory, measured, settings) -> (memory, command)   called at every sample, `measured` is the state
-    mark(t, state, params) -> float                           an event wherever its floor changes
-    stop(t, params) -> float                                  the next time after t at which the rates jump
+    circuit(t, state, command, params) -> (rates, outputs)   rates have the NamedTuple of the state
+    stored(state, params) -> Stored                          what the books' balance needs; None leaves it unchecked
+    start(params) -> state                                   where a run begins; None: the case has to say it
+    conditions(t, params) -> held                            worked out once per sample period and held in between
+    mark(t, state, command, params) -> float                 a period ends wherever its floor changes
+    stop(t, command, params) -> float                        the next time after t at which the rates jump
+
+    The command is a NamedTuple with a field `held` for the conditions, where there are any, and a field for each of
+    the `programs` by its name. It changes at samples only.
     """
 
     circuit: Callable[..., Any]
     stored: Callable[..., Any] | None = None
-    program: Callable[..., Any] = no_program
+    start: Callable[..., Any] | None = None
+    conditions: Callable[..., Any] | None = None
+    programs: Mapping[str, Program] = field(default_factory=dict)
     mark: Callable[..., Any] = no_mark
     stop: Callable[..., Any] = no_stop
-
-    @property
-    def functions(self) -> tuple[Callable[..., Any], ...]:
-        """The functions that run in the compiled loop."""
-        return self.circuit, self.program, self.mark, self.stop
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """The values that a model runs with. Two cases are equal where all their numbers, at the same places, are."""
+    """The values that a model runs with. Two cases are equal where all their numbers, at the same places, are.
+
+    `memory` and `settings` have an entry for each program of the model.
+    """
 
     state: Any
     params: Any
     command: Any = NOTHING
-    memory: Any = NOTHING
-    settings: Any = NOTHING
+    memory: Mapping[str, Any] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Case) and all(
@@ -64,3 +92,21 @@ class Case:
         )
 
     __hash__ = None  # type: ignore[assignment]
+
+
+def started_case(model: Model, command: type, params: Any, settings: Mapping[str, Any] | None = None) -> Case:
+    """The case that `params`, and the `settings` of each program, make of a model that knows how to start.
+
+    command  class of the model's command
+    """
+    assert model.start is not None
+    given = dict(settings or {})
+    held = {} if model.conditions is None else {"held": model.conditions(0.0, params)}
+    programs = {name: program.command for name, program in model.programs.items()}
+    return Case(
+        state=model.start(params),
+        params=params,
+        command=command(**held, **programs) if held or programs else NOTHING,
+        memory={name: program.start(given.get(name, NOTHING)) for name, program in model.programs.items()},
+        settings={name: given.get(name, NOTHING) for name in model.programs},
+    )
