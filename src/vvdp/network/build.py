@@ -64,7 +64,7 @@ def build(network: Network) -> Circuit:
         mark=getattr(module, "mark", no_mark),
         stop=module.stop,
     )
-    start = classes.start(**{v.name: v.value for several in places.starts.values() for v in several})
+    start = classes.start(**{value.name: value.value for value in classes.own_starts})
     params = classes.params(**{name: value for name, (_, value) in places.fields.items()}, start=start)
     settings = {name: NOTHING if p.settings is None else p.settings for name, p in network.programs.items()}
     return Circuit(network, model, started_case(model, classes.command, params, settings), whole)

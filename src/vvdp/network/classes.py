@@ -31,7 +31,7 @@ from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.component import Role
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
-from vvdp.network.paths import Places
+from vvdp.network.paths import Places, StartValue
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
 """What the integrals over time of a kind are."""
@@ -162,8 +162,13 @@ class Classes:
     @cached_property
     def start(self) -> type[Params]:
         """The start values."""
-        values = [value for several in self.places.starts.values() for value in several]
-        return params_class("Start", {value.name: Annotated[float, value.kind] for value in values})
+        return params_class("Start", {value.name: Annotated[float, value.kind] for value in self.own_starts})
+
+    @property
+    def own_starts(self) -> tuple[StartValue, ...]:
+        """The start values that stand nowhere else among the parameters."""
+        values = (value for several in self.places.starts.values() for value in several)
+        return tuple(value for value in values if value.path == f"p.start.{value.name}")
 
     @cached_property
     def params(self) -> type[Params]:
@@ -177,11 +182,11 @@ class Classes:
 
 
 def flow_names(part: Any) -> list[str]:
-    """Names of the flows of a part: one through it, or one for each hydraulic port."""
-    if part.component.is_passage:
+    """Names of the flows of a part: one through it, into its second port, or one into each of more hydraulic ports."""
+    ports = part.component.hydraulic_ports
+    if len(ports) == 2:
         return [f"{part.name}_flow"]
-    fields = part.component.result._fields
-    return [f"{part.name}_{port}_flow" for port in part.component.hydraulic_ports if port in fields]
+    return [f"{part.name}_{port}_flow" for port in ports if port in part.component.result._fields]
 
 
 def named_tuple(name: str, hints: dict[str, Any]) -> type:

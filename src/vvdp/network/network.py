@@ -27,6 +27,7 @@ from vvdp.network.nodes import (
     Rotor,
     Shaft,
     Source,
+    Start,
     Tank,
     kind_of_node,
 )
@@ -94,10 +95,10 @@ class Network:
         self.programs: dict[str, Watcher] = {}
         self.positions: dict[str, tuple[float, float]] = {}
 
-    def volume(self, name: str, values: Chamber | Vessel, *, start: float, oil: Oil | None = None) -> None:
+    def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
         """Add oil under one pressure, at first `start` [Pa, absolute]."""
-        _check_pressure(name, start)
-        self._add_node(OilVolume(name, values, float(start), oil or self.oil))
+        _check_pressure(name, self.start_value(start))
+        self._add_node(OilVolume(name, values, start, oil or self.oil))
 
     def tank(self, name: str, pressure: Signal | None = None, oil: Oil | None = None) -> None:
         """Add a tank, at the oil's reference pressure or another [Pa, absolute]."""
@@ -108,17 +109,17 @@ class Network:
         """Add a source or sink that holds its pressure [Pa, absolute]."""
         self._add_node(PressureSource(name, _signal(pressure), oil or self.oil))
 
-    def shaft(self, name: str, values: Rotor | None = None, *, angle: float = 0.0, speed: float = 0.0) -> None:
+    def shaft(self, name: str, values: Rotor | None = None, *, angle: Start = 0.0, speed: Start = 0.0) -> None:
         """Add a shaft that turns freely, at first at `angle` [rad] with `speed` [rad/s]."""
-        self._add_node(Shaft(name, values, float(angle), float(speed)))
+        self._add_node(Shaft(name, values, angle, speed))
 
     def driven_shaft(self, name: str, speed: Source) -> None:
         """Add a shaft whose speed [rad/s] is prescribed or commanded."""
         self._add_node(DrivenShaft(name, _signal(speed)))
 
-    def rod(self, name: str, values: Load | None = None, *, position: float = 0.0, velocity: float = 0.0) -> None:
+    def rod(self, name: str, values: Load | None = None, *, position: Start = 0.0, velocity: Start = 0.0) -> None:
         """Add a mass that moves along a line, at first at `position` [m] with `velocity` [m/s]."""
-        self._add_node(Rod(name, values, float(position), float(velocity)))
+        self._add_node(Rod(name, values, position, velocity))
 
     def add(self, name: str, component: Component, *values: Params, start: Any = None, **joints: Source) -> None:
         """Add a component; `joints` give the node of each port and the source of each input, by their names."""
@@ -159,6 +160,16 @@ class Network:
     def place(self, name: str, x: float, y: float) -> None:
         """Draw the node or component `name` at a place of the diagram's grid."""
         self.positions[name] = (float(x), float(y))
+
+    def start_value(self, start: Start) -> float:
+        """The number of a start value. Raises NetworkError where its path leads nowhere."""
+        if not isinstance(start, str):
+            return float(start)
+        table, _, key = start.partition(".")
+        found = getattr(self.values.get(table), key, None)
+        if not isinstance(found, int | float):
+            raise NetworkError(f"start {start!r} is neither a number in SI nor the path of one among {', '.join(self.values)}")
+        return float(found)
 
     def _add_node(self, node: Node) -> None:
         self._check_name(node.name)
@@ -212,10 +223,8 @@ def _signal(source: object) -> Source:
     raise NetworkError(f"{source!r} is no source; expected a number in SI, a Signal, a path or a Connection")
 
 
-def _check_pressure(name: str, start: object) -> None:
-    if not isinstance(start, int | float):
-        raise NetworkError(f"{name}: start {start!r} is no number; use parsed({start!r}, PRESSURE_LEVEL)")
-    if fault := PRESSURE_LEVEL.fault(float(start)):
+def _check_pressure(name: str, start: float) -> None:
+    if fault := PRESSURE_LEVEL.fault(start):
         raise NetworkError(f"{name}: start {fault}")
     if start < 1e3:
         raise NetworkError(f"{name}: start {start:g} Pa absolute is nearly a vacuum; pressures are in Pa, not in bar")

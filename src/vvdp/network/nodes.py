@@ -37,6 +37,8 @@ class Connection:
     sources: tuple[Signal | Params | str, ...]
 
 
+Start: TypeAlias = float | str
+"""A number at which a run begins, in SI, or where it stands among the network's values: "initial.inlet_pressure"."""
 Source: TypeAlias = float | Signal | str | Connection
 """Where an input comes from: a number or signal; the path of a state, output or command; a function of several."""
 
@@ -47,7 +49,7 @@ class OilVolume:
 
     name: str
     values: Chamber | Vessel
-    start: float
+    start: Start
     oil: Oil
 
 
@@ -75,8 +77,8 @@ class Shaft:
 
     name: str
     values: Rotor | None
-    angle: float
-    speed: float
+    angle: Start
+    speed: Start
 
 
 @dataclass(frozen=True)
@@ -93,8 +95,8 @@ class Rod:
 
     name: str
     values: Load | None
-    position: float
-    velocity: float
+    position: Start
+    velocity: Start
 
 
 HydraulicNode: TypeAlias = OilVolume | Tank | PressureSource

@@ -6,23 +6,24 @@ from functools import cached_property
 from typing import Annotated, Any
 
 from vvdp.base.errors import NetworkError
-from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, TEMPERATURE, Angle, Kind, Position, Pressure, Speed, Velocity
+from vvdp.base.kinds import ANGLE, POSITION, PRESSURE_LEVEL, SPEED, TEMPERATURE, VELOCITY, Kind
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.base.tables import nearest
 from vvdp.network.component import Role
 from vvdp.network.network import Network, Part
-from vvdp.network.nodes import Connection, DrivenShaft, HydraulicNode, OilVolume, Rod, Shaft, Source
+from vvdp.network.nodes import Connection, DrivenShaft, HydraulicNode, OilVolume, Rod, Shaft, Source, Start
 from vvdp.simulation.values import leaves
 
 
 @dataclass(frozen=True)
 class StartValue:
-    """One start value: its field among the parameters, its number and kind."""
+    """One start value: its name, number, kind, and where it stands among the parameters."""
 
     name: str
     value: float
     kind: Kind
+    path: str
 
 
 @dataclass(frozen=True)
@@ -166,29 +167,30 @@ class Places:
         for name, node in self.network.nodes.items():
             match node:
                 case OilVolume():
-                    found[name] = (StartValue(name, node.start, PRESSURE_LEVEL),)
+                    found[name] = (self._start_value(name, node.start, PRESSURE_LEVEL),)
                 case Shaft():
-                    found[name] = _start_values(name, {"angle": (node.angle, Angle), "speed": (node.speed, Speed)})
+                    places = {"angle": (node.angle, ANGLE), "speed": (node.speed, SPEED)}
+                    found[name] = tuple(self._start_value(f"{name}_{k}", v, kind) for k, (v, kind) in places.items())
                 case Rod():
-                    places = {"position": (node.position, Position), "velocity": (node.velocity, Velocity)}
-                    found[name] = _start_values(name, places)
+                    places = {"position": (node.position, POSITION), "velocity": (node.velocity, VELOCITY)}
+                    found[name] = tuple(self._start_value(f"{name}_{k}", v, kind) for k, (v, kind) in places.items())
         for name, part in self.network.parts.items():
             if part.start is not None:
                 found[name] = tuple(
-                    StartValue(f"{name}_{path.replace('.', '_')}", float(value), kind)
+                    self._start_value(f"{name}_{path.replace('.', '_')}", float(value), kind)
                     for path, value, kind in leaves(part.start)
                     if kind
                 )
         return found
 
+    def _start_value(self, name: str, start: Start, kind: Kind) -> StartValue:
+        path = f"p.{start}" if isinstance(start, str) else f"p.start.{name}"
+        return StartValue(name, self.network.start_value(start), kind, path)
+
     def unknown(self, where: str, path: str) -> NetworkError:
         """The error about a path that leads nowhere."""
         known = [*self.network.nodes, *self.network.parts, *self.network.programs]
         return NetworkError(f"{where}: {path!r} leads nowhere{nearest(path.partition('.')[0], known)}")
-
-
-def _start_values(name: str, fields: Mapping[str, tuple[float, Any]]) -> tuple[StartValue, ...]:
-    return tuple(StartValue(f"{name}_{key}", value, hint.__metadata__[0]) for key, (value, hint) in fields.items())
 
 
 def signals_of(value: Params) -> Iterator[tuple[str, Signal]]:

@@ -275,12 +275,12 @@ class Text:
 
     @staticmethod
     def _flows(part: Part) -> Iterator[tuple[str, str]]:
-        component = part.component
-        if component.is_passage:
-            yield f"{part.name}_flow", f"{part.name}.flow"
+        ports = part.component.hydraulic_ports
+        if len(ports) == 2:
+            yield f"{part.name}_flow", f"{part.name}.{'flow' if part.component.is_passage else ports[1]}"
             return
-        for port in component.hydraulic_ports:
-            if port in component.result._fields:  # type: ignore[attr-defined]
+        for port in ports:
+            if port in part.component.result._fields:  # type: ignore[attr-defined]
                 yield f"{part.name}_{port}_flow", f"{part.name}.{port}"
 
     def _outputs(self) -> Iterator[tuple[str, str]]:
@@ -375,14 +375,14 @@ class Text:
         if part is None:
             if values is None:
                 return "0.0"
-            places = [f"p.start.{value.name}" for value in values]
+            places = [value.path for value in values]
             if isinstance(self.network.nodes[name], OilVolume):
                 return places[0]
             return f"{self.use(ShaftState if isinstance(self.network.nodes[name], Shaft) else RodState)}({', '.join(places)})"
         state = part.component.state
         assert state is not None
         if values is not None:
-            return nested(part.start, iter(f"p.start.{value.name}" for value in values), self.use)
+            return nested(part.start, iter(value.path for value in values), self.use)
         if part.component.start is not None:
             return self.call(part, part.component.start)
         return nested(zero(state), iter(lambda: "0.0", None), self.use)
