@@ -86,6 +86,7 @@ DISCHARGE_COEFFICIENT = Kind("discharge coefficient", "1", 0.3, 1.0, "0.61")
 AIR_FRACTION = Kind("volume fraction of free air", "1", 0.0, 0.5, "1 %")
 POLYTROPIC = Kind("polytropic exponent", "1", 1.0, 1.7, "1.4")
 FRACTION = Kind("fraction", "1", 0.0, 1.0, "0.5", scale=1e-2)
+SIGNED_FRACTION = Kind("signed fraction", "1", -1.0, 1.0, "0.5", scale=1e-2)
 DUTY_RATIO = Kind("duty ratio", "1", -1.0, 2.0, "0.5")
 COUNT = Kind("count", "1", 0.0, 1e6, "3")
 RATIO = Kind("ratio", "1", 0.0, 1e6, "1.0")
@@ -145,6 +146,7 @@ DischargeCoefficient = Annotated[float, DISCHARGE_COEFFICIENT]
 AirFraction = Annotated[float, AIR_FRACTION]
 Polytropic = Annotated[float, POLYTROPIC]
 Fraction = Annotated[float, FRACTION]
+SignedFraction = Annotated[float, SIGNED_FRACTION]
 DutyRatio = Annotated[float, DUTY_RATIO]
 Count = Annotated[float, COUNT]
 Ratio = Annotated[float, RATIO]
