@@ -33,6 +33,11 @@ def _field_types(cls: type) -> dict[str, Any]:
     return get_type_hints(cls)
 
 
+def default_values(cls: type) -> dict[str, Any]:
+    """The fields of a parameter class that need not be given, with their values."""
+    return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class Params:
     """Base of every parameter class. A subclass is made a frozen, keyword-only dataclass by being written down.
@@ -47,11 +52,21 @@ class Params:
         for name, kind in field_kinds(type(self)).items():
             if kind is None:
                 continue
-            value = getattr(self, name)
-            for bound in value.extremes if isinstance(value, Signal) else (float(value),):
+            for bound in _bounds(getattr(self, name), f"{type(self).__name__}.{name}"):
                 if fault := kind.fault(bound):
                     raise ParameterError(f"{type(self).__name__}.{name}: {fault}")
         self.check()
 
     def check(self) -> None:
         """Refuse values that contradict each other; a subclass overrides this where it has something to say."""
+
+
+def _bounds(value: Any, name: str) -> tuple[float, ...]:
+    """The numbers of a value that have to lie within its kind."""
+    if isinstance(value, Signal):
+        return value.extremes
+    try:
+        return tuple(map(float, value)) if isinstance(value, tuple) else (float(value),)
+    except (TypeError, ValueError):
+        hint = "; vvdp.base.units.parsed turns text with a unit into one" if isinstance(value, str) else ""
+        raise ParameterError(f"{name}: {value!r} is no number in SI units{hint}") from None
