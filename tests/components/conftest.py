@@ -91,7 +91,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def settings(cls: type[Params]) -> Iterator[Params]:
-    """Values of a parameter class: the rows of `VALUES` for it and its bases, the examples of their kinds for the rest."""
+    """Values of a parameter class: its and its bases' rows of `VALUES`, for the rest the examples of their kinds."""
     rows = [VALUES.get(base.__name__, [{}]) for base in reversed(cls.__mro__)]
     for chosen in itertools.product(*rows):
         given = {name: value for row in chosen for name, value in row.items()}
@@ -182,7 +182,8 @@ def lost(result: Any) -> dict[str, Any]:
 
 def moved(value: Any, rate: Any, dt: float) -> Any:
     """A record that has changed at a rate."""
-    return type(value)(*(moved(v, r, dt) if hasattr(v, "_fields") else v + dt * r for v, r in zip(value, rate)))
+    pairs = zip(value, rate, strict=True)
+    return type(value)(*(moved(v, r, dt) if hasattr(v, "_fields") else v + dt * r for v, r in pairs))
 
 
 def later(component: Component, met: Meeting, rates: Any, dt: float) -> Meeting:

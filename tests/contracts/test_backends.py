@@ -272,7 +272,8 @@ def components():
         ),
         switching_valve.PulseTrain(frequency=30.0, duty_ratio=0.4),
         pilot_check_valve.PilotCheckValve(
-            cracking_pressure=1e4, rated_flow=1e-3, rated_drop=1e7, reverse_opening=0.1, opening_time=0.0, pilot_ratio=3.0
+            cracking_pressure=1e4, rated_flow=1e-3, rated_drop=1e7, reverse_opening=0.1, opening_time=0.0,
+            pilot_ratio=3.0,
         ),
         seat_valve.SeatValve(rated_flow=1e-3, rated_drop=5e5, lag=0.01),
         flow_control_valve.FlowControlValve(rated_flow=1e-3, minimum_drop=8e5, maximum_drop=5e6, flow_rise=0.04),
