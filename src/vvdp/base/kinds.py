@@ -91,6 +91,8 @@ COUNT = Kind("count", "1", 0.0, 1e6, "3")
 RATIO = Kind("ratio", "1", 0.0, 1e6, "1.0")
 POWER = Kind("power", "W", 0.0, 1e9, "5.6 kW")
 ENERGY = Kind("energy", "J", -1e12, 1e12, "10 J", scale=1.0, accumulates=True)
+# Energy that a shaft, say, hands on to a neighbour, or takes from it: may fall where losses may not.
+EXCHANGED_ENERGY = Kind("energy handed on", "J", -1e12, 1e12, "10 J", scale=1.0, accumulates=True)
 TANK_VOLUME = Kind("volume at tank conditions", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)
 TORQUE = Kind("torque", "N*m", -1e6, 1e6, "1.5 N*m")
 FLOW_COEFFICIENT = Kind("flow coefficient", "m^3/(s*Pa^0.5)", 0.0, 1e-2, "1.2e-7 m^3/(s*Pa^0.5)")
@@ -148,6 +150,7 @@ Count = Annotated[float, COUNT]
 Ratio = Annotated[float, RATIO]
 Power = Annotated[float, POWER]
 Energy = Annotated[float, ENERGY]
+ExchangedEnergy = Annotated[float, EXCHANGED_ENERGY]
 TankVolume = Annotated[float, TANK_VOLUME]
 Torque = Annotated[float, TORQUE]
 FlowCoefficient = Annotated[float, FLOW_COEFFICIENT]

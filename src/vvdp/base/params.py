@@ -41,6 +41,8 @@ class Params:
     """
 
     def __init_subclass__(cls) -> None:
+        if "check" in cls.__annotations__:
+            raise ParameterError(f"{cls.__name__}.check: a field cannot be called so; `check` refuses values")
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
 
     def __post_init__(self) -> None:
@@ -48,6 +50,11 @@ class Params:
             if kind is None:
                 continue
             value = getattr(self, name)
+            if isinstance(value, str):
+                raise ParameterError(
+                    f"{type(self).__name__}.{name}: {value!r} is a text; expected a number in SI, as "
+                    f"vvdp.base.units.parsed({value!r}, kind) gives, for example of {kind.example!r}"
+                )
             for bound in value.extremes if isinstance(value, Signal) else (float(value),):
                 if fault := kind.fault(bound):
                     raise ParameterError(f"{type(self).__name__}.{name}: {fault}")

@@ -215,7 +215,12 @@ def _source(model: Model, case: Case, classes: Classes) -> str:
     lines = [compiled.format("FLAT"), "def rates(t, y, u, p, dy):"]
     lines.append(f"    value, outputs = circuit(t, {state}, {command}, {params})")
     written(case.state, "value", "dy", 0, lines)
-    lines += ["", "", compiled.format("void(int64, float64, *[float64[::1]] * 5)"), "def sample(which, t, y, u, m, p, c):"]
+    lines += [
+        "",
+        "",
+        compiled.format("void(int64, float64, *[float64[::1]] * 5)"),
+        "def sample(which, t, y, u, m, p, c):",
+    ]
     if model.conditions is not None:
         lines += ["    if which == 0:", f"        held = conditions(t, {params})"]
         inner: list[str] = []

@@ -8,7 +8,42 @@ bit.
 import numpy as np
 from numba import float64, int64, njit, prange, types
 
-from vvdp.simulation.schedule import HAIR, PERIOD, TRIGGER, begin, instant, is_crossed, next_due
+from vvdp.simulation.layout import (
+    AUTOMATIC,
+    BEGUN,
+    DONE,
+    EVALUATIONS,
+    HAIR,
+    JUMP_TIME,
+    JUMPS,
+    LANDED,
+    MARK_BEFORE,
+    MARKS,
+    MARKS_FULL,
+    METHOD,
+    NOT_FINITE,
+    OTHER_COST,
+    PAUSED,
+    PERIOD,
+    RECORDS,
+    REFUSED,
+    REJECTED,
+    REVIEW,
+    STEP,
+    STEP_TOO_SMALL,
+    STEPS,
+    STIFF,
+    STOP_BEHIND,
+    STORED,
+    SWITCHES,
+    TIME,
+    TOO_MANY_WAITING,
+    TRIAL,
+    TRIGGER,
+    WINDOW_COST,
+    WINDOW_TIME,
+)
+from vvdp.simulation.schedule import begin, instant, is_crossed, next_due
 from vvdp.simulation.steps import between, explicit_step, stiff_step, widen
 
 VECTOR = float64[::1]
@@ -19,20 +54,8 @@ SAMPLE = types.FunctionType(types.void(int64, float64, VECTOR, VECTOR, VECTOR, V
 EVENTS = types.FunctionType(types.void(float64, VECTOR, VECTOR, VECTOR, VECTOR))
 STOP = types.FunctionType(float64(float64, VECTOR, VECTOR))
 
-# What `run` returns.
-DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING = range(7)
-
-# Places in `clock`.
-TIME, STEP, BEGUN, STEPS, REJECTED, EVALUATIONS, RECORDS, MARKS, STORED, METHOD = range(10)
-WINDOW_TIME, WINDOW_COST, OTHER_COST, TRIAL, REVIEW, SWITCHES, REFUSED = range(10, 17)
-MARK_BEFORE, LANDED, JUMPS, JUMP_TIME = range(17, 21)
-CLOCK = 21
-
 # An event is where its crossing is known to this share of the step.
 NEAR = 1e-12
-
-EXPLICIT, STIFF = 0.0, 1.0
-AUTOMATIC, ONLY_EXPLICIT, ONLY_STIFF = 0, 1, 2
 
 # The automatic choice: an explicit window that costs more than this many evaluations per sample period is worth a
 # trial of the stiff method; a window ends after so many periods or so many evaluations, whichever comes first.

@@ -6,20 +6,23 @@ y, u, m, p are the state, the command in force, the memory and the parameters, f
 import numpy as np
 from numba import njit
 
-# The sampled functions have a row each in `plan` and `agenda`: first the conditions, then the programs. Columns of
-# `plan`: times are phase + n period; TRIGGER is the place among the events, 0 for a program that goes by the clock;
-# its command lies in FIRST to LAST.
-PERIOD, PHASE, LATENCY, TRIGGER, FIRST, LAST = range(6)
-PLAN = 6
-
-# Columns of `agenda`: the n of the next sample, how often it was called, the floor of its trigger, whether it has had
-# its turn at this instant, and the ring of commands that wait for their time.
-NUMBER, CALLS, LEVEL, SERVED, HEAD, WAITING, DUE = range(7)
-DEPTH = 16
-AGENDA = DUE + DEPTH
-
-# Instants nearer to each other than this share of the time are one: two ways of rounding the same multiple.
-HAIR = 2e-15
+from vvdp.simulation.layout import (
+    CALLS,
+    DEPTH,
+    DUE,
+    FIRST,
+    HAIR,
+    HEAD,
+    LAST,
+    LATENCY,
+    LEVEL,
+    NUMBER,
+    PERIOD,
+    PHASE,
+    SERVED,
+    TRIGGER,
+    WAITING,
+)
 
 
 @njit(cache=True, error_model="numpy")
