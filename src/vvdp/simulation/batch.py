@@ -101,18 +101,7 @@ def simulate_batch(
     A case that fails is reported in the result and stops no other. Raises ParameterError where the cases are not of
     one shape, or `cores` (all, unless said) is not a number of them.
     """
-    if not cases:
-        raise ParameterError("no cases; expected at least one")
-    shape = case_shape(cases[0])
-    for number, case in enumerate(cases[1:], 1):
-        if difference := _difference(case_shape(case), shape):
-            raise ParameterError(
-                f"case {number} is not of the shape of case 0: {difference}; run them in batches apart"
-            )
-        try:
-            check_start(case)
-        except RunError as problem:
-            raise RunError(f"case {number}: {problem}") from None
+    _are_of_one_shape(cases)
     began = time.perf_counter()
     ready = prepared(model, cases[0], stepping, cache, say)
     loop = compiled_loop(say)
@@ -128,7 +117,7 @@ def simulate_batch(
                 whole[some] = piece
     clocks = part.clocks
     reasons = tuple(
-        None if status == layout.DONE else failure(case, clock[layout.TIME], state, status)
+        _reason(case, clock, state, status)
         for case, clock, state, status in zip(cases, clocks, part.final, part.status, strict=True)
     )
     return BatchRun(
@@ -151,6 +140,25 @@ def simulate_batch(
         digest=ready.linked.digest,
         **_counts(part),
     )
+
+
+def _are_of_one_shape(cases: Sequence[Case]) -> None:
+    if not cases:
+        raise ParameterError("no cases; expected at least one")
+    shape = case_shape(cases[0])
+    for number, case in enumerate(cases[1:], 1):
+        if difference := _difference(case_shape(case), shape):
+            raise ParameterError(
+                f"case {number} is not of the shape of case 0: {difference}; run them in batches apart"
+            )
+
+
+def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
+    try:
+        check_start(case)
+    except RunError as problem:
+        return str(problem)
+    return None if status == layout.DONE else failure(case, clock[layout.TIME], state, status)
 
 
 def _counts(part: "_Carried") -> dict[str, npt.NDArray[np.int64]]:

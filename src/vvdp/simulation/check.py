@@ -96,9 +96,11 @@ def _are_numbers(case: Case) -> None:
                 example = f"parsed({value!r}, {kind.name.upper().replace(' ', '_') if kind else 'KIND'})"
                 raise RunError(f"{what} {path!r} = {value!r} is a text; expected one in SI, vvdp.base.units.{example}")
             try:
-                np.asarray(value, float)
+                is_number = value is not None and np.asarray(value, float).size > 0
             except (TypeError, ValueError):
-                raise RunError(f"{what} {path!r} = {value!r}; expected a number") from None
+                is_number = False
+            if not is_number and not isinstance(value, tuple):
+                raise RunError(f"{what} {path!r} = {value!r}; expected a number")
 
 
 # The circuit
