@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.numerics.tableaus import Array
-from vvdp.simulation import layout
+from vvdp.simulation import places
 from vvdp.simulation.check import check_start
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
@@ -107,9 +107,9 @@ def simulate_batch(
     loop = compiled_loop(say)
     rows = int(np.clip(_places(ready, len(cases)), 16, 4096))
     part = _carried(loop, ready, cases, stepping, marks_from, rows, cores)
-    crowded = np.flatnonzero(part.clocks[:, layout.STORED] >= rows)  # their middle mark has been written over
+    crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # their middle mark has been written over
     if crowded.size:
-        room = int(part.clocks[crowded, layout.MARKS].max()) + 1
+        room = int(part.clocks[crowded, places.MARKS].max()) + 1
         at_once = max(1, _places(ready, room))
         for some in np.split(crowded, range(at_once, crowded.size, at_once)):
             again = _carried(loop, ready, [cases[row] for row in some], stepping, marks_from, room, cores)
@@ -132,8 +132,8 @@ def simulate_batch(
         mark_times=part.mark_times,
         first_marks=part.first_marks,
         last_marks=part.last_marks,
-        end=np.where(part.status == layout.DONE, stepping.until, clocks[:, layout.TIME]),
-        stiff=clocks[:, layout.METHOD] == layout.STIFF,
+        end=np.where(part.status == places.DONE, stepping.until, clocks[:, places.TIME]),
+        stiff=clocks[:, places.METHOD] == places.STIFF,
         reasons=reasons,
         remarks=tuple(remarks(case, low, clock) for case, low, clock in zip(cases, part.low, clocks, strict=True)),
         seconds=time.perf_counter() - began,
@@ -158,15 +158,15 @@ def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
         check_start(case)
     except RunError as problem:
         return str(problem)
-    return None if status == layout.DONE else failure(case, clock[layout.TIME], state, status)
+    return None if status == places.DONE else failure(case, clock[places.TIME], state, status)
 
 
 def _counts(part: "_Carried") -> dict[str, npt.NDArray[np.int64]]:
     clocks = part.clocks
-    places = {"marks": layout.STORED, "evaluations": layout.EVALUATIONS, "switches": layout.SWITCHES}
+    places = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
     counts = {name: clocks[:, place].astype(np.int64) for name, place in places.items()}
-    counts["rejected"] = clocks[:, layout.REJECTED].astype(np.int64)
-    counts["steps"] = clocks[:, layout.STEPS].astype(np.int64) - counts["rejected"]
+    counts["rejected"] = clocks[:, places.REJECTED].astype(np.int64)
+    counts["steps"] = clocks[:, places.STEPS].astype(np.int64) - counts["rejected"]
     counts["samples"] = part.samples
     return counts
 
@@ -216,14 +216,14 @@ def _carried(
             *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
             *(times, states, low, high, status),
         )
-    marks = clocks[:, layout.STORED].astype(np.int64)
+    marks = clocks[:, places.STORED].astype(np.int64)
     row, last = np.arange(count), np.clip(marks - 1, 0, rows - 1)
     mark_times = np.stack([times[:, 0], times[row, last // 2], times[row, last]], axis=1)
     first, latest = states[:, 0].copy(), states[row, last]
     for found in (mark_times, first, latest):
         found[marks == 0] = np.nan
     dealt = np.argsort(order)
-    samples = agendas[:, 0, layout.CALLS].astype(np.int64)
+    samples = agendas[:, 0, places.CALLS].astype(np.int64)
     parts = (final, command, memory, low, high, clocks, status, samples, mark_times, first, latest)
     return _Carried._make(part[dealt] for part in parts)
 

@@ -8,7 +8,7 @@ bit.
 import numpy as np
 from numba import float64, int64, njit, prange, types
 
-from vvdp.simulation.layout import (
+from vvdp.simulation.places import (
     AUTOMATIC,
     BEGUN,
     DONE,

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.numerics.tableaus import Array
-from vvdp.simulation import layout
+from vvdp.simulation import places
 from vvdp.simulation.check import check_model, check_times
 from vvdp.simulation.link import Linked, link, quiet
 from vvdp.simulation.model import Case, Model
@@ -83,11 +83,11 @@ class Reached(NamedTuple):
 def started(ready: Prepared, stepping: Stepping) -> Reached:
     """Where a run stands before its first step."""
     state, command, memory, _ = (part.copy() for part in ready.vectors)
-    programs, clock = ready.plan.shape[0], np.zeros(layout.CLOCK)
-    clock[layout.TIME] = clock[layout.WINDOW_TIME] = stepping.begin
-    clock[layout.STEP] = min(1e-3 * stepping.sample_period, stepping.longest_step)
-    clock[layout.METHOD] = layout.STIFF if stepping.method is Method.STIFF else layout.EXPLICIT
-    agenda, waiting = np.zeros((programs, layout.AGENDA)), np.zeros((programs, layout.DEPTH, command.size))
+    programs, clock = ready.plan.shape[0], np.zeros(places.CLOCK)
+    clock[places.TIME] = clock[places.WINDOW_TIME] = stepping.begin
+    clock[places.STEP] = min(1e-3 * stepping.sample_period, stepping.longest_step)
+    clock[places.METHOD] = places.STIFF if stepping.method is Method.STIFF else places.EXPLICIT
+    agenda, waiting = np.zeros((programs, places.AGENDA)), np.zeros((programs, places.DEPTH, command.size))
     return Reached(state, command, memory, agenda, waiting, clock)
 
 

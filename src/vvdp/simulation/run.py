@@ -10,7 +10,7 @@ import numpy as np
 
 from vvdp.base.errors import RunError
 from vvdp.numerics.tableaus import Array
-from vvdp.simulation import layout
+from vvdp.simulation import places
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.prepare import Prepared, Reached, started
@@ -134,11 +134,11 @@ def carried_on(before: Run, ready: Prepared, stepping: Stepping) -> Reached:
     if before.digest != ready.linked.digest:
         raise RunError("the run to continue is that of another model; start anew from its final_case")
     reached = before.reached.copy()
-    for place in (layout.RECORDS, layout.MARKS, layout.STORED, layout.JUMPS, layout.JUMP_TIME):
+    for place in (places.RECORDS, places.MARKS, places.STORED, places.JUMPS, places.JUMP_TIME):
         reached.clock[place] = 0.0
     if stepping.method is not Method.AUTOMATIC:
-        reached.clock[layout.METHOD] = float(stepping.method is Method.STIFF)
-    reached.clock[layout.STEP] = min(reached.clock[layout.STEP], stepping.longest_step)
+        reached.clock[places.METHOD] = float(stepping.method is Method.STIFF)
+    reached.clock[places.STEP] = min(reached.clock[places.STEP], stepping.longest_step)
     return reached
 
 
@@ -174,8 +174,8 @@ def simulate(
     except KeyboardInterrupt:
         finished = False
     counts = _counts(before, reached)
-    stored, marks = int(reached.clock[layout.RECORDS]), int(reached.clock[layout.STORED])
-    end = float(reached.clock[layout.TIME])
+    stored, marks = int(reached.clock[places.RECORDS]), int(reached.clock[places.STORED])
+    end = float(reached.clock[places.TIME])
     return Run(
         model=model,
         case=case,
@@ -192,7 +192,7 @@ def simulate(
         high=rows.high,
         end=stepping.until if finished else end,
         calls=dict(zip(model.programs, counts.pop("calls"), strict=True)),
-        stiff=bool(reached.clock[layout.METHOD] == layout.STIFF),
+        stiff=bool(reached.clock[places.METHOD] == places.STIFF),
         seconds=time.perf_counter() - began,
         digest=ready.linked.digest,
         finished=finished,
@@ -224,8 +224,8 @@ def _carry(
     progress: Any,
     portion: float,
 ) -> None:
-    status, clock = layout.PAUSED, reached.clock
-    while status != layout.DONE:
+    status, clock = places.PAUSED, reached.clock
+    while status != places.DONE:
         status = loop.run(
             *ready.linked[:4],
             *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
@@ -234,26 +234,26 @@ def _carry(
             *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
             *(rows.low, rows.high),
         )
-        if status == layout.MARKS_FULL:
+        if status == places.MARKS_FULL:
             if rows.mark_times.size > MOST_MARKS:
-                until = f"until t = {clock[layout.TIME]:.6g} s"
+                until = f"until t = {clock[places.TIME]:.6g} s"
                 raise RunError(f"more than {rows.mark_times.size} marks {until}; does the mark jump?")
             rows.mark_times = np.concatenate([rows.mark_times, np.zeros_like(rows.mark_times)])
             rows.mark_states = np.concatenate([rows.mark_states, np.zeros_like(rows.mark_states)])
-        elif status not in (layout.DONE, layout.PAUSED):
-            raise RunError(failure(case, clock[layout.TIME], reached.state, status))
+        elif status not in (places.DONE, places.PAUSED):
+            raise RunError(failure(case, clock[places.TIME], reached.state, status))
         if progress:
-            progress(float(clock[layout.TIME]))
+            progress(float(clock[places.TIME]))
 
 
 def _counts(before: Reached, reached: Reached) -> dict[str, Any]:
     """What the run itself has taken, without the one that it goes on from."""
-    spent, calls = reached.clock - before.clock, (reached.agenda - before.agenda)[:, layout.CALLS]
+    spent, calls = reached.clock - before.clock, (reached.agenda - before.agenda)[:, places.CALLS]
     return {
-        "steps": int(spent[layout.STEPS] - spent[layout.REJECTED]),
-        "rejected": int(spent[layout.REJECTED]),
-        "evaluations": int(spent[layout.EVALUATIONS]),
-        "switches": int(spent[layout.SWITCHES]),
+        "steps": int(spent[places.STEPS] - spent[places.REJECTED]),
+        "rejected": int(spent[places.REJECTED]),
+        "evaluations": int(spent[places.EVALUATIONS]),
+        "switches": int(spent[places.SWITCHES]),
         "samples": int(calls[0]),
         "calls": [int(count) for count in calls[1:]],
     }
@@ -265,8 +265,8 @@ def remarks(case: Case, low: Array, clock: Array) -> tuple[str, ...]:
         f"{path} fell to {value:.4g} Pa absolute, below a vacuum: nothing there can be trusted"
         for path, value in below_vacuum(case, low)
     ]
-    if (jumps := int(clock[layout.JUMPS])) >= MANY_JUMPS:
-        first = clock[layout.JUMP_TIME]
+    if (jumps := int(clock[places.JUMPS])) >= MANY_JUMPS:
+        first = clock[places.JUMP_TIME]
         found.append(f"the rates seem to jump at about t = {first:.6g} s, which no stop names ({jumps} times)")
     return tuple(found)
 
@@ -285,9 +285,9 @@ def failure(case: Case, reached: float, state: Array, status: int) -> str:
     found = ((path, x) for (path, _, _), x in zip(leaves(case.state), state, strict=False))
     values = ", ".join(f"{path} = {x:.4g}" for path, x in found if not path.startswith("books."))
     why = {
-        layout.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
-        layout.STEP_TOO_SMALL: "the step has become too small",
-        layout.STOP_BEHIND: "`stop` names no later time; expected the next one at which the rates jump",
-        layout.TOO_MANY_WAITING: f"more than {layout.DEPTH} commands of a program wait; has it a long latency?",
+        places.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
+        places.STEP_TOO_SMALL: "the step has become too small",
+        places.STOP_BEHIND: "`stop` names no later time; expected the next one at which the rates jump",
+        places.TOO_MANY_WAITING: f"more than {places.DEPTH} commands of a program wait; has it a long latency?",
     }[status]
     return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"

@@ -6,7 +6,7 @@ y, u, m, p are the state, the command in force, the memory and the parameters, f
 import numpy as np
 from numba import njit
 
-from vvdp.simulation.layout import (
+from vvdp.simulation.places import (
     CALLS,
     DEPTH,
     DUE,
