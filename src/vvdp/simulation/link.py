@@ -23,7 +23,7 @@ from vvdp.base.errors import RunError
 from vvdp.base.select import select
 from vvdp.base.signal import changes_stop, changes_value, sines_value
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.values import command_parts, memory_parts, names
+from vvdp.simulation.values import flat, leaves, names, rebuilt
 
 Functions = dict[str, tuple[types.FunctionType, list[Any]]]
 
@@ -36,7 +36,7 @@ class Linked(NamedTuple):
 
     rates: Any
     sample: Any
-    events: Any
+    mark: Any
     stop: Any
     digest: str
 
@@ -102,6 +102,53 @@ def _text(code: types.CodeType) -> str:
     return repr((code.co_code, constants, code.co_names, code.co_varnames))
 
 
+def tried(model: Model, case: Case) -> None:
+    """Runs the model's functions once in plain Python. Raises RunError where their values do not fit together."""
+    rates, _ = model.circuit(0.0, case.state, case.command, case.params)
+    _same_fields("the rates of the circuit", rates, "its state", case.state)
+    memory, command = model.program(0.0, case.memory, case.state, case.settings)
+    _same_fields("the memory that the program returns", memory, "the memory it is given", case.memory)
+    _same_fields("the command that the program returns", command, "the command of the circuit", case.command)
+    for path, value, kind in leaves(case.state):
+        if np.ndim(value):
+            raise RunError(f"state {path!r} is an array; a state has one number for each field")
+        if kind is None and not path.startswith("books."):
+            raise RunError(
+                f"state {path!r} has no kind; annotate it, for example `{path.rpartition('.')[2]}: Pressure`"
+            )
+    unsound = [path for path, value, _ in leaves(rates) if not np.isfinite(value)]
+    if unsound:
+        raise RunError(f"the circuit returns no finite rate at the start for {', '.join(unsound)}")
+    _tried_on_arrays(model, case)
+    if hasattr(case.state, "books"):
+        if names(case.state)[-1] != "books":
+            raise RunError("books must be the last field of the state")
+        blank = rebuilt(case.state.books, iter(lambda: np.nan, None))
+        again, _ = model.circuit(0.0, case.state._replace(books=blank), case.command, case.params)
+        if not np.array_equal(flat(rates), flat(again)):
+            raise RunError("the circuit reads its own books; they may only be written")
+
+
+def _tried_on_arrays(model: Model, case: Case) -> None:
+    """Outputs over time are the circuit itself, evaluated on whole columns; a plain `if` on a state shows here."""
+    column = rebuilt(case.state, (np.array([value, value]) for value in flat(case.state)))
+    try:
+        model.circuit(np.zeros(2), column, case.command, case.params)
+    except ValueError as problem:
+        if "truth value" in str(problem):
+            name = model.circuit.__qualname__
+            raise RunError(f"{name} chooses by a state; write the choice with select, so that arrays pass") from None
+    except TypeError:
+        pass  # whatever else it is, compiling it says so with the place
+
+
+def _same_fields(what: str, value: Any, other: str, expected: Any) -> None:
+    found, wanted = [path for path, _, _ in leaves(value)], [path for path, _, _ in leaves(expected)]
+    if found != wanted or flat(value).size != flat(expected).size:
+        odd = sorted(set(found) ^ set(wanted)) or [f"{flat(value).size} numbers against {flat(expected).size}"]
+        raise RunError(f"{what} and {other} differ in {', '.join(odd)}")
+
+
 def quiet(message: str) -> None:
     """Says nothing: the default listener."""
 
@@ -111,17 +158,12 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
 
     Raises RunError where the functions and values do not fit together.
     """
+    tried(model, case)
     classes = Classes()
     source = _source(model, case, classes)
-    called = {"circuit": model.circuit, "mark": model.mark, "jump": model.stop}
-    if model.conditions is not None:
-        called["conditions"] = model.conditions
-    for number, program in enumerate(model.programs.values(), 1):
-        called |= {f"measure_{number}": program.measure, f"step_{number}": program.step}
-        if program.trigger is not None:
-            called[f"trigger_{number}"] = program.trigger
+    called = {"circuit": model.circuit, "program": model.program, "event": model.mark, "jump": model.stop}
     module = compiled_module(source, called, classes, cache, say)
-    return Linked(module.rates, module.sample, module.events, module.stop, module.__name__.rpartition("_")[2])
+    return Linked(module.rates, module.sample, module.mark, module.stop, module.__name__.rpartition("_")[2])
 
 
 def compiled_module(
@@ -205,52 +247,28 @@ def written(value: Any, path: str, vector: str, position: int, lines: list[str])
 
 
 def _source(model: Model, case: Case, classes: Classes) -> str:
-    state, (params, at) = built(case.state, "y", 0, classes)[0], built(case.params, "p", 0, classes)
-    command = built(case.command, "u", 0, classes)[0]
-    settings = {}
-    for name, value in case.settings.items():
-        settings[name], at = built(value, "p", at, classes)
-    parts, places = memory_parts(case), command_parts(case)
+    state, params = built(case.state, "y", 0, classes)[0], built(case.params, "p", 0, classes)[0]
+    command, memory = built(case.command, "u", 0, classes)[0], built(case.memory, "m", 0, classes)[0]
+    settings = built(case.settings, "z", 0, classes)[0]
     compiled = "@njit({}, cache=True, error_model='numpy')"
     lines = [compiled.format("FLAT"), "def rates(t, y, u, p, dy):"]
     lines.append(f"    value, outputs = circuit(t, {state}, {command}, {params})")
     written(case.state, "value", "dy", 0, lines)
-    lines += [
-        "",
-        "",
-        compiled.format("void(int64, float64, *[float64[::1]] * 5)"),
-        "def sample(which, t, y, u, m, p, c):",
-    ]
-    if model.conditions is not None:
-        lines += ["    if which == 0:", f"        held = conditions(t, {params})"]
-        inner: list[str] = []
-        written(case.command.held, "held", "c", places["held"].start, inner)
-        lines += [f"    {line}" for line in inner]
-    for number, name in enumerate(model.programs, 1):
-        lines += [f"    if which == {number}:", f"        s{number}, q{number} = {state}, {params}"]
-        lines.append(f"        r{number}, o{number} = circuit(t, s{number}, {command}, q{number})")
-        lines.append(f"        x{number} = measure_{number}(t, s{number}, o{number}, q{number})")
-        memory = built(case.memory[name], "m", parts[name].start, classes)[0]
-        lines.append(f"        m{number}, c{number} = step_{number}(t, {memory}, x{number}, {settings[name]})")
-        inner = []
-        written(case.memory[name], f"m{number}", "m", parts[name].start, inner)
-        written(getattr(case.command, name), f"c{number}", "c", places[name].start, inner)
-        lines += [f"    {line}" for line in inner]
-    lines.append("    return")
-    lines += ["", "", compiled.format("FLAT"), "def events(t, y, u, p, g):"]
-    lines.append(f"    g[0] = mark(t, {state}, {command}, {params})")
-    triggered = [n for n, program in enumerate(model.programs.values(), 1) if program.trigger is not None]
-    for place, number in enumerate(triggered, 1):
-        lines.append(f"    g[{place}] = trigger_{number}(t, {state}, {command}, {params})")
-    lines += ["", "", compiled.format("float64(float64, float64[::1], float64[::1])"), "def stop(t, u, p):"]
-    lines.append(f"    return float(jump(t, {command}, {params}))")
+    lines += ["", "", compiled.format("FLAT"), "def sample(t, m, y, z, u):"]
+    lines.append(f"    memory, command = program(t, {memory}, {state}, {settings})")
+    written(case.memory, "memory", "m", 0, lines)
+    written(case.command, "command", "u", 0, lines)
+    lines += ["", "", compiled.format("float64(float64, float64[::1], float64[::1])"), "def mark(t, y, p):"]
+    lines.append(f"    return float(event(t, {state}, {params}))")
+    lines += ["", "", compiled.format("float64(float64, float64[::1])"), "def stop(t, p):"]
+    lines.append(f"    return float(jump(t, {params}))")
     return "\n".join([*heading(classes), "", "FLAT = void(float64, *[float64[::1]] * 4)", "", "", *lines]) + "\n"
 
 
 def heading(classes: Classes) -> list[str]:
     """First lines of a linked module; a parameter class is a plain record to compiled code, which reads its fields."""
     records = [f"{name} = namedtuple({name!r}, {names(cls)!r})" for name, cls in classes.records()]
-    return ["from collections import namedtuple", "", "from numba import float64, int64, njit, void", "", *records]
+    return ["from collections import namedtuple", "", "from numba import float64, njit, void", "", *records]
 
 
 def _loaded(

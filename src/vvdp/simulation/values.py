@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Iterator
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -69,8 +69,7 @@ def rebuilt(example: Any, numbers: Iterator[Any]) -> Any:
         return type(example)(**members)
     if np.ndim(example):
         shape = np.shape(example)
-        rows = np.array([next(numbers) for _ in range(int(np.prod(shape)))])
-        return rows.reshape(shape + rows.shape[1:])
+        return np.array([next(numbers) for _ in range(int(np.prod(shape)))]).reshape(shape)
     return next(numbers)
 
 
@@ -82,52 +81,3 @@ def as_value(example: Any, vector: Array) -> Any:
 def as_series(example: Any, rows: Array) -> Any:
     """The columns of `rows`, shape (times, n), in the shape of `example`: an array over time at each leaf."""
     return rebuilt(example, iter(rows.T))
-
-
-class Vectors(NamedTuple):
-    """A case as flat vectors."""
-
-    state: Array
-    command: Array
-    memory: Array
-    params: Array
-
-
-def vectors(case: Any) -> Vectors:
-    """The case as flat vectors."""
-    params = np.concatenate([flat(case.params), *(flat(value) for value in case.settings.values())])
-    memory = np.concatenate([np.zeros(0), *(flat(value) for value in case.memory.values())])
-    return Vectors(flat(case.state), flat(case.command), memory, params)
-
-
-def command_parts(case: Any) -> dict[str, slice]:
-    """Where each field of the command lies."""
-    return _parts({name: getattr(case.command, name) for name in names(case.command)})
-
-
-def memory_parts(case: Any) -> dict[str, slice]:
-    """Where each program's memory lies."""
-    return _parts(case.memory)
-
-
-def _parts(values: Any) -> dict[str, slice]:
-    found, at = {}, 0
-    for name, value in values.items():
-        end = at + flat(value).size
-        found[name] = slice(at, end)
-        at = end
-    return found
-
-
-def as_memory(case: Any, vector: Array) -> dict[str, Any]:
-    """The memory of each program."""
-    return {name: as_value(case.memory[name], vector[part]) for name, part in memory_parts(case).items()}
-
-
-def params_rows(cases: Any) -> Array:
-    """The params of all cases, padded to one length."""
-    rows = [vectors(case).params for case in cases]
-    found = np.zeros((len(rows), max(row.size for row in rows)))
-    for row, values in zip(found, rows, strict=True):
-        row[: values.size] = values
-    return found
