@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from vvdp.simulation.layout import blocks
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, told, told_size, write
 
@@ -64,11 +65,16 @@ def stop_part(model: Model, case: Case) -> Part:
 def events_part(model: Model, case: Case) -> Part:
     """events(t, y, u, p, g)"""
     a = _Arguments(case)
-    found = [model.mark, *(program.trigger for program in model.programs.values() if program.trigger)]
-    called = {f"event_{number}": function for number, function in enumerate(found)}
+    called: dict[str, Callable[..., Any]] = {"mark": model.mark}
     lines = [_njit("void", 4, "events(t, y, u, p, g)"), *a.lines]
     lines.append(f"    state, command, params = {a.state}, {a.command}, {a.params}")
-    lines += [f"    g[{number}] = {name}(t, state, command, params)" for number, name in enumerate(called)]
+    lines.append("    g[0] = mark(t, state, command, params)")
+    for name, program in model.programs.items():
+        if program.trigger:
+            number = len(called)
+            called[f"trigger_{number}"] = program.trigger
+            settings = parameters(case.settings[name], Place(blocks(case).programs[name]), a.classes)
+            lines.append(f"    g[{number}] = trigger_{number}(t, state, command, params, {settings})")
     return Part(_source(a.classes, lines), called, a.classes)
 
 
