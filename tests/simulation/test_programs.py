@@ -224,7 +224,7 @@ def warmed(t: float, s: Sum, u: Relay, p: Limits) -> tuple[Sum, Nothing]:
     return Sum(u.relay.power - s.x), Nothing(0.0)
 
 
-def between_limits(t: float, s: Sum, u: Relay, p: Limits) -> float:
+def between_limits(t: float, s: Sum, u: Relay, p: Limits, settings: object) -> float:
     """0 to 1 between the limits."""
     return (s.x - p.low) / (p.high - p.low)
 
@@ -303,7 +303,7 @@ def turned(t: float, s: Sum, u: Floor, p: Nothing) -> tuple[Sum, Nothing]:
     return Sum(u.bounce.sign * 3.0), Nothing(0.0)
 
 
-def whole(t: float, s: Sum, u: Floor, p: Nothing) -> float:
+def whole(t: float, s: Sum, u: Floor, p: Nothing, settings: object) -> float:
     return s.x
 
 
@@ -350,7 +350,7 @@ def still(t: float, s: Sum, u: Modes, p: Nothing) -> tuple[Sum, Nothing]:
     return Sum(1.0), Nothing(0.0)
 
 
-def chief_mode(t: float, s: Sum, u: Modes, p: Nothing) -> float:
+def chief_mode(t: float, s: Sum, u: Modes, p: Nothing, settings: object) -> float:
     return u.chief.mode
 
 

@@ -4,7 +4,6 @@ import hashlib
 import linecache
 import sys
 import types
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,11 +12,11 @@ import numpy as np
 from vvdp.base.books import NOTHING, Books, Stored
 from vvdp.base.errors import NetworkError
 from vvdp.network.classes import Classes
-from vvdp.network.network import Network, Watcher
-from vvdp.network.nodes import DrivenShaft, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.network import Network
 from vvdp.network.paths import Places
 from vvdp.network.text import Text
-from vvdp.simulation.model import Case, Model, Program, no_mark, started_case
+from vvdp.network.written_program import WrittenProgram
+from vvdp.simulation.model import Case, Model, no_mark, started_case
 
 
 @dataclass(frozen=True)
@@ -29,6 +28,10 @@ class Circuit:
     case: Case
     text: str
 
+    def case_of(self, params: Any) -> Case:
+        """The case of other parameters of the same classes."""
+        return started_case(self.model, type(self.case.command), params, self.case.settings)
+
 
 def build(network: Network) -> Circuit:
     """The circuit of a network. Raises NetworkError where its parts do not fit together."""
@@ -37,11 +40,28 @@ def build(network: Network) -> Circuit:
     places = Places(network)
     classes = Classes(places)
     text = Text(places, classes)
-    measures = {name: _measure(program, text) for name, program in network.programs.items()}
-    blocks = [text.circuit(), text.conditions(), text.stored(), text.start(), text.stop(), text.mark(), *measures.values()]
+    written = [WrittenProgram(program, text) for program in network.programs.values()]
+    blocks = [text.circuit(), text.conditions(), text.stored(), text.start(), text.stop(), text.mark()]
+    blocks += [block for program in written for block in program.blocks]
     whole = "\n\n\n".join("\n".join(block) for block in blocks if block) + "\n"
-    given = {
-        **text.names,
+    module = _module(whole, {**_classes_by_name(classes), **text.names})
+    model = Model(
+        circuit=module.circuit,
+        stored=module.stored,
+        start=module.start,
+        conditions=module.conditions,
+        programs={program.name: program.assembled(module) for program in written},
+        mark=getattr(module, "mark", no_mark),
+        stop=module.stop,
+    )
+    start = classes.start(**{value.name: value.value for value in classes.own_starts})
+    params = classes.params(**{name: value for name, (_, value) in places.fields.items()}, start=start)
+    settings = {program.name: program.settings for program in written}
+    return Circuit(network, model, started_case(model, classes.command, params, settings), whole)
+
+
+def _classes_by_name(classes: Classes) -> dict[str, Any]:
+    return {
         "np": np,
         "Books": Books,
         "Stored": Stored,
@@ -54,69 +74,6 @@ def build(network: Network) -> Circuit:
         "Totals": classes.totals,
         "Held": classes.held,
     }
-    module = _module(whole, given)
-    model = Model(
-        circuit=module.circuit,
-        stored=module.stored,
-        start=module.start,
-        conditions=module.conditions,
-        programs={n: _program(p, getattr(module, f"measure_{n}")) for n, p in network.programs.items()},
-        mark=getattr(module, "mark", no_mark),
-        stop=module.stop,
-    )
-    start = classes.start(**{value.name: value.value for value in classes.own_starts})
-    params = classes.params(**{name: value for name, (_, value) in places.fields.items()}, start=start)
-    settings = {name: NOTHING if p.settings is None else p.settings for name, p in network.programs.items()}
-    return Circuit(network, model, started_case(model, classes.command, params, settings), whole)
-
-
-def _program(watcher: Watcher, measure: Callable[..., Any]) -> Program:
-    return Program(
-        measure=measure,
-        step=watcher.step,
-        command=watcher.command,
-        start=watcher.start,
-        trigger=watcher.trigger,
-        period=watcher.period,
-        phase=watcher.phase,
-        latency=watcher.latency,
-    )
-
-
-def _measure(program: Watcher, text: Text) -> list[str]:
-    """The function that reads what a program's sensors see."""
-    fields = [f"{name}={_reading(path, program.name, text)}" for name, path in program.reads.items()]
-    return [
-        f"def measure_{program.name}(t, s, outputs, p):",
-        f"    return {text.use(program.reading)}({', '.join(fields)})",
-    ]
-
-
-def _reading(path: str, where: str, text: Text) -> str:
-    name, _, what = path.partition(".")
-    net = text.network
-    if path == "t":
-        return "t"
-    node = net.nodes.get(name)
-    match node, what:
-        case OilVolume(), "pressure":
-            return f"s.{name}"
-        case (Tank() | PressureSource()), "pressure":
-            return f"outputs.{name}_pressure"
-        case Shaft(), ("angle" | "speed") | None:
-            return f"s.{path}"
-        case Rod(), ("position" | "velocity"):
-            return f"s.{path}"
-        case DrivenShaft(), "angle":
-            return f"s.{name}"
-    text.read(path, where)  # refuses a path that leads nowhere
-    part = net.parts.get(name)
-    state = part.component.state if part else None
-    if part and state is not None and what in state._fields and what not in part.component.outputs:  # type: ignore[attr-defined]
-        return f"s.{path}"
-    if node is not None:
-        raise NetworkError(f"{where} reads {path!r}, which no sensor measures")
-    return f"outputs.{name}_{what}"
 
 
 def _module(text: str, names: dict[str, Any]) -> types.ModuleType:

@@ -118,7 +118,7 @@ class Classes:
             hints |= fresh
         for read in self.program_reads:
             program, _, field = read.partition(".")
-            hints[read.replace(".", "_")] = Annotated[float, field_kinds(type(self.network.programs[program].command))[field]]
+            hints[read.replace(".", "_")] = Annotated[float, field_kinds(type(self.network.programs[program].type.command))[field]]
         return named_tuple("Outputs", hints)
 
     @cached_property
@@ -156,7 +156,7 @@ class Classes:
     @cached_property
     def command(self) -> type:
         """What is held between samples: the conditions, and the command of each program."""
-        programs = {name: type(program.command) for name, program in self.network.programs.items()}
+        programs = {name: type(program.type.command) for name, program in self.network.programs.items()}
         return named_tuple("Command", {"held": self.held, **programs})
 
     @cached_property

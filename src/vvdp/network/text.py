@@ -80,7 +80,7 @@ class Text:
                 return path
             if component.state is not None and what in component.state._fields:  # type: ignore[attr-defined]
                 return f"s.{path}"
-        if name in net.programs and what in type(net.programs[name].command)._fields:
+        if name in net.programs and what in type(net.programs[name].type.command)._fields:
             return f"u.{path}"
         raise self.places.unknown(where, path)
 

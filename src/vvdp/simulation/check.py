@@ -204,11 +204,11 @@ def _program_is_sound(name: str, program: Program, model: Model, case: Case) -> 
     _have_kinds(f"memory of {what}", memory)
     _have_kinds(f"command of {what}", command)
     if program.trigger is not None:
-        arguments = (0.0, state, case.command, params)
+        arguments = (0.0, state, case.command, params, settings)
         _finite(
             f"trigger of {what}",
             program.trigger,
-            _called(f"trigger of {what}", program.trigger, "t, state, command, params", *arguments),
+            _called(f"trigger of {what}", program.trigger, "t, state, command, params, settings", *arguments),
         )
 
 

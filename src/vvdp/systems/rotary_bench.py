@@ -3,20 +3,7 @@
 The two functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
 """
 
-from typing import TypedDict
-
-from vvdp.base.kinds import (
-    Angle,
-    AreaSignal,
-    DutySignal,
-    PositionSignal,
-    Power,
-    Pressure,
-    PressureSignal,
-    Speed,
-    SpeedSignal,
-    TemperatureSignal,
-)
+from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
 from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
@@ -31,66 +18,19 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Connection, Source
+from vvdp.systems.bench import RotaryBench
+from vvdp.systems.bench_tables import (
+    AxialOperation,
+    DriveMotor,
+    DutyOperation,
+    InitialBench,
+    InitialSupply,
+    Limits,
+    OrificeLoad,
+    PressureLoad,
+)
 from vvdp.systems.spool_encoder import EncoderTable, add_encoder
 from vvdp.valve.rotary import RotaryValve
-
-
-class OrificeLoad(Orifice):
-    """The load: an orifice to the tank whose area may be prescribed over time."""
-
-    area: AreaSignal
-
-
-class PressureLoad(Params):
-    """The load: a source that holds its pressure whatever flows."""
-
-    pressure: PressureSignal
-
-
-class DriveMotor(Params):
-    """The motor that turns the pump."""
-
-    rated_power: Power
-
-
-class Limits(Params):
-    """Bounds that are watched and reported."""
-
-    cavitation_pressure: Pressure
-
-
-class DutyOperation(Params):
-    """What is prescribed from outside, with the spool's axial position given as a duty ratio."""
-
-    pump_speed: SpeedSignal
-    oil_temperature: TemperatureSignal
-    duty_ratio: DutySignal
-    spool_motor_speed: SpeedSignal
-    tank_pressure: PressureSignal
-
-
-class AxialOperation(Params):
-    """What is prescribed from outside, with the spool's axial position."""
-
-    pump_speed: SpeedSignal
-    oil_temperature: TemperatureSignal
-    axial_position: PositionSignal
-    spool_motor_speed: SpeedSignal
-    tank_pressure: PressureSignal
-
-
-class InitialSupply(Params):
-    """Where a run starts."""
-
-    inlet_pressure: Pressure
-    spool_speed: Speed
-    spool_angle: Angle
-
-
-class InitialBench(InitialSupply):
-    """Where a run with a load line starts."""
-
-    load_pressure: Pressure
 
 
 def orifice_load(
@@ -129,7 +69,9 @@ def orifice_load(
         valve=valve,
         spool_drive=spool_drive,
         check_valve=check_valve,
-        **UNIT_START,
+        inlet_pressure="initial.inlet_pressure",
+        spool_angle="initial.spool_angle",
+        spool_speed="initial.spool_speed",
     )
     add_pump_unit(net, unit, joints(operation, valve))
     net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
@@ -172,7 +114,9 @@ def constant_load(
         valve=valve,
         spool_drive=spool_drive,
         check_valve=check_valve,
-        **UNIT_START,
+        inlet_pressure="initial.inlet_pressure",
+        spool_angle="initial.spool_angle",
+        spool_speed="initial.spool_speed",
     )
     add_pump_unit(net, unit, joints(operation, valve))
     _watch(net, encoder, spool_filter, initial)
