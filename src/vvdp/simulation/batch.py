@@ -163,8 +163,8 @@ def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
 
 def _counts(part: "_Carried") -> dict[str, npt.NDArray[np.int64]]:
     clocks = part.clocks
-    places = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
-    counts = {name: clocks[:, place].astype(np.int64) for name, place in places.items()}
+    named = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
+    counts = {name: clocks[:, place].astype(np.int64) for name, place in named.items()}
     counts["rejected"] = clocks[:, places.REJECTED].astype(np.int64)
     counts["steps"] = clocks[:, places.STEPS].astype(np.int64) - counts["rejected"]
     counts["samples"] = part.samples
