@@ -9,9 +9,9 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.signal import step, table
 from vvdp.simulation import batch as batches
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.layout import vectors
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import Stepping, simulate
-from vvdp.simulation.values import vectors
 
 REFERENCES = (8e5, 15e5, 20e5)
 STEPPING = Stepping(until=0.2)
@@ -101,7 +101,9 @@ def test_cases_of_other_shapes_are_refused_with_the_place(switching, cases):
     stepped = case(tank_pressure=step(1e5, 2e5, 0.1))
     assert simulate_batch(model, [cases[0], stepped], STEPPING, FROM).reasons == (None, None)
     other = replace(cases[0], memory={**cases[0].memory, "display": cases[0].memory["controller"]})
-    with pytest.raises(ParameterError, match=r"case 1 is not of .* case 0: memory\.display\.mean has no numbers"):
+    with pytest.raises(
+        ParameterError, match=r"case 1 is not of .* case 0: memory\.display\.duty_ratio is a number against nothing"
+    ):
         simulate_batch(model, [cases[0], other], STEPPING, FROM)
     with pytest.raises(ParameterError, match="at least one"):
         simulate_batch(model, [], STEPPING, FROM)

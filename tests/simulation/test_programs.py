@@ -369,7 +369,7 @@ def test_a_program_is_called_where_anothers_command_trips_its_trigger():
     memory = {"chief": Calls(0.0, 0.0), "helper": Calls(0.0, 0.0)}
     case = Case(Sum(0.0), Nothing(), Modes(Mode(0.0), Mode(0.0)), memory, {"chief": NOTHING, "helper": NOTHING})
     for programs in ({"chief": chief, "helper": helper}, {"helper": helper, "chief": chief}):
-        ordered = replace(case, memory={n: memory[n] for n in programs}, settings={n: NOTHING for n in programs})
+        ordered = replace(case, memory={n: memory[n] for n in programs}, settings=dict.fromkeys(programs, NOTHING))
         run = simulate(Model(still, programs=programs), ordered, stepping(0.95, sample_period=1.0))
         assert run.calls["helper"] == 3
         assert run.final_memory["helper"].last == pytest.approx(0.8)

@@ -14,13 +14,14 @@ from vvdp.base.errors import ParameterError, RunError
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.check import check_start
+from vvdp.simulation.layout import case_shape as case_shape
+from vvdp.simulation.layout import params_rows, vectors
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, marked_window
 from vvdp.simulation.prepare import Prepared, compiled_loop, prepared, started
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.stepping import Stepping
-from vvdp.simulation.values import leaves, params_rows, vectors
 
 MARKS_MEMORY = 2**28
 """Bytes for the marks of a batch; cases with more marks than there is room for are run a second time."""
@@ -163,8 +164,8 @@ def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
 
 def _counts(part: "_Carried") -> dict[str, npt.NDArray[np.int64]]:
     clocks = part.clocks
-    places = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
-    counts = {name: clocks[:, place].astype(np.int64) for name, place in places.items()}
+    named = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
+    counts = {name: clocks[:, place].astype(np.int64) for name, place in named.items()}
     counts["rejected"] = clocks[:, places.REJECTED].astype(np.int64)
     counts["steps"] = clocks[:, places.STEPS].astype(np.int64) - counts["rejected"]
     counts["samples"] = part.samples
@@ -228,28 +229,20 @@ def _carried(
     return _Carried._make(part[dealt] for part in parts)
 
 
-def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
-    """What must be the same in all cases of a batch: the names of the values, and their sizes where they change.
-
-    Parameters may be of any length: a constant and a step, say, are signals of one shape.
-    """
-    changing = {"state": case.state, "command": case.command}
-    changing |= {f"memory.{name}": value for name, value in case.memory.items()}
-    fixed = {"params": case.params} | {f"settings.{name}": value for name, value in case.settings.items()}
-    shape: list[tuple[str, object]] = []
-    for part, value in changing.items():
-        shape += [(f"{part}.{path}", np.size(leaf)) for path, leaf, _ in leaves(value)]
-    for part, value in fixed.items():
-        shape += [(f"{part}.{path}", "any") for path, _, _ in leaves(value)]
-    return tuple(shape)
-
-
 def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, object], ...]) -> str | None:
     if shape == other:
         return None
     mine, others = dict(shape), dict(other)
     name = next(name for name in (*mine, *others) if mine.get(name) != others.get(name))
-    return f"{name} has {mine.get(name, 'no')} numbers against {others.get(name, 'none')}"
+    return f"{name} is {_form(mine.get(name))} against {_form(others.get(name))}"
+
+
+def _form(found: object) -> str:
+    if found is None:
+        return "nothing"
+    if isinstance(found, str):
+        return f"a {found}"
+    return "a number" if found in (0, ()) else f"an array of {found if isinstance(found, tuple) else f'{found} axes'}"
 
 
 @contextmanager

@@ -85,7 +85,9 @@ def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
     """
     found: list[tuple[str, object]] = []
     for part, value in (("params", case.params), *((f"settings.{k}", v) for k, v in case.settings.items())):
-        found += [(path, "signal" if isinstance(leaf, Signal) else np.ndim(leaf)) for path, leaf in members(value, part)]
+        found += [
+            (path, "signal" if isinstance(leaf, Signal) else np.ndim(leaf)) for path, leaf in members(value, part)
+        ]
     held = [("state", case.state), ("command", case.command)]
     for part, value in (*held, *((f"memory.{k}", v) for k, v in case.memory.items())):
         found += [(path, np.shape(leaf)) for path, leaf in members(value, part)]

@@ -12,10 +12,11 @@ import numpy as np
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.check import check_model, check_times
+from vvdp.simulation.layout import Vectors, command_parts, vectors
 from vvdp.simulation.link import Linked, link, quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.stepping import Method, Stepping
-from vvdp.simulation.values import Vectors, command_parts, leaves, vectors
+from vvdp.simulation.values import leaves
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 from vvdp.base.errors import RunError
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
+from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.prepare import Prepared, Reached, started
@@ -19,7 +20,7 @@ from vvdp.simulation.prepare import is_loop_compiled as is_loop_compiled
 from vvdp.simulation.prepare import prepared as prepared
 from vvdp.simulation.stepping import Method as Method
 from vvdp.simulation.stepping import Stepping as Stepping
-from vvdp.simulation.values import as_memory, as_series, as_value, leaves, memory_parts, names
+from vvdp.simulation.values import as_series, as_value, leaves, names
 
 PORTION = 2e6
 """Evaluations between two looks at the keyboard: about a second."""
