@@ -106,12 +106,16 @@ ANGULAR_VARIANCE = Kind("angular variance", "rad^2", 0.0, 1e6, "3.5e-3 rad^2", u
 SPEED_VARIANCE = Kind(
     "variance of a rotational speed", "rad^2/s^2", 0.0, 1e10, "1000 rad^2/s^2", units=("rad^2/s^2", "rpm^2")
 )
+ANGLE_SPEED_COVARIANCE = Kind("covariance of an angle and its speed", "rad^2/s", -1e10, 1e10, "1 rad^2/s", units=("rad^2/s",))
 ACCELERATION_DENSITY = Kind(
     "spectral density of an angular acceleration", "rad^2/s^3", 0.0, 1e12, "0.25 rad^2/s^3", units=("rad^2/s^3",)
 )
 DRIFT = Kind("relative drift", "1", -0.1, 0.1, "1e-4")
 RATIO_DRIFT = Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")
 COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
+
+NUMBER = Kind("number", "1", -1e300, 1e300, "0")
+"""Of whatever a program counts with: the state of a generator, a flag, an evidence."""
 
 Scalar: TypeAlias = float
 """A float in formulas. Arrays of one shape and CasADi symbols pass through the same text."""
@@ -165,7 +169,9 @@ Coupling = Annotated[float, COUPLING]
 Drift = Annotated[float, DRIFT]
 RatioDrift = Annotated[float, RATIO_DRIFT]
 AngularVariance = Annotated[float, ANGULAR_VARIANCE]
+Number = Annotated[float, NUMBER]
 SpeedVariance = Annotated[float, SPEED_VARIANCE]
+AngleSpeedCovariance = Annotated[float, ANGLE_SPEED_COVARIANCE]
 AccelerationDensity = Annotated[float, ACCELERATION_DENSITY]
 
 PressureSignal = Annotated[Signal, PRESSURE_LEVEL]

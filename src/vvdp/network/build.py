@@ -54,10 +54,8 @@ def build(network: Network) -> Circuit:
         mark=getattr(module, "mark", no_mark),
         stop=module.stop,
     )
-    start = classes.start(**{value.name: value.value for value in classes.own_starts})
-    params = classes.params(**{name: value for name, (_, value) in places.fields.items()}, start=start)
     settings = {program.name: program.settings for program in written}
-    return Circuit(network, model, started_case(model, classes.command, params, settings), whole)
+    return Circuit(network, model, started_case(model, classes.command, classes.values, settings), whole)
 
 
 def _classes_by_name(classes: Classes) -> dict[str, Any]:

@@ -173,7 +173,16 @@ class Classes:
     @cached_property
     def params(self) -> type[Params]:
         """All values of the network."""
-        return params_class("Values", {**{n: hint for n, (hint, _) in self.places.fields.items()}, "start": self.start})
+        start = {"start": self.start} if self.own_starts else {}
+        return params_class("Values", {name: hint for name, (hint, _) in self.places.fields.items()} | start)
+
+    @property
+    def values(self) -> Params:
+        """The parameters with the values that the network was drawn with."""
+        found = {name: value for name, (_, value) in self.places.fields.items()}
+        if self.own_starts:
+            found["start"] = self.start(**{value.name: value.value for value in self.own_starts})
+        return self.params(**found)
 
     @cached_property
     def empty_books(self) -> Books:
