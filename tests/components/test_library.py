@@ -60,10 +60,6 @@ def test_start_and_stop_fit(component, meetings, call):
                 assert np.isfinite(call(component, component.mark, met))
 
 
-def test_a_file_can_give_the_values(component):
-    assert len(component.params) <= 1
-
-
 def test_arrays_and_symbols_give_the_same(component, meetings, met_argument):
     casadi = pytest.importorskip("casadi")
     for group in meetings(component):
