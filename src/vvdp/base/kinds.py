@@ -92,6 +92,7 @@ COUNT = Kind("count", "1", 0.0, 1e6, "3")
 RATIO = Kind("ratio", "1", 0.0, 1e6, "1.0")
 POWER = Kind("power", "W", 0.0, 1e9, "5.6 kW")
 ENERGY = Kind("energy", "J", -1e12, 1e12, "10 J", scale=1.0, accumulates=True)
+# Energy that a shaft, say, hands on to a neighbour, or takes from it: may fall where losses may not.
 EXCHANGED_ENERGY = Kind("energy handed on", "J", -1e12, 1e12, "10 J", scale=1.0, accumulates=True)
 EXCHANGED_POWER = Kind("power handed on", "W", -1e9, 1e9, "10 W")
 TANK_VOLUME = Kind("volume at tank conditions", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)

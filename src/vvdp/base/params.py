@@ -46,13 +46,21 @@ class Params:
     """
 
     def __init_subclass__(cls) -> None:
+        if "check" in cls.__annotations__:
+            raise ParameterError(f"{cls.__name__}.check: a field cannot be called so; `check` refuses values")
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
 
     def __post_init__(self) -> None:
         for name, kind in field_kinds(type(self)).items():
             if kind is None:
                 continue
-            for bound in _bounds(getattr(self, name), f"{type(self).__name__}.{name}"):
+            value = getattr(self, name)
+            if isinstance(value, str):
+                raise ParameterError(
+                    f"{type(self).__name__}.{name}: {value!r} is a text; expected a number in SI, as "
+                    f"vvdp.base.units.parsed({value!r}, kind) gives, for example of {kind.example!r}"
+                )
+            for bound in _bounds(value):
                 if fault := kind.fault(bound):
                     raise ParameterError(f"{type(self).__name__}.{name}: {fault}")
         self.check()
@@ -61,12 +69,8 @@ class Params:
         """Refuse values that contradict each other; a subclass overrides this where it has something to say."""
 
 
-def _bounds(value: Any, name: str) -> tuple[float, ...]:
+def _bounds(value: Any) -> tuple[float, ...]:
     """The numbers of a value that have to lie within its kind."""
     if isinstance(value, Signal):
         return value.extremes
-    try:
-        return tuple(map(float, value)) if isinstance(value, tuple) else (float(value),)
-    except (TypeError, ValueError):
-        hint = "; vvdp.base.units.parsed turns text with a unit into one" if isinstance(value, str) else ""
-        raise ParameterError(f"{name}: {value!r} is no number in SI units{hint}") from None
+    return tuple(map(float, value)) if isinstance(value, tuple) else (float(value),)

@@ -1,14 +1,7 @@
 """The program of an unloading valve: a pump is unloaded above one pressure and loaded again below another.
 
-Which of the two it is between them is a mode, not a state: it jumps, and belongs to a program that an event calls. Used
-with the valve `unloading_valve`:
-
-    def level(t, state, command, params):
-        return unloading_level(state.accumulator, params.unloading)
-
-    Program(measure=..., step=unloading_step, start=unloading_start, trigger=level, command=UnloadingCommand(0.0))
-
-with a `measure` that gives `UnloadingReading`. It works on samples as well, and is then late by up to a period.
+Which of the two it is between them is a mode, not a state: it jumps, and belongs to a program that an event calls. It
+commands the valve `unloading_valve`.
 """
 
 from typing import NamedTuple
@@ -17,6 +10,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Pressure
 from vvdp.base.params import Params
 from vvdp.base.select import clip, select
+from vvdp.network.program import ProgramType
 
 AT_LEVEL = 1e-6
 """Share of the distance of the two pressures within which one counts as reached: an event is found to rounding only."""
@@ -59,13 +53,13 @@ def unloading_start(settings: UnloadingSettings) -> UnloadingMemory:
     return UnloadingMemory(0.0)
 
 
-def unloading_level(pilot_pressure: float, settings: UnloadingSettings) -> float:
+def unloading_level(reading: UnloadingReading, settings: UnloadingSettings) -> float:
     """Where the pilot pressure is [1]: 0 at cut-in and 1 at cut-out; its floor changes there and nowhere else.
 
-    pilot_pressure  absolute [Pa]
+    reading  pilot pressure, absolute [Pa]
     """
     low, high = settings.cut_in_pressure, settings.cut_out_pressure
-    level: float = clip((pilot_pressure - low) / (high - low), -0.5, 1.5)
+    level: float = clip((reading.pilot_pressure - low) / (high - low), -0.5, 1.5)
     return level
 
 
@@ -73,7 +67,12 @@ def unloading_step(
     t: float, memory: UnloadingMemory, reading: UnloadingReading, settings: UnloadingSettings
 ) -> tuple[UnloadingMemory, UnloadingCommand]:
     """Unloaded from cut-out on, loaded from cut-in down, and as before in between."""
-    level = unloading_level(reading.pilot_pressure, settings)
+    level = unloading_level(reading, settings)
     kept = select(level <= AT_LEVEL, 0.0, memory.unloaded)
     unloaded = select(level >= 1.0 - AT_LEVEL, 1.0, kept)
     return UnloadingMemory(unloaded), UnloadingCommand(unloaded)
+
+
+UNLOADING = ProgramType(
+    unloading_step, UnloadingReading, UnloadingCommand(0.0), UnloadingSettings, unloading_start, unloading_level
+)

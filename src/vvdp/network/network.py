@@ -3,7 +3,7 @@
 import keyword
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from vvdp.base.errors import NetworkError
@@ -31,7 +31,8 @@ from vvdp.network.nodes import (
     Tank,
     kind_of_node,
 )
-from vvdp.simulation.model import no_memory
+from vvdp.network.program import ProgramType
+from vvdp.sensing.instrument import Instrument
 
 ROOM_TEMPERATURE = constant(313.15)
 """Temperature of the oil where none is given: 40 degC, at which data sheets give the density."""
@@ -60,21 +61,17 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Watcher:
-    """A program in its place; `reads` says where each field of its reading comes from, `sensors` what it goes through."""
+class ProgramPart:
+    """A program in its place: what it reads, its values, the sensors before it, and when it is called [s]."""
 
     name: str
-    step: Callable[..., Any]
-    reading: type
+    type: ProgramType
+    settings: Params | None
     reads: Mapping[str, str]
-    command: Any
-    settings: Any = None
-    start: Callable[..., Any] = no_memory
-    sensors: Mapping[str, Any] = field(default_factory=dict)
-    trigger: Callable[..., Any] | None = None
-    period: float | None = None
-    phase: float = 0.0
-    latency: float = 0.0
+    sensors: Mapping[str, Instrument]
+    period: float | None
+    phase: float
+    latency: float
 
 
 class Network:
@@ -83,7 +80,7 @@ class Network:
     `values` are parameter classes that components share, or that hold the signals that are connected to them; they
     appear under their names in the parameters of the circuit. Each method that adds raises `NetworkError` where a
     name is taken or cannot be one, a node is unknown, a port is open or joins the wrong kind of node, or an input is
-    missing.
+    missing. `extras` makes of a system what it brings along beyond others: numbers, figures.
     """
 
     def __init__(self, oil: Oil, *, temperature: Signal = ROOM_TEMPERATURE, **values: Params) -> None:
@@ -92,8 +89,9 @@ class Network:
         self.values: dict[str, Params] = {"oil": oil, **values}
         self.nodes: dict[str, Node] = {}
         self.parts: dict[str, Part] = {}
-        self.programs: dict[str, Watcher] = {}
+        self.programs: dict[str, ProgramPart] = {}
         self.positions: dict[str, tuple[float, float]] = {}
+        self.extras: Callable[[Any], Any] | None = None
 
     def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
         """Add oil under one pressure, at first `start` [Pa, absolute]."""
@@ -143,19 +141,33 @@ class Network:
         self._check_oils(name, component, nodes)
         self.parts[name] = Part(name, component, values, nodes, inputs, start)
 
-    def program(self, name: str, step: Callable[..., Any], reading: type, command: Any, **more: Any) -> None:
-        """Add a program `step(t, memory, reading, settings) -> (memory, command)`.
+    def program(
+        self,
+        name: str,
+        type: ProgramType,
+        settings: Params | None = None,
+        *,
+        reads: Mapping[str, str],
+        sensors: Mapping[str, Instrument] | None = None,
+        period: float | None = None,
+        phase: float = 0.0,
+        latency: float = 0.0,
+    ) -> None:
+        """Add a program that is called at `phase` and every `period` [s], and acts `latency` [s] later.
 
-        `reading` is the NamedTuple that it reads; `reads` (a mapping) gives the path of each of its fields: "t", a
-        node's "inlet.pressure", an output "load.flow", another program's "encoder.speed". More, by keyword: the fields
-        of `Watcher`.
+        `reads` gives the path of each field of its reading: "t", a node's "inlet.pressure", a result "load.flow",
+        another program's "encoder.speed"; `sensors` the instruments through which fields are measured.
         """
         self._check_name(name)
-        reads = dict(more.pop("reads", {}))
-        if set(reads) != set(reading._fields):  # type: ignore[attr-defined]
-            odd = ", ".join(sorted(set(reads) ^ set(reading._fields)))  # type: ignore[attr-defined]
+        fields = set(type.reading._fields)  # type: ignore[attr-defined]
+        if set(reads) != fields:
+            odd = ", ".join(sorted(set(reads) ^ fields))
             raise NetworkError(f"{name}: its reading and what `reads` gives differ in {odd}")
-        self.programs[name] = Watcher(name, step, reading, reads, command, **more)
+        if unknown := set(sensors or {}) - fields:
+            raise NetworkError(f"{name}: a sensor for {', '.join(sorted(unknown))}, which it does not read")
+        if type.settings is not None and not isinstance(settings, type.settings):
+            raise NetworkError(f"{name}: settings are {settings!r}; expected {type.settings.__name__}")
+        self.programs[name] = ProgramPart(name, type, settings, dict(reads), dict(sensors or {}), period, phase, latency)
 
     def place(self, name: str, x: float, y: float) -> None:
         """Draw the node or component `name` at a place of the diagram's grid."""

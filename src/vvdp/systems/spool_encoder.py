@@ -18,6 +18,7 @@ from vvdp.estimation.event_filter import (
     event_filter_step,
 )
 from vvdp.network.network import Network
+from vvdp.network.program import ProgramType
 from vvdp.numerics.tableaus import Array
 from vvdp.sensing.encoder import (
     NO_FAULTS,
@@ -142,14 +143,9 @@ def add_encoder(net: Network, spool: str, table: EncoderTable, values: EventFilt
         innovation_deviation=0.0,
         missed_edges=0.0,
     )
+    watch = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
     net.program(
-        "encoder",
-        watch_step,
-        Shaft,
-        unknown,
-        reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"},
-        settings=settings,
-        start=watch_start,
+        "encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"}
     )
 
 
