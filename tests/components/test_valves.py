@@ -334,7 +334,7 @@ def test_unloading_has_two_levels():
 
 def test_unloading_is_called_where_it_acts_and_nowhere_else():
     bar = np.arange(5.0, 250.0, 0.25)
-    floors = np.floor(unloading_level(bar * 1e5, LEVELS))
+    floors = np.floor(unloading_level(UnloadingReading(bar * 1e5), LEVELS))
     assert bar[1:][np.diff(floors) != 0.0].tolist() == [110.0, 160.0]
 
 
