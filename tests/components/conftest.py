@@ -39,6 +39,7 @@ VALUES: dict[str, list[dict[str, float]]] = {
         {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 0.0},
         {"cracking_pressure": 8e6, "override_pressure": 0.0, "opening_time": 0.0},
     ],
+    "ShockValve": [{"override_pressure": 1e6, "opening_time": 0.0}, {"override_pressure": 1e6, "opening_time": 2e-3}],
     "ReducingValve": [
         {"closing_pressure": 1e7, "override_pressure": 8e6, "opening_time": 0.0},
         {"closing_pressure": 1e7, "override_pressure": 8e6, "opening_time": 5e-3},
@@ -49,6 +50,7 @@ VALUES: dict[str, list[dict[str, float]]] = {
     "Characteristic": [{"dead_band": 0.05, "rangeability": 1.0}, {"dead_band": 0.2, "rangeability": 30.0}],
     "SwitchingValve": [{"stroke": 1e-2, "lap": 1e-3}, {"stroke": 1e-2, "lap": -5e-3}],
     "TwoWayValve": [{"normally_open": 0.0}, {"normally_open": 1.0}],
+    "EndStop": [{"lower_end": -5e-3, "upper_end": 1e-2}],
     "FlowSource": [{"counted_at_outlet": 0.0}, {"counted_at_outlet": 1.0}],
 }
 OIL = Oil(

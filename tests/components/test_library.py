@@ -12,7 +12,7 @@ from vvdp.base.params import Params
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import Passage, passage
 from vvdp.network.component import Component
-from vvdp.simulation.link import _make_compilable, reachable
+from vvdp.simulation.reach import compiled_form, reachable
 from vvdp.simulation.values import names
 
 ROUNDING = 1e-12
@@ -60,10 +60,6 @@ def test_start_and_stop_fit(component, meetings, call):
                 assert np.isfinite(call(component, component.mark, met))
 
 
-def test_a_file_can_give_the_values(component):
-    assert len(component.params) <= 1
-
-
 def test_arrays_and_symbols_give_the_same(component, meetings, met_argument):
     casadi = pytest.importorskip("casadi")
     for group in meetings(component):
@@ -94,9 +90,10 @@ def test_arrays_and_symbols_give_the_same(component, meetings, met_argument):
 def test_compiled_code_gives_the_same(component, meetings, met_argument):
     from numba import njit
 
-    found: dict = {}
-    reachable(component.law, found)
-    _make_compilable(found)
+    from vvdp.simulation.compiled import make_compilable
+
+    for function, _ in reachable(component.law, {}).values():
+        make_compilable(function, compiled_form(function))
     compiled = njit(error_model="numpy")(component.law)
     for group in meetings(component):
         cases = [[met_argument(a, met) for a in component.arguments] for met in group[:10]]

@@ -32,6 +32,7 @@ from vvdp.components.self_acting_valves import (
     reducing_start,
     reducing_valve,
     relief_valve,
+    shock_valve,
 )
 from vvdp.components.switching_valves import (
     ModulatedThreeWayValve,
@@ -65,7 +66,7 @@ from vvdp.hydraulics.pilot_check_valve import PilotCheckValve
 from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.proportional_valve import OpeningState, ProportionalValve
 from vvdp.hydraulics.reducing_valve import ReducingValve
-from vvdp.hydraulics.relief_valve import ReliefState, ReliefValve
+from vvdp.hydraulics.relief_valve import ReliefState, ReliefValve, ShockValve
 from vvdp.hydraulics.seat_valve import SeatValve
 from vvdp.hydraulics.switching_valve import SpoolState
 
@@ -143,6 +144,16 @@ def test_relief_valve_in_its_three_limits(at):
     assert relief_valve(at(60e5), tank, -4e-4, ReliefState(0.0), relief(0.0)).flow == 0.0
     assert relief_valve(at(59e5), tank, 4e-4, ReliefState(0.0), relief(0.0)).flow == 0.0
     assert relief_valve(at(60e5), at(61e5), 4e-4, ReliefState(0.0), relief(0.0)).flow == 0.0
+
+
+@pytest.mark.parametrize("time", [0.0, 2e-3])
+def test_a_shock_valve_is_a_relief_valve_with_an_override(at, time):
+    values = ShockValve(cracking_pressure=60e5, override_pressure=5e5, rated_flow=6e-4, opening_time=time)
+    for a, b in ((62.5e5, 1e5), (30e5, 1e5), (62.5e5, 70e5)):
+        expected = relief_valve(at(a), at(b), 1.0, ReliefState(0.3), relief(5e5, time))
+        assert shock_valve(at(a), at(b), ReliefState(0.3), values) == expected
+    with pytest.raises(ParameterError, match="override_pressure"):
+        ShockValve(cracking_pressure=60e5, override_pressure=0.0, rated_flow=6e-4, opening_time=0.0)
 
 
 def test_reducing_valve(at):
@@ -323,7 +334,7 @@ def test_unloading_has_two_levels():
 
 def test_unloading_is_called_where_it_acts_and_nowhere_else():
     bar = np.arange(5.0, 250.0, 0.25)
-    floors = np.floor(unloading_level(bar * 1e5, LEVELS))
+    floors = np.floor(unloading_level(UnloadingReading(bar * 1e5), LEVELS))
     assert bar[1:][np.diff(floors) != 0.0].tolist() == [110.0, 160.0]
 
 

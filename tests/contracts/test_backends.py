@@ -12,7 +12,8 @@ import pytest
 
 from vvdp.base.params import Params
 from vvdp.fluid import mixture
-from vvdp.simulation.link import _make_compilable, link, reachable
+from vvdp.simulation.link import link
+from vvdp.simulation.reach import compiled_form, reachable
 from vvdp.simulation.values import as_series, flat, leaves, names, rebuilt
 from vvdp.systems.system import load_system, shipped
 
@@ -373,13 +374,14 @@ def numbers_of_arguments(arguments: list[Any]) -> list[float]:
 def test_every_formula_agrees_between_floats_and_compiled_code(formula_modules, functions_of, components):
     from numba import njit
 
+    from vvdp.simulation.compiled import make_compilable
+
     count = 0
     for module, name, function in formulas(formula_modules, functions_of):
         if name in REFUSING:
             continue
-        found: dict = {}
-        reachable(function, found)
-        _make_compilable(found)
+        for reached, _ in reachable(function, {}).values():
+            make_compilable(reached, compiled_form(reached))
         compiled = njit(error_model="numpy")(function)
         rng = np.random.default_rng(5)
         cases = [sampled(module, name, function, components, rng) for _ in range(20)]

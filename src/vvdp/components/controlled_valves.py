@@ -110,5 +110,5 @@ def series_throttles(
 PROPORTIONAL_VALVE = Component(proportional_valve, symbol="proportional_valve")
 METERING_VALVE = Component(metering_valve, symbol="proportional_valve")
 UNLOADING_VALVE = Component(unloading_valve, symbol="unloading_valve")
-DUMP_VALVE = Component(dump_valve, symbol="dump_valve", start=dump_start)
-SERIES_THROTTLES = Component(series_throttles, symbol="throttles")
+DUMP_VALVE = Component(dump_valve, symbol="switching_valve_2_2", start=dump_start)
+SERIES_THROTTLES = Component(series_throttles, symbol="two_orifices")

@@ -12,7 +12,14 @@ from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, lifting_drop
 from vvdp.hydraulics.ports import Surplus
 from vvdp.hydraulics.proportional_valve import OpeningState
 from vvdp.hydraulics.reducing_valve import ReducingValve, reducing_flow, reducing_opening, reducing_opening_rate
-from vvdp.hydraulics.relief_valve import ReliefState, ReliefValve, relief_flow, relief_opening_rate
+from vvdp.hydraulics.relief_valve import (
+    ReliefState,
+    ReliefValve,
+    ShockValve,
+    relief_flow,
+    relief_opening_rate,
+    throttled_relief_flow,
+)
 from vvdp.network.component import Component
 
 
@@ -93,6 +100,16 @@ def relief_valve(
     return ReliefPassage(flow, loss, ReliefState(relief_opening_rate(a.pressure, state.opening, values)))
 
 
+def shock_valve(a: FluidState, b: FluidState, state: ReliefState, values: ShockValve) -> ReliefPassage:
+    """Relief valve with an override that limits the pressure at a, also where others do at the same volume.
+
+    `relief_valve` needs the flows of everything else at its volume, so that two of them, each from one side of a
+    motor to the other, would wait for each other.
+    """
+    flow, loss = passage(throttled_relief_flow(a.pressure, b.pressure, state.opening, values), a, b)
+    return ReliefPassage(flow, loss, ReliefState(relief_opening_rate(a.pressure, state.opening, values)))
+
+
 def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> ReducingPassage:
     """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
     y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
@@ -113,5 +130,6 @@ def flow_control_valve(a: FluidState, b: FluidState, values: FlowControlValve, o
 CHECK_VALVE = Component(check_valve, symbol="check_valve", start=check_start)
 PILOT_CHECK_VALVE = Component(pilot_check_valve, symbol="pilot_check_valve", start=pilot_check_start)
 RELIEF_VALVE = Component(relief_valve, symbol="relief_valve")
+SHOCK_VALVE = Component(shock_valve, symbol="relief_valve")
 REDUCING_VALVE = Component(reducing_valve, symbol="reducing_valve", start=reducing_start)
 FLOW_CONTROL_VALVE = Component(flow_control_valve, symbol="flow_control_valve")

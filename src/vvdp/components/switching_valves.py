@@ -220,11 +220,11 @@ def _two_way(
     return TwoWayPassage(flow, loss, spool_rate(command, state, values), area)
 
 
-SWITCHING_VALVE = Component(switching_valve, symbol="switching_valve")
-PULSED_SWITCHING_VALVE = Component(pulsed_switching_valve, symbol="switching_valve", stop=pulsed_switching_stop)
+SWITCHING_VALVE = Component(switching_valve, symbol="switching_valve_3_2")
+PULSED_SWITCHING_VALVE = Component(pulsed_switching_valve, symbol="switching_valve_3_2", stop=pulsed_switching_stop)
 MODULATED_SWITCHING_VALVE = Component(
-    modulated_switching_valve, symbol="switching_valve", stop=modulated_switching_stop
+    modulated_switching_valve, symbol="switching_valve_3_2", stop=modulated_switching_stop
 )
-TWO_WAY_VALVE = Component(two_way_valve, symbol="two_way_valve")
-PULSED_TWO_WAY_VALVE = Component(pulsed_two_way_valve, symbol="two_way_valve", stop=pulsed_two_way_stop)
-MODULATED_TWO_WAY_VALVE = Component(modulated_two_way_valve, symbol="two_way_valve", stop=modulated_two_way_stop)
+TWO_WAY_VALVE = Component(two_way_valve, symbol="switching_valve_2_2")
+PULSED_TWO_WAY_VALVE = Component(pulsed_two_way_valve, symbol="switching_valve_2_2", stop=pulsed_two_way_stop)
+MODULATED_TWO_WAY_VALVE = Component(modulated_two_way_valve, symbol="switching_valve_2_2", stop=modulated_two_way_stop)

@@ -33,6 +33,15 @@ class ReliefValve(Params):
             )
 
 
+class ShockValve(ReliefValve):
+    """A relief valve with an override, which needs to know nothing of its volume but the pressure."""
+
+    def check(self) -> None:
+        super().check()
+        if self.override_pressure <= 0.0:
+            raise ParameterError("ShockValve.override_pressure: 0 Pa; expected one above zero, or take a relief valve")
+
+
 class ReliefState(NamedTuple):
     """Opening of a relief valve, 1 at its rated point."""
 
