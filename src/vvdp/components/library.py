@@ -30,6 +30,7 @@ from vvdp.components.self_acting_valves import (
     PILOT_CHECK_VALVE,
     REDUCING_VALVE,
     RELIEF_VALVE,
+    SHOCK_VALVE,
 )
 from vvdp.components.shafts import LOAD_TORQUE, ROTOR, SHAFT_FRICTION, TORSION_SPRING
 from vvdp.components.switching_valves import (
@@ -95,6 +96,7 @@ COMPONENTS = _by_name(
     ROTOR,
     SERIES_THROTTLES,
     SHAFT_FRICTION,
+    SHOCK_VALVE,
     SPRING,
     SWITCHING_VALVE,
     THROTTLED_DIRECTIONAL_VALVE,
