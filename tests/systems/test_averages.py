@@ -67,5 +67,5 @@ def test_means_do_not_depend_on_what_is_recorded(ran):
     """They come from integral states."""
     fine, _ = ran("prototype-constant-load", [], "0.3 s")
     coarse, _ = ran("prototype-constant-load", ["run.window_interval=5 ms", "run.record_interval=50 ms"], "0.3 s")
-    for key in ("mean_load_flow_m3_s", "loss_total_W", "pwm_frequency_Hz", "mean_inlet_pressure_Pa"):
+    for key in ("mean_load_flow_m3_s", "loss_total_W", "pwm_frequency_Hz", "pressure_mean_inlet_Pa"):
         assert coarse[key] == fine[key]

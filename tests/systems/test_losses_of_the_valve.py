@@ -74,7 +74,7 @@ def test_relief_valve_with_an_override(ran):
     found, _ = ran(BENCH, [*STIFF, "relief_valve.override_pressure=10 bar"], UNTIL)
     check_books(found)
     assert throttled(found) == pytest.approx(1802.0, rel=5e-3)
-    assert found["inlet_pressure_max_Pa"] == pytest.approx(129.8e5, rel=5e-3)
+    assert found["pressure_max_inlet_Pa"] == pytest.approx(129.8e5, rel=5e-3)
 
 
 @pytest.mark.parametrize(("lap", "loss"), [(0.8, 1353.0), (0.5, 1264.0), (1.2, 2234.0)])

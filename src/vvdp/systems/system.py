@@ -46,7 +46,8 @@ class RunTable(Params):
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from the tables; None where the file draws it itself.
+    `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
+    tables of the file. Modules that the file names are looked for in `folder`.
     """
 
     name: str
@@ -57,7 +58,9 @@ class System:
     tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
+    folder: Path = Path()
     function: NetworkFunction | None = None
+    redrawn: bool = False
 
     @property
     def model(self) -> Model:
@@ -80,12 +83,30 @@ class System:
         """The values that are merely assumed."""
         return tuple(row for row in self.rows if row.status == "assumed")
 
+    @property
+    def table(self) -> Table:
+        """What it was read from, settings included."""
+        return Table(self.name, self.content, {})
+
+    def read_from(self, table: Table) -> "System":
+        """The system of another text in the same place. Raises ConfigError with all its faults."""
+        return built_system(table, self.name, self.folder)
+
     def with_tables(self, tables: Mapping[str, Any]) -> "System":
         """The same system drawn from other tables."""
         assert self.function is not None
         names = table_slots(self.function)
         network = self.function(**{name: table for name, table in tables.items() if name in names})
-        return replace(self, circuit=build_circuit(network), tables=tables)
+        return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A system travels to other processes as its text: its functions are written anew where it arrives."""
+        return _arrived, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
+
+
+def _arrived(table: Table, name: str, folder: Path, tables: Mapping[str, Any] | None) -> System:
+    found = built_system(table, name, folder)
+    return found if tables is None else found.with_tables(tables)
 
 
 def shipped() -> dict[str, str]:
@@ -207,6 +228,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         tables=values,
         rows=tuple(rows),
         content=table.content,
+        folder=folder,
         function=function,
     )
 
