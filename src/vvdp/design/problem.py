@@ -14,7 +14,7 @@ from vvdp.base.tables import nearest, read_table, with_settings
 from vvdp.base.units import ATMOSPHERE, in_unit, parsed
 from vvdp.design.quantities import KINDS, Quantities, Setup, quantities, setup
 from vvdp.design.variables import VARIABLES, Variable, changed, value_in
-from vvdp.systems.bench import AxialOperation, rotary_bench
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 
 _STATEMENT = re.compile(r"\s*(\w+)\s*(>=|<=|=|≥|≤)\s*(.+?)\s*\Z")
@@ -224,7 +224,7 @@ def require_flow(system: System) -> None:
 
 def _check_variables(system: System, bounds: Sequence[Bound], faults: list[Fault]) -> None:
     names = {bound.variable.name for bound in bounds}
-    if "helix_length" in names and isinstance(rotary_bench(system, "design").operation, AxialOperation):
+    if "helix_length" in names and rotary_bench(system, "design").is_placed:
         message = "would change the duty ratio: give operation.duty_ratio instead of operation.axial_position"
         faults.append(Fault("--bound", 0, "helix_length", message))
 

@@ -10,7 +10,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import DutyRatio, Pressure, Speed, Temperature
 from vvdp.base.signal import constant
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.hydraulics.orifice import orifice_area_for
+from vvdp.hydraulics.orifice import Orifice, orifice_area_for
 from vvdp.rigs.cycle import SLOWEST, CycleMeans, CyclePoint, cycle_means
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Stepping
@@ -189,8 +189,9 @@ class Stand:
         drop = point.load_pressure - self.tank_pressure
         if delivered < SMALLEST_SHARE * self.pump_flow(point) or drop <= 0.0:
             return None
-        rho = float(density(point.oil_temperature, self.bench.oil))
-        return float(orifice_area_for(delivered, drop, rho, self.bench.load))
+        rho, load = float(density(point.oil_temperature, self.bench.oil)), self.bench.load
+        assert isinstance(load, Orifice)
+        return float(orifice_area_for(delivered, drop, rho, load))
 
 
 def stand(system: System, verb: str = "rig") -> Stand:

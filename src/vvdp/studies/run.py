@@ -16,9 +16,9 @@ import numpy as np
 
 import vvdp
 from vvdp.base.errors import ConfigError, Fault, RunError
-from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Table, copied, described, nearest, with_settings
+from vvdp.base.tables import Sourced, Table, copied, nearest, with_settings
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.outcome import Outcome, Window, outcome
@@ -175,17 +175,14 @@ def _key(system: System, digest: str, stepping: tuple[str, ...]) -> str:
 def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, str]]:
     """Value [SI] and unit of what a case sets; text for a value that changes over time or is none."""
     rows = {f"{row.table}.{row.key}": row for row in system.rows}
-    return {
-        key: _input(rows[key].value, rows[key].kind) if key in rows else (str(value), "1")
-        for key, value in settings.items()
-    }
+    return {key: _input(rows[key]) if key in rows else (str(value), "1") for key, value in settings.items()}
 
 
-def _input(value: float | Signal, kind: Kind) -> tuple[float | str, str]:
-    if isinstance(value, Signal) and not value.is_constant:
-        return described(value, kind), "1"
-    unit = "Pa absolute" if kind is PRESSURE_LEVEL else kind.unit
-    return (value.base if isinstance(value, Signal) else value), unit
+def _input(row: Sourced) -> tuple[float | str, str]:
+    value = row.value.base if isinstance(row.value, Signal) and row.value.is_constant else row.value
+    if isinstance(value, Signal | tuple):
+        return row.displayed, "1"
+    return value, "Pa absolute" if row.kind is PRESSURE_LEVEL else row.kind.unit
 
 
 def _check_outputs(study: Study, base: System) -> None:

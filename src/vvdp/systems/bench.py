@@ -162,17 +162,22 @@ class RotaryBench:
         return self.oil.reference_pressure
 
     @property
+    def is_placed(self) -> bool:
+        """Whether the axial position is prescribed, not the duty ratio."""
+        return isinstance(self.operation, AxialOperation)
+
+    @property
     def duty_ratio(self) -> Signal:
         """The duty ratio, or the axial position over the helix length."""
         if isinstance(self.operation, DutyOperation):
             return self.operation.duty_ratio
-        return _scaled(self.operation.axial_position, 1.0 / self.valve.helix_length)
+        return _mapped(self.operation.axial_position, lambda x: x / self.valve.helix_length)
 
     @property
     def axial_position(self) -> Signal:
         """The axial position of the spool [m]."""
         if isinstance(self.operation, DutyOperation):
-            return _scaled(self.operation.duty_ratio, self.valve.helix_length)
+            return _mapped(self.operation.duty_ratio, lambda d: d * self.valve.helix_length)
         return self.operation.axial_position
 
     @property
@@ -390,12 +395,9 @@ def _held(table: Any) -> Any:
     return replace(table, **{name: constant(signal_value(0.0, value)) for name, value in signals.items()})
 
 
-def _scaled(x: Signal, factor: float) -> Signal:
+def _mapped(x: Signal, scaled: Callable[[float], float]) -> Signal:
     return replace(
-        x,
-        base=factor * x.base,
-        change=tuple(factor * change for change in x.change),
-        amplitude=tuple(factor * amplitude for amplitude in x.amplitude),
+        x, base=scaled(x.base), change=tuple(map(scaled, x.change)), amplitude=tuple(map(scaled, x.amplitude))
     )
 
 

@@ -46,7 +46,7 @@ def summary(system: System, run: Run) -> Summary:
     extras = system.extras
     if extras is None:
         return simulated
-    return simulated | extras.recorded(run) | extras.closed_forms(simulated)
+    return {**simulated, **extras.recorded(run), **extras.closed_forms(simulated)}
 
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
