@@ -8,8 +8,8 @@ from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Cylinder, Plunger, cylinder_force, plunger_force, wall_a, wall_b
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.friction import ExchangedPower, RodFriction, rod_friction_force
-from vvdp.hydraulics.ports import RodState, Wall
+from vvdp.hydraulics.friction import RodFriction, rod_friction_force
+from vvdp.hydraulics.ports import ExchangedPower, RodState, Wall
 from vvdp.hydraulics.rod import (
     EndStop,
     Spring,

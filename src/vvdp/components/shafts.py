@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 from vvdp.base.books import Stored
 from vvdp.base.kinds import Power, Torque
-from vvdp.hydraulics.friction import ExchangedPower, ShaftFriction, shaft_friction_torque
-from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
+from vvdp.hydraulics.friction import ShaftFriction, shaft_friction_torque
+from vvdp.hydraulics.ports import ExchangedPower, ShaftSpeed, ShaftState
 from vvdp.hydraulics.shaft import Rotor, TorsionSpring, torsion_energy, torsion_torque
 from vvdp.network.component import Component
 
