@@ -171,8 +171,9 @@ def test_compiled_code_gives_what_floats_give(oil):
     from vvdp.simulation.link import _make_compilable, reachable
 
     found: dict = {}
-    for component in COMPONENTS.values():
-        reachable(component.law, found)
+    functions = [(c, f) for c in COMPONENTS.values() for f in (c.law, c.walls, c.stored) if f]
+    for _, function in functions:
+        reachable(function, found)
     _make_compilable(found)
 
     def record(value):
@@ -182,9 +183,10 @@ def test_compiled_code_gives_what_floats_give(oil):
         return namedtuple(type(value).__name__, names)(*(getattr(value, n) for n in names))
 
     rng = np.random.default_rng(5)
-    for component in COMPONENTS.values():
-        compiled = njit(error_model="numpy")(component.law)
-        for given in [drawn(component, rng, oil) for _ in range(20)]:
-            plain = np.array(flat(component.law(**given)))
-            values = np.array(flat(compiled(*map(record, given.values()))))
-            assert np.all(np.abs(values - plain) <= 1e-12 * np.abs(plain).max()), component.name
+    for component, function in functions:
+        compiled = njit(error_model="numpy")(function)
+        for case in [drawn(component, rng, oil) for _ in range(20)]:
+            given = [case[a.name] for a in component.arguments_of(function)]
+            plain = np.array(flat(function(*given)))
+            values = np.array(flat(compiled(*map(record, given))))
+            assert np.all(np.abs(values - plain) <= 1e-12 * np.abs(plain).max()), function.__name__

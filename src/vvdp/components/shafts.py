@@ -63,6 +63,6 @@ def load_torque(shaft: ShaftSpeed, torque: Torque) -> ShaftLoad:
 
 
 SHAFT_FRICTION = Component(shaft_friction, symbol="friction")
-ROTOR = Component(rotor, symbol="rotor", inertia=rotor_inertia)
+ROTOR = Component(rotor, symbol="inertia", inertia=rotor_inertia)
 TORSION_SPRING = Component(torsion_spring, symbol="spring", stored=torsion_spring_stored)
 LOAD_TORQUE = Component(load_torque, symbol="torque")
