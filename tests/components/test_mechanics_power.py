@@ -163,6 +163,7 @@ def test_arrays_and_symbols_give_what_floats_give(oil, name):
     assert np.max(np.abs(traced - plain) / scale) < 1e-12
 
 
+@pytest.mark.slow
 def test_compiled_code_gives_what_floats_give(oil):
     from collections import namedtuple
 
