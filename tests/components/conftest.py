@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 """Laws that every component of the library keeps, whoever writes it: found by scanning, met at random values.
 
 A component whose values cannot be made from the examples of their kinds has a row in `VALUES`.
@@ -263,26 +262,8 @@ def call_fixture() -> Callable[..., Any]:
 @pytest.fixture(scope="session", name="met_argument")
 def met_argument_fixture() -> Callable[..., Any]:
     return met_argument
-=======
-import pytest
-
-from vvdp.fluid.oil import Oil
->>>>>>> mechanics
 
 
 @pytest.fixture(scope="session")
 def oil() -> Oil:
-<<<<<<< HEAD
     return OIL
-=======
-    return Oil(
-        density=876.0,
-        thermal_expansion=7e-4,
-        viscosity_40=44.2e-6,
-        viscosity_100=6.8e-6,
-        liquid_bulk_modulus=1.4e9,
-        air_fraction=0.01,
-        polytropic_exponent=1.4,
-        reference_pressure=101325.0,
-    )
->>>>>>> mechanics
