@@ -1,0 +1,1 @@
+"""Networks: circuits as graphs of nodes and components."""
