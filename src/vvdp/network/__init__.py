@@ -1,1 +1,1 @@
-"""Networks: circuits as graphs of nodes and components."""
+"""Networks: nodes and components that write the circuit a person would have written."""
