@@ -45,7 +45,8 @@ def test_one_state_by_hand(make_oil):
 
 def test_parts_are_the_parts_of_the_state(make_oil):
     oil = make_oil()
-    assert (specific_volume_ratio(5e6, oil), bulk_modulus(5e6, oil), enthalpy(5e6, oil)) == fluid_state(5e6, oil)
+    parts = 5e6, specific_volume_ratio(5e6, oil), bulk_modulus(5e6, oil), enthalpy(5e6, oil)
+    assert parts == fluid_state(5e6, oil)
 
 
 @settings(deadline=None)

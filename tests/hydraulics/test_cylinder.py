@@ -20,7 +20,7 @@ from vvdp.hydraulics.orifice import Orifice, orifice_flow
 from vvdp.hydraulics.volume import Vessel
 
 REF = 101325.0
-STIFF = FluidState(1.0, 1e9, 0.0)
+STIFF = FluidState(1e5, 1.0, 1e9, 0.0)
 
 
 def chamber(volume, compliance):

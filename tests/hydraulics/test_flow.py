@@ -13,7 +13,7 @@ PRESSURES = st.floats(1e3, 5e7)
 
 
 def test_passage_counts_the_side_the_oil_comes_from():
-    dense, thin = FluidState(0.98, 1e9, 1e7), FluidState(1.0, 1e9, 0.0)
+    dense, thin = FluidState(1e5, 0.98, 1e9, 1e7), FluidState(1e5, 1.0, 1e9, 0.0)
     forward = passage(4.9e-4, dense, thin)
     assert forward.flow == pytest.approx(5e-4, rel=1e-15)  # 4.9e-4 / 0.98
     assert forward.loss == pytest.approx(5000.0, rel=1e-15)  # 5e-4 * 1e7

@@ -55,11 +55,11 @@ def test_friction_only_takes(Re):
 
 
 def test_a_line_speeds_up_with_the_enthalpy_difference():
-    up, down = FluidState(0.99, 1e9, 3e5), FluidState(1.0, 1e9, 1e5)
+    up, down = FluidState(1e5, 0.99, 1e9, 3e5), FluidState(1e5, 1.0, 1e9, 1e5)
     rate = line_flow_rate(0.0, up, down, RHO, MU, LINE)
     assert rate == pytest.approx(2e5 / inertance(RHO, LINE), rel=1e-14)
     steady = 2e5 * np.pi * 1e-8 / (128.0 * MU)  # laminar if the drop were 200 times smaller
-    assert line_flow_rate(steady / 200.0, up, FluidState(1.0, 1e9, 2.99e5), RHO, MU, LINE) == pytest.approx(
+    assert line_flow_rate(steady / 200.0, up, FluidState(1e5, 1.0, 1e9, 2.99e5), RHO, MU, LINE) == pytest.approx(
         0.0, abs=1e-12
     )
 

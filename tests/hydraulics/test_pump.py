@@ -29,7 +29,7 @@ def test_ripple_leaves_the_mean():
 
 
 def test_shaft_power_by_hand():
-    tank, out = FluidState(1.0, 1e9, 0.0), FluidState(0.99, 1e9, 1e7)
+    tank, out = FluidState(1e5, 1.0, 1e9, 0.0), FluidState(1e5, 0.99, 1e9, 1e7)
     # 6e-4 * 1e7 = 6000 W; 1.5 N m * 200 rad/s = 300 W
     assert shaft_power(6e-4, 200.0, tank, out, PUMP) == pytest.approx(6300.0, rel=1e-14)
     assert pump_friction_power(-200.0, PUMP) == pump_friction_power(200.0, PUMP) == 300.0

@@ -12,6 +12,10 @@ class ParameterError(VvdpError, ValueError):
     """A value lies outside what its kind allows, or contradicts another value."""
 
 
+class NetworkError(VvdpError, ValueError):
+    """A component or a network does not fit together."""
+
+
 class RunError(VvdpError, RuntimeError):
     """A simulation could not be carried to its end."""
 

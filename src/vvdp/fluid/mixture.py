@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import BulkModulus, EnergyDensity, Ratio
+from vvdp.base.kinds import BulkModulus, EnergyDensity, Pressure, Ratio
 from vvdp.base.select import maximum, select
 from vvdp.fluid.oil import Oil, density
 
@@ -18,8 +18,9 @@ NODES, WEIGHTS = (tuple(map(float, 0.5 * column)) for column in np.polynomial.le
 
 
 class FluidState(NamedTuple):
-    """What a passage or a chamber needs to know of the fluid at one pressure."""
+    """What a passage or a chamber needs to know of the fluid at one absolute pressure."""
 
+    pressure: Pressure
     volume_ratio: Ratio
     bulk_modulus: BulkModulus
     enthalpy: EnergyDensity
@@ -84,7 +85,12 @@ def fluid_state(pressure: float, oil: Oil) -> FluidState:
     l = (1.0 - phi) * (1.0 + m)
     nu = a + slope * below + l
     air_enthalpy = phi * P0 * air.growth - below * (a + 0.5 * slope * below)
-    return FluidState(nu, nu / (slope + l / b), air_enthalpy - (1.0 - phi) * b * m)
+    return FluidState(
+        pressure=P,
+        volume_ratio=nu,
+        bulk_modulus=nu / (slope + l / b),
+        enthalpy=air_enthalpy - (1.0 - phi) * b * m,
+    )
 
 
 def specific_volume_ratio(pressure: float, oil: Oil) -> float:

@@ -1,0 +1,1 @@
+"""The library of components that networks are made of."""

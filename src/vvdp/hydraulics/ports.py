@@ -1,0 +1,44 @@
+"""What a component meets at its ports: oil at a pressure is `fluid.mixture.FluidState`, the rest is here."""
+
+from typing import Annotated, NamedTuple
+
+from vvdp.base.kinds import Angle, Density, DynamicViscosity, Flow, Kind, Position, Speed, Velocity, Volume
+
+SURPLUS = Kind("surplus flow", "m^3/s", -1.0, 1.0, "1 lpm")
+Surplus = Annotated[float, SURPLUS]
+"""What flows into the volume at a component's first port without that component, less what its walls give way
+[m^3/s at the pressure there]."""
+
+
+class Medium(NamedTuple):
+    """An oil at its temperature and reference pressure."""
+
+    density: Density
+    viscosity: DynamicViscosity
+
+
+class ShaftState(NamedTuple):
+    """A shaft that turns, where the angle counts."""
+
+    angle: Angle
+    speed: Speed
+
+
+class ShaftSpeed(NamedTuple):
+    """A shaft that turns, where only its speed counts."""
+
+    speed: Speed
+
+
+class RodState(NamedTuple):
+    """A rod, or whatever else moves along a line."""
+
+    position: Position
+    velocity: Velocity
+
+
+class Wall(NamedTuple):
+    """A wall that moves in a volume: what it has added to that volume, and how fast it does."""
+
+    volume: Volume
+    rate: Flow
