@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from types import MappingProxyType
 
-from vvdp.base.errors import ParameterError
+from vvdp.base.errors import NetworkError
 
 Position = tuple[float, float]
 """A place in a drawing [grid units]: columns to the right, rows upward."""
@@ -75,7 +75,7 @@ class GraphProgram:
 class Graph:
     """A circuit.
 
-    Raises ParameterError where two parts have one name or a port ends at no node.
+    Raises NetworkError where two parts have one name or a port ends at no node.
     """
 
     title: str
@@ -94,7 +94,7 @@ class Graph:
                 if node not in known
             ]
         if faults:
-            raise ParameterError(f"circuit '{self.title}': " + "; ".join(faults))
+            raise NetworkError(f"circuit '{self.title}': " + "; ".join(faults))
 
     def node(self, name: str) -> GraphNode:
         """The node of that name."""
