@@ -46,6 +46,7 @@ class Lead:
     points: tuple[Point, ...]
     up: bool
     tank: bool = False
+    pilot: bool = False
 
     @property
     def x(self) -> float:
@@ -141,6 +142,7 @@ def piece(
     label = placed_label(lines, fit.symbol, beside)
     inner = around([fit.symbol.box, label.box]) if lines else fit.symbol.box
     lanes, leads, outer = {Side.LEFT: inner[0], Side.RIGHT: inner[2]}, list[Lead](), [inner]
+    middle, ends_shaft = 0.5 * (inner[0] + inner[2]), bool(fit.links) and beside is Beside.RIGHT
     level, band = levels
     for port, terminal in fit.terminals.items():
         node, t = nodes[port], fit.symbol.terminals[terminal]
@@ -148,13 +150,15 @@ def piece(
         if t.side in (Side.TOP, Side.BOTTOM) and (t.side is Side.TOP) == up:
             points: tuple[Point, ...] = ((t.x, t.y),)
         else:
-            side = t.side if t.side in lanes else Side.RIGHT if t.x > 0.5 * (inner[0] + inner[2]) else Side.LEFT
+            side = t.side if t.side in lanes else Side.RIGHT if t.x > middle or ends_shaft else Side.LEFT
             lanes[side] += LANE if side is Side.RIGHT else -LANE
             points = _around_corner((t.x, t.y), t.side, lanes[side], inner)
         down = points[-1][1] + LEAD
         if tank and len(points) > 1:
             down = max(down, inner[3] - LEAD)
-        lead = Lead(name, port, node, (*points, (points[-1][0], down)) if tank else points, up, tank)
+        lead = Lead(
+            name, port, node, (*points, (points[-1][0], down)) if tank else points, up, tank, terminal == "pilot"
+        )
         leads.append(lead)
         outer.append(_reach(lead))
     return Piece(name, fit.symbol, (0.0, 0.0), label, tuple(leads), around(outer))

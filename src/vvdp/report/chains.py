@@ -72,7 +72,9 @@ def _alone(given: Setting, component: GraphComponent) -> Block:
 def _component_piece(given: Setting, component: GraphComponent, stand: Stand, beside: Beside) -> Piece:
     fit = given.fits[component.name]
     oriented = Fitted(fit.symbol.upside_down() if stand.flipped else fit.symbol, fit.terminals, fit.links)
-    return piece(component.name, oriented, component.ports, given.texts(component.name), beside, (given.level, stand.band))
+    return piece(
+        component.name, oriented, component.ports, given.texts(component.name), beside, (given.level, stand.band)
+    )
 
 
 def _store(given: Setting, node: GraphNode) -> Block:
@@ -80,7 +82,9 @@ def _store(given: Setting, node: GraphNode) -> Block:
     symbol = NODES[node.kind]()
     if node.kind.is_mechanical:
         alone = Fitted(symbol, {}, ())
-        return Block((piece(node.name, alone, {}, given.texts(node.name), Beside.BELOW, ({}, 0)),), (), 0, _column(node))
+        return Block(
+            (piece(node.name, alone, {}, given.texts(node.name), Beside.BELOW, ({}, 0)),), (), 0, _column(node)
+        )
     level = given.level[node.name]
     fed = any(_feeds(given, c, node.name) for c in given.graph.components)
     band = level if node.kind is NodeKind.PRESSURE and not fed else level + 1
@@ -223,7 +227,7 @@ class Chain:
             ys.append(middle)
             wide, y = max(wide, x + each.box[2]), y + high
         self.links.append(((self.end or bar, 0.0), (bar, 0.0)))
-        self.links.append(((bar, min([*ys, 0.0])), (bar, max([*ys, 0.0]))))
+        self.links.append(((bar, min([*ys, 0.0])), (bar, max([*ys, 0.0]))))  # last, it covers the ends of the others
         self.end, self.right = bar, wide
 
 
@@ -243,4 +247,3 @@ def _mirrored(given: Setting, component: GraphComponent, stand: Stand, beside: B
     turned = Fitted(symbol.mirrored() if mirrored else symbol, fit.terminals, fit.links)
     texts, where = given.texts(component.name), (given.level, stand.band)
     return piece(component.name, turned, component.ports, texts, beside, where)
-

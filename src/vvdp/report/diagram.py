@@ -1,5 +1,6 @@
 """The diagram of a circuit, laid out from its graph: pumps below, loads above, nodes as lines between them."""
 
+import re
 from collections.abc import Iterator, Mapping
 from html import escape
 from types import MappingProxyType
@@ -8,14 +9,17 @@ from vvdp.network.graph import Graph, GraphComponent, NodeKind
 from vvdp.report import symbols as draw
 from vvdp.report.bench_diagram import circuit_diagram as circuit_diagram  # until reports draw graphs
 from vvdp.report.blocks import Label, Point
-from vvdp.report.chains import blocks, setting
+from vvdp.report.chains import Setting, blocks, setting
 from vvdp.report.lettering import LEADING, SIZE, wrapped
 from vvdp.report.machine_symbols import tank
 from vvdp.report.placing import Placing
 from vvdp.report.routing import Plan, Rail, Wire, plan
+from vvdp.report.symbol import Side
 from vvdp.report.symbol_set import UNKNOWN_LETTER, entry
 
 NO_VALUES: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+LONG = 17
+"""So many characters of mark and name stand in one line."""
 LEAST_WIDTH = 900.0
 """A narrower drawing has empty margins, so that its text is not blown up on a page [px]."""
 FONTS = "Helvetica Neue, Arial, Liberation Sans, DejaVu Sans, sans-serif"
@@ -72,33 +76,44 @@ def _plan(graph: Graph, values: Mapping[str, tuple[str, ...]], marks: Mapping[st
     given = setting(graph, lambda name: texts[name])
     made = blocks(given)
     lines = {n.name: texts[n.name] for n in graph.nodes if n.kind in (NodeKind.VOLUME,)}
-    return plan(made, given.level, Placing(made, given.level, _flows(graph, given.level)), lines)
+    return plan(made, given.level, Placing(made, given.level, _sends(given)), lines)
 
 
-def _flows(graph: Graph, level: Mapping[str, int]) -> list[tuple[str, str]]:
-    """Pairs of nodes between which a component lets flow pass, the first below the second or on its level."""
-    pairs = []
-    for component in graph.components:
-        met = [node for node in component.ports.values() if node in level]
-        pairs += [(a, b) for a in met for b in met if level[a] < level[b]]
-        if len(met) == 2 and level[met[0]] == level[met[1]]:
-            pairs.append((met[0], met[1]))
-    return pairs
+def _sends(given: Setting) -> frozenset[tuple[str, str]]:
+    """The components and ports through which flow leaves into the circuit; a source of pressure is its node's."""
+    sides = (Side.TOP, Side.RIGHT)
+    found = {
+        (name, port) for name, fit in given.fits.items() for port in fit.terminals if fit.terminal(port).side in sides
+    }
+    entered = {given.graph.component(name).ports[port] for name, port in found}
+    return frozenset(found | {(n.name, "port") for n in given.graph.nodes if n.name not in entered})
 
 
-def _texts(
-    graph: Graph, values: Mapping[str, tuple[str, ...]], marks: Mapping[str, str]
-) -> dict[str, tuple[str, ...]]:
+def _texts(graph: Graph, values: Mapping[str, tuple[str, ...]], marks: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
     """The label of every part: its mark and name, its own lines, what it follows and the given values."""
     texts = {}
     for component in graph.components:
         follows = [f"{put}: {source}" for put, source in component.connections.items()]
         lines = wrapped((*component.labels, *values.get(component.name, ()), *follows), 24)
-        texts[component.name] = (f"{marks[component.name]} {component.name}", *lines)
+        texts[component.name] = (*_heading(marks[component.name], component.name), *lines)
     for node in graph.nodes:
         limit = 34 if node.kind is NodeKind.VOLUME else 20
         texts[node.name] = (node.name, *wrapped((*node.labels, *values.get(node.name, ())), limit))
     return texts
+
+
+def _heading(mark: str, name: str) -> list[str]:
+    """A mark and a name in one line, or the name below the mark where that is long."""
+    whole = f"{mark} {name}"
+    if len(whole) <= LONG:
+        return [whole]
+    lines, words = [mark], re.split(r"(?<=[_\s-])", name)
+    for word in words:
+        if len(lines) > 1 and len(lines[-1]) + len(word) <= LONG:
+            lines[-1] += word
+        else:
+            lines.append(word)
+    return [line.rstrip() for line in lines]
 
 
 def _parts(made: Plan) -> Iterator[str]:
@@ -116,7 +131,7 @@ def _parts(made: Plan) -> Iterator[str]:
 
 
 def _wire(wire: Wire) -> Iterator[str]:
-    yield draw.pipe(*wire.points)
+    yield draw.pipe(*wire.points, pilot=wire.pilot)
     if wire.tank:
         x, y = wire.points[-1]
         yield tank().drawn(x, y + 2, escape(wire.node))
@@ -137,8 +152,9 @@ def _rail(rail: Rail) -> str:
 def _double(points: tuple[Point, ...]) -> str:
     """A shaft or rod along a straight line."""
     (x0, y0), (x1, y1) = points
-    dx, dy = (0.0, 2.6) if y0 == y1 else (2.6, 0.0)
-    return draw.pipe((x0 - dx, y0 - dy), (x1 - dx, y1 - dy)) + draw.pipe((x0 + dx, y0 + dy), (x1 + dx, y1 + dy))
+    if y0 == y1:
+        return draw.pipe((x0, y0 - 2.6), (x1, y0 - 2.6)) + draw.pipe((x0, y0 + 2.6), (x1, y0 + 2.6))
+    return f'<rect x="{x0 - 2.6:.1f}" y="{y0 - 2.6:.1f}" width="5.2" height="{y1 - y0 + 5.2:.1f}" fill="#fff"/>'
 
 
 def _label(label: Label) -> str:
@@ -150,4 +166,6 @@ def _label(label: Label) -> str:
     spans = f'<tspan x="{x:.1f}" font-weight="600" fill="{draw.INK}">{escape(first)}</tspan>'
     spans += "".join(f'<tspan x="{x:.1f}" dy="{LEADING:g}">{escape(line)}</tspan>' for line in rest)
     y = label.box[1] + 12.0
-    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{label.anchor}" fill="{draw.QUIET}" stroke="none">{spans}</text>'
+    return (
+        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{label.anchor}" fill="{draw.QUIET}" stroke="none">{spans}</text>'
+    )

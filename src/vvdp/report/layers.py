@@ -42,7 +42,7 @@ def node_levels(graph: Graph, fits: Mapping[str, Fitted]) -> dict[str, int]:
 
 def _edges(graph: Graph, fits: Mapping[str, Fitted], names: frozenset[str]) -> list[Edge]:
     """Edges without a cycle: what would close one is turned around."""
-    order = sorted(graph.components, key=lambda c: (found.order if (found := entry(c.symbol)) else 2))
+    order = sorted(graph.components, key=lambda c: found.order if (found := entry(c.symbol)) else 2)
     edges: list[Edge] = []
     for component in order:
         for low, high, apart in _wishes(component, fits[component.name], names):

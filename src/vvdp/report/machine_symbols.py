@@ -58,7 +58,7 @@ def sensor(text: str = "p") -> Symbol:
 
 def _cylinder_body() -> str:
     piston = box(-22, -18, -14, 18)
-    return box(-60, -18, 42, 18) + piston + pipe((-14, -3), (78, -3)) + pipe((-14, 3), (78, 3)) + pipe((78, -3), (78, 3))
+    return box(-60, -18, 42, 18) + piston + _shaft(-14, 78)
 
 
 def cylinder() -> Symbol:
@@ -72,7 +72,7 @@ def spring_cylinder() -> Symbol:
     """A single-acting cylinder that a spring returns."""
     coil = pipe((-14, -11), (-7, 14), (0, -14), (7, 14), (14, -14), (21, 14), (28, -14), (35, 14), (42, -11))
     body = box(-60, -18, 42, 18) + box(-22, -18, -14, 18) + coil
-    rod = pipe((-14, -3), (78, -3)) + pipe((-14, 3), (78, 3)) + pipe((78, -3), (78, 3)) + pipe((-51, 18), (-51, 30))
+    rod = _shaft(-14, 78) + pipe((-51, 18), (-51, 30))
     return Symbol((-60, -18, 78, 30), body + rod, {"cap": Terminal(-51, 30, Side.BOTTOM)}, (None, 78))
 
 
@@ -132,7 +132,11 @@ def torque() -> Symbol:
     return Symbol((-20, -19, 24, 19), pipe((-20, 0), (0, 0)) + arc, {}, (-20, None), ((-9, -11, "T", 13.0),))
 
 
+def _shaft(x0: float, x1: float) -> str:
+    return pipe((x0, -2.6), (x1, -2.6)) + pipe((x0, 2.6), (x1, 2.6))
+
+
 def coupling() -> Symbol:
     """A coupling between two shafts."""
     plates = pipe((-4, -15), (-4, 15)) + pipe((4, -15), (4, 15))
-    return Symbol((-18, -17, 18, 17), plates + pipe((-18, 0), (-4, 0)) + pipe((4, 0), (18, 0)), {}, (-18, 18))
+    return Symbol((-18, -17, 18, 17), plates + _shaft(-18, -4) + _shaft(4, 18), {}, (-18, 18))

@@ -2,23 +2,26 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from statistics import median_low
 
 from vvdp.report.blocks import Block, Lead
 
 GAP, NEAR, STEP = 22.0, 13.0, 16.0
 """Space between blocks; verticals of different nodes are further apart than NEAR; a block steps aside by STEP [px]."""
-CROSSING, BACKWARD, PINNED = 130.0, 0.35, 50.0
+CROSSING, BACKWARD, PINNED = 130.0, 2.0, 50.0
 """What a crossing, a flow to the left and a missed position cost, in px of length."""
+ASIDE = 30.0
+"""How far a block may stand out beyond the others where that makes a line straight [px]."""
+STRAIGHT, JOG = 8.0, 25.0
+"""What a straight line gains and a small step costs [px]."""
 FEW = 14
 """Up to so many blocks any block is tried at any place, above only beside its neighbours."""
 
 
 class Placing:
-    """Blocks with what they occupy, and where they are put."""
+    """Blocks with what they occupy, and where they are put; `sends` are (component, port) through which flow leaves."""
 
-    def __init__(self, blocks: Sequence[Block], level: Mapping[str, int], flows: Sequence[tuple[str, str]]) -> None:
-        self.blocks, self.level, self.flows = blocks, level, flows
+    def __init__(self, blocks: Sequence[Block], level: Mapping[str, int], sends: frozenset[tuple[str, str]]) -> None:
+        self.blocks, self.level, self.sends = blocks, level, sends
         self.spans = [spans(block, level) for block in blocks]
         self.leads = [[lead for lead in block.leads if not lead.tank] for block in blocks]
 
@@ -41,7 +44,7 @@ class Placing:
         order = self.order
         places = self._compact(order)
         width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
-        for sweep in range(6):
+        for sweep in range(10):
             for i in order if sweep % 2 else reversed(order):
                 places[i] = self._settled(i, order, places, width)
         return places
@@ -58,7 +61,9 @@ class Placing:
                 near = [sum(means[lead.node]) / len(means[lead.node]) for lead in leads]
                 place[i] = 0.5 * (place[i] + (sum(near) / len(near) if near else place[i]))
         order = sorted(place, key=lambda i: (round(place[i], 6), i))
-        pinned = sorted((i for i in order if self.blocks[i].column is not None), key=lambda i: self.blocks[i].column or 0)
+        pinned = sorted(
+            (i for i in order if self.blocks[i].column is not None), key=lambda i: self.blocks[i].column or 0
+        )
         spots = iter(pinned)
         return [next(spots) if self.blocks[i].column is not None else i for i in order]
 
@@ -89,6 +94,25 @@ class Placing:
                 edge[band] = places[i] + high
         return places
 
+    def _eased(self, order: Sequence[int]) -> list[float]:
+        """The blocks as far to the right of there as brings them nearer to what they are joined to."""
+        places = self._compact(order)
+        width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
+        on: dict[str, list[float]] = {}
+        for i in order:
+            for lead in self.leads[i]:
+                on.setdefault(lead.node, []).append(places[i] + lead.x)
+        mean = {node: sum(xs) / len(xs) for node, xs in on.items()}
+        edge: dict[int, float] = {}
+        for i in reversed(order):
+            high = min(edge.get(band, width + GAP) - GAP - span[1] for band, span in self.spans[i].items())
+            wishes = [mean[lead.node] - lead.x for lead in self.leads[i]]
+            if wishes and self.blocks[i].column is None:
+                places[i] = max(places[i], min(high, sum(wishes) / len(wishes)))
+            for band, (low, _) in self.spans[i].items():
+                edge[band] = places[i] + low
+        return places
+
     def _touch(self, i: int, x: float, j: int, y: float) -> bool:
         """Whether lines of two blocks that belong to different nodes would run over each other."""
         return any(
@@ -111,23 +135,22 @@ class Placing:
         if self.blocks[i].column is not None:
             return places[i]
         low, high = self._room(i, order, places, width)
-        wishes = []
-        for lead in self.leads[i]:
-            others = [places[j] + b.x for j, b in self._on(lead.node) if j != i]
-            if others:
-                wishes.append(median_low(sorted(others)) - lead.x)
-        if not wishes or high < low:
+        met = [(lead.x, [places[j] + b.x for j, b in self._on(lead.node) if j != i]) for lead in self.leads[i]]
+        met = [(x, others) for x, others in met if others]
+        if not met or high < low:
             return places[i]
-        wish = min(max(median_low(sorted(wishes)), low), high)
-        for x in (wish, wish - STEP, wish + STEP):
-            if low <= x <= high and not any(self._touch(i, x, j, places[j]) for j in order if j != i):
-                return x
+        tries = {min(max(other - x, low), high) for x, others in met for other in others}
+        tries |= {place + aside for place in tries for aside in (-STEP, STEP)} | {places[i]}
+        middle = sum(sum(others) / len(others) - x for x, others in met) / len(met)
+        for place in sorted(tries, key=lambda place: (_strain(place, met), abs(place - middle), place)):
+            if low <= place <= high and not any(self._touch(i, place, j, places[j]) for j in order if j != i):
+                return place
         return places[i]
 
     def _room(self, i: int, order: Sequence[int], places: list[float], width: float) -> tuple[float, float]:
         at = order.index(i)
-        low = max(-span[0] for span in self.spans[i].values())
-        high = min(width - span[1] for span in self.spans[i].values())
+        low = max(-span[0] for span in self.spans[i].values()) - ASIDE
+        high = min(width - span[1] for span in self.spans[i].values()) + ASIDE
         for place, j in enumerate(order):
             for band in self.spans[i].keys() & self.spans[j].keys() if j != i else ():
                 (mine, end), (begin, other) = self.spans[i][band], self.spans[j][band]
@@ -145,13 +168,17 @@ class Placing:
 
     def _cost(self, order: Sequence[int]) -> float:
         """Length of lines, crossings, flow to the left and missed positions of an order."""
-        places = self._compact(order)
+        places = self._eased(order)
         rails: dict[str, list[float]] = {}
+        into: dict[str, list[float]] = {}
+        out: dict[str, list[float]] = {}
         verticals = []
         for i in order:
             for lead in self.leads[i]:
                 x = places[i] + lead.x
                 rails.setdefault(lead.node, []).append(x)
+                way = into if (lead.owner, lead.port) in self.sends else out
+                way.setdefault(lead.node, []).append(x)
                 verticals.append((x, *self._crossed(i, lead), lead.node))
         ends = {node: (min(xs), max(xs)) for node, xs in rails.items()}
         cost = sum(high - low for low, high in ends.values())
@@ -160,11 +187,23 @@ class Placing:
                 if node != own and begin - 4.0 < x < end + 4.0 and low <= self.level[node] <= high:
                     passed = low < self.level[node] < high or self.level[own] != self.level[node]
                     cost += CROSSING if passed else 0.4 * CROSSING
-        middle = {node: 0.5 * (low + high) for node, (low, high) in ends.items()}
-        cost += sum(BACKWARD * max(0.0, middle[a] - middle[b]) for a, b in self.flows if a in middle and b in middle)
+        for node in into.keys() & out.keys():
+            pairs = [max(0.0, a - b) for a in into[node] for b in out[node]]
+            cost += BACKWARD * sum(pairs) / len(pairs)
         cost += sum(PINNED * abs(places[i] - c) for i in order if (c := self.blocks[i].column) is not None)
         width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
         return cost + 1.5 * width + 0.02 * sum(places)
+
+
+def _strain(place: float, met: Sequence[tuple[float, list[float]]]) -> float:
+    """How far a block's lines are from the others on their nodes, less where one is straight, more for a small step."""
+    total = 0.0
+    for x, others in met:
+        at = place + x
+        total += max(0.0, min(others) - at, at - max(others))
+        nearest = min(abs(at - other) for other in others)
+        total += -STRAIGHT if nearest < 0.01 else JOG if nearest < NEAR else 0.0
+    return total
 
 
 def spans(block: Block, level: Mapping[str, int]) -> dict[int, tuple[float, float]]:

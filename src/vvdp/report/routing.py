@@ -21,6 +21,7 @@ class Wire:
     node: str
     points: tuple[Point, ...]
     tank: bool
+    pilot: bool = False
 
 
 @dataclass
@@ -58,7 +59,9 @@ class Plan:
     """The labels of the rails, by node."""
 
 
-def plan(blocks: Sequence[Block], level: Mapping[str, int], placing: Placing, texts: Mapping[str, Sequence[str]]) -> Plan:
+def plan(
+    blocks: Sequence[Block], level: Mapping[str, int], placing: Placing, texts: Mapping[str, Sequence[str]]
+) -> Plan:
     """Everything in its place; `texts` are the labels of nodes that are drawn as lines."""
     places = placing.places
     rails = _rails(blocks, level, places)
@@ -96,7 +99,7 @@ def _shifted(given: Plan, dx: float, dy: float) -> Plan:
         given.height + 2 * MARGIN,
         tuple(piece.moved(dx, dy) for piece in given.pieces),
         tuple(tuple(to(p) for p in link) for link in given.links),
-        tuple(Wire(w.owner, w.port, w.node, tuple(to(p) for p in w.points), w.tank) for w in given.wires),
+        tuple(Wire(w.owner, w.port, w.node, tuple(to(p) for p in w.points), w.tank, w.pilot) for w in given.wires),
         given.rails,
         names,
     )
@@ -164,7 +167,7 @@ def _heights(
 
 def _wire(lead: Lead, rails: Mapping[str, Rail]) -> Wire:
     end = () if lead.tank else ((lead.x, rails[lead.node].y),)
-    return Wire(lead.owner, lead.port, lead.node, (*lead.points, *end), lead.tank)
+    return Wire(lead.owner, lead.port, lead.node, (*lead.points, *end), lead.tank, lead.pilot)
 
 
 def _names(
@@ -180,6 +183,8 @@ def _names(
         x = _free(rail, (wide, high), rails, pieces, wires, [label.box for label in found.values()])
         found[node] = Label(tuple(lines), (x, rail.y - 4 - high, x + wide, rail.y - 4))
         begin, end = rail.ends
+        if begin == end and x in (end + 7, begin - wide - 7):
+            continue
         if x > end - 12:
             rail.more = (x + wide,)
         elif x + wide < begin + 12:

@@ -22,9 +22,7 @@ def stubs(edge: float, reach: float) -> str:
 
 
 def _restriction(y: float, wide: float = 13.0, high: float = 15.0) -> str:
-    return "".join(
-        f'<path d="M {s * wide:g} {y - high:g} Q {s:g} {y:g} {s * wide:g} {y + high:g}"/>' for s in (-1, 1)
-    )
+    return "".join(f'<path d="M {s * wide:g} {y - high:g} Q {s:g} {y:g} {s * wide:g} {y + high:g}"/>' for s in (-1, 1))
 
 
 def orifice(adjustable: bool = False) -> Symbol:
@@ -143,7 +141,9 @@ def valve_4_3() -> Symbol:
         "B": Terminal(14, -38, Side.TOP),
     }
     letters = ((-22, -34, "A", 11.0), (22, -34, "B", 11.0), (-22, 34, "P", 11.0), (22, 34, "T", 11.0))
-    return Symbol((-132, -38, 132, 38), boxes + rails + middle + straight + crossed + lines + drives, terminals, letters=letters)
+    return Symbol(
+        (-132, -38, 132, 38), boxes + rails + middle + straight + crossed + lines + drives, terminals, letters=letters
+    )
 
 
 def rotary_valve() -> Symbol:
