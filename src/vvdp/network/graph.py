@@ -84,7 +84,7 @@ class Graph:
     programs: tuple[GraphProgram, ...] = ()
 
     def __post_init__(self) -> None:
-        faults = [*_repeated(part.name for part in (*self.nodes, *self.components, *self.programs))]
+        faults = [*_repeated(self._names())]
         faults += _marked_twice(self.components)
         known = {node.name for node in self.nodes}
         for component in self.components:
@@ -95,6 +95,10 @@ class Graph:
             ]
         if faults:
             raise NetworkError(f"circuit '{self.title}': " + "; ".join(faults))
+
+    def _names(self) -> list[str]:
+        nodes, components = [n.name for n in self.nodes], [c.name for c in self.components]
+        return [*nodes, *components, *(program.name for program in self.programs)]
 
     def node(self, name: str) -> GraphNode:
         """The node of that name."""

@@ -1,4 +1,4 @@
-"""Blocks of a diagram: symbols with their labels and the lines that leave them, one symbol or a chain of them on a shaft.
+"""Blocks of a diagram: one symbol or a chain of them on a shaft, with labels and the lines that leave them.
 
 All places are from the block's axis, which is the height of its shaft or rod; y counts downward.
 """

@@ -117,7 +117,7 @@ def _groups(given: Setting, chained: list[GraphComponent]) -> list[list[GraphCom
 
 
 def _begin(given: Setting, group: list[GraphComponent], done: set[str]) -> str:
-    """Where a chain begins at the left: a driven shaft or rod, a component with lines, else any; empty when all are done."""
+    """Where a chain begins at the left: what is driven, a component with lines, else any; empty when all are done."""
     rest = [c for c in group if c.name not in done]
     if not rest:
         return ""
@@ -175,7 +175,7 @@ class Chain:
             self._component(passing.pop(0), name)
         last = [*passing, *onward][:1]
         if len(leaves) > 1 or (leaves and last):
-            self._rows(leaves, name, centred=not last)
+            self._rows(leaves, centred=not last)
         elif leaves:
             self._component(leaves[0], name)
         for component in last:
@@ -211,7 +211,7 @@ class Chain:
         self.end = None if right is None else x + right
         self.right = x + made.box[2]
 
-    def _rows(self, leaves: list[GraphComponent], node: str, centred: bool) -> None:
+    def _rows(self, leaves: list[GraphComponent], centred: bool) -> None:
         """Several components that end a rod or shaft, one below the other."""
         self.done |= {c.name for c in leaves}
         made = [_mirrored(self.given, c, self.where[c.name], Beside.RIGHT, False) for c in leaves]

@@ -1,6 +1,5 @@
 """The diagram of a circuit, laid out from its graph: pumps below, loads above, nodes as lines between them."""
 
-import re
 from collections.abc import Iterator, Mapping
 from html import escape
 from types import MappingProxyType
@@ -9,23 +8,27 @@ from vvdp.network.graph import Graph, GraphComponent, NodeKind
 from vvdp.report import symbols as draw
 from vvdp.report.bench_diagram import circuit_diagram as circuit_diagram  # until reports draw graphs
 from vvdp.report.blocks import Label, Point
+from vvdp.report.captions import NARROW, USUAL, Lines, captions
 from vvdp.report.chains import Setting, blocks, setting
-from vvdp.report.lettering import LEADING, SIZE, wrapped
+from vvdp.report.lettering import LEADING, SIZE
 from vvdp.report.machine_symbols import tank
 from vvdp.report.placing import Placing
 from vvdp.report.routing import Plan, Rail, Wire, plan
+from vvdp.report.signals import signal_lines
 from vvdp.report.symbol import Side
 from vvdp.report.symbol_set import UNKNOWN_LETTER, entry
 
-NO_VALUES: Mapping[str, tuple[str, ...]] = MappingProxyType({})
-LONG = 17
-"""So many characters of mark and name stand in one line."""
+NO_VALUES: Mapping[str, Lines] = MappingProxyType({})
 LEAST_WIDTH = 900.0
 """A narrower drawing has empty margins, so that its text is not blown up on a page [px]."""
+MOST_WIDTH = 1150.0
+"""Wider drawings get narrow texts [px]."""
+COLUMN = 60.0
+"""Components within so much count as one above the other when they are numbered [px]."""
 FONTS = "Helvetica Neue, Arial, Liberation Sans, DejaVu Sans, sans-serif"
 
 
-def diagram(graph: Graph, values: Mapping[str, tuple[str, ...]] = NO_VALUES) -> str:
+def diagram(graph: Graph, values: Mapping[str, Lines] = NO_VALUES) -> str:
     """The circuit diagram of a graph as one SVG element; `values` are further lines of text by name of the part."""
     made = laid_out(graph, values)
     width = max(LEAST_WIDTH, made.width)
@@ -36,34 +39,28 @@ def diagram(graph: Graph, values: Mapping[str, tuple[str, ...]] = NO_VALUES) -> 
         f'aria-label="{escape(graph.title, quote=True)}" font-family="{FONTS}" font-size="{SIZE:g}">\n'
         f"<title>{title}</title>\n"
         f'<g fill="none" stroke="{draw.INK}" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">\n'
-        + "\n".join(_parts(made))
+        + "\n".join([*_parts(made), *(_signal(*line) for line in signal_lines(graph, made))])
         + "\n</g>\n</svg>\n"
     )
 
 
-def laid_out(graph: Graph, values: Mapping[str, tuple[str, ...]] = NO_VALUES) -> Plan:
+def laid_out(graph: Graph, values: Mapping[str, Lines] = NO_VALUES) -> Plan:
     """The place of every symbol, line and label of a graph's diagram."""
-    marks = _marks(graph, values)
-    return _plan(graph, values, marks)
+    return _plan(graph, values, designations(graph))
 
 
 def designations(graph: Graph) -> dict[str, str]:
     """The designation of each component: its own, else a letter for its symbol and a number in order of the layout."""
-    return _marks(graph, NO_VALUES)
-
-
-def _marks(graph: Graph, values: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """Numbers by columns of the layout made with marks of the same width."""
-    draft = _plan(graph, values, {c.name: c.designation or f"{_letter(c)}0" for c in graph.components})
+    draft = _plan(graph, NO_VALUES, {c.name: c.designation or f"{_letter(c)}0" for c in graph.components})
     places = {piece.name: piece.at for piece in draft.pieces}
     marks = {c.name: c.designation for c in graph.components if c.designation}
     rest = [c for c in graph.components if not c.designation]
-    for component in sorted(rest, key=lambda c: (round(places[c.name][0] / 60.0), -places[c.name][1], c.name)):
+    for component in sorted(rest, key=lambda c: (round(places[c.name][0] / COLUMN), -places[c.name][1], c.name)):
         letter, number, taken = _letter(component), 1, set(marks.values())
         while f"{letter}{number}" in taken:
             number += 1
         marks[component.name] = f"{letter}{number}"
-    return marks
+    return {component.name: marks[component.name] for component in graph.components}
 
 
 def _letter(component: GraphComponent) -> str:
@@ -71,11 +68,16 @@ def _letter(component: GraphComponent) -> str:
     return found.letter if found else UNKNOWN_LETTER
 
 
-def _plan(graph: Graph, values: Mapping[str, tuple[str, ...]], marks: Mapping[str, str]) -> Plan:
-    texts = _texts(graph, values, marks)
+def _plan(graph: Graph, values: Mapping[str, Lines], marks: Mapping[str, str]) -> Plan:
+    """The layout with texts as usual or, where that is too wide for a page, with narrow ones."""
+    usual = _planned(graph, captions(graph, values, marks, USUAL))
+    return usual if usual.width <= MOST_WIDTH else _planned(graph, captions(graph, values, marks, NARROW))
+
+
+def _planned(graph: Graph, texts: Mapping[str, Lines]) -> Plan:
     given = setting(graph, lambda name: texts[name])
     made = blocks(given)
-    lines = {n.name: texts[n.name] for n in graph.nodes if n.kind in (NodeKind.VOLUME,)}
+    lines = {node.name: texts[node.name] for node in graph.nodes if node.kind is NodeKind.VOLUME}
     return plan(made, given.level, Placing(made, given.level, _sends(given)), lines)
 
 
@@ -87,33 +89,6 @@ def _sends(given: Setting) -> frozenset[tuple[str, str]]:
     }
     entered = {given.graph.component(name).ports[port] for name, port in found}
     return frozenset(found | {(n.name, "port") for n in given.graph.nodes if n.name not in entered})
-
-
-def _texts(graph: Graph, values: Mapping[str, tuple[str, ...]], marks: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
-    """The label of every part: its mark and name, its own lines, what it follows and the given values."""
-    texts = {}
-    for component in graph.components:
-        follows = [f"{put}: {source}" for put, source in component.connections.items()]
-        lines = wrapped((*component.labels, *values.get(component.name, ()), *follows), 24)
-        texts[component.name] = (*_heading(marks[component.name], component.name), *lines)
-    for node in graph.nodes:
-        limit = 34 if node.kind is NodeKind.VOLUME else 20
-        texts[node.name] = (node.name, *wrapped((*node.labels, *values.get(node.name, ())), limit))
-    return texts
-
-
-def _heading(mark: str, name: str) -> list[str]:
-    """A mark and a name in one line, or the name below the mark where that is long."""
-    whole = f"{mark} {name}"
-    if len(whole) <= LONG:
-        return [whole]
-    lines, words = [mark], re.split(r"(?<=[_\s-])", name)
-    for word in words:
-        if len(lines) > 1 and len(lines[-1]) + len(word) <= LONG:
-            lines[-1] += word
-        else:
-            lines.append(word)
-    return [line.rstrip() for line in lines]
 
 
 def _parts(made: Plan) -> Iterator[str]:
@@ -135,6 +110,12 @@ def _wire(wire: Wire) -> Iterator[str]:
     if wire.tank:
         x, y = wire.points[-1]
         yield tank().drawn(x, y + 2, escape(wire.node))
+
+
+def _signal(x0: float, x1: float, y: float, name: str) -> str:
+    """A thin dashed line to the right with the name of what it carries on hover."""
+    line = f'<path d="M {x0:.1f} {y:.1f} H {x1 - 5:.1f}" stroke-dasharray="3 3" stroke-width="1"/>'
+    return f"<g><title>{escape(name)}</title>{line}{draw.arrow_head(x1, y, (1, 0), 6)}</g>"
 
 
 def _rail(rail: Rail) -> str:

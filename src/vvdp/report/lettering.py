@@ -1,6 +1,7 @@
 """How wide texts are, so that nothing is drawn over them."""
 
 from collections.abc import Iterable, Sequence
+from textwrap import wrap
 
 SIZE = 13.0
 """Size of the text in a diagram [px]."""
@@ -23,9 +24,9 @@ def extent(lines: Sequence[str]) -> tuple[float, float]:
 
 
 def wrapped(parts: Iterable[str], limit: int) -> list[str]:
-    """The parts joined by commas to lines of at most `limit` characters, where they can be."""
+    """The parts joined by commas to lines of at most `limit` characters; longer parts are broken at spaces."""
     lines: list[str] = []
-    for part in parts:
+    for part in (piece for whole in parts for piece in wrap(whole, limit, break_long_words=False) or [whole]):
         if lines and len(lines[-1]) + 2 + len(part) <= limit:
             lines[-1] += f", {part}"
         else:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import permutations
+from itertools import pairwise, permutations
 
 from vvdp.report.blocks import Block, Box, Label, Lead, Piece, Point
 from vvdp.report.lettering import extent
@@ -202,7 +202,7 @@ def _free(
 ) -> float:
     """Where a label above a rail stands free, on the rail where it can, else as near as possible."""
     (begin, end), (wide, high) = rail.ends, size
-    segments = [(*a, *b) for wire in wires for a, b in zip(wire.points, wire.points[1:], strict=False)]
+    segments = [(*a, *b) for wire in wires for a, b in pairwise(wire.points)]
     segments += [(*_span(other), other.y) for other in rails.values() if other is not rail]
     solid = [*taken, *(piece.box for piece in pieces)]
 

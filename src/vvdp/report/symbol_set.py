@@ -91,18 +91,18 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
 )
 UNKNOWN_LETTER = "U"
 
-MEANT: Mapping[str, frozenset[str]] = MappingProxyType(
+MEANT: Mapping[str, str] = MappingProxyType(
     {
-        "inlet": frozenset("a p in supply pump from upstream source port_a first high valve".split()),
-        "outlet": frozenset("b t out tank load to downstream sink port_b second low return pressure".split()),
-        "suction": frozenset("inlet a in tank low t".split()),
-        "P": frozenset("supply inlet pump pressure source in high".split()),
-        "T": frozenset("tank return drain low".split()),
-        "A": frozenset("load outlet out load_line a_port".split()),
-        "B": frozenset("load_b b_port".split()),
-        "cap": frozenset("head a bore piston chamber port inlet cap_side chamber_a".split()),
-        "rod": frozenset("ring annulus b rod_side chamber_b".split()),
-        "pilot": frozenset("x control sense pilot_port".split()),
+        "inlet": "a p in supply pump from upstream source port_a first high valve",
+        "outlet": "b t out tank load to downstream sink port_b second low return pressure",
+        "suction": "inlet a in tank low t",
+        "P": "supply inlet pump pressure source in high",
+        "T": "tank return drain low",
+        "A": "load outlet out load_line a_port",
+        "B": "load_b b_port",
+        "cap": "head a bore piston chamber port inlet cap_side chamber_a",
+        "rod": "ring annulus b rod_side chamber_b",
+        "pilot": "x control sense pilot_port",
     }
 )
 """Names of ports that mean a terminal, beside its own name."""
@@ -161,7 +161,7 @@ def _assigned(lines: Mapping[str, NodeKind], symbol: Symbol) -> dict[str, str]:
                 free.remove(options[0])
 
     assign(lambda port: [t for t in free if t.lower() == port.lower()])
-    assign(lambda port: [t for t in free if port.lower() in MEANT.get(t, ())])
+    assign(lambda port: [t for t in free if port.lower() in MEANT.get(t, "").split()])
     assign(lambda port: [t for t in ("T", "suction") if t in free and lines[port] is NodeKind.TANK])
     assign(lambda port: free[:1])
     return names
