@@ -37,7 +37,8 @@ def captions(graph: Graph, values: Mapping[str, Lines], marks: Mapping[str, str]
 
 def heading(mark: str, name: str, limit: int) -> list[str]:
     """A mark and a name in one line, or the name below the mark where that is long."""
-    if len(whole := f"{mark} {name}") <= limit:
+    whole = name if name.lower() == mark.lower() else f"{mark} {name}"
+    if len(whole) <= limit or whole == name:
         return [whole]
     lines = [mark]
     for word in re.split(r"(?<=[_\s-])", name):

@@ -7,7 +7,7 @@ from vvdp.network.graph import Graph, GraphComponent, GraphNode, NodeKind
 from vvdp.report.blocks import Beside, Block, Piece, Point, piece
 from vvdp.report.layers import Stand, node_levels, stands
 from vvdp.report.symbol import Side, Symbol
-from vvdp.report.symbol_set import NODES, Fitted, fitted
+from vvdp.report.symbol_set import LONELY, NODES, Fitted, fitted
 
 SPACE, ROW = 20.0, 12.0
 """Space between the symbols of a chain, along it and between its rows [px]."""
@@ -54,9 +54,19 @@ def blocks(given: Setting) -> list[Block]:
             chain.run(begin)
             made.append(chain.block())
     for node in given.graph.nodes:
-        if node.kind in NODES and node.name not in done and node.kind is not NodeKind.TANK:
+        if node.kind in NODES and node.name not in done:
             made.append(_store(given, node))
+        elif node.kind in LONELY and _stands_alone(given, node):
+            alone = Fitted(LONELY[node.kind](), {}, ())
+            shown = piece(node.name, alone, {}, given.texts(node.name), Beside.RIGHT, ({}, 0))
+            made.append(Block((shown,), (), 0, _column(node)))
     return made
+
+
+def _stands_alone(given: Setting, node: GraphNode) -> bool:
+    """Whether a node needs its own symbol: nothing leads to it, or it is a tank with more to tell than its name."""
+    used = any(node.name in component.ports.values() for component in given.graph.components)
+    return not used or (node.kind is NodeKind.TANK and len(given.texts(node.name)) > 1)
 
 
 def _alone(given: Setting, component: GraphComponent) -> Block:
@@ -191,8 +201,9 @@ class Chain:
         beside = Beside.RIGHT if last else Beside.ABOVE_RIGHT
         if not fit.terminals:
             beside = Beside.RIGHT if last else Beside.BELOW
-        elif tops == {Side.BOTTOM}:
-            beside = Beside.ABOVE
+        elif len(tops) == 1 and tops <= {Side.BOTTOM, Side.TOP}:
+            below = (Side.TOP in tops) != self.where[component.name].flipped
+            beside = Beside.BELOW if below else Beside.ABOVE
         made = _mirrored(self.given, component, self.where[component.name], beside, mirrored)
         self._add(made, made.symbol, linked=came is not None)
         for node in shafts[:1]:

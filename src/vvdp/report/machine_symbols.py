@@ -50,6 +50,11 @@ def tank() -> Symbol:
     return Symbol((-13, -7, 13, 7), pipe((-13, -6), (-13, 6), (13, 6), (13, -6)), {"port": Terminal(0, -6, Side.TOP)})
 
 
+def dot() -> Symbol:
+    """A node by itself."""
+    return Symbol((-4, -4, 4, 4), draw.junction(0, 0))
+
+
 def sensor(text: str = "p") -> Symbol:
     """A sensor with the letter of what it reads."""
     drawn = _circle(14) + pipe((0, 14), (0, 22))

@@ -183,7 +183,7 @@ def _names(
         x = _free(rail, (wide, high), rails, pieces, wires, [label.box for label in found.values()])
         found[node] = Label(tuple(lines), (x, rail.y - 4 - high, x + wide, rail.y - 4))
         begin, end = rail.ends
-        if begin == end and x in (end + 7, begin - wide - 7):
+        if x in (end + 7, begin - wide - 7):
             continue
         if x > end - 12:
             rail.more = (x + wide,)

@@ -198,3 +198,7 @@ NODES: Mapping[NodeKind, Callable[[], Symbol]] = MappingProxyType(
     }
 )
 """Symbols of the nodes that have one; the others are junction lines."""
+LONELY: Mapping[NodeKind, Callable[[], Symbol]] = MappingProxyType(
+    {NodeKind.TANK: machine.tank, NodeKind.VOLUME: machine.dot}
+)
+"""Symbols of nodes that stand alone: the tank with its values, a volume that nothing leads to."""
