@@ -151,8 +151,10 @@ def piece(
             points: tuple[Point, ...] = ((t.x, t.y),)
         else:
             side = t.side if t.side in lanes else Side.RIGHT if t.x > middle or ends_shaft else Side.LEFT
-            lanes[side] += LANE if side is Side.RIGHT else -LANE
+            aside, outward = (LANE + 6.0 if tank else LANE), (1.0 if side is Side.RIGHT else -1.0)
+            lanes[side] += outward * aside
             points = _around_corner((t.x, t.y), t.side, lanes[side], inner)
+            lanes[side] += outward * (6.0 if tank else 0.0)
         down = points[-1][1] + LEAD
         if tank and len(points) > 1:
             down = max(down, inner[3] - LEAD)

@@ -19,7 +19,7 @@ class Limits:
     rail: int = 34
 
 
-USUAL, NARROW = Limits(), Limits(10, 13, 24)
+USUAL, NARROW = Limits(), Limits(11, 14, 24)
 
 
 def captions(graph: Graph, values: Mapping[str, Lines], marks: Mapping[str, str], limits: Limits) -> dict[str, Lines]:

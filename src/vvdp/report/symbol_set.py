@@ -127,7 +127,10 @@ def entry(symbol: str) -> Entry | None:
 
 
 def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind]) -> Fitted:
-    """The symbol of a component, with a terminal for every port; `kinds` are those of the nodes by name."""
+    """The symbol of a component, with a terminal for every port; `kinds` are those of the nodes by name.
+
+    A few ports that a symbol does not know join at its left side; with more, or without a symbol, it is a box.
+    """
     links = tuple(port for port, node in component.ports.items() if kinds[node].is_mechanical)
     lines = {port: kinds[node] for port, node in component.ports.items() if port not in links}
     found = entry(component.symbol)
@@ -139,7 +142,9 @@ def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind]) -> Fitted:
         symbol = found.draw(grounded=False)  # type: ignore[call-arg]
     names = _assigned(lines, symbol)
     extra = [port for port in lines if port not in names]
-    x0, _, x1, _ = symbol.box
+    x0, _, x1, y1 = symbol.box
+    if extra and (not symbol.terminals or 10.0 * len(extra) > y1 - 5.0):
+        return Fitted(generic(component.symbol, lines), {port: port for port in lines}, links)
     more = {f"port {port}": Terminal(x0, 10.0 * (i + 1), Side.LEFT) for i, port in enumerate(extra)}
     names |= {port: f"port {port}" for port in extra}
     axis = (x0, x1) if links and symbol.axis == (None, None) else symbol.axis
