@@ -265,6 +265,21 @@ def test_no_line_runs_through_a_label_or_a_symbol(plan):
             assert not overlap(line, inside(piece.body, 1.0), True), (owner, piece.name)
 
 
+def test_tanks_stand_free(plan):
+    tanks = [
+        (w, (w.points[-1][0] - 12, w.points[-1][1] - 4, w.points[-1][0] + 12, w.points[-1][1] + 8))
+        for w in plan.wires
+        if w.tank
+    ]
+    for (_, one), (_, other) in combinations(tanks, 2):
+        assert not overlap(one, other)
+    for wire, box in tanks:
+        assert not any(overlap(inside(box), other) for other in labels_of(plan))
+        assert not any(overlap(inside(box), piece.body) for piece in plan.pieces)
+        others = [s for w in plan.wires if w is not wire for s in segments(w.points)]
+        assert not any(overlap(inside(box), s, True) for s in others), wire
+
+
 def test_lines_of_different_nodes_never_run_along_each_other(plan):
     upright = [(w.node, s) for w in plan.wires if not w.tank for s in segments(w.points) if s[0] == s[2]]
     for (node, one), (other, two) in combinations(upright, 2):

@@ -7,15 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from vvdp.report.leads import Exit, Lead, Point, led, reach
 from vvdp.report.lettering import extent
 from vvdp.report.symbol import Box, Side, Symbol
 from vvdp.report.symbol_set import Fitted
 
-Point = tuple[float, float]
-GAP, LANE = 8.0, 11.0
-"""Space between a symbol and its label, and between lines beside it [px]."""
-LEAD = 12.0
-"""How far a line leaves a symbol straight [px]."""
+GAP = 8.0
+"""Space between a symbol and its label [px]."""
 
 
 class Beside(Enum):
@@ -34,24 +32,6 @@ class Label:
     lines: tuple[str, ...]
     box: Box
     anchor: str = "start"
-
-
-@dataclass(frozen=True)
-class Lead:
-    """The line of a port from its terminal to where it goes up or down to its node, or to a tank of its own."""
-
-    owner: str
-    port: str
-    node: str
-    points: tuple[Point, ...]
-    up: bool
-    tank: bool = False
-    pilot: bool = False
-
-    @property
-    def x(self) -> float:
-        """Where it goes up or down."""
-        return self.points[-1][0]
 
 
 @dataclass(frozen=True)
@@ -141,41 +121,11 @@ def piece(
     """A piece with its centre at (0, 0). `nodes` are those of its ports, `levels` those of the nodes and its band."""
     label = placed_label(lines, fit.symbol, beside)
     inner = around([fit.symbol.box, label.box]) if lines else fit.symbol.box
-    lanes, leads, outer = {Side.LEFT: inner[0], Side.RIGHT: inner[2]}, list[Lead](), [inner]
-    middle, ends_shaft = 0.5 * (inner[0] + inner[2]), bool(fit.links) and beside is Beside.RIGHT
     level, band = levels
-    for port, terminal in fit.terminals.items():
-        node, t = nodes[port], fit.symbol.terminals[terminal]
-        tank, up = node not in level, node in level and level[node] >= band
-        if t.side in (Side.TOP, Side.BOTTOM) and (t.side is Side.TOP) == up:
-            points: tuple[Point, ...] = ((t.x, t.y),)
-        else:
-            side = t.side if t.side in lanes else Side.RIGHT if t.x > middle or ends_shaft else Side.LEFT
-            aside, outward = (LANE + 6.0 if tank else LANE), (1.0 if side is Side.RIGHT else -1.0)
-            lanes[side] += outward * aside
-            points = _around_corner((t.x, t.y), t.side, lanes[side], inner)
-            lanes[side] += outward * (6.0 if tank else 0.0)
-        down = points[-1][1] + LEAD
-        if tank and len(points) > 1:
-            down = max(down, inner[3] - LEAD)
-        lead = Lead(
-            name, port, node, (*points, (points[-1][0], down)) if tank else points, up, tank, terminal == "pilot"
-        )
-        leads.append(lead)
-        outer.append(_reach(lead))
-    return Piece(name, fit.symbol, (0.0, 0.0), label, tuple(leads), around(outer))
-
-
-def _around_corner(begin: Point, side: Side, lane: float, inner: Box) -> tuple[Point, ...]:
-    """The way from a terminal to a lane beside the symbol."""
-    if side in (Side.LEFT, Side.RIGHT):
-        return begin, (lane, begin[1])
-    y = inner[1] - LEAD if side is Side.TOP else inner[3] + LEAD
-    return begin, (begin[0], y), (lane, y)
-
-
-def _reach(lead: Lead) -> Box:
-    xs, ys = [x for x, _ in lead.points], [y for _, y in lead.points]
-    if lead.tank:
-        return min(*xs, lead.x - 15), min(ys), max(*xs, lead.x + 15), max(ys) + 16
-    return min(xs) - 3, min(ys), max(xs) + 3, max(ys)
+    exits = [
+        Exit(port, node := nodes[port], fit.symbol.terminals[terminal], node in level and level[node] >= band,
+             node not in level, terminal == "pilot")
+        for port, terminal in fit.terminals.items()
+    ]  # fmt: skip
+    leads = led(name, exits, inner, to_right=bool(fit.links) and beside is Beside.RIGHT)
+    return Piece(name, fit.symbol, (0.0, 0.0), label, leads, around([inner, *(reach(lead) for lead in leads)]))

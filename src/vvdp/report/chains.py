@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from vvdp.network.graph import Graph, GraphComponent, GraphNode, NodeKind
-from vvdp.report.blocks import Beside, Block, Piece, Point, piece
+from vvdp.report.blocks import Beside, Block, Piece, piece
 from vvdp.report.layers import Stand, node_levels, stands
+from vvdp.report.leads import Point
 from vvdp.report.symbol import Side, Symbol
 from vvdp.report.symbol_set import LONELY, NODES, Fitted, fitted
 

@@ -7,9 +7,10 @@ from types import MappingProxyType
 from vvdp.network.graph import Graph, GraphComponent, NodeKind
 from vvdp.report import symbols as draw
 from vvdp.report.bench_diagram import circuit_diagram as circuit_diagram  # until reports draw graphs
-from vvdp.report.blocks import Label, Point
+from vvdp.report.blocks import Label
 from vvdp.report.captions import NARROW, USUAL, Lines, captions
 from vvdp.report.chains import Setting, blocks, setting
+from vvdp.report.leads import Point
 from vvdp.report.lettering import LEADING, SIZE
 from vvdp.report.machine_symbols import tank
 from vvdp.report.placing import Placing

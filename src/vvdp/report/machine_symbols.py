@@ -47,7 +47,7 @@ def accumulator() -> Symbol:
 
 def tank() -> Symbol:
     """A tank, the line ending in it from above."""
-    return Symbol((-13, -7, 13, 7), pipe((-13, -6), (-13, 6), (13, 6), (13, -6)), {"port": Terminal(0, -6, Side.TOP)})
+    return Symbol((-12, -7, 12, 7), pipe((-12, -6), (-12, 6), (12, 6), (12, -6)), {"port": Terminal(0, -6, Side.TOP)})
 
 
 def dot() -> Symbol:

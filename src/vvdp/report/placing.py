@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
-from vvdp.report.blocks import Block, Lead
+from vvdp.report.blocks import Block
+from vvdp.report.leads import Lead
 
 GAP, NEAR, STEP = 22.0, 13.0, 16.0
 """Space between blocks; verticals of different nodes are further apart than NEAR; a block steps aside by STEP [px]."""

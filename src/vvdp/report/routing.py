@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, permutations
 
-from vvdp.report.blocks import Block, Box, Label, Lead, Piece, Point
+from vvdp.report.blocks import Block, Label, Piece
+from vvdp.report.leads import Lead, Point
 from vvdp.report.lettering import extent
 from vvdp.report.placing import Placing
+from vvdp.report.symbol import Box
 
 MARGIN, CLEAR, TRACK = 14.0, 9.0, 20.0
 """Around the drawing, between bands and lines, and between lines of one level [px]."""

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from vvdp.network.graph import Graph
-from vvdp.report.blocks import Box, Piece
+from vvdp.report.blocks import Piece
 from vvdp.report.routing import Plan, overlap
+from vvdp.report.symbol import Box
 
 SHORT = 180.0
 """Longest signal line that is drawn [px]."""
