@@ -166,7 +166,7 @@ def test_settings_replace_values() -> None:
     }
     assert table.content == {"p": {"speed": "1 rpm"}}
     with pytest.raises(ConfigError) as caught:
-        with_settings(table, ["speed=1 rpm", "p.speed", "p.speed=", "p.speed={step=", "p.a.b=1"])
+        with_settings(table, ["speed=1 rpm", "p.speed", "p.speed=", "p.speed={step=", "p.speed.b=1"])
     assert len(caught.value.faults) == 5
 
 

@@ -53,7 +53,7 @@ def value_classes() -> list[type]:
     from vvdp.simulation import run
     from vvdp.systems import benches, system, watching
 
-    packages = ("fluid", "valve", "hydraulics", "sensing", "circuits", "geometry", "estimation")
+    packages = ("fluid", "valve", "hydraulics", "sensing", "circuits", "geometry", "estimation", "components")
     modules = [m for p in packages for m in modules_of(p)] + [books, run, system, benches, watching]
     return [c for m in modules for c in own_classes(m) if issubclass(c, Params) or hasattr(c, "_fields")]
 

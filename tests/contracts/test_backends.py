@@ -12,7 +12,8 @@ import pytest
 
 from vvdp.base.params import Params
 from vvdp.fluid import mixture
-from vvdp.simulation.link import _make_compilable, link, reachable
+from vvdp.simulation.link import link
+from vvdp.simulation.reach import compiled_form, reachable
 from vvdp.simulation.values import as_series, flat, leaves, names, rebuilt
 from vvdp.systems.system import load_system, shipped
 
@@ -118,6 +119,8 @@ POSITIVE = {
     "mean_bulk_modulus": (1e9, 1.4e9),
     "friction_coefficient": (1e-4, 1e-2),
     "ramp": (0.1, 0.2),
+    "outlet_pressure": (2e5, 2e7),
+    "outlet_volume_ratio": (0.9, 1.0),
     "distance": (0.0, 0.5),
     "base": (0.3, 1.0),
     "t": (0.0, 1.0),
@@ -137,6 +140,7 @@ SIGNED = {
     "volume_rate": (-1e-4, 1e-4),
     "pressure_drop": (-1e7, 1e7),
     "pressure_difference": (-1e7, 1e7),
+    "pilot_difference": (-1e7, 1e7),
     "spool_angle": (-20.0, 20.0),
     "shaft_angle": (-20.0, 20.0),
     "spool_speed": (-50.0, 300.0),
@@ -218,7 +222,20 @@ def components():
     """A random value of any class that a formula takes."""
     from vvdp.base.signal import Signal
     from vvdp.fluid import modulus
-    from vvdp.hydraulics import check_valve, cylinder, directional_valve, line, proportional_valve, switching_valve
+    from vvdp.hydraulics import (
+        characteristic,
+        check_valve,
+        cylinder,
+        directional_valve,
+        flow_control_valve,
+        flow_source,
+        line,
+        pilot_check_valve,
+        proportional_valve,
+        reducing_valve,
+        seat_valve,
+        switching_valve,
+    )
     from vvdp.valve import branch, geometry, torque
 
     values = {}
@@ -255,6 +272,17 @@ def components():
             natural_frequency=200.0, damping_ratio=0.7, stroke=1e-3, lap=1e-4, full_area=1e-5
         ),
         switching_valve.PulseTrain(frequency=30.0, duty_ratio=0.4),
+        pilot_check_valve.PilotCheckValve(
+            cracking_pressure=1e4, rated_flow=1e-3, rated_drop=1e7, reverse_opening=0.1, opening_time=0.0,
+            pilot_ratio=3.0,
+        ),
+        seat_valve.SeatValve(rated_flow=1e-3, rated_drop=5e5, lag=0.01),
+        flow_control_valve.FlowControlValve(rated_flow=1e-3, minimum_drop=8e5, maximum_drop=5e6, flow_rise=0.04),
+        reducing_valve.ReducingValve(
+            closing_pressure=1e7, override_pressure=9e6, rated_flow=1e-3, rated_drop=5e5, opening_time=5e-3
+        ),
+        characteristic.Characteristic(dead_band=0.05, rangeability=30.0),
+        flow_source.FlowSource(counted_at_outlet=1.0),
         torque.SpoolSurface(
             bearing_length=0.02, pocket_length=0.05, pocket_coverage=0.7, pocket_depth=1e-3, pocket_drag_factor=4.0
         ),
@@ -346,13 +374,14 @@ def numbers_of_arguments(arguments: list[Any]) -> list[float]:
 def test_every_formula_agrees_between_floats_and_compiled_code(formula_modules, functions_of, components):
     from numba import njit
 
+    from vvdp.simulation.compiled import make_compilable
+
     count = 0
     for module, name, function in formulas(formula_modules, functions_of):
         if name in REFUSING:
             continue
-        found: dict = {}
-        reachable(function, found)
-        _make_compilable(found)
+        for reached, _ in reachable(function, {}).values():
+            make_compilable(reached, compiled_form(reached))
         compiled = njit(error_model="numpy")(function)
         rng = np.random.default_rng(5)
         cases = [sampled(module, name, function, components, rng) for _ in range(20)]

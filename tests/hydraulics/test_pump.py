@@ -3,7 +3,14 @@ import pytest
 from scipy.integrate import quad
 
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.pump import Pump, pump_flow, pump_friction_power, shaft_power
+from vvdp.hydraulics.pump import (
+    Pump,
+    pump_flow,
+    pump_friction_power,
+    pump_friction_torque,
+    pump_torque,
+    shaft_power,
+)
 
 PUMP = Pump(
     displacement=22.8e-6 / (2.0 * np.pi),
@@ -37,3 +44,19 @@ def test_shaft_power_by_hand():
 
 def test_a_pump_at_rest_only_leaks():
     assert pump_flow(1.0, 0.0, -1e5, PUMP) == (0.0, -2e-7)
+
+
+def test_torques_by_hand():
+    tank, out = FluidState(1e5, 1.0, 1e9, 0.0), FluidState(1e5, 0.99, 1e9, 1e7)
+    assert pump_torque(0.0, tank, out, PUMP) == pytest.approx(22.8e-6 / (2.0 * np.pi) * 1e7, rel=1e-14)
+    boost = FluidState(1e6, 0.8, 1e9, 2e6)
+    assert pump_torque(0.0, boost, out, PUMP) == pytest.approx(22.8e-6 / (2.0 * np.pi) * 1e7, rel=1e-14)  # 8e6/0.8
+    assert [pump_friction_torque(w, PUMP) for w in (-3.0, 0.0, 1e-9)] == [-1.5, 0.0, 1.5]
+
+
+def test_torque_times_speed_is_the_power_of_the_shaft():
+    tank, out = FluidState(1e5, 1.0, 1e9, 0.0), FluidState(1e5, 0.99, 1e9, 1e7)
+    for angle, speed in ((0.3, 150.0), (1.1, -20.0), (0.0, 0.0)):
+        torque = pump_torque(angle, tank, out, PUMP) + pump_friction_torque(speed, PUMP)
+        power = shaft_power(pump_flow(angle, speed, 1e7, PUMP).ideal, speed, tank, out, PUMP)
+        assert torque * speed == pytest.approx(power, rel=1e-13, abs=1e-12)

@@ -11,8 +11,10 @@ from vvdp.hydraulics.switching_valve import (
     SpoolState,
     SwitchingValve,
     port_areas,
+    pulse_edge,
     pulse_stop,
     pulse_train,
+    pulse_value,
     spool_rate,
 )
 
@@ -38,6 +40,13 @@ def test_areas_by_hand():
     under = switching_valve(lap=-1e-3)
     # 1 mm of 3 mm open at the centre, either way
     assert port_areas(2e-3, under) == pytest.approx((2e-5 / 3.0, 2e-5 / 3.0), rel=1e-12)
+
+
+def test_the_textbook_valve_opens_over_its_whole_stroke():
+    """Lap of minus half the stroke: the areas are in proportion to the position, and together always the full one."""
+    valve = switching_valve(lap=-2e-3)
+    for x in np.linspace(0.0, 4e-3, 9):
+        assert port_areas(x, valve) == pytest.approx((2e-5 * x / 4e-3, 2e-5 * (1.0 - x / 4e-3)), rel=1e-12, abs=1e-20)
 
 
 @given(x=st.floats(-1e-3, 5e-3), lap=st.floats(-1.9e-3, 1.9e-3))
@@ -109,8 +118,29 @@ def test_always_on_and_always_off():
         assert pulse_stop(0.3, train) == np.inf
 
 
+@given(t=st.floats(0.0, 1e3), frequency=st.floats(0.01, 1e4), duty=st.floats(0.0, 1.0))
+def test_a_duty_ratio_as_an_input_is_that_of_a_train(t, frequency, duty):
+    train = PulseTrain(frequency=frequency, duty_ratio=duty)
+    assert pulse_value(t, duty, frequency) == pulse_train(t, train)
+    assert pulse_edge(t, duty, frequency) == pulse_stop(t, train)
+
+
+def test_a_duty_ratio_beyond_its_range_is_held():
+    for duty, value in ((-0.3, 0.0), (1.4, 1.0)):
+        assert pulse_value(0.123, duty, 72.0) == value
+        assert pulse_edge(0.123, duty, 72.0) == np.inf
+
+
+def test_a_duty_ratio_that_changes_acts_at_once():
+    # at 10 Hz, 30 ms into a period: off with 0.2; with 0.5 on until 50 ms
+    assert pulse_value(0.03, 0.2, 10.0) == 0.0
+    assert pulse_value(0.03, 0.5, 10.0) == 1.0
+    assert pulse_edge(0.03, 0.2, 10.0) == 0.1
+    assert pulse_edge(0.03, 0.5, 10.0) == 0.05
+
+
 def test_contradictions_are_refused():
-    for changed in ({"natural_frequency": 0.0}, {"stroke": 0.0}, {"lap": 2e-3}):
+    for changed in ({"natural_frequency": 0.0}, {"stroke": 0.0}, {"lap": 2e-3}, {"lap": -2.001e-3}):
         with pytest.raises(ParameterError, match=next(iter(changed))):
             switching_valve(**changed)
     with pytest.raises(ParameterError, match="frequency"):

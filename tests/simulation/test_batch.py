@@ -1,34 +1,41 @@
 """A batch is many single runs: the same numbers to the last bit, one failure stops no other, shapes must agree."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.signal import step, table
 from vvdp.simulation import batch as batches
 from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.layout import vectors
 from vvdp.simulation.outcome import outcome
-from vvdp.simulation.run import simulate
-from vvdp.systems.summary import analytic_summary, simulated_summary, summary
-from vvdp.systems.system import System, load_system
+from vvdp.simulation.run import Stepping, simulate
 
-DUTIES = ("0.35", "0.5", "0.8")
-# Backwards the pump pulls the inlet down; without air and with a tight check valve nothing holds its pressure up.
-FAILING = ("operation.pump_speed=-1800 rpm", "oil.air_fraction=0", "check_valve.reverse_opening=0")
+REFERENCES = (8e5, 15e5, 20e5)
+STEPPING = Stepping(until=0.2)
+FROM = 0.05
 
 
 @pytest.fixture(scope="module")
-def systems() -> list[System]:
-    """Three cases of the shipped prototype, long enough for several PWM periods."""
-    return [load_system("prototype", [f"operation.duty_ratio={duty}"], until="0.2 s") for duty in DUTIES]
+def cases(switching):
+    """Three references, one of them with a tank pressure that changes in two steps: parameters of other lengths."""
+    _, case = switching
+    tanks = [{}, {}, {"tank_pressure": table([0.0, 0.1, 0.1, 0.2], [1e5, 1e5, 2e5, 1.5e5])}]
+    return [case(reference, **tank) for reference, tank in zip(REFERENCES, tanks, strict=True)]
 
 
-def test_batch_equals_single_runs_to_the_last_bit(systems: list[System]) -> None:
-    one = systems[0]
-    run = simulate_batch(one.model, [s.case for s in systems], one.stepping, one.average_from)
-    for row, system in enumerate(systems):
-        alone = simulate(system.model, system.case, system.stepping)
-        inside = alone.mark_times >= one.average_from
+def test_batch_equals_single_runs_to_the_last_bit(switching, cases):
+    model, _ = switching
+    assert vectors(cases[0]).params.size < vectors(cases[2]).params.size
+    run = simulate_batch(model, cases, STEPPING, FROM)
+    for row, case in enumerate(cases):
+        alone = simulate(model, case, STEPPING)
+        inside = alone.mark_times >= FROM
         assert np.array_equal(run.final[row], alone.final)
+        assert np.array_equal(run.final_commands[row], alone.reached.command)
+        assert np.array_equal(run.final_memories[row], alone.reached.memory)
         assert np.array_equal(run.low[row], alone.low)
         assert np.array_equal(run.high[row], alone.high)
         assert run.marks[row] == inside.sum() >= 3
@@ -40,63 +47,63 @@ def test_batch_equals_single_runs_to_the_last_bit(systems: list[System]) -> None
         assert counts == (alone.steps, alone.rejected, alone.evaluations, alone.samples, alone.stiff)
         assert run.end[row] == alone.end
         assert run.digest == alone.digest
-        found = run.outcome(row)
-        assert found is not None
-        in_batch, single = simulated_summary(found, system), summary(system, alone)
-        in_batch |= analytic_summary(in_batch, system)
-        assert in_batch.keys() == single.keys()
-        assert {k for k in single if in_batch[k] != single[k]} <= {"wall_time_s"}
+        assert run.remarks[row] == alone.remarks
+        one, other = run.outcome(row), outcome(alone, FROM)
+        assert np.array_equal(one.window.first, other.window.first)
+        assert (one.window.begin, one.window.end, one.remarks) == (other.window.begin, other.window.end, other.remarks)
 
 
-def test_the_number_of_cores_changes_no_number(systems: list[System]) -> None:
-    one, cases = systems[0], [s.case for s in systems]
-    with_one = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=1)
-    with_all = simulate_batch(one.model, cases, one.stepping, one.average_from)
+def test_the_number_of_cores_changes_no_number(switching, cases):
+    model, _ = switching
+    with_one = simulate_batch(model, cases, STEPPING, FROM, cores=1)
+    with_all = simulate_batch(model, cases, STEPPING, FROM)
     assert np.array_equal(with_one.final, with_all.final)
     with pytest.raises(ParameterError, match="4097 cores; expected 1 to"):
-        simulate_batch(one.model, cases, one.stepping, one.average_from, cores=4097)
+        simulate_batch(model, cases, STEPPING, FROM, cores=4097)
 
 
-def test_more_marks_than_room_still_give_the_middle_one(systems: list[System], monkeypatch: pytest.MonkeyPatch) -> None:
-    system = load_system("prototype", until="0.5 s")
-    cases = [system.case, load_system("prototype", ["operation.duty_ratio=0.6"], until="0.5 s").case]
-    roomy = simulate_batch(system.model, cases, system.stepping, 0.05)
+def test_more_marks_than_room_still_give_the_middle_one(switching, cases, monkeypatch):
+    model, _ = switching
+    longer = replace(STEPPING, until=0.5)
+    roomy = simulate_batch(model, cases, longer, FROM)
     assert roomy.marks.min() > 16  # the least room there is
     monkeypatch.setattr(batches, "MARKS_MEMORY", 0)
-    cramped = simulate_batch(system.model, cases, system.stepping, 0.05)
-    for name in ("final", "marks", "mark_times", "first_marks", "last_marks", "evaluations"):
+    cramped = simulate_batch(model, cases, longer, FROM)
+    for name in ("final", "marks", "mark_times", "first_marks", "last_marks", "evaluations", "final_memories"):
         assert np.array_equal(getattr(roomy, name), getattr(cramped, name)), name
 
 
-def test_a_failing_case_is_reported_and_stops_no_other(systems: list[System]) -> None:
-    bad, good = load_system("prototype", FAILING, until="0.2 s"), systems[1]
-    run = simulate_batch(good.model, [good.case, bad.case, good.case], good.stepping, good.average_from)
+def test_a_failing_case_is_reported_and_stops_no_other(switching, cases):
+    """A flow out of a volume that nothing refills; and a start in bar."""
+    model, case = switching
+    good, bad = cases[1], case(pump_flow=-3e-4)
+    in_bar = replace(good, state=good.state._replace(load_pressure=15.0))
+    run = simulate_batch(model, [good, bad, good, in_bar], STEPPING, FROM)
     assert run.reasons[0] is run.reasons[2] is None
-    assert run.reasons[1] is not None
-    assert "cannot go on at t = 0.0" in run.reasons[1] and "supply.inlet_pressure" in run.reasons[1]
-    assert run.outcome(1) is None
+    assert "cannot go on at t = 0.0" in run.reasons[1] and "inlet_pressure" in run.reasons[1]
+    assert "state 'load_pressure' starts wrongly" in run.reasons[3] and "bar?" in run.reasons[3]
+    assert run.outcome(1) is run.outcome(3) is None
     assert np.isnan(run.mark_times[1]).all()
     assert np.array_equal(run.final[0], run.final[2])
-    assert np.array_equal(run.final[0], simulate(good.model, good.case, good.stepping).final)
+    assert np.array_equal(run.final[0], simulate(model, good, STEPPING).final)
 
 
-def test_a_case_without_two_marks_has_no_outcome(systems: list[System]) -> None:
-    system = systems[0]
-    run = simulate_batch(system.model, [system.case], system.stepping, 0.1999)
+def test_a_case_without_two_marks_has_no_outcome(switching, cases):
+    model, _ = switching
+    run = simulate_batch(model, cases[:1], STEPPING, 0.1999)
     assert run.reasons == (None,)
     assert run.outcome(0) is None
-    alone = outcome(simulate(system.model, system.case, system.stepping), 0.1999)
-    assert alone.window.periods == 0
+    assert outcome(simulate(model, cases[0], STEPPING), 0.1999).window.periods == 0
 
 
-def test_cases_of_other_shapes_are_refused_with_the_place(systems: list[System]) -> None:
-    one = systems[0]
-    stepped = load_system("prototype", ['operation.duty_ratio={step=["0.4","0.6"],at="50 ms"}'], until="0.12 s")
-    message = r"case 1 is not of .* case 0: params\.supply\.operation\.axial_position\.start has 1 numbers against 0"
-    with pytest.raises(ParameterError, match=message):
-        simulate_batch(one.model, [one.case, stepped.case], one.stepping, 0.05)
-    other = load_system("prototype-constant-load", until="0.12 s")
-    with pytest.raises(ParameterError, match=r"params\.load\.pressure\.base has 1 numbers against none"):
-        simulate_batch(one.model, [one.case, other.case], one.stepping, 0.05)
+def test_cases_of_other_shapes_are_refused_with_the_place(switching, cases):
+    model, case = switching
+    stepped = case(tank_pressure=step(1e5, 2e5, 0.1))
+    assert simulate_batch(model, [cases[0], stepped], STEPPING, FROM).reasons == (None, None)
+    other = replace(cases[0], memory={**cases[0].memory, "display": cases[0].memory["controller"]})
+    with pytest.raises(
+        ParameterError, match=r"case 1 is not of .* case 0: memory\.display\.duty_ratio is a number against nothing"
+    ):
+        simulate_batch(model, [cases[0], other], STEPPING, FROM)
     with pytest.raises(ParameterError, match="at least one"):
-        simulate_batch(one.model, [], one.stepping, 0.05)
+        simulate_batch(model, [], STEPPING, FROM)

@@ -13,7 +13,7 @@ from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_stop, signal_value
 from vvdp.hydraulics.switching_valve import PulseTrain, pulse_stop, pulse_train
 from vvdp.numerics.tableaus import Array
-from vvdp.simulation.model import Case, Model
+from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.run import Method, Stepping, simulate
 
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
@@ -33,7 +33,7 @@ def filled(t: float, s: Level, u: Nothing, p: Given) -> tuple[Level, Level]:
     return Level(signal_value(t, p.inflow)), Level(s.x)
 
 
-def filled_stop(t: float, p: Given) -> float:
+def filled_stop(t: float, u: Nothing, p: Given) -> float:
     return signal_stop(t, p.inflow)
 
 
@@ -89,7 +89,7 @@ def pulsed(t: float, s: Level, u: Nothing, p: Pulsed) -> tuple[Level, Nothing]:
     return Level(pulse_train(t, p.train)), Nothing(0.0)
 
 
-def pulsed_stop(t: float, p: Pulsed) -> float:
+def pulsed_stop(t: float, u: Nothing, p: Pulsed) -> float:
     return pulse_stop(t, p.train)
 
 
@@ -120,7 +120,7 @@ def oscillator(t: float, s: Turning, u: Nothing, p: Rate) -> tuple[Turning, Noth
     return Turning(s.v, -p.angular * p.angular * s.x), Nothing(0.0)
 
 
-def five_levels(t: float, s: Turning, p: Rate) -> float:
+def five_levels(t: float, s: Turning, u: Nothing, p: Rate) -> float:
     return 5.0 * s.x
 
 
@@ -154,7 +154,7 @@ def steady(t: float, s: Crossing, u: Nothing, p: Rate) -> tuple[Crossing, Nothin
     return Crossing(p.angular), Nothing(0.0)
 
 
-def whole_turns(t: float, s: Crossing, p: Rate) -> float:
+def whole_turns(t: float, s: Crossing, u: Nothing, p: Rate) -> float:
     return s.angle
 
 
@@ -177,56 +177,87 @@ def test_many_marks_in_one_step():
     assert run.mark_times == pytest.approx((np.arange(7000) + 0.5) / 7000.0, abs=1e-12)
 
 
-# Programs
+# Programs: see also test_programs
 
 
 class Counted(NamedTuple):
     calls: Plain
-    last_time: Plain
-    history: Array
+    history: Annotated[Array, Kind("plain number", "1", -1e9, 1e9, "1")]
 
 
 class Push(NamedTuple):
     force: Plain
 
 
+class Pushed(NamedTuple):
+    counter: Push
+
+
 class Gain(Params):
     increment: Plain
 
 
-def pushed(t: float, s: Level, u: Push, p: Nothing) -> tuple[Level, Level]:
-    return Level(u.force), Level(u.force)
+def pushed(t: float, s: Level, u: Pushed, p: Nothing) -> tuple[Level, Level]:
+    return Level(u.counter.force), Level(u.counter.force)
 
 
-def counting(t: float, memory: Counted, measured: Level, settings: Gain) -> tuple[Counted, Push]:
+def seen(t: float, s: Level, outputs: Level, p: Nothing) -> Level:
+    return Level(s.x)
+
+
+def counting(t: float, memory: Counted, reading: Level, settings: Gain) -> tuple[Counted, Push]:
     history = memory.history.copy()
-    history[int(memory.calls) % 4] = measured.x
+    history[int(memory.calls) % 4] = reading.x
     calls = memory.calls + 1.0
-    return Counted(calls, t, history), Push(settings.increment * calls)
+    return Counted(calls, history), Push(settings.increment * calls)
+
+
+COUNTER = Program(seen, counting, Push(0.0))
 
 
 def counted(until: float, period: float, **others):
-    case = Case(Level(0.0), Nothing(), Push(0.0), Counted(0.0, 0.0, np.zeros(4)), Gain(increment=2.0))
+    case = Case(
+        Level(0.0),
+        Nothing(),
+        Pushed(Push(0.0)),
+        {"counter": Counted(0.0, np.zeros(4))},
+        {"counter": Gain(increment=2.0)},
+    )
     chosen = stepping(until, sample_period=period, record_interval=period, window_interval=period, **others)
-    return simulate(Model(pushed, program=counting), case, chosen)
+    return simulate(Model(pushed, programs={"counter": COUNTER}), case, chosen)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_program_is_called_at_each_sample_and_its_command_held(method):
-    """After sample k the command is 2 k: x at sample n is the sum of 2 k dt over k < n = dt n (n - 1), exactly."""
+def test_program_is_called_at_zero_and_at_each_sample_and_its_command_held(method):
+    """From sample k on, 0 the first, the command is 2 (k + 1): x at sample n is dt n (n + 1), exactly."""
     run = counted(1.0, 1.0 / 64.0, method=method)
     n = np.arange(65)
-    assert run.samples == 64
+    assert run.samples == run.calls["counter"] == 65
     assert run.times * 64.0 == pytest.approx(n)
-    assert run.states[:, 0] == pytest.approx(n * (n - 1) / 64.0, rel=1e-12, abs=1e-12)
-    # a record on a sample still has the command that was held until then
-    assert run.commands[1:, 0] == pytest.approx(2.0 * (n[1:] - 1))
-    assert run.outputs.x == pytest.approx(run.commands[:, 0])
+    assert run.states[:, 0] == pytest.approx(n * (n + 1) / 64.0, rel=1e-12, abs=1e-12)
+    # a record on a sample still has the command and the memory that were held until then
+    assert run.command.counter.force[1:] == pytest.approx(2.0 * n[1:])
+    assert run.memory["counter"].calls[1:] == pytest.approx(n[1:])
+    assert run.outputs.x == pytest.approx(run.command.counter.force)
+    assert run.readings["counter"].x == pytest.approx(run.states[:, 0])
 
 
-@pytest.mark.parametrize(("until", "period", "samples"), [(0.3, 1e-3, 300), (1.0, 1e-4, 10000), (0.0105, 1e-3, 11)])
+def test_what_a_program_remembers_is_recorded_in_its_shape():
+    """An array of the memory has time as its last axis; what was seen at sample k stands at k modulo 4."""
+    run = counted(1.0, 1.0 / 64.0)
+    history = run.memory["counter"].history
+    assert history.shape == (4, 65)
+    n = np.arange(65)
+    assert history[0, 1:] == pytest.approx(run.states[(n[1:] - 1) // 4 * 4, 0])
+    assert run.final_memory["counter"].calls == 65.0
+    assert run.final_memory["counter"].history == pytest.approx(run.states[[64, 61, 62, 63], 0])
+    assert run.final_command.counter.force == 130.0
+    assert run.final_case.memory["counter"].calls == 65.0
+
+
+@pytest.mark.parametrize(("until", "period", "samples"), [(0.3, 1e-3, 301), (1.0, 1e-4, 10001), (0.0105, 1e-3, 11)])
 def test_number_of_samples(until, period, samples):
-    """One per period, and one at the end where the run does not end on a period; rounding adds none."""
+    """One at 0 and one per period; rounding adds none."""
     run = counted(until, period)
     assert run.samples == samples
     assert run.end == until
@@ -291,7 +322,7 @@ def test_portions_do_not_change_a_single_bit(portion, method):
         return simulate(model, case, chosen, portion=portion)
 
     parts, whole = run(portion), run(1e12)
-    for name in ("times", "states", "mark_times", "mark_states", "final", "low", "high"):
+    for name in ("times", "states", "commands", "memories", "mark_times", "mark_states", "final", "low", "high"):
         assert np.array_equal(getattr(parts, name), getattr(whole, name)), name
     assert (parts.steps, parts.rejected, parts.evaluations, parts.samples) == (
         whole.steps,
@@ -302,7 +333,7 @@ def test_portions_do_not_change_a_single_bit(portion, method):
     assert whole.mark_times.size > 256
 
 
-def hundred_levels(t: float, s: Turning, p: Rate) -> float:
+def hundred_levels(t: float, s: Turning, u: Nothing, p: Rate) -> float:
     return 20.0 * s.x
 
 
@@ -353,6 +384,9 @@ def test_stiff_follower_of_a_smooth_curve(method):
         ({"until": 1.0, "sample_period": 0.0}, "sample_period"),
         ({"until": 1.0, "relative_tolerance": 0.1}, "relative_tolerance"),
         ({"until": 1.0, "window_interval": 1e-9}, "at most 2e7"),
+        ({"until": 1.0, "begin": 1.0}, "after begin, 1 s"),
+        ({"until": 1.0, "longest_step": 0.0}, "longest_step"),
+        ({"until": "1 s"}, "Stepping.until: '1 s' is a text; .*vvdp.base.units.parsed"),
     ],
 )
 def test_impossible_stepping_is_refused(values, told):

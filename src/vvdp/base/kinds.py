@@ -86,11 +86,15 @@ DISCHARGE_COEFFICIENT = Kind("discharge coefficient", "1", 0.3, 1.0, "0.61")
 AIR_FRACTION = Kind("volume fraction of free air", "1", 0.0, 0.5, "1 %")
 POLYTROPIC = Kind("polytropic exponent", "1", 1.0, 1.7, "1.4")
 FRACTION = Kind("fraction", "1", 0.0, 1.0, "0.5", scale=1e-2)
+SIGNED_FRACTION = Kind("signed fraction", "1", -1.0, 1.0, "0.5", scale=1e-2)
 DUTY_RATIO = Kind("duty ratio", "1", -1.0, 2.0, "0.5")
 COUNT = Kind("count", "1", 0.0, 1e6, "3")
 RATIO = Kind("ratio", "1", 0.0, 1e6, "1.0")
 POWER = Kind("power", "W", 0.0, 1e9, "5.6 kW")
 ENERGY = Kind("energy", "J", -1e12, 1e12, "10 J", scale=1.0, accumulates=True)
+# Energy that a shaft, say, hands on to a neighbour, or takes from it: may fall where losses may not.
+EXCHANGED_ENERGY = Kind("energy handed on", "J", -1e12, 1e12, "10 J", scale=1.0, accumulates=True)
+EXCHANGED_POWER = Kind("power handed on", "W", -1e9, 1e9, "10 W")
 TANK_VOLUME = Kind("volume at tank conditions", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)
 TORQUE = Kind("torque", "N*m", -1e6, 1e6, "1.5 N*m")
 FLOW_COEFFICIENT = Kind("flow coefficient", "m^3/(s*Pa^0.5)", 0.0, 1e-2, "1.2e-7 m^3/(s*Pa^0.5)")
@@ -102,12 +106,16 @@ ANGULAR_VARIANCE = Kind("angular variance", "rad^2", 0.0, 1e6, "3.5e-3 rad^2", u
 SPEED_VARIANCE = Kind(
     "variance of a rotational speed", "rad^2/s^2", 0.0, 1e10, "1000 rad^2/s^2", units=("rad^2/s^2", "rpm^2")
 )
+ANGLE_SPEED_COVARIANCE = Kind("covariance of an angle and its speed", "rad^2/s", -1e10, 1e10, "1 rad^2/s", units=("rad^2/s",))
 ACCELERATION_DENSITY = Kind(
     "spectral density of an angular acceleration", "rad^2/s^3", 0.0, 1e12, "0.25 rad^2/s^3", units=("rad^2/s^3",)
 )
 DRIFT = Kind("relative drift", "1", -0.1, 0.1, "1e-4")
 RATIO_DRIFT = Kind("spectral density of the rate of a ratio", "1/s", 0.0, 1e6, "1e-3 1/s")
 COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
+
+NUMBER = Kind("number", "1", -1e300, 1e300, "0")
+"""Of whatever a program counts with: the state of a generator, a flag, an evidence."""
 
 Scalar: TypeAlias = float
 """A float in formulas. Arrays of one shape and CasADi symbols pass through the same text."""
@@ -143,11 +151,14 @@ DischargeCoefficient = Annotated[float, DISCHARGE_COEFFICIENT]
 AirFraction = Annotated[float, AIR_FRACTION]
 Polytropic = Annotated[float, POLYTROPIC]
 Fraction = Annotated[float, FRACTION]
+SignedFraction = Annotated[float, SIGNED_FRACTION]
 DutyRatio = Annotated[float, DUTY_RATIO]
 Count = Annotated[float, COUNT]
 Ratio = Annotated[float, RATIO]
 Power = Annotated[float, POWER]
 Energy = Annotated[float, ENERGY]
+ExchangedEnergy = Annotated[float, EXCHANGED_ENERGY]
+ExchangedPower = Annotated[float, EXCHANGED_POWER]
 TankVolume = Annotated[float, TANK_VOLUME]
 Torque = Annotated[float, TORQUE]
 FlowCoefficient = Annotated[float, FLOW_COEFFICIENT]
@@ -158,7 +169,9 @@ Coupling = Annotated[float, COUPLING]
 Drift = Annotated[float, DRIFT]
 RatioDrift = Annotated[float, RATIO_DRIFT]
 AngularVariance = Annotated[float, ANGULAR_VARIANCE]
+Number = Annotated[float, NUMBER]
 SpeedVariance = Annotated[float, SPEED_VARIANCE]
+AngleSpeedCovariance = Annotated[float, ANGLE_SPEED_COVARIANCE]
 AccelerationDensity = Annotated[float, ACCELERATION_DENSITY]
 
 PressureSignal = Annotated[Signal, PRESSURE_LEVEL]

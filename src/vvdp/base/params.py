@@ -33,6 +33,11 @@ def _field_types(cls: type) -> dict[str, Any]:
     return get_type_hints(cls)
 
 
+def default_values(cls: type) -> dict[str, Any]:
+    """The fields of a parameter class that need not be given, with their values."""
+    return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class Params:
     """Base of every parameter class. A subclass is made a frozen, keyword-only dataclass by being written down.
@@ -41,6 +46,8 @@ class Params:
     """
 
     def __init_subclass__(cls) -> None:
+        if "check" in cls.__annotations__:
+            raise ParameterError(f"{cls.__name__}.check: a field cannot be called so; `check` refuses values")
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
 
     def __post_init__(self) -> None:
@@ -48,10 +55,22 @@ class Params:
             if kind is None:
                 continue
             value = getattr(self, name)
-            for bound in value.extremes if isinstance(value, Signal) else (float(value),):
+            if isinstance(value, str):
+                raise ParameterError(
+                    f"{type(self).__name__}.{name}: {value!r} is a text; expected a number in SI, as "
+                    f"vvdp.base.units.parsed({value!r}, kind) gives, for example of {kind.example!r}"
+                )
+            for bound in _bounds(value):
                 if fault := kind.fault(bound):
                     raise ParameterError(f"{type(self).__name__}.{name}: {fault}")
         self.check()
 
     def check(self) -> None:
         """Refuse values that contradict each other; a subclass overrides this where it has something to say."""
+
+
+def _bounds(value: Any) -> tuple[float, ...]:
+    """The numbers of a value that have to lie within its kind."""
+    if isinstance(value, Signal):
+        return value.extremes
+    return tuple(map(float, value)) if isinstance(value, tuple) else (float(value),)

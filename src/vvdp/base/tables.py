@@ -13,12 +13,12 @@ import stat
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_origin
 
 from vvdp.base import signal as signals
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
-from vvdp.base.params import Params, field_kinds, field_types
+from vvdp.base.params import Params, default_values, field_kinds, field_types
 from vvdp.base.signal import Signal
 from vvdp.base.units import displayed, parsed, parsed_difference
 
@@ -37,7 +37,7 @@ class Sourced:
 
     table: str
     key: str
-    value: float | Signal
+    value: float | Signal | tuple[float, ...]
     kind: Kind
     status: str
     source: str
@@ -47,9 +47,10 @@ class Sourced:
     @property
     def displayed(self) -> str:
         """The value as a person reads it."""
-        if isinstance(self.value, float):
-            return displayed(self.value, self.kind)
-        return described(self.value, self.kind)
+        if isinstance(self.value, Signal):
+            return described(self.value, self.kind)
+        values = self.value if isinstance(self.value, tuple) else (self.value,)
+        return ", ".join(displayed(value, self.kind) for value in values)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -111,33 +112,38 @@ def with_settings(table: Table, settings: list[str]) -> Table:
 
     A value in braces is read as TOML (`pump.speed={step=["1200 rpm", "1800 rpm"], at="0.5 s"}`).
     """
-    content = {key: dict(value) if isinstance(value, dict) else value for key, value in table.content.items()}
+    content = copied(table.content)
     lines = dict(table.lines)
     faults = []
     for setting in settings:
         key, equals, text = setting.partition("=")
         key, text = key.strip(), text.strip()
         parts = key.split(".")
-        if not equals or len(parts) != 2 or not all(parts) or not text:
+        if not equals or len(parts) < 2 or not all(parts) or not text:
             faults.append(Fault("--set", 0, setting, 'expected table.key="value with unit"'))
             continue
-        if text.startswith(("{", "[")):
-            try:
-                value = tomllib.loads(f"value = {text}")["value"]
-            except (ValueError, RecursionError) as problem:
-                faults.append(Fault("--set", 0, key, f"is not valid TOML: {problem}"))
-                continue
-        else:
-            value = text.strip("\"'")
-        inner = content.setdefault(parts[0], {})
-        if not isinstance(inner, dict):
-            faults.append(Fault("--set", 0, key, f"{parts[0]!r} is not a table"))
+        try:
+            value = tomllib.loads(f"value = {text}")["value"] if text.startswith(("{", "[")) else text.strip("\"'")
+        except (ValueError, RecursionError) as problem:
+            faults.append(Fault("--set", 0, key, f"is not valid TOML: {problem}"))
             continue
-        inner[parts[1]] = value
-        lines[key] = SET_BY_OPTION
+        inner = content
+        for number, part in enumerate(parts[:-1], 1):
+            inner = inner.setdefault(part, {})
+            if not isinstance(inner, dict):
+                faults.append(Fault("--set", 0, key, f"{'.'.join(parts[:number])!r} is not a table"))
+                break
+        else:
+            inner[parts[-1]] = value
+            lines[key] = SET_BY_OPTION
     if faults:
         raise ConfigError(faults)
     return Table(table.place, content, lines)
+
+
+def copied(content: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy of parsed tables whose inner tables may be changed."""
+    return {key: copied(value) if isinstance(value, Mapping) else value for key, value in content.items()}
 
 
 def build(
@@ -145,9 +151,10 @@ def build(
 ) -> tuple[T | None, list[Sourced]]:
     """The parameters of `cls` from one TOML table called `name`, and the origin of each value.
 
-    Faults are appended to `faults`; the parameters are None when there are any.
+    A field with a default need not be given. Faults are appended to `faults`; the parameters are None when there are
+    any.
     """
-    kinds, known = field_kinds(cls), field_types(cls)
+    kinds, known, defaults = field_kinds(cls), field_types(cls), default_values(cls)
     before = len(faults)
     for key in table:
         if key not in kinds:
@@ -156,13 +163,17 @@ def build(
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     for key, kind in kinds.items():
+        if key not in table and key in defaults:
+            if kind is not None:
+                rows.append(Sourced(name, key, defaults[key], kind, "assumed", "", "", "default"))
+            continue
         if key not in table:
             example = f', for example "{kind.example}"' if kind else ""
             faults.append(_fault(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
             continue
         if kind is None:
             raise TypeError(f"{cls.__name__}.{key} has no kind")
-        row = _sourced(table[key], name, key, kind, known[key] is Signal, origin, faults)
+        row = _sourced(table[key], name, key, kind, known[key], origin, faults)
         if row is not None:
             rows.append(row)
             values[key] = row.value
@@ -176,7 +187,7 @@ def build(
 
 
 def _sourced(
-    entry: Any, name: str, key: str, kind: Kind, timed: bool, origin: Table, faults: list[Fault]
+    entry: Any, name: str, key: str, kind: Kind, known: Any, origin: Table, faults: list[Fault]
 ) -> Sourced | None:
     path = f"{name}.{key}"
     fields = dict(entry) if isinstance(entry, Mapping) else {"value": entry}
@@ -186,9 +197,11 @@ def _sourced(
         faults.append(_fault(origin, path, f"status {status!r}; expected one of {', '.join(STATUSES)}"))
         return None
     try:
-        value: float | Signal
-        if timed:
+        value: float | Signal | tuple[float, ...]
+        if known is Signal:
             value = _signal(fields, kind)
+        elif get_origin(known) is tuple:
+            value = _list(fields, kind)
         elif set(fields) == {"value"}:
             value = parsed(fields["value"], kind)
         else:
@@ -198,6 +211,14 @@ def _sourced(
         faults.append(_fault(origin, path, str(problem)))
         return None
     return Sourced(name, key, value, kind, status, text["source"], text["where"], text["note"])
+
+
+def _list(fields: Mapping[str, Any], kind: Kind) -> tuple[float, ...]:
+    """The numbers of a TOML list."""
+    match fields:
+        case {"value": [*entries], **rest} if not rest:
+            return tuple(parsed(entry, kind) for entry in entries)
+    raise ParameterError(f"{', '.join(map(str, fields.values()))}; expected a list, for example [{kind.example!r}]")
 
 
 def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
@@ -245,7 +266,10 @@ def described(value: Signal, kind: Kind) -> str:
 
 
 def _fault(origin: Table, path: str, message: str, key: str = "") -> Fault:
-    line = origin.lines.get(path)
+    line, part = origin.lines.get(path), path
+    while line is None and "." in part:
+        part = part.rpartition(".")[0]
+        line = origin.lines.get(part)
     return Fault("--set" if line == SET_BY_OPTION else origin.place, line or 0, key or path, message)
 
 

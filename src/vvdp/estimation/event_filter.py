@@ -9,7 +9,17 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import AccelerationDensity, AngularVariance, Count, Ratio, Speed, SpeedVariance
+from vvdp.base.kinds import (
+    AccelerationDensity,
+    AngularVariance,
+    Count,
+    Fraction,
+    Number,
+    Ratio,
+    Speed,
+    SpeedVariance,
+    Time,
+)
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import (
@@ -98,18 +108,18 @@ class EventFilterMemory(NamedTuple):
     `density` is that of the acceleration, `rise` and `fall` are the sums of innovations.
     """
 
-    time: float
+    time: Time
     belief: AngleSpeed
-    edge: float
-    edge_time: float
-    started: float
-    associating: float
-    ignored: float
-    missed_edges: float
-    irregular: float
-    density: float
-    rise: float
-    fall: float
+    edge: Number
+    edge_time: Time
+    started: Fraction
+    associating: Fraction
+    ignored: Count
+    missed_edges: Count
+    irregular: Fraction
+    density: AccelerationDensity
+    rise: Number
+    fall: Number
     search: IndexMemory
 
 

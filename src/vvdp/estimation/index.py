@@ -5,10 +5,11 @@ turned; the one with the least sum of squares fits the widths of the sectors. Ti
 modulo a turn, so that missed edges leave gaps and nothing else.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from vvdp.base.kinds import NUMBER, TIME, Count, Fraction, Number
 from vvdp.base.select import clip, maximum
 from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import CodeWheel, edge_angle
@@ -27,13 +28,13 @@ class IndexMemory(NamedTuple):
     said so, `found` 1 once enough have. `evidence` for each shift is gathered only from then on.
     """
 
-    numbers: Array
-    times: Array
-    evidence: Array
-    turn_start: float
-    verdict: float
-    turns: float
-    found: float
+    numbers: Annotated[Array, NUMBER]
+    times: Annotated[Array, TIME]
+    evidence: Annotated[Array, NUMBER]
+    turn_start: Number
+    verdict: Number
+    turns: Count
+    found: Fraction
 
 
 class Shift(NamedTuple):

@@ -1,5 +1,7 @@
 """Check valve: opens with the drop in its direction, stays open against it by a given share."""
 
+from typing import NamedTuple
+
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
 from vvdp.base.params import Params
@@ -36,6 +38,12 @@ class CheckValve(CheckPoppet):
         super().check()
         if self.rated_flow <= 0.0:
             raise ParameterError(f"CheckValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
+
+
+class CheckState(NamedTuple):
+    """How far the poppet of a check valve has left its seat."""
+
+    opening: Fraction
 
 
 def check_opening(pressure_drop: float, check: CheckPoppet) -> float:

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import FlowCoefficient, Fraction, PressureDifference, Time
+from vvdp.base.kinds import FlowCoefficient, Fraction, PressureDifference, SignedFraction, Time
 from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
@@ -27,6 +27,12 @@ class DirectionalValve(Params):
             raise ParameterError("DirectionalValve.transition_pressure: 0 Pa; the flow law needs one above zero")
         if self.lag <= 0.0:
             raise ParameterError("DirectionalValve.lag: 0 s; expected a time above zero")
+
+
+class DirectionalState(NamedTuple):
+    """Position of the spool: 1 forward, -1 backward."""
+
+    position: SignedFraction
 
 
 class EdgeOpenings(NamedTuple):

@@ -1,9 +1,9 @@
-"""Line: a column of oil with inertia and friction between two volumes; its compliance belongs to these."""
+"""Line: a column of oil with inertia and wall friction between two volumes."""
 
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Length
+from vvdp.base.kinds import Length, Ratio
 from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum
 from vvdp.fluid.mixture import FluidState
@@ -13,38 +13,29 @@ TURBULENT_FROM = 4000.0
 
 
 class Line(Params):
-    """A smooth pipe or hose, round."""
+    """A straight run of pipe or hose, round. `wall_friction` multiplies the friction of a smooth wall; 0 has none."""
 
     length: Length
     diameter: Length
+    wall_friction: Ratio = 1.0
 
     def check(self) -> None:
         if self.length <= 0.0 or self.diameter <= 0.0:
-            raise ParameterError(f"Line: length {self.length:g} m, diameter {self.diameter:g} m; expected both above 0")
+            raise ParameterError(
+                f"{type(self).__name__}: length {self.length:g} m, diameter {self.diameter:g} m; expected both above 0"
+            )
 
 
-def line_flow_rate(
-    flow: float, upstream: FluidState, downstream: FluidState, density: float, viscosity: float, line: Line
-) -> float:
-    """Rate of the flow in a line [tank volumes, m^3/s^2].
-
-    I q' = h_up - h_down - dp_f(q), inertance I = rho L/A. It is the enthalpy difference that drives a column of equal
-    mass flow: I q^2/2, the friction and q (h_up - h_down) then balance exactly.
-
-    flow        q, positive from upstream to downstream [tank volumes, m^3/s]
-    upstream    oil at the first-named end
-    downstream  oil at the second-named end
-    density     of the oil at the tank [kg/m^3]
-    viscosity   dynamic [Pa s]
+def line_volume(line: Line) -> float:
+    """Volume inside a line [m^3]: pi d^2 l/4.
 
     Source  ours, docs/models/components.md
     """
-    drive = upstream.enthalpy - downstream.enthalpy
-    return (drive - line_friction_drop(flow, density, viscosity, line)) / inertance(density, line)
+    return 0.25 * np.pi * line.diameter**2 * line.length
 
 
 def inertance(density: float, line: Line) -> float:
-    """Inertance of a line [Pa s^2/m^3]: rho L/A.
+    """Inertance of a line [Pa s^2/m^3]: rho l/A.
 
     density  of the oil at the tank [kg/m^3]
 
@@ -53,42 +44,76 @@ def inertance(density: float, line: Line) -> float:
     return density * line.length / (0.25 * np.pi * line.diameter**2)
 
 
-def line_friction_drop(flow: float, density: float, viscosity: float, line: Line) -> float:
-    """Pressure that wall friction takes from a steady flow [Pa], signed like the flow.
+def flow_scale(a: FluidState, b: FluidState) -> float:
+    """Root of the mean volume ratio in a line, sigma [1]: sqrt((nu_a + nu_b)/2).
 
-    128 mu L q/(pi d^4), laminar, times a factor that goes smoothly from 1 at Re 2300 to that of Blasius,
-    0.3164 Re^(-1/4) over 64/Re, at Re 4000.
+    A line's flow z is the geometric mean of its flow in tank volumes, q = z/sigma, and the actual one, Q = z sigma.
 
-    flow       q [m^3/s]
-    density    of the oil [kg/m^3]
-    viscosity  dynamic, mu [Pa s]
+    a, b  oil at its ends
 
-    Source  merritt1967, ch. 3 (laminar, Blasius); transition: ours, docs/models/components.md
+    Source  ours, docs/models/components.md
     """
-    L, d = line.length, line.diameter
-    Re = 4.0 * density * abs(flow) / (np.pi * d * viscosity)
-    x = clip((Re - LAMINAR_UP_TO) / (TURBULENT_FROM - LAMINAR_UP_TO), 0.0, 1.0)
-    turbulent: float = 0.3164 / 64.0 * maximum(Re, LAMINAR_UP_TO) ** 0.75
-    factor: float = 1.0 + x**2 * (3.0 - 2.0 * x) * (turbulent - 1.0)
-    return 128.0 * viscosity * L / (np.pi * d**4) * flow * factor
+    scale: float = np.sqrt(0.5 * (a.volume_ratio + b.volume_ratio))
+    return scale
 
 
-def line_friction_power(flow: float, density: float, viscosity: float, line: Line) -> float:
-    """Power that wall friction in a line turns to heat [W]: q dp_f(q), never negative.
+def line_flow_rate(flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: Line) -> float:
+    """Rate of the flow of a line [m^3/s^2]: I z' = (h_a - h_b)/sigma - sigma dp_f(sigma z).
 
-    flow       q [tank volumes, m^3/s]
+    Its kinetic energy I z^2/2, friction and q (h_a - h_b) balance exactly; a small wave has the momentum I q' = dP.
+
+    flow       z, from a to b; see `flow_scale` [m^3/s]
+    a, b       oil at its ends
     density    of the oil at the tank [kg/m^3]
     viscosity  dynamic [Pa s]
 
     Source  ours, docs/models/components.md
     """
-    return flow * line_friction_drop(flow, density, viscosity, line)
+    sigma = flow_scale(a, b)
+    drop = line_friction_drop(sigma * flow, density / sigma**2, viscosity, line)
+    return ((a.enthalpy - b.enthalpy) / sigma - sigma * drop) / inertance(density, line)
+
+
+def line_friction_drop(flow: float, density: float, viscosity: float, line: Line) -> float:
+    """Pressure that wall friction takes from a steady flow [Pa], signed like the flow.
+
+    128 mu l Q/(pi d^4), laminar, times a factor that goes smoothly from 1 at Re 2300 to that of Blasius,
+    0.3164 Re^(-1/4) over 64/Re, at Re 4000; times `wall_friction`.
+
+    flow       Q, actual [m^3/s]
+    density    of the oil, actual [kg/m^3]
+    viscosity  dynamic, mu [Pa s]
+
+    Source  merritt1967, ch. 3 (laminar, Blasius); transition: ours, docs/models/components.md
+    """
+    d = line.diameter
+    Re = 4.0 * density * abs(flow) / (np.pi * d * viscosity)
+    x = clip((Re - LAMINAR_UP_TO) / (TURBULENT_FROM - LAMINAR_UP_TO), 0.0, 1.0)
+    turbulent: float = 0.3164 / 64.0 * maximum(Re, LAMINAR_UP_TO) ** 0.75
+    factor: float = 1.0 + x**2 * (3.0 - 2.0 * x) * (turbulent - 1.0)
+    return line.wall_friction * 128.0 * viscosity * line.length / (np.pi * d**4) * flow * factor
+
+
+def line_friction_power(
+    flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: Line
+) -> float:
+    """Power that wall friction in a line turns to heat [W]: Q dp_f(Q), Q = sigma z, never negative.
+
+    flow       z, from a to b; see `flow_scale` [m^3/s]
+    a, b       oil at its ends
+    density    of the oil at the tank [kg/m^3]
+    viscosity  dynamic [Pa s]
+
+    Source  ours, docs/models/components.md
+    """
+    sigma = flow_scale(a, b)
+    return sigma * flow * line_friction_drop(sigma * flow, density / sigma**2, viscosity, line)
 
 
 def line_energy(flow: float, density: float, line: Line) -> float:
-    """Kinetic energy of the column in a line [J]: I q^2/2.
+    """Kinetic energy of the column in a line [J]: I z^2/2.
 
-    flow     q [tank volumes, m^3/s]
+    flow     z; see `flow_scale` [m^3/s]
     density  of the oil at the tank [kg/m^3]
 
     Source  ours, docs/models/components.md

@@ -1,7 +1,9 @@
 """Proportional throttle valve: its opening follows a command with a lag."""
 
+from typing import NamedTuple
+
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Conductance, FlowCoefficient, PressureDifference, Time
+from vvdp.base.kinds import Conductance, FlowCoefficient, Fraction, PressureDifference, Time
 from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
@@ -23,6 +25,12 @@ class ProportionalValve(Params):
             raise ParameterError("ProportionalValve.transition_pressure: 0 Pa; the flow law needs one above zero")
         if self.lag <= 0.0:
             raise ParameterError("ProportionalValve.lag: 0 s; expected a time above zero")
+
+
+class OpeningState(NamedTuple):
+    """How far a controlled valve with one edge is open."""
+
+    opening: Fraction
 
 
 def opening_rate(command: float, opening: float, valve: ProportionalValve) -> float:

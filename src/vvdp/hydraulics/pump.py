@@ -6,6 +6,7 @@ import numpy as np
 
 from vvdp.base.kinds import Conductance, Count, Displacement, Flow, Fraction, Torque
 from vvdp.base.params import Params
+from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 
 
@@ -92,3 +93,30 @@ def shaft_power(ideal_flow: float, shaft_speed: float, inlet: FluidState, outlet
     Source  ours, docs/models/components.md
     """
     return ideal_flow * (outlet.enthalpy - inlet.enthalpy) + pump_friction_power(shaft_speed, pump)
+
+
+def pump_torque(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
+    """Hydraulic torque that a pump takes from its shaft [N m]: D (1 + r sin(z theta)) (h_out - h_in)/nu_in.
+
+    Times the speed it is the power that the displaced oil gains, q (h_out - h_in).
+
+    shaft_angle  theta [rad]
+    inlet        oil where the pump fills
+    outlet       oil where it delivers
+
+    Source  ours, docs/models/components.md
+    """
+    gain = (outlet.enthalpy - inlet.enthalpy) / inlet.volume_ratio
+    return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * gain
+
+
+def pump_friction_torque(shaft_speed: float, pump: Pump) -> float:
+    """Friction of a pump [N m], against the speed: T_f with the sign of omega, none at rest.
+
+    shaft_speed  omega [rad/s]
+
+    Source  ours, docs/models/components.md
+    """
+    forward = select(shaft_speed > 0.0, pump.friction_torque, 0.0)
+    backward = select(shaft_speed < 0.0, pump.friction_torque, 0.0)
+    return forward - backward

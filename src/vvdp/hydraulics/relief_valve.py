@@ -1,7 +1,9 @@
 """Relief valve: one law with its three limits, first-order, static and ideal."""
 
+from typing import NamedTuple
+
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
+from vvdp.base.kinds import Flow, Pressure, PressureDifference, Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, select
 from vvdp.hydraulics.flow import rated_root
@@ -29,6 +31,21 @@ class ReliefValve(Params):
                 f"ReliefValve: override_pressure 0 (ideal) contradicts opening_time {self.opening_time:g} s; "
                 "make the opening time 0 or give an override"
             )
+
+
+class ShockValve(ReliefValve):
+    """A relief valve with an override, which needs to know nothing of its volume but the pressure."""
+
+    def check(self) -> None:
+        super().check()
+        if self.override_pressure <= 0.0:
+            raise ParameterError("ShockValve.override_pressure: 0 Pa; expected one above zero, or take a relief valve")
+
+
+class ReliefState(NamedTuple):
+    """Opening of a relief valve, 1 at its rated point."""
+
+    opening: Ratio
 
 
 def relief_flow(

@@ -1,4 +1,4 @@
-"""Three-way switching valve on a pulse train: one pressure port that a spool joins to a first or a second port."""
+"""Switching valve on a pulse train: one pressure port that a spool joins to a first or a second port."""
 
 from typing import NamedTuple
 
@@ -17,7 +17,8 @@ class SwitchingValve(Params):
     """Spool of second order between the positions 0 (second port open) and `stroke` (first port open).
 
     The areas grow in proportion from where the lands part to `full_area` at the end of the stroke. `lap` is how far
-    the spool travels either way from its centre before a port opens; negative (underlap): both are open around it.
+    the spool travels either way from its centre before a port opens; negative (underlap): both are open around it, at
+    minus half the stroke each over the whole of it.
     """
 
     natural_frequency: Frequency
@@ -31,9 +32,11 @@ class SwitchingValve(Params):
             raise ParameterError("SwitchingValve.natural_frequency: 0 Hz; expected one above zero")
         if self.stroke <= 0.0:
             raise ParameterError("SwitchingValve.stroke: 0 m; expected a length above zero")
-        if abs(self.lap) >= 0.5 * self.stroke:
+        half = 0.5 * self.stroke
+        if not -half <= self.lap < half:
             raise ParameterError(
-                f"SwitchingValve.lap: {self.lap:g} m is not within half the stroke, {0.5 * self.stroke:g} m, either way"
+                f"SwitchingValve.lap: {self.lap:g} m; expected less than half the stroke, {half:g} m, "
+                f"and not below -{half:g} m"
             )
 
 
@@ -51,15 +54,20 @@ class PortAreas(NamedTuple):
     second: Area
 
 
-class PulseTrain(Params):
-    """Pulses of value 1 that begin at 0, 1/f, 2/f ... and last for the duty ratio of the period."""
+class PulseClock(Params):
+    """Pulses begin at 0, 1/f, 2/f ..."""
 
     frequency: Frequency
-    duty_ratio: Fraction
 
     def check(self) -> None:
         if self.frequency <= 0.0:
-            raise ParameterError("PulseTrain.frequency: 0 Hz; expected one above zero")
+            raise ParameterError(f"{type(self).__name__}.frequency: 0 Hz; expected one above zero")
+
+
+class PulseTrain(PulseClock):
+    """Pulses of value 1 that begin at 0, 1/f, 2/f ... and last for the duty ratio of the period."""
+
+    duty_ratio: Fraction
 
 
 def spool_rate(command: float, spool: SpoolState, valve: SwitchingValve) -> SpoolState:
@@ -106,9 +114,7 @@ def pulse_train(t: float, train: PulseTrain) -> float:
 
     Source  ours, docs/models/components.md
     """
-    k = _cycle(t, train)
-    value: float = select(t < (k + train.duty_ratio) / train.frequency, 1.0, 0.0)
-    return value
+    return pulse_value(t, train.duty_ratio, train.frequency)
 
 
 def pulse_stop(t: float, train: PulseTrain) -> float:
@@ -118,15 +124,43 @@ def pulse_stop(t: float, train: PulseTrain) -> float:
 
     Source  ours, docs/models/components.md
     """
-    k, f, d = _cycle(t, train), train.frequency, train.duty_ratio
-    fall = (k + d) / f
-    stop: float = select(d * (1.0 - d) > 0.0, select(t < fall, fall, (k + 1.0) / f), np.inf)
-    return stop
+    return pulse_edge(t, train.duty_ratio, train.frequency)
 
 
-def _cycle(t: float, train: PulseTrain) -> float:
+def pulse_value(t: float, duty_ratio: float, frequency: float) -> float:
+    """Command [1] of pulses whose duty ratio is held between samples: 1 from k/f up to (k + d)/f, else 0.
+
+    A duty ratio that changes within a period acts at once; one that is to count from the next period on has to wait
+    where it is made.
+
+    t           time [s]
+    duty_ratio  d, held between 0 and 1 [1]
+    frequency   f, greater than zero [Hz]
+
+    Source  ours, docs/models/components.md
+    """
+    k = _cycle(t, frequency)
+    value: float = select(t < (k + clip(duty_ratio, 0.0, 1.0)) / frequency, 1.0, 0.0)
+    return value
+
+
+def pulse_edge(t: float, duty_ratio: float, frequency: float) -> float:
+    """The next edge [s] after `t` of pulses whose duty ratio stays as it is; infinity at a duty ratio of 0 or 1.
+
+    t           time [s]
+    duty_ratio  d, held between 0 and 1 [1]
+    frequency   f, greater than zero [Hz]
+
+    Source  ours, docs/models/components.md
+    """
+    k, d = _cycle(t, frequency), clip(duty_ratio, 0.0, 1.0)
+    fall = (k + d) / frequency
+    edge: float = select(d * (1.0 - d) > 0.0, select(t < fall, fall, (k + 1.0) / frequency), np.inf)
+    return edge
+
+
+def _cycle(t: float, f: float) -> float:
     """Number k of the cycle with k/f <= t < (k + 1)/f, where t f alone may round over an edge."""
-    f = train.frequency
     k = np.floor(t * f)
     k = select(t < k / f, k - 1.0, k)
     cycle: float = select(t >= (k + 1.0) / f, k + 1.0, k)

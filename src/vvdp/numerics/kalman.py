@@ -8,17 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.kinds import Angle, AngleSpeedCovariance, AngularVariance, Speed, SpeedVariance
 from vvdp.numerics.tableaus import Array
 
 
 class AngleSpeed(NamedTuple):
     """Mean and covariance of an angle [rad] and its rate [rad/s]."""
 
-    angle: float
-    speed: float
-    angle_variance: float  # [rad^2]
-    covariance: float  # [rad^2/s]
-    speed_variance: float  # [rad^2/s^2]
+    angle: Angle
+    speed: Speed
+    angle_variance: AngularVariance
+    covariance: AngleSpeedCovariance
+    speed_variance: SpeedVariance
 
 
 def propagated(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.kinds import Number
+
 FIRST_MODULUS, FIRST_FACTOR = 2147483563.0, 40014.0
 SECOND_MODULUS, SECOND_FACTOR = 2147483399.0, 40692.0
 STIRRING_MODULUS, STIRRINGS = 67108859.0, 8
@@ -17,8 +19,8 @@ STIRRING_MODULUS, STIRRINGS = 67108859.0, 8
 class Random(NamedTuple):
     """State of the generator; make it with `random_start`."""
 
-    first: float
-    second: float
+    first: Number
+    second: Number
 
 
 def random_start(seed: float) -> Random:

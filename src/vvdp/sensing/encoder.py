@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Angle, Count, Drift, Fraction, FractionSignal, Speed, Time
+from vvdp.base.kinds import Angle, Count, Drift, Fraction, FractionSignal, Number, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.base.signal import signal_value
@@ -124,15 +124,15 @@ class EncoderMemory(NamedTuple):
     `disturbance` is the noise of the light [1] at the next edge ahead, `last_disturbance` at the one behind.
     """
 
-    started: float
-    time: float
-    angle: float
-    speed: float
-    edge: float
-    disturbance: float
-    last_disturbance: float
-    counter: float
-    polarity: float
+    started: Fraction
+    time: Time
+    angle: Angle
+    speed: Speed
+    edge: Number
+    disturbance: Number
+    last_disturbance: Number
+    counter: Number
+    polarity: Number
     random: Random
 
 

@@ -2,18 +2,23 @@
 
 from dataclasses import dataclass
 
+from vvdp.base.kinds import EXCHANGED_ENERGY
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.run import Run
-from vvdp.simulation.values import as_value, flat
+from vvdp.simulation.run import Run, below_vacuum
+from vvdp.simulation.values import as_value, flat, leaves
 
 LIMIT = 1e-6
-"""A residual above this share of the throughput marks a run as not to be trusted."""
+"""A residual above this share of the throughput marks a run as not to be trusted; a sink that gives more as well."""
 
 
 @dataclass(frozen=True)
 class Balance:
-    """Energy [J] and oil [m^3 at tank conditions] in, out, and into store over a run."""
+    """Energy [J] and oil [m^3 at tank conditions] in, out, and into store over a run.
+
+    `falling` names the entries of `spent` that gave energy back (flow that runs up the pressure, a friction that
+    drives), but for those of the kind `EXCHANGED_ENERGY`; `below_vacuum` the pressures that fell below 0 Pa absolute.
+    """
 
     energy_in: float
     energy_out: float
@@ -23,6 +28,8 @@ class Balance:
     volume_out: float
     volume_stored: float
     volume_throughput: float
+    falling: tuple[str, ...] = ()
+    below_vacuum: tuple[str, ...] = ()
 
     @property
     def energy_residual(self) -> float:
@@ -36,8 +43,9 @@ class Balance:
 
     @property
     def is_trusted(self) -> bool:
-        """Whether both residuals are below the limit."""
-        return abs(self.energy_residual) <= LIMIT and abs(self.mass_residual) <= LIMIT
+        """Whether both residuals are below the limit, no sink gave energy back and no pressure fell below 0 Pa."""
+        closed = abs(self.energy_residual) <= LIMIT and abs(self.mass_residual) <= LIMIT
+        return closed and not self.falling and not self.below_vacuum
 
 
 def _share(missing: float, throughput: float) -> float:
@@ -46,11 +54,14 @@ def _share(missing: float, throughput: float) -> float:
 
 def balance(run: Run) -> Balance | None:
     """The balance of a whole run; None when the model keeps no books."""
-    return balance_between(run.model, run.case, flat(run.case.state), run.final)
+    return balance_between(run.model, run.case, run.initial, run.final, run.low)
 
 
-def balance_between(model: Model, case: Case, start: Array, end: Array) -> Balance | None:
-    """The balance between two states, shape (n,) each; None when the model keeps no books."""
+def balance_between(model: Model, case: Case, start: Array, end: Array, low: Array | None = None) -> Balance | None:
+    """The balance between two states, shape (n,) each; None when the model keeps no books.
+
+    `low` holds the lowest states in between, where they are known, shape (n,).
+    """
     if model.stored is None:
         return None
     before, after = as_value(case.state, start), as_value(case.state, end)
@@ -60,13 +71,20 @@ def balance_between(model: Model, case: Case, start: Array, end: Array) -> Balan
     energy_stored, volume_stored = float(holds.energy - held.energy), float(holds.volume - held.volume)
     taken_in = float(after.books.taken_in - before.books.taken_in)
     given_out = float(after.books.given_out - before.books.given_out)
+    throughput = float(max(abs(supplied).sum(), abs(spent).sum(), abs(energy_stored)))
     return Balance(
         energy_in=float(supplied.sum()),
         energy_out=float(spent.sum()),
         energy_stored=energy_stored,
-        energy_throughput=float(max(abs(supplied).sum(), abs(spent).sum(), abs(energy_stored))),
+        energy_throughput=throughput,
         volume_in=taken_in,
         volume_out=given_out,
         volume_stored=volume_stored,
         volume_throughput=float(max(abs(taken_in), abs(given_out), abs(volume_stored), holds.volume)),
+        falling=tuple(
+            path
+            for (path, _, kind), change in zip(leaves(after.books.spent), spent, strict=True)
+            if change < -LIMIT * throughput and kind != EXCHANGED_ENERGY
+        ),
+        below_vacuum=() if low is None else tuple(path for path, _ in below_vacuum(case, low)),
     )

@@ -10,13 +10,18 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from vvdp.base.errors import ParameterError
+from vvdp.base.errors import ParameterError, RunError
 from vvdp.numerics.tableaus import Array
+from vvdp.simulation import places
+from vvdp.simulation.check import check_start
+from vvdp.simulation.layout import case_shape as case_shape
+from vvdp.simulation.layout import params_rows, vectors
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, marked_window
-from vvdp.simulation.run import Prepared, Stepping, compiled_loop, failure, prepared
-from vvdp.simulation.values import flat, leaves
+from vvdp.simulation.prepare import Prepared, compiled_loop, prepared, started
+from vvdp.simulation.run import failure, remarks
+from vvdp.simulation.stepping import Stepping
 
 MARKS_MEMORY = 2**28
 """Bytes for the marks of a batch; cases with more marks than there is room for are run a second time."""
@@ -34,6 +39,8 @@ class BatchRun:
     cases: tuple[Case, ...]
     stepping: Stepping
     final: Array  # (cases, n)
+    final_commands: Array  # (cases, commands)
+    final_memories: Array  # (cases, memories)
     low: Array  # (cases, n) over every step
     high: Array  # (cases, n)
     marks: npt.NDArray[np.int64]  # (cases,)
@@ -48,6 +55,7 @@ class BatchRun:
     switches: npt.NDArray[np.int64]
     stiff: npt.NDArray[np.bool_]
     reasons: tuple[str | None, ...]
+    remarks: tuple[tuple[str, ...], ...]
     seconds: float
     digest: str
 
@@ -75,6 +83,7 @@ class BatchRun:
             stiff=bool(self.stiff[case]),
             seconds=self.seconds / len(self.cases),
             finished=True,
+            remarks=self.remarks[case],
         )
 
 
@@ -93,6 +102,48 @@ def simulate_batch(
     A case that fails is reported in the result and stops no other. Raises ParameterError where the cases are not of
     one shape, or `cores` (all, unless said) is not a number of them.
     """
+    _are_of_one_shape(cases)
+    began = time.perf_counter()
+    ready = prepared(model, cases[0], stepping, cache, say)
+    loop = compiled_loop(say)
+    rows = int(np.clip(_places(ready, len(cases)), 16, 4096))
+    part = _carried(loop, ready, cases, stepping, marks_from, rows, cores)
+    crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # their middle mark has been written over
+    if crowded.size:
+        room = int(part.clocks[crowded, places.MARKS].max()) + 1
+        at_once = max(1, _places(ready, room))
+        for some in np.split(crowded, range(at_once, crowded.size, at_once)):
+            again = _carried(loop, ready, [cases[row] for row in some], stepping, marks_from, room, cores)
+            for whole, piece in zip(part, again, strict=True):
+                whole[some] = piece
+    clocks = part.clocks
+    reasons = tuple(
+        _reason(case, clock, state, status)
+        for case, clock, state, status in zip(cases, clocks, part.final, part.status, strict=True)
+    )
+    return BatchRun(
+        model=model,
+        cases=tuple(cases),
+        stepping=stepping,
+        final=part.final,
+        final_commands=part.commands,
+        final_memories=part.memories,
+        low=part.low,
+        high=part.high,
+        mark_times=part.mark_times,
+        first_marks=part.first_marks,
+        last_marks=part.last_marks,
+        end=np.where(part.status == places.DONE, stepping.until, clocks[:, places.TIME]),
+        stiff=clocks[:, places.METHOD] == places.STIFF,
+        reasons=reasons,
+        remarks=tuple(remarks(case, low, clock) for case, low, clock in zip(cases, part.low, clocks, strict=True)),
+        seconds=time.perf_counter() - began,
+        digest=ready.linked.digest,
+        **_counts(part),
+    )
+
+
+def _are_of_one_shape(cases: Sequence[Case]) -> None:
     if not cases:
         raise ParameterError("no cases; expected at least one")
     shape = case_shape(cases[0])
@@ -101,66 +152,40 @@ def simulate_batch(
             raise ParameterError(
                 f"case {number} is not of the shape of case 0: {difference}; run them in batches apart"
             )
-    began = time.perf_counter()
-    ready = prepared(model, cases[0], stepping.relative_tolerance, cache, say)
-    loop = compiled_loop(say)
-    rows = int(np.clip(_places(ready, len(cases)), 16, 4096))
-    part = _carried(loop, ready, cases, stepping, marks_from, rows, cores)
-    crowded = np.flatnonzero(part.clocks[:, loop.STORED] >= rows)  # their middle mark has been written over
-    if crowded.size:
-        room = int(part.clocks[crowded, loop.MARKS].max()) + 1
-        at_once = max(1, _places(ready, room))
-        for some in np.split(crowded, range(at_once, crowded.size, at_once)):
-            again = _carried(loop, ready, [cases[row] for row in some], stepping, marks_from, room, cores)
-            for whole, piece in zip(part, again, strict=True):
-                whole[some] = piece
+
+
+def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
+    try:
+        check_start(case)
+    except RunError as problem:
+        return str(problem)
+    return None if status == places.DONE else failure(case, clock[places.TIME], state, status)
+
+
+def _counts(part: "_Carried") -> dict[str, npt.NDArray[np.int64]]:
     clocks = part.clocks
-    counts = {
-        name: clocks[:, place].astype(np.int64)
-        for name, place in (
-            ("marks", loop.STORED),
-            ("steps", loop.STEPS),
-            ("rejected", loop.REJECTED),
-            ("evaluations", loop.EVALUATIONS),
-            ("samples", loop.SAMPLES),
-            ("switches", loop.SWITCHES),
-        )
-    }
-    counts["steps"] -= counts["rejected"]
-    reasons = tuple(
-        None if status == loop.DONE else failure(case, clock[loop.TIME], state, status == loop.NOT_FINITE)
-        for case, clock, state, status in zip(cases, clocks, part.final, part.status, strict=True)
-    )
-    return BatchRun(
-        model=model,
-        cases=tuple(cases),
-        stepping=stepping,
-        final=part.final,
-        low=part.low,
-        high=part.high,
-        mark_times=part.mark_times,
-        first_marks=part.first_marks,
-        last_marks=part.last_marks,
-        end=clocks[:, loop.TIME].copy(),
-        stiff=clocks[:, loop.METHOD] == loop.STIFF,
-        reasons=reasons,
-        seconds=time.perf_counter() - began,
-        digest=ready.linked.digest,
-        **counts,
-    )
+    named = {"marks": places.STORED, "evaluations": places.EVALUATIONS, "switches": places.SWITCHES}
+    counts = {name: clocks[:, place].astype(np.int64) for name, place in named.items()}
+    counts["rejected"] = clocks[:, places.REJECTED].astype(np.int64)
+    counts["steps"] = clocks[:, places.STEPS].astype(np.int64) - counts["rejected"]
+    counts["samples"] = part.samples
+    return counts
 
 
 def _places(ready: Prepared, others: int) -> int:
     """How many states fit into the memory for marks for each of `others`."""
-    return MARKS_MEMORY // (8 * ready.state.size * others)
+    return MARKS_MEMORY // (8 * ready.vectors.state.size * others)
 
 
 class _Carried(NamedTuple):
     final: Array
+    commands: Array
+    memories: Array
     low: Array
     high: Array
     clocks: Array
     status: npt.NDArray[np.int64]
+    samples: npt.NDArray[np.int64]
     mark_times: Array
     first_marks: Array
     last_marks: Array
@@ -175,43 +200,33 @@ def _carried(
     rows: int,
     cores: int | None,
 ) -> _Carried:
-    count, n = len(cases), ready.state.size
+    count, n = len(cases), ready.vectors.state.size
     with _threads(cores) as threads:
         # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
         order = np.concatenate([np.arange(first, count, threads) for first in range(threads)])
-        final, command, memory, params, settings = (
-            np.array([flat(getattr(cases[row], part)) for row in order]).reshape(count, -1)
-            for part in ("state", "command", "memory", "params", "settings")
-        )
-        low, high, clocks = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, loop.CLOCK))
-        status = np.zeros(count, np.int64)
+        given = [cases[row] for row in order]
+        final, command, memory = (np.stack(parts) for parts in list(zip(*map(vectors, given), strict=True))[:3])
+        _, _, _, agenda, waiting, clock = started(ready, stepping)
+        agendas, waitings, clocks = (np.stack([part] * count) for part in (agenda, waiting, clock))
+        low, high, status = np.zeros((count, n)), np.zeros((count, n)), np.zeros(count, np.int64)
         times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
         loop.batch(
-            *ready.linked[:-1],
-            *(final, command, memory, params, settings, ready.atol, ready.rtol, ready.scale),
-            *(ready.active, stepping.sample_period, stepping.until, marks_from),
-            *(1e-3 * stepping.sample_period, stepping.method.value),
-            *(times, states, low, high, clocks, status),
+            *ready.linked[:4],
+            *(final, command, memory, params_rows(given), ready.plan, agendas, waitings, clocks),
+            *(ready.atol, ready.rtol, ready.scale, ready.active),
+            *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
+            *(times, states, low, high, status),
         )
-    marks = clocks[:, loop.STORED].astype(np.int64)
+    marks = clocks[:, places.STORED].astype(np.int64)
     row, last = np.arange(count), np.clip(marks - 1, 0, rows - 1)
     mark_times = np.stack([times[:, 0], times[row, last // 2], times[row, last]], axis=1)
     first, latest = states[:, 0].copy(), states[row, last]
     for found in (mark_times, first, latest):
         found[marks == 0] = np.nan
     dealt = np.argsort(order)
-    parts = (final, low, high, clocks, status, mark_times, first, latest)
+    samples = agendas[:, 0, places.CALLS].astype(np.int64)
+    parts = (final, command, memory, low, high, clocks, status, samples, mark_times, first, latest)
     return _Carried._make(part[dealt] for part in parts)
-
-
-def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
-    """What must be the same in all cases of a batch: the names of the values and their sizes.
-
-    A constant and a step, say, are signals of different shapes.
-    """
-    parts = ("state", "params", "command", "memory", "settings")
-    sizes = ((f"{part}.{path}", np.size(value)) for part in parts for path, value, _ in leaves(getattr(case, part)))
-    return tuple(sizes)
 
 
 def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, object], ...]) -> str | None:
@@ -219,7 +234,15 @@ def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, o
         return None
     mine, others = dict(shape), dict(other)
     name = next(name for name in (*mine, *others) if mine.get(name) != others.get(name))
-    return f"{name} has {mine.get(name, 'no')} numbers against {others.get(name, 'none')}"
+    return f"{name} is {_form(mine.get(name))} against {_form(others.get(name))}"
+
+
+def _form(found: object) -> str:
+    if found is None:
+        return "nothing"
+    if isinstance(found, str):
+        return f"a {found}"
+    return "a number" if found in (0, ()) else f"an array of {found if isinstance(found, tuple) else f'{found} axes'}"
 
 
 @contextmanager

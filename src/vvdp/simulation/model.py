@@ -29,10 +29,10 @@ def no_memory(settings: Any) -> Any:
 class Program:
     """A controller, estimator or display: what it measures, and the step that it takes at each of its samples.
 
-    measure(t, state, outputs, params) -> reading              what its sensors see: no books, nothing that none measures
+    measure(t, state, outputs, params) -> reading              what its sensors see, and no books
     step(t, memory, reading, settings) -> (memory, command)    a NamedTuple each, all floats or arrays of fixed length
     start(settings) -> memory                                  the memory before the first sample
-    trigger(t, state, command, params) -> float                an event wherever its floor changes
+    trigger(t, state, command, params, settings) -> float      an event wherever its floor changes
 
     It is called at `phase`, and then every `period` [s] (None: the run's sample period); with a trigger instead at
     each event, where a step of the run ends exactly. Its command acts `latency` [s] later, at most one period.

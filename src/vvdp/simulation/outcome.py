@@ -41,6 +41,7 @@ class Outcome:
     stiff: bool
     seconds: float
     finished: bool
+    remarks: tuple[str, ...] = ()
 
 
 def outcome(run: Run, average_from: float) -> Outcome:
@@ -59,6 +60,7 @@ def outcome(run: Run, average_from: float) -> Outcome:
         stiff=run.stiff,
         seconds=run.seconds,
         finished=run.finished,
+        remarks=run.remarks,
     )
 
 
@@ -67,7 +69,7 @@ def averaging_window(run: Run, average_from: float) -> Window:
 
     A run that was stopped before `average_from` is averaged over its second half.
     """
-    begin = average_from if run.end > average_from else 0.5 * run.end
+    begin = average_from if run.end > average_from else 0.5 * (run.stepping.begin + run.end)
     inside = np.flatnonzero(run.mark_times >= begin)
     if inside.size < 2:
         row = min(int(np.searchsorted(run.times, begin)), run.times.size - 1)

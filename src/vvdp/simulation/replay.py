@@ -13,7 +13,11 @@ import numpy as np
 
 from vvdp.base.errors import RunError
 from vvdp.numerics.tableaus import Array
-from vvdp.simulation.link import Classes, built, compiled_module, heading, quiet, written
+from vvdp.simulation.cache import default_cache, quiet
+from vvdp.simulation.layout import Packed
+from vvdp.simulation.link import Hashed
+from vvdp.simulation.parts import Part
+from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, write
 from vvdp.simulation.values import as_value, flat, leaves
 
 Step = Callable[[Any, Any, Any], tuple[Any, Any]]
@@ -51,11 +55,9 @@ class Replay:
             raise RunError(f"{step.__qualname__} returns a memory that differs from the one given in {', '.join(odd)}")
         self.columns = tuple(path for path, _, _ in leaves(shown))
         self.width = flat(reading).size
-        self._example, self._settings = memory, settings
-        classes = Classes()
-        source = _source(memory, reading, settings, shown, classes)
-        module = compiled_module(source, {"step": step}, classes, cache, say)
-        self._run, self.digest = module.replay, module.__name__.rpartition("_")[2]
+        self._example, self._reading, self._settings = memory, reading, settings
+        hashed = Hashed(_part(step, memory, reading, settings, shown))
+        self._run, self.digest = hashed.module(cache or default_cache(), say).replay, hashed.digest
 
     def __call__(self, memory: Any, rows: Array, settings: Any | None = None) -> Replayed:
         """The step taken over `rows`, shape (samples, numbers of a reading), starting from `memory`."""
@@ -63,21 +65,33 @@ class Replay:
         if rows.ndim != 2 or rows.shape[1] != self.width:
             raise RunError(f"rows of shape {rows.shape}; expected (samples, {self.width})")
         reached, shown = flat(memory), np.empty((rows.shape[0], len(self.columns)))
-        self._run(reached, flat(self._settings if settings is None else settings), rows, shown)
+        packed = Packed()
+        packed.add(self._settings if settings is None else settings)
+        packed.add_shapes(memory)
+        packed.add_shapes(self._reading)
+        self._run(reached, packed.vector(), rows, shown)
         return Replayed(as_value(self._example, reached), shown)
 
 
-def _source(memory: Any, reading: Any, settings: Any, shown: Any, classes: Classes) -> str:
+def _part(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> Part:
+    """replay(m, p, rows, out): `p` has the block of the settings, then the shapes in memory and reading."""
+    classes, block, end = Classes(), Place(), Place()
     lines = [
-        "@njit(void(float64[::1], float64[::1], *[float64[:, ::1]] * 2), cache=True, error_model='numpy', nogil=True)"
+        "@njit(void(float64[::1], float64[::1], *[float64[:, ::1]] * 2), cache=True, error_model='numpy', nogil=True)",
+        "def replay(m, p, rows, out):",
+        f"    settings = {parameters(settings, block, classes)}",
     ]
-    lines += ["def replay(m, z, rows, out):"]
-    lines += [f"    settings = {built(settings, 'z', 0, classes)[0]}"]
-    lines += [f"    memory = {built(memory, 'm', 0, classes)[0]}"]
-    lines += ["    for i in range(rows.shape[0]):", "        r, o = rows[i], out[i]"]
-    lines += [f"        memory, shown = step(memory, {built(reading, 'r', 0, classes)[0]}, settings)"]
+    start = numbers(memory, "m", end, block, lines, classes)
+    lines += [f"    memory = {start}", "    for i in range(rows.shape[0]):", "        r, o = rows[i], out[i]"]
     inner: list[str] = []
-    written(shown, "shown", "o", 0, inner)
+    row = numbers(reading, "r", Place(), block, inner, classes)
+    inner.append(f"    memory, shown = step(memory, {row}, settings)")
+    write(shown, "shown", "o", Place(), inner)
     lines += [f"    {line}" for line in inner]
-    written(memory, "memory", "m", 0, lines)
-    return "\n".join([*heading(classes), "", "", *lines]) + "\n"
+    lines += remember(memory, "memory", "0", str(end))
+    return Part(
+        source="\n".join([*classes.heading(), "", "", *lines]) + "\n",
+        called={"step": step},
+        classes=classes,
+        announcement=f"compiling {step.__name__} (once for each, a few seconds)",
+    )

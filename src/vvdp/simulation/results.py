@@ -1,7 +1,8 @@
 """The result directory: what a run leaves on disk, and reading it back.
 
     system.toml     the system as it was resolved
-    result.h5       times, states, outputs, what the program shows, marks; every dataset with `units` and `long_name`
+    result.h5       times, states, outputs, marks; commands, memory and readings of each program; every dataset with
+                    `units` and `long_name`, time first
     summary.json    the numbers that the run comes to
     meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
 
@@ -24,17 +25,19 @@ import numpy as np
 import vvdp
 from vvdp.base.errors import unusable
 from vvdp.base.kinds import Kind
-from vvdp.base.params import field_kinds
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
 
-FORMAT = 1
+FORMAT = 2
+COMPRESSED_FROM = 10_000
+"""Datasets of so many numbers and more are compressed."""
+GROUPS = ("states", "outputs", "commands", "memory", "readings")
 
 
 @dataclass(frozen=True)
 class Series:
-    """A recorded quantity: values over `Results.times`, SI unit, and what it is."""
+    """A recorded quantity: values over `Results.times`, SI unit, and what it is; time is the first axis."""
 
     values: Array
     unit: str
@@ -52,7 +55,9 @@ class Results:
     times: Array  # (rows,)
     states: Mapping[str, Series]
     outputs: Mapping[str, Series]
-    shown: Mapping[str, Series]  # by the program, such as an estimate; none where it shows nothing
+    commands: Mapping[str, Series]  # by "<program>.<field>", and "held.<field>" for the conditions
+    memory: Mapping[str, Series]  # by "<program>.<field>", as the readings are
+    readings: Mapping[str, Series]
     mark_times: Array  # (marks,)
     mark_states: Mapping[str, Series]
 
@@ -113,31 +118,31 @@ def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, 
         "seconds": run.seconds,
         **more,
     }
+    if run.remarks:
+        meta["remarks"] = list(run.remarks)
     _write_json(folder / "meta.json", meta)
     temporary = folder / "result.h5.tmp"
     with h5py.File(temporary, "w") as file:
         _dataset(file, "time", run.times, "s", "time")
-        for column, (path, _, kind) in enumerate(leaves(run.case.state)):
-            _dataset(file, f"states/{path}", run.states[:, column], *_described(path, kind))
-        outputs = run.outputs
-        for name, kind in field_kinds(type(outputs)).items():
-            _dataset(file, f"outputs/{name}", getattr(outputs, name), *_described(name, kind))
-        for path, (values, kind) in shown(run).items():
-            _dataset(file, f"shown/{path}", values, *_described(path, kind))
+        for group, value in _groups(run).items():
+            for path, leaf, kind in leaves(value):
+                if path.rpartition(".")[2] != "unused":
+                    _dataset(file, f"{group}/{path}", np.moveaxis(leaf, -1, 0), *_described(path, kind))
         _dataset(file, "marks/time", run.mark_times, "s", "time of each mark")
         for column, (path, _, kind) in enumerate(leaves(run.case.state)):
             _dataset(file, f"marks/states/{path}", run.mark_states[:, column], *_described(path, kind))
     temporary.replace(folder / "result.h5")
 
 
-def shown(run: Run) -> dict[str, tuple[Array, Kind]]:
-    """What the program of a run showed at its recorded times, by path: the command's field `shown`, held in between."""
-    places, column = {}, 0
-    for path, value, kind in leaves(run.case.command):
-        if path.startswith("shown.") and kind:
-            places[path.removeprefix("shown.")] = run.commands[:, column], kind
-        column += int(np.size(value))
-    return places
+def _groups(run: Run) -> dict[str, Any]:
+    """What is written over time, an array with time as its last axis at each leaf."""
+    return {
+        "states": run.state,
+        "outputs": run.outputs,
+        "commands": run.command,
+        **{f"memory/{name}": value for name, value in run.memory.items()},
+        **{f"readings/{name}": value for name, value in run.readings.items()},
+    }
 
 
 def _described(path: str, kind: Kind | None) -> tuple[str, str]:
@@ -149,7 +154,7 @@ def _described(path: str, kind: Kind | None) -> tuple[str, str]:
 
 
 def _dataset(file: Any, name: str, values: Array, unit: str, long_name: str) -> None:
-    options = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if values.size > 1000 else {}
+    options = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if values.size >= COMPRESSED_FROM else {}
     dataset = file.create_dataset(name.replace(".", "/"), data=values, **options)
     dataset.attrs["units"] = unit
     dataset.attrs["long_name"] = long_name
@@ -170,18 +175,32 @@ def read_results(directory: Path) -> Results:
         raise unusable(directory, f"is not a result directory: {', '.join(missing)} missing")
     try:
         meta = json.loads((directory / "meta.json").read_text("utf-8"))
+        form = meta.get("format")
+    except (OSError, ValueError, AttributeError) as problem:
+        raise unusable(directory, f"is damaged: {problem}") from None
+    if form != FORMAT:
+        raise unusable(
+            directory, f"was written in format {form}; this version reads format {FORMAT}: run its system.toml again"
+        )
+    try:
+        text = (directory / "system.toml").read_text("utf-8")
         summary = json.loads((directory / "summary.json").read_text("utf-8"))
         with h5py.File(directory / "result.h5", "r") as file:
-            states, outputs = _series(file["states"]), _series(file["outputs"])
-            shown_series = _series(file["shown"]) if "shown" in file else {}
+            groups = {name: _series(file.get(name, {})) for name in GROUPS}
             mark_states = _series(file["marks/states"])
             times, marks = file["time"][:], file["marks/time"][:]
     except (OSError, KeyError, ValueError) as problem:
         raise unusable(directory, f"is damaged: {problem}") from None
-    if meta.get("format") != FORMAT:
-        raise unusable(directory, f"was written in format {meta.get('format')}; this version reads format {FORMAT}")
-    text = (directory / "system.toml").read_text("utf-8")
-    return Results(directory, text, summary, meta, times, states, outputs, shown_series, marks, mark_states)
+    return Results(
+        directory=directory,
+        system=text,
+        summary=summary,
+        meta=meta,
+        times=times,
+        mark_times=marks,
+        mark_states=mark_states,
+        **groups,
+    )
 
 
 def _series(group: Any, path: str = "") -> dict[str, Series]:

@@ -1,113 +1,40 @@
 """Carries a case through the compiled loop, in portions between which it can be watched and stopped."""
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError, RunError
-from vvdp.base.kinds import Ratio, Time
-from vvdp.base.params import Params
+from vvdp.base.errors import RunError
 from vvdp.numerics.tableaus import Array
-from vvdp.simulation.link import Linked, link, quiet
+from vvdp.simulation import places
+from vvdp.simulation.layout import as_memory, memory_parts
+from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.values import as_series, as_value, flat, leaves
+from vvdp.simulation.prepare import Prepared, Reached, started
+from vvdp.simulation.prepare import compiled_loop as compiled_loop
+from vvdp.simulation.prepare import is_loop_compiled as is_loop_compiled
+from vvdp.simulation.prepare import prepared as prepared
+from vvdp.simulation.stepping import Method as Method
+from vvdp.simulation.stepping import Stepping as Stepping
+from vvdp.simulation.values import as_series, as_value, leaves, names
 
 PORTION = 2e6
 """Evaluations between two looks at the keyboard: about a second."""
 MOST_MARKS = 1e6
-
-
-class Method(Enum):
-    """How a run is stepped; the values are those of the compiled loop."""
-
-    AUTOMATIC = 0
-    EXPLICIT = 1
-    STIFF = 2
-
-
-class Stepping(Params):
-    """How long and how finely a run is stepped and recorded.
-
-    The whole run is recorded every `record_interval`, its last `window` every `window_interval` as well.
-    """
-
-    until: Time
-    relative_tolerance: Ratio = 1e-7
-    sample_period: Time = 1e-3
-    record_interval: Time = 1e-3
-    window: Time = 0.25
-    window_interval: Time = 2e-5
-    method: Method = Method.AUTOMATIC
-
-    def check(self) -> None:
-        for name in ("until", "sample_period", "record_interval", "window_interval"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"{name} = {getattr(self, name):g} s; expected more than 0 s")
-        if not 1e-13 <= self.relative_tolerance <= 1e-2:
-            raise ParameterError(f"relative_tolerance = {self.relative_tolerance:g}; expected 1e-13 to 0.01")
-        rows = self.until / self.record_interval + min(self.window, self.until) / self.window_interval
-        if rows > 2e7:
-            raise ParameterError(f"{rows:.3g} rows to record; at most 2e7: record less often or in a shorter window")
-
-    @property
-    def record_times(self) -> Array:
-        """All times [s] at which the state is recorded, increasing."""
-        coarse = np.arange(round(self.until / self.record_interval) + 1) * self.record_interval
-        begin = max(0.0, self.until - self.window)
-        fine = begin + np.arange(round((self.until - begin) / self.window_interval) + 1) * self.window_interval
-        both = np.union1d(coarse, fine)
-        both = both[np.concatenate([[True], np.diff(both) > 1e-3 * self.window_interval])]
-        inside: Array = both[both <= self.until * (1 + 1e-12)].clip(max=self.until)
-        return inside
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """A case as flat vectors, with the compiled functions."""
-
-    linked: Linked
-    state: Array
-    command: Array
-    memory: Array
-    params: Array
-    settings: Array
-    atol: Array
-    rtol: Array
-    scale: Array
-    active: int
-
-
-def prepared(
-    model: Model, case: Case, tolerance: float, cache: Path | None = None, say: Callable[[str], None] = quiet
-) -> Prepared:
-    """Everything that the loop needs. The books take no part in the error control: it is they that judge it."""
-    kinds = [(path, kind) for path, _, kind in leaves(case.state)]
-    linked = link(model, case, cache, say)
-    scale = np.array([kind.scale if kind else 1.0 for _, kind in kinds])
-    bounded = np.array([not (kind and kind.accumulates) for _, kind in kinds])
-    active = sum(not path.startswith("books.") for path, _ in kinds)
-    return Prepared(
-        linked=linked,
-        state=flat(case.state),
-        command=flat(case.command),
-        memory=flat(case.memory),
-        params=flat(case.params),
-        settings=flat(case.settings),
-        atol=tolerance * scale,
-        rtol=tolerance * bounded,
-        scale=scale,
-        active=active,
-    )
+MANY_JUMPS = 5
+"""From so many places on at which steps were refused in series, and no stop was named, a run has a remark."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a run has left: recorded states, marks, extremes, counts. Rows and vectors are in the order of the state."""
+    """What a run has left: recorded states, marks, extremes, counts. Rows and vectors are in the order of the state.
+
+    A record on a sample has the command and the memory that were held until then.
+    """
 
     model: Model
     case: Case
@@ -115,8 +42,10 @@ class Run:
     times: Array  # (rows,)
     states: Array  # (rows, n)
     commands: Array  # (rows, commands)
+    memories: Array  # (rows, memories)
     mark_times: Array  # (marks,)
     mark_states: Array  # (marks, n)
+    initial: Array  # (n,)
     final: Array  # (n,)
     low: Array  # (n,) over every step
     high: Array  # (n,)
@@ -125,11 +54,14 @@ class Run:
     rejected: int
     evaluations: int
     samples: int
+    calls: Mapping[str, int]
     stiff: bool
     switches: int
     seconds: float
     digest: str
     finished: bool
+    remarks: tuple[str, ...]
+    reached: Reached
 
     @property
     def state(self) -> Any:
@@ -137,14 +69,50 @@ class Run:
         return as_series(self.case.state, self.states)
 
     @property
+    def command(self) -> Any:
+        """The recorded commands in the shape of the circuit's command, an array over `times` at each leaf."""
+        return as_series(self.case.command, self.commands)
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        """The recorded memory of each program, an array over `times` (its last axis) at each leaf."""
+        parts = memory_parts(self.case)
+        return {name: as_series(self.case.memory[name], self.memories[:, part]) for name, part in parts.items()}
+
+    @property
     def final_state(self) -> Any:
         """The state at the end."""
         return as_value(self.case.state, self.final)
 
     @property
+    def final_command(self) -> Any:
+        """The command in force at the end."""
+        return as_value(self.case.command, self.reached.command)
+
+    @property
+    def final_memory(self) -> Mapping[str, Any]:
+        """What each program remembers at the end."""
+        return as_memory(self.case, self.reached.memory)
+
+    @property
+    def final_case(self) -> Case:
+        """A case that starts as this run has ended; its programs start anew in time. See `simulate` to go on."""
+        return replace(self.case, state=self.final_state, command=self.final_command, memory=dict(self.final_memory))
+
+    @property
     def outputs(self) -> Any:
         """The circuit's outputs at the recorded times, an array at each leaf (shape of `times`)."""
         return outputs(self.model, self.case, self.times, self.states, self.commands)
+
+    @property
+    def readings(self) -> dict[str, Any]:
+        """What the sensors of each program would show at the recorded times, an array at each leaf."""
+        state, found = self.state, self.outputs
+        with np.errstate(all="ignore"):
+            return {
+                name: _over_time(program.measure(self.times, state, found, self.case.params), self.times.shape)
+                for name, program in self.model.programs.items()
+            }
 
 
 def outputs(model: Model, case: Case, times: Array, states: Array, commands: Array) -> Any:
@@ -152,7 +120,27 @@ def outputs(model: Model, case: Case, times: Array, states: Array, commands: Arr
     state, command = as_series(case.state, states), as_series(case.command, commands)
     with np.errstate(all="ignore"):
         _, found = model.circuit(times, state, command, case.params)
-    return type(found)(*(np.broadcast_to(np.asarray(value, float), times.shape) for value in found))
+    return _over_time(found, times.shape)
+
+
+def _over_time(value: Any, shape: tuple[int, ...]) -> Any:
+    if inner := names(value):
+        return type(value)(**{name: _over_time(getattr(value, name), shape) for name in inner})
+    array = np.asarray(value, float)
+    return array if array.shape[-1:] == shape else np.broadcast_to(array[..., np.newaxis], array.shape + shape)
+
+
+def carried_on(before: Run, ready: Prepared, stepping: Stepping) -> Reached:
+    """Where `before` has ended, to be carried on by another model and case of its text and shape."""
+    if before.digest != ready.linked.digest:
+        raise RunError("the run to continue is that of another model; start anew from its final_case")
+    reached = before.reached.copy()
+    for place in (places.RECORDS, places.MARKS, places.STORED, places.JUMPS, places.JUMP_TIME):
+        reached.clock[place] = 0.0
+    if stepping.method is not Method.AUTOMATIC:
+        reached.clock[places.METHOD] = float(stepping.method is Method.STIFF)
+    reached.clock[places.STEP] = min(reached.clock[places.STEP], stepping.longest_step)
+    return reached
 
 
 def simulate(
@@ -160,6 +148,7 @@ def simulate(
     case: Case,
     stepping: Stepping,
     *,
+    continue_from: Run | None = None,
     progress: Callable[[float], None] | None = None,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
@@ -167,85 +156,139 @@ def simulate(
 ) -> Run:
     """The run of `case` to `stepping.until`.
 
+    With `continue_from` it goes on where that run has ended, whatever `stepping.begin` says: with its time, state,
+    memory and commands, those that wait included, and with the parameters and settings of `case`. Where that run ended
+    on a sample, the result is to the last bit that of a run without a break.
+
     `progress` hears the time [s] reached after every portion; Ctrl-C ends the run there and keeps what was reached
     (`Run.finished` is False). Raises RunError when the state becomes infinite or the step vanishes, with the time and
     the states concerned.
     """
-    ready = prepared(model, case, stepping.relative_tolerance, cache, say)
+    if continue_from is not None:
+        stepping = replace(stepping, begin=continue_from.end)
+    ready = prepared(model, case, stepping, cache, say)
     loop = compiled_loop(say)
-    n, record_times = ready.state.size, stepping.record_times
-    y, command, memory = ready.state.copy(), ready.command.copy(), ready.memory.copy()
-    clock = np.zeros(loop.CLOCK)
-    clock[loop.STEP] = 1e-3 * stepping.sample_period
-    clock[loop.METHOD] = loop.STIFF if stepping.method is Method.STIFF else loop.EXPLICIT
-    record, record_command = np.zeros((record_times.size, n)), np.zeros((record_times.size, command.size))
-    mark_times, mark_states = np.zeros(256), np.zeros((256, n))
-    low, high = ready.state.copy(), ready.state.copy()
-    began, finished, status = time.perf_counter(), True, loop.PAUSED
+    before = carried_on(continue_from, ready, stepping) if continue_from else started(ready, stepping)
+    reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
     try:
-        while status != loop.DONE:
-            status = loop.run(
-                *ready.linked[:4],
-                *(y, command, memory, ready.params, ready.settings),
-                *(ready.atol, ready.rtol, ready.scale, clock),
-                *(ready.active, stepping.sample_period, stepping.until, 0.0, stepping.method.value, portion, 0),
-                *(record_times, record, record_command, mark_times, mark_states, low, high),
-            )
-            if status == loop.MARKS_FULL:
-                if mark_times.size > MOST_MARKS:
-                    reached = f"until t = {clock[loop.TIME]:.6g} s"
-                    raise RunError(f"more than {mark_times.size} marks {reached}; does the mark jump?")
-                mark_times = np.concatenate([mark_times, np.zeros_like(mark_times)])
-                mark_states = np.concatenate([mark_states, np.zeros_like(mark_states)])
-            elif status in (loop.NOT_FINITE, loop.STEP_TOO_SMALL):
-                raise RunError(failure(case, clock[loop.TIME], y, status == loop.NOT_FINITE))
-            if progress:
-                progress(float(clock[loop.TIME]))
+        _carry(loop, ready, stepping, reached, rows, case, progress, portion)
     except KeyboardInterrupt:
         finished = False
-    rows, marks = int(clock[loop.RECORDS]), int(clock[loop.STORED])
+    counts = _counts(before, reached)
+    stored, marks = int(reached.clock[places.RECORDS]), int(reached.clock[places.STORED])
+    end = float(reached.clock[places.TIME])
     return Run(
         model=model,
         case=case,
         stepping=stepping,
-        times=record_times[:rows],
-        states=record[:rows],
-        commands=record_command[:rows],
-        mark_times=mark_times[:marks],
-        mark_states=mark_states[:marks],
-        final=y,
-        low=low,
-        high=high,
-        end=float(clock[loop.TIME]),
-        steps=int(clock[loop.STEPS] - clock[loop.REJECTED]),
-        rejected=int(clock[loop.REJECTED]),
-        evaluations=int(clock[loop.EVALUATIONS]),
-        samples=int(clock[loop.SAMPLES]),
-        stiff=bool(clock[loop.METHOD] == loop.STIFF),
-        switches=int(clock[loop.SWITCHES]),
+        times=rows.times[:stored],
+        states=rows.states[:stored],
+        commands=rows.commands[:stored],
+        memories=rows.memories[:stored],
+        mark_times=rows.mark_times[:marks],
+        mark_states=rows.mark_states[:marks],
+        initial=before.state,
+        final=reached.state,
+        low=rows.low,
+        high=rows.high,
+        end=stepping.until if finished else end,
+        calls=dict(zip(model.programs, counts.pop("calls"), strict=True)),
+        stiff=bool(reached.clock[places.METHOD] == places.STIFF),
         seconds=time.perf_counter() - began,
         digest=ready.linked.digest,
         finished=finished,
+        remarks=remarks(case, rows.low, reached.clock),
+        reached=reached,
+        **counts,
     )
 
 
-def is_loop_compiled() -> bool:
-    """Whether the compiled loop is kept from an earlier run."""
-    return any((Path(__file__).parent / "__pycache__").glob("loop.run-*.nbi"))
+class _Rows:
+    """What a run fills while it goes."""
+
+    def __init__(self, before: Reached, stepping: Stepping) -> None:
+        self.times = stepping.record_times
+        rows, n = self.times.size, before.state.size
+        self.states = np.zeros((rows, n))
+        self.commands, self.memories = np.zeros((rows, before.command.size)), np.zeros((rows, before.memory.size))
+        self.mark_times, self.mark_states = np.zeros(256), np.zeros((256, n))
+        self.low, self.high = before.state.copy(), before.state.copy()
 
 
-def compiled_loop(say: Callable[[str], None]) -> Any:
-    """The compiled loop; Numba is loaded here, and only here."""
-    if not is_loop_compiled():
-        say("compiling the simulation loop (once for each installation, about half a minute)")
-    from vvdp.simulation import loop
+def _carry(
+    loop: Any,
+    ready: Prepared,
+    stepping: Stepping,
+    reached: Reached,
+    rows: _Rows,
+    case: Case,
+    progress: Any,
+    portion: float,
+) -> None:
+    status, clock = places.PAUSED, reached.clock
+    while status != places.DONE:
+        status = loop.run(
+            *ready.linked[:4],
+            *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
+            *(ready.atol, ready.rtol, ready.scale, ready.active),
+            *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, portion, 0),
+            *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
+            *(rows.low, rows.high),
+        )
+        if status == places.MARKS_FULL:
+            if rows.mark_times.size > MOST_MARKS:
+                until = f"until t = {clock[places.TIME]:.6g} s"
+                raise RunError(f"more than {rows.mark_times.size} marks {until}; does the mark jump?")
+            rows.mark_times = np.concatenate([rows.mark_times, np.zeros_like(rows.mark_times)])
+            rows.mark_states = np.concatenate([rows.mark_states, np.zeros_like(rows.mark_states)])
+        elif status not in (places.DONE, places.PAUSED):
+            raise RunError(failure(case, clock[places.TIME], reached.state, status))
+        if progress:
+            progress(float(clock[places.TIME]))
 
-    return loop
+
+def _counts(before: Reached, reached: Reached) -> dict[str, Any]:
+    """What the run itself has taken, without the one that it goes on from."""
+    spent, calls = reached.clock - before.clock, (reached.agenda - before.agenda)[:, places.CALLS]
+    return {
+        "steps": int(spent[places.STEPS] - spent[places.REJECTED]),
+        "rejected": int(spent[places.REJECTED]),
+        "evaluations": int(spent[places.EVALUATIONS]),
+        "switches": int(spent[places.SWITCHES]),
+        "samples": int(calls[0]),
+        "calls": [int(count) for count in calls[1:]],
+    }
 
 
-def failure(case: Case, reached: float, state: Array, infinite: bool) -> str:
+def remarks(case: Case, low: Array, clock: Array) -> tuple[str, ...]:
+    """What a person should know of a run that went to its end, from its lowest state, shape (n,)."""
+    found = [
+        f"{path} fell to {value:.4g} Pa absolute, below a vacuum: nothing there can be trusted"
+        for path, value in below_vacuum(case, low)
+    ]
+    if (jumps := int(clock[places.JUMPS])) >= MANY_JUMPS:
+        first = clock[places.JUMP_TIME]
+        found.append(f"the rates seem to jump at about t = {first:.6g} s, which no stop names ({jumps} times)")
+    return tuple(found)
+
+
+def below_vacuum(case: Case, low: Array) -> list[tuple[str, float]]:
+    """The pressures among the states that fell below 0 Pa absolute, from their lowest values, shape (n,)."""
+    return [
+        (path, float(value))
+        for (path, _, kind), value in zip(leaves(case.state), low, strict=True)
+        if kind and kind.name == "pressure level" and value < 0.0
+    ]
+
+
+def failure(case: Case, reached: float, state: Array, status: int) -> str:
     """Why a case could not be carried past the time `reached` [s], with its state there, shape (n,)."""
     found = ((path, x) for (path, _, _), x in zip(leaves(case.state), state, strict=False))
     values = ", ".join(f"{path} = {x:.4g}" for path, x in found if not path.startswith("books."))
-    why = "a rate is no longer finite (a pressure at absolute zero?)" if infinite else "the step has become too small"
+    why = {
+        places.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
+        places.STEP_TOO_SMALL: "the step has become too small",
+        places.STOP_BEHIND: "`stop` names no later time; expected the next one at which the rates jump",
+        places.TOO_MANY_WAITING: f"more than {places.DEPTH} commands of a program wait; has it a long latency?",
+    }[status]
     return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"

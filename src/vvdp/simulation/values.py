@@ -69,7 +69,8 @@ def rebuilt(example: Any, numbers: Iterator[Any]) -> Any:
         return type(example)(**members)
     if np.ndim(example):
         shape = np.shape(example)
-        return np.array([next(numbers) for _ in range(int(np.prod(shape)))]).reshape(shape)
+        found = np.array([next(numbers) for _ in range(int(np.prod(shape)))])
+        return found.reshape(*shape, *found.shape[1:])
     return next(numbers)
 
 

@@ -1,63 +1,38 @@
-"""What a run comes to: means over whole PWM periods, losses by component, extremes, balances, in plain numbers."""
+"""What a run comes to: means, losses by component, extremes, balances, in plain numbers by the names of the circuit."""
+
+from collections.abc import Iterator
 
 import numpy as np
 
-from vvdp.base.signal import Signal, signal_value
-from vvdp.fluid.oil import density
+from vvdp.base.signal import Signal
+from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
-from vvdp.simulation.results import shown
 from vvdp.simulation.run import Run
-from vvdp.simulation.values import as_value, flat, leaves, names
+from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.system import System
-from vvdp.systems.watching import SETTLED, estimate_errors
-from vvdp.valve.losses import full_open_loss
-from vvdp.valve.operating_point import OperatingPoint, operating_point
 
 Summary = dict[str, float | bool]
 
-ANALYTIC = (
-    "analytic_pwm_frequency_Hz",
-    "analytic_pwm_frequency_full_open_Hz",
-    "analytic_loss_full_open_W",
-    "analytic_loss_transition_W",
-    "analytic_loss_leakage_W",
-    "analytic_loss_compressibility_W",
-    "analytic_loss_total_W",
-    "analytic_load_flow_m3_s",
-)
-"""Keys of the analytic results, in the order of `analytic_summary`."""
+CAVITATION_PRESSURE = 3e4
+"""Below which oil is held to cavitate where a system says nothing else [Pa, absolute]."""
 
 UNITS = {
     "_m3_s": "m^3/s",
     "_rad_s": "rad/s",
+    "_m_s": "m/s",
     "_Pa": "Pa gauge",
     "_Hz": "Hz",
     "_W": "W",
     "_rad": "rad",
     "_s": "s",
+    "_m": "m",
 }
 
 
 def summary_unit(key: str) -> str:
     """The unit that a key of a summary ends with, `1` where there is none."""
     return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "1")
-
-
-def analytic_point(system: System, load_pressure: float) -> OperatingPoint:
-    """The valve's analytic drops, speeds and losses at the start of the run, against `load_pressure` [Pa, absolute]."""
-    supply = system.case.params.supply
-    operation = supply.operation
-    return operating_point(
-        supply.pump.displacement * signal_value(0.0, operation.pump_speed),
-        signal_value(0.0, operation.oil_temperature),
-        signal_value(0.0, operation.axial_position) / supply.valve.helix_length,
-        load_pressure,
-        supply.relief_valve.cracking_pressure,
-        supply.inlet.volume,
-        supply.oil,
-        supply.valve,
-    )
 
 
 def summary(system: System, run: Run) -> Summary:
@@ -67,30 +42,15 @@ def summary(system: System, run: Run) -> Summary:
     described in docs/keys.md.
     """
     simulated = simulated_summary(outcome(run, system.average_from), system)
-    return simulated | watching_summary(run) | analytic_summary(simulated, system)
+    extras = system.extras
+    if extras is None:
+        return simulated
+    return simulated | extras.recorded(run) | extras.closed_forms(simulated)
 
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
     """The part of a summary that the simulation alone gives, of a recorded run or of a case in a batch."""
     window = run.window
-    span = window.end - window.begin
-    mean = as_value(run.case.state.books, (window.last - window.first)[-flat(run.case.state.books).size :] / span)
-    supply, totals = run.case.params.supply, mean.totals
-    reference = supply.oil.reference_pressure
-    spent = {path.rpartition(".")[2]: float(value) for path, value, _ in leaves(mean.spent)}
-    books, valve_power = balance_between(run.model, run.case, flat(run.case.state), run.final), mean.spent.valve
-    over_window = balance_between(run.model, run.case, window.first, window.last)
-    drops = valve_power.nozzle + valve_power.centre_section + valve_power.outlet_turbine
-    temperature = signal_value(0.0, supply.operation.oil_temperature)
-    rho = density(temperature, supply.oil)
-    open_loss = full_open_loss(mean.taken_in, rho, supply.valve) if mean.taken_in > 0.0 else 0.0
-    shaft = run.case.state.supply.spool._fields.index("speed")
-    speed = [path for path, _, _ in leaves(run.case.state)].index("supply.spool.speed")
-    turns = (window.last[speed - shaft] - window.first[speed - shaft]) / span
-    low = {path: x for (path, _, _), x in zip(leaves(run.case.state), run.low, strict=True)}
-    high = {path: x for (path, _, _), x in zip(leaves(run.case.state), run.high, strict=True)}
-    lowest = low["supply.inlet_pressure"]
-    limits, motor = system.tables["limits"], system.tables["motor"]
     found: Summary = {
         "duration_s": run.end,
         "finished": run.finished,
@@ -98,47 +58,12 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "averaged_to_s": window.end,
         "averaged_periods": float(window.periods),
         "settled": window.settled,
-        "pwm_frequency_Hz": turns * supply.valve.sections / (2.0 * np.pi),
-        "spool_speed_mean_rad_s": turns,
-        "spool_speed_min_rad_s": low["supply.spool.speed"],
-        "spool_speed_max_rad_s": high["supply.spool.speed"],
-        "mean_pump_flow_m3_s": mean.taken_in,
-        "mean_load_flow_m3_s": totals.load_flow,
-        "mean_tank_flow_m3_s": totals.tank_flow,
-        "mean_relief_flow_m3_s": totals.relief_flow,
-        "mean_leakage_flow_m3_s": totals.leakage_flow,
-        "load_flow_fraction": totals.load_flow / mean.taken_in if mean.taken_in else 0.0,
-        "mean_load_opening": totals.load_opening,
-        "mean_inlet_pressure_Pa": totals.inlet_pressure - reference,
-        "mean_load_pressure_Pa": totals.load_pressure - reference,
-        "inlet_pressure_min_Pa": lowest - reference,
-        "inlet_pressure_max_Pa": high["supply.inlet_pressure"] - reference,
-        "input_power_W": mean.supplied.pump_shaft,
-        "spool_motor_power_W": mean.supplied.spool_motor,
-        "load_power_W": mean.spent.load,
-        "efficiency": _ratio(mean.spent.load, mean.supplied.pump_shaft + mean.supplied.spool_motor),
-        "motor_rated_power_W": motor.rated_power,
-        "motor_overloaded": bool(mean.supplied.pump_shaft > motor.rated_power),
-        "cavitation": bool(min(lowest, low.get("load_pressure", lowest)) < limits.cavitation_pressure),
-        **{f"loss_{name}_W": power for name, power in spent.items() if name not in ("load", "to_spool")},
-        "spool_shaft_power_W": -valve_power.to_spool,
-        "loss_full_open_W": open_loss,
-        "loss_transition_W": drops + valve_power.relief_valve - open_loss,
-        "loss_total_W": mean.supplied.pump_shaft + mean.supplied.spool_motor - mean.spent.load,
-        "steady": is_steady(system),
+        **_node_numbers(run, system),
+        **_part_numbers(run, system),
     }
-    if "load_pressure" in low:
-        found |= {
-            "load_pressure_min_Pa": low["load_pressure"] - reference,
-            "load_pressure_max_Pa": high["load_pressure"] - reference,
-        }
-    if books and over_window:
-        found |= {
-            "stored_power_W": over_window.energy_stored / span,
-            "energy_residual": books.energy_residual,
-            "mass_residual": books.mass_residual,
-            "trusted": books.is_trusted,
-        }
+    if system.extras is not None:
+        found |= system.extras.simulated(run, found)
+    found |= _balances(run)
     found |= {
         "steps": float(run.steps),
         "rejected_steps": float(run.rejected),
@@ -149,59 +74,84 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
     return {key: bool(value) if isinstance(value, bool | np.bool_) else float(value) for key, value in found.items()}
 
 
-def watching_summary(run: Run) -> Summary:
-    """How far the estimate of a watched spool was off, from `SETTLED` on; empty for a shorter run, or no encoder.
+def _means(run: Outcome) -> dict[str, float]:
+    """Means over the window of all that the books add up, by its path in them."""
+    window, size = run.window, flat(run.case.state.books).size
+    mean = as_value(run.case.state.books, (window.last - window.first)[-size:] / (window.end - window.begin))
+    return {path: float(value) for path, value, _ in leaves(mean)}
 
-    Root means square over time, by the trapezoidal rule over the recorded rows.
-    """
-    estimate = {path: values for path, (values, _) in shown(run).items()}
-    late = run.times >= SETTLED
-    if not estimate or np.count_nonzero(late) < 2:
+
+def _node_numbers(run: Outcome, system: System) -> Summary:
+    """Pressures, speeds and positions: means over the window, extremes over every step."""
+    window, means = run.window, _means(run)
+    paths = [path for path, _, _ in leaves(run.case.state)]
+    low, high = (dict(zip(paths, values, strict=True)) for values in (run.low, run.high))
+    lowest, found = np.inf, Summary()
+    for name, node in system.circuit.network.nodes.items():
+        if isinstance(node, HydraulicNode):
+            reference = node.oil.reference_pressure
+            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node.pressure, means, name)
+            lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
+            found[f"pressure_mean_{name}_Pa"] = means[f"totals.{name}_pressure"] - reference
+            found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
+            found[f"pressure_max_{name}_Pa"] = bounds[1] - reference
+        elif isinstance(node, Shaft | Rod):
+            place, rate, unit = ("angle", "speed", "rad") if isinstance(node, Shaft) else ("position", "velocity", "m")
+            at = paths.index(f"{name}.{place}")
+            found[f"{rate}_mean_{name}_{unit}_s"] = (window.last[at] - window.first[at]) / (window.end - window.begin)
+            found[f"{rate}_min_{name}_{unit}_s"] = low[f"{name}.{rate}"]
+            found[f"{rate}_max_{name}_{unit}_s"] = high[f"{name}.{rate}"]
+            if isinstance(node, Rod):
+                found[f"position_min_{name}_m"] = low[f"{name}.position"]
+                found[f"position_max_{name}_m"] = high[f"{name}.position"]
+    limits = system.tables.get("limits")
+    bound = CAVITATION_PRESSURE if limits is None else limits.cavitation_pressure
+    return found | {"cavitation": bool(lowest < bound)}
+
+
+def _prescribed(pressure: object, means: dict[str, float], name: str) -> tuple[float, float]:
+    """Bounds of a prescribed pressure [Pa, absolute]; its mean where it is a connection."""
+    if isinstance(pressure, Signal):
+        return pressure.extremes
+    return means[f"totals.{name}_pressure"], means[f"totals.{name}_pressure"]
+
+
+def _part_numbers(run: Outcome, system: System) -> Summary:
+    """Mean flows, losses and powers by component, and what its sources give."""
+    means, found = _means(run), Summary()
+    hydraulic = {f"totals.{n}_pressure" for n, node in system.circuit.network.nodes.items() if isinstance(node, HydraulicNode)}
+    for path, value in means.items():
+        group, _, name = path.partition(".")
+        if group == "totals" and path not in hydraulic and name.endswith("_flow"):
+            found[f"flow_mean_{name.removesuffix('_flow')}_m3_s"] = value
+        elif group == "supplied":
+            found[f"power_{name}_W"] = value
+    for part in system.circuit.network.parts.values():
+        losses = dict(_losses(part.name, means))
+        if losses:
+            found[f"loss_{part.name}_W"] = sum(losses.values())
+        if "" not in losses:
+            found |= {f"loss_{part.name}_{loss}_W": value for loss, value in losses.items()}
+    return found
+
+
+def _losses(name: str, means: dict[str, float]) -> Iterator[tuple[str, float]]:
+    if f"spent.{name}" in means:
+        yield "", means[f"spent.{name}"]
+    for path, value in means.items():
+        if path.startswith(f"spent.{name}."):
+            yield path.removeprefix(f"spent.{name}."), value
+
+
+def _balances(run: Outcome) -> Summary:
+    books = balance_between(run.model, run.case, flat(run.case.state), run.final)
+    window = run.window
+    over_window = balance_between(run.model, run.case, window.first, window.last)
+    if books is None or over_window is None:
         return {}
-    spool = run.state.supply.spool
-    errors = estimate_errors(run.times, spool.angle, spool.speed, estimate)
-    t = run.times[late]
-    angle, speed = (float(np.sqrt(np.trapezoid(e[late] ** 2, t) / (t[-1] - t[0]))) for e in errors)
     return {
-        "spool_angle_error_rms_rad": angle,
-        "spool_speed_error_rms_rad_s": speed,
-        "spool_missed_edges": float(estimate["missed_edges"][-1]),
+        "stored_power_W": over_window.energy_stored / (window.end - window.begin),
+        "energy_residual": books.energy_residual,
+        "mass_residual": books.mass_residual,
+        "trusted": books.is_trusted,
     }
-
-
-def is_steady(system: System) -> bool:
-    """Whether all that is prescribed stays as it is."""
-    params = system.case.params
-    prescribed = [getattr(part, name) for part in (params.supply.operation, params.load) for name in names(part)]
-    return all(value.is_constant for value in prescribed if isinstance(value, Signal))
-
-
-def _ratio(a: float, b: float) -> float:
-    return a / b if b else 0.0
-
-
-def analytic_summary(simulated: Summary, system: System) -> Summary:
-    """The analytic results at the mean load pressure, to stand beside the `simulated` ones.
-
-    There are none where they do not describe the run: without flow or load, with anything prescribed that changes over
-    time, or with a driven spool. They take as long to work out as a short run.
-    """
-    supply = system.case.params.supply
-    if not is_steady(system) or supply.spool_drive.coupling > 0.0:
-        return {}
-    load_pressure = simulated["mean_load_pressure_Pa"] + supply.oil.reference_pressure
-    pump_flow = supply.pump.displacement * signal_value(0.0, supply.operation.pump_speed)
-    if pump_flow <= 0.0 or load_pressure <= supply.oil.reference_pressure:
-        return {}
-    point = analytic_point(system, load_pressure)
-    values = (
-        point.averaged_pwm_frequency,
-        point.full_open_pwm_frequency,
-        point.full_open_loss,
-        point.transition_loss,
-        point.leakage_loss,
-        point.compressibility_loss,
-        point.total_loss,
-        point.cycle.load_flow,
-    )
-    return {key: float(value) for key, value in zip(ANALYTIC, values, strict=True)}

@@ -1,38 +1,41 @@
-"""Reading a system: from a shipped name or a file to checked values, a model and a case; and writing it out again."""
+"""Reading a system: from a shipped name or a file to checked values and a circuit that is ready to run."""
 
-import json
 import os
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import TIME, Ratio, Time
 from vvdp.base.params import Params
-from vvdp.base.tables import ORIGIN, Sourced, Table, build, parsed_table, read_table, with_settings
+from vvdp.base.tables import Sourced, Table, build, nearest, parsed_table, read_table, with_settings
 from vvdp.base.units import parsed
-from vvdp.circuits.supply import Operation
+from vvdp.network.build import Circuit
+from vvdp.network.build import build as build_circuit
+from vvdp.network.network import Network
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
-from vvdp.systems.benches import BENCHES, Bench
-from vvdp.systems.watching import WATCHING
+from vvdp.systems.circuits import NetworkFunction, TableSlot, circuit_names, network_function, table_slots
+from vvdp.systems.drawn import draw_network
 
 HEADINGS = ("title", "circuit")
+DRAWN = ("nodes", "components")
 
 
 class RunTable(Params):
     """The [run] table: how long, how exactly, what is recorded, from when on means are taken."""
 
     until: Time
-    average_from: Time
-    relative_tolerance: Ratio
-    sample_period: Time
-    record_interval: Time
-    window: Time
-    window_interval: Time
+    average_from: Time = 0.0
+    relative_tolerance: Ratio = 1e-7
+    sample_period: Time = 1e-3
+    record_interval: Time = 1e-3
+    window: Time = 0.25
+    window_interval: Time = 2e-5
+    longest_step: Time = 1e6
 
     def check(self) -> None:
         if not self.average_from < self.until:
@@ -41,23 +44,48 @@ class RunTable(Params):
 
 @dataclass(frozen=True)
 class System:
-    """A system ready to run: its model and values, and where each value comes from."""
+    """A system ready to run: its circuit with values, and where each value comes from.
+
+    `function` drew the network from the tables; None where the file draws it itself.
+    """
 
     name: str
     title: str
-    circuit: str
-    model: Model
-    case: Case
+    circuit: Circuit
     stepping: Stepping
     average_from: float
     tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
+    function: NetworkFunction | None = None
+
+    @property
+    def model(self) -> Model:
+        """The plain functions of the circuit."""
+        return self.circuit.model
+
+    @property
+    def case(self) -> Case:
+        """The values that the circuit starts from."""
+        return self.circuit.case
+
+    @cached_property
+    def extras(self) -> Any:
+        """What the system brings along beyond others; None where that is nothing."""
+        found = self.circuit.network.extras
+        return None if found is None else found(self)
 
     @property
     def assumed(self) -> tuple[Sourced, ...]:
         """The values that are merely assumed."""
         return tuple(row for row in self.rows if row.status == "assumed")
+
+    def with_tables(self, tables: Mapping[str, Any]) -> "System":
+        """The same system drawn from other tables."""
+        assert self.function is not None
+        names = table_slots(self.function)
+        network = self.function(**{name: table for name, table in tables.items() if name in names})
+        return replace(self, circuit=build_circuit(network), tables=tables)
 
 
 def shipped() -> dict[str, str]:
@@ -97,7 +125,7 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
         table = with_settings(_without_other_position(table, settings), list(settings))
     if until is not None:
         table = lasting(table, until)
-    return built_system(table, Path(name).stem)
+    return built_system(table, Path(name).stem, Path(name).parent)
 
 
 def _without_other_position(table: Table, settings: Sequence[str]) -> Table:
@@ -132,113 +160,152 @@ def lasting(table: Table, until: str) -> Table:
     return Table(table.place, {**table.content, "run": lasting}, table.lines)
 
 
-def built_system(table: Table, name: str) -> System:
-    """The system that a parsed table describes. Raises ConfigError with all its faults."""
+def built_system(table: Table, name: str, folder: Path = Path()) -> System:
+    """The system that a parsed table describes; modules that it names are looked for in `folder`.
+
+    Raises ConfigError with all its faults.
+    """
     faults: list[Fault] = []
-    bench = _bench(table, faults)
     content = dict(table.content)
-    classes: dict[str, type[Params]] = {**bench.tables, "run": RunTable} if bench else {}
-    if bench and not WATCHING.keys().isdisjoint(content):
-        classes |= WATCHING
-    method = Method.AUTOMATIC
-    if isinstance(content.get("run"), Mapping):
-        content["run"] = run = dict(content["run"])
-        method = _method(run.pop("method", "automatic"), table, faults)
-    if isinstance(content.get("operation"), Mapping) and "axial_position" in content["operation"]:
-        if "duty_ratio" in content["operation"]:
-            line = table.lines.get("operation.axial_position", 0)
-            message = "contradicts operation.duty_ratio; give one of the two"
-            faults.append(Fault(table.place, line, "operation.axial_position", message))
-        classes["operation"] = Operation
-        content["operation"] = {k: v for k, v in content["operation"].items() if k != "duty_ratio"}
-    if bench:
-        for key in content:
-            if key not in classes and key not in HEADINGS:
-                message = f"unknown table; expected {', '.join({**classes, **WATCHING})}"
-                faults.append(Fault(table.place, table.lines.get(key, 0), key, message))
+    run, method = _run_table(content.pop("run", None), table, faults)
+    function = _function(table, folder, faults)
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
-    for key, cls in classes.items():
+    network: Network | None = None
+    if function is not None:
+        values, rows = _tables(function, content, table, faults)
+        network = None if faults else _drawn_by(function, values, table, faults)
+    elif not faults:
+        network, rows = draw_network(content, table, faults)
+    if run is not None:
+        rows += run[1]
+    circuit = None
+    if network is not None and not faults:
+        try:
+            circuit = build_circuit(network)
+        except (NetworkError, ParameterError) as problem:
+            faults.append(Fault(table.place, 0, "", str(problem)))
+    if faults or circuit is None or run is None:
+        raise ConfigError(faults)
+    r = run[0]
+    stepping = Stepping(
+        until=r.until,
+        relative_tolerance=r.relative_tolerance,
+        sample_period=r.sample_period,
+        record_interval=r.record_interval,
+        window=r.window,
+        window_interval=r.window_interval,
+        longest_step=r.longest_step,
+        method=method,
+    )
+    return System(
+        name=name,
+        title=str(table.content.get("title", name)),
+        circuit=circuit,
+        stepping=stepping,
+        average_from=r.average_from,
+        tables=values,
+        rows=tuple(rows),
+        content=table.content,
+        function=function,
+    )
+
+
+def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
+    """The function that draws the circuit; None where the file draws it itself, or names none."""
+    name = table.content.get("circuit")
+    if name is None and not set(DRAWN).isdisjoint(table.content):
+        return None
+    line = table.lines.get("circuit", 0)
+    if not isinstance(name, str):
+        what = "missing" if name is None else f"{name!r} is not a circuit"
+        message = f"{what}; expected {', '.join(circuit_names())}, module:function, or tables [nodes] and [components]"
+        faults.append(Fault(table.place, line, "circuit", message))
+        return None
+    try:
+        function = network_function(name, folder)
+        table_slots(function)
+    except ParameterError as problem:
+        faults.append(Fault(table.place, line, "circuit", str(problem)))
+        return None
+    return function
+
+
+def _run_table(
+    given: Any, table: Table, faults: list[Fault]
+) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:
+    """The [run] table and its method."""
+    if not isinstance(given, Mapping):
+        what = "missing table" if given is None else f"{given!r} is not a table"
+        faults.append(Fault(table.place, table.lines.get("run", 0), "run", what))
+        return None, Method.AUTOMATIC
+    content = dict(given)
+    method = _method(content.pop("method", "automatic"), table, faults)
+    if "average_from" not in content and "until" in content:
+        try:
+            content["average_from"] = f"{0.5 * parsed(content['until'], TIME)!r} s"
+        except ParameterError:
+            pass  # `build` says what is wrong with it
+    found, rows = build(RunTable, content, "run", table, faults)
+    return (None if found is None else (found, rows)), method
+
+
+def _tables(
+    function: NetworkFunction, content: Mapping[str, Any], table: Table, faults: list[Fault]
+) -> tuple[dict[str, Any], list[Sourced]]:
+    """The values of the tables that a circuit takes, and where each comes from."""
+    slots = table_slots(function)
+    for key in content:
+        if key not in slots and key not in HEADINGS:
+            message = f"unknown table; expected {', '.join((*slots, 'run'))}{_meant(key, slots)}"
+            faults.append(Fault(table.place, table.lines.get(key, 0), key, message))
+    values: dict[str, Any] = {}
+    rows: list[Sourced] = []
+    for key, slot in slots.items():
         part = content.get(key)
+        if part is None and slot.optional:
+            continue
         if not isinstance(part, Mapping):
             what = "missing table" if part is None else f"{part!r} is not a table"
             faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
             continue
+        cls = _class(slot, key, part, table, faults)
         values[key], found = build(cls, part, key, table, faults)
         rows += found
-    model = case = stepping = None
-    if not faults and bench:
-        try:
-            model, case = bench.built(values)
-            r = values["run"]
-            stepping = Stepping(
-                until=r.until,
-                relative_tolerance=r.relative_tolerance,
-                sample_period=r.sample_period,
-                record_interval=r.record_interval,
-                window=r.window,
-                window_interval=r.window_interval,
-                method=method,
-            )
-        except ParameterError as problem:
-            faults.append(Fault(table.place, 0, "", str(problem)))
-    if faults or model is None or case is None or stepping is None:
-        raise ConfigError(faults)
-    title = str(table.content.get("title", name))
-    kept = {k: v for k, v in table.content.items() if k not in HEADINGS}
-    circuit = str(table.content["circuit"])
-    return System(name, title, circuit, model, case, stepping, values["run"].average_from, values, tuple(rows), kept)
+    return values, rows
 
 
-def resolved_text(system: System) -> str:
-    """The system as TOML that loads to the same case: every entry with its origin, settings included."""
-    return "\n".join(_resolved_lines(system)) + "\n"
+def _class(slot: TableSlot, name: str, part: Mapping[str, Any], table: Table, faults: list[Fault]) -> type[Params]:
+    """The class of a table, with a fault where its keys belong to two."""
+    cls = slot.choice(part)
+    own = set(cls.__dataclass_fields__)  # type: ignore[attr-defined]
+    for other in slot.classes:
+        for key in part.keys() & (set(other.__dataclass_fields__) - own):  # type: ignore[attr-defined]
+            instead = ", ".join(sorted(own - set(other.__dataclass_fields__)))  # type: ignore[attr-defined]
+            message = f"contradicts {name}.{instead}; give one of the two"
+            faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
+    return cls
 
 
-def _resolved_lines(system: System) -> Iterator[str]:
-    origin = {(row.table, row.key): row for row in system.rows}
-    yield f"title = {_toml(system.title)}"
-    yield f"circuit = {_toml(system.circuit)}"
-    for name, part in system.content.items():
-        yield ""
-        yield f"[{_toml_key(name)}]"
-        for key, entry in part.items():
-            row = origin.get((name, key))
-            if row is None:
-                continue
-            given = dict(entry) if isinstance(entry, Mapping) else {"value": entry}
-            value = {word: content for word, content in given.items() if word not in ORIGIN}
-            words = {word: getattr(row, word) for word in ORIGIN if getattr(row, word)}
-            yield f"{_toml_key(key)} = {_toml(value | words)}"
-        if name == "run":
-            yield f"method = {_toml(system.stepping.method.name.lower())}"
+def _meant(key: str, slots: Mapping[str, TableSlot]) -> str:
+    close = nearest(key, list(slots))
+    return close if "did you mean" in close else ""
 
 
-def _toml_key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _toml(key)
-
-
-def _toml(value: Any) -> str:
-    """One TOML value: text, number, list or inline table."""
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, int | float):
-        return repr(value)
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_toml_key(key)} = {_toml(content)}" for key, content in value.items()) + " }"
-    return "[" + ", ".join(_toml(content) for content in value) + "]"
-
-
-def _bench(table: Table, faults: list[Fault]) -> Bench | None:
-    circuit = table.content.get("circuit")
-    if isinstance(circuit, str) and circuit in BENCHES:
-        return BENCHES[circuit]
-    what = "missing" if circuit is None else f"{circuit!r} is not a circuit"
-    message = f"{what}; expected {', '.join(BENCHES)}"
-    faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", message))
-    return None
+def _drawn_by(
+    function: NetworkFunction, values: Mapping[str, Any], table: Table, faults: list[Fault]
+) -> Network | None:
+    """The network that a function draws, with a fault where it cannot."""
+    try:
+        network = function(**values)
+    except (NetworkError, ParameterError) as problem:
+        faults.append(Fault(table.place, 0, "", str(problem)))
+        return None
+    if not isinstance(network, Network):
+        name = function.__qualname__
+        faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"{name} returns no Network"))
+        return None
+    return network
 
 
 def _method(word: object, table: Table, faults: list[Fault]) -> Method:

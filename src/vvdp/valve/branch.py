@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Ratio
-from vvdp.valve.rotary import QuadraticResistance, RotaryValve
+from vvdp.valve.rotary import PowerResistance, QuadraticResistance, RotaryValve
 
 # Flow below which the centre section's power law becomes linear [m^3/s]; far below any flow of interest, it only
 # keeps the law finite at zero.
@@ -42,7 +42,7 @@ class BranchLaw(NamedTuple):
     besides drop and opening."""
 
     nozzle: QuadraticResistance
-    centre_section: float
+    centre_section: PowerResistance
     outlet_turbine: QuadraticResistance
     flow_exponent: Ratio
     transition_pressure: PressureDifference

@@ -23,6 +23,7 @@ CentreCoefficient = Annotated[float, Kind("centre section coefficient", "SI", 1e
 # Flows lean towards orifices here; `branch_flow` is accurate in this range only.
 FlowExponent = Annotated[float, Kind("flow exponent", "1", 1.7, 2.0, "1.91")]
 DiameterExponent = Annotated[float, Kind("diameter exponent", "1", 2.0, 4.0, "3.22")]
+PowerResistance = Annotated[float, Kind("drop over a power of the flow", "SI", 0.0, 1e30, "1e9 SI", units=("SI",))]
 QuadraticResistance = Annotated[float, Kind("quadratic flow resistance", "Pa*s^2/m^6", 0.0, 1e18, "2e10 Pa*s^2/m^6")]
 
 

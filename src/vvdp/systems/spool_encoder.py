@@ -1,15 +1,14 @@
-"""A bench whose spool is watched: encoder and event-based Kalman filter run along at every sample."""
+"""A spool that is watched: encoder and event-based Kalman filter run along at every sample."""
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length, Speed, Time
 from vvdp.base.params import Params
-from vvdp.circuits.supply import Command, SupplyParams, conditions
 from vvdp.estimation.event_filter import (
     EventFilter,
     EventFilterMemory,
@@ -18,6 +17,8 @@ from vvdp.estimation.event_filter import (
     event_filter_start,
     event_filter_step,
 )
+from vvdp.network.network import Network
+from vvdp.network.program import ProgramType
 from vvdp.numerics.tableaus import Array
 from vvdp.sensing.encoder import (
     NO_FAULTS,
@@ -30,7 +31,6 @@ from vvdp.sensing.encoder import (
 )
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import equal_wheel
-from vvdp.simulation.model import Case, Model
 
 SETTLED = 0.5
 """From this time of a run on the errors of the estimate are counted [s]: the filter has found speed and index."""
@@ -56,10 +56,6 @@ class EncoderTable(Params):
             raise ParameterError(f"sectors = {self.sectors:g}, seed = {self.seed:g}; expected whole numbers")
 
 
-WATCHING: Mapping[str, type[Params]] = {"encoder": EncoderTable, "spool_filter": EventFilterValues}
-"""Tables of a watched bench; a system file has both or neither."""
-
-
 class SpoolEstimate(NamedTuple):
     """What is believed of the spool, and the time of the sample at which it was."""
 
@@ -81,31 +77,39 @@ class WatchMemory(NamedTuple):
 
 
 class WatchSettings(Params):
-    """What the program of a watched bench works with."""
+    """What the program works with: encoder and filter, the spool's angle at first, and the seed of the noise."""
 
-    supply: SupplyParams
     encoder: Encoder
     filter: EventFilter
+    angle: Angle
+    seed: Count
 
 
-def watching_program(
-    t: float, memory: WatchMemory, measured: Any, settings: WatchSettings
-) -> tuple[WatchMemory, Command]:
-    """The program of a bench whose spool is watched: nothing is controlled, the estimate is shown."""
-    spool = measured.supply.spool
-    encoder, reading = encoder_step(memory.encoder, Shaft(t, spool.angle, spool.speed), settings.encoder)
-    remembered, e = event_filter_step(memory.filter, reading, settings.filter)
-    estimate = SpoolEstimate(
-        t,
-        e.angle,
-        e.speed,
-        e.angle_deviation,
-        e.speed_deviation,
-        e.innovation,
-        e.innovation_deviation,
-        e.missed_edges,
+def watch_start(settings: WatchSettings) -> WatchMemory:
+    """The memory before the first sample: the filter knows nothing but the wheel."""
+    return WatchMemory(
+        encoder=encoder_start(settings.encoder, 0.0, settings.angle, settings.seed),
+        filter=event_filter_start(settings.filter, 0.0, 0.0, 0.0),
     )
-    return WatchMemory(encoder, remembered), Command(conditions(t, settings.supply), estimate)
+
+
+def watch_step(
+    t: float, memory: WatchMemory, reading: Shaft, settings: WatchSettings
+) -> tuple[WatchMemory, SpoolEstimate]:
+    """Encoder and event filter take a sample; what they believe of the spool is shown."""
+    encoder, seen = encoder_step(memory.encoder, reading, settings.encoder)
+    remembered, e = event_filter_step(memory.filter, seen, settings.filter)
+    estimate = SpoolEstimate(
+        time=t,
+        angle=e.angle,
+        speed=e.speed,
+        angle_deviation=e.angle_deviation,
+        speed_deviation=e.speed_deviation,
+        innovation=e.innovation,
+        innovation_deviation=e.innovation_deviation,
+        missed_edges=e.missed_edges,
+    )
+    return WatchMemory(encoder, remembered), estimate
 
 
 def encoder_of(table: EncoderTable) -> Encoder:
@@ -122,31 +126,26 @@ def encoder_of(table: EncoderTable) -> Encoder:
     )
 
 
-def watched(model: Model, case: Case, table: EncoderTable, values: EventFilterValues) -> tuple[Model, Case]:
-    """Model and case of a bench with an encoder and a filter that knows nothing at the start but the wheel."""
+def add_encoder(net: Network, spool: str, table: EncoderTable, values: EventFilterValues, angle: float) -> None:
+    """Watch the shaft `spool`, at first at `angle` [rad], with the encoder and filter of two tables."""
     encoder = encoder_of(table)
     numbers = {field.name: getattr(values, field.name) for field in fields(EventFilterValues)}
     settings = WatchSettings(
-        supply=case.params.supply, encoder=encoder, filter=replace(event_filter(encoder.wheel), **numbers)
+        encoder=encoder, filter=replace(event_filter(encoder.wheel), **numbers), angle=angle, seed=table.seed
     )
-    spool = case.state.supply.spool
-    memory = WatchMemory(
-        encoder_start(encoder, 0.0, spool.angle, table.seed), event_filter_start(settings.filter, 0.0, 0.0, 0.0)
+    unknown = SpoolEstimate(
+        time=0.0,
+        angle=0.0,
+        speed=0.0,
+        angle_deviation=float(np.sqrt(values.angle_variance)),
+        speed_deviation=float(np.sqrt(values.speed_variance)),
+        innovation=0.0,
+        innovation_deviation=0.0,
+        missed_edges=0.0,
     )
-    start = SpoolEstimate(
-        0.0,
-        0.0,
-        0.0,
-        float(np.sqrt(values.angle_variance)),
-        float(np.sqrt(values.speed_variance)),
-        0.0,
-        0.0,
-        0.0,
-    )
-    command = Command(case.command.conditions, start)
-    return (
-        replace(model, program=watching_program),
-        replace(case, command=command, memory=memory, settings=settings),
+    watch = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
+    net.program(
+        "encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"}
     )
 
 

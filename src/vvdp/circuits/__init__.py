@@ -1,1 +1,0 @@
-"""Wiring of components: each circuit is one function from state and command to rates and outputs."""

@@ -1,0 +1,152 @@
+"""Four-way directional valve with closed centre, by itself and with a proportional valve in its return."""
+
+from typing import NamedTuple
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Power, SignedFraction, Time
+from vvdp.base.select import clip
+from vvdp.fluid.mixture import FluidState
+from vvdp.hydraulics.directional_valve import (
+    DirectionalState,
+    DirectionalValve,
+    edge_flow,
+    edge_openings,
+    position_rate,
+)
+from vvdp.hydraulics.flow import Passage, passage
+from vvdp.hydraulics.series import first_share, series_flow
+from vvdp.network.component import Component
+
+
+class ThrottledDirectionalValve(DirectionalValve):
+    """A directional valve whose return goes through a throttle of `return_conductance`, fully open.
+
+    `return_lag` is the time constant with which the throttle's opening follows its command. The transition pressure
+    of a return path is that of edge and throttle together.
+    """
+
+    return_conductance: FlowCoefficient
+    return_lag: Time
+
+    def check(self) -> None:
+        super().check()
+        if self.return_lag <= 0.0:
+            raise ParameterError("ThrottledDirectionalValve.return_lag: 0 s; expected a time above zero")
+
+
+class ThrottledDirectionalState(NamedTuple):
+    """Position of the spool, 1 forward and -1 backward, and opening of the throttle in the return."""
+
+    position: SignedFraction
+    opening: Fraction
+
+
+class DirectionalFlows(NamedTuple):
+    """Flows of a directional valve into its nodes, its loss, the rate of its position and the openings of its edges."""
+
+    pressure: Flow
+    tank: Flow
+    a: Flow
+    b: Flow
+    loss: Power
+    rates: DirectionalState
+    forward: Fraction
+    backward: Fraction
+
+
+class ThrottledDirectionalLosses(NamedTuple):
+    """What is lost over the edges and over the throttle in the return."""
+
+    edges: Power
+    return_throttle: Power
+
+
+class ThrottledDirectionalFlows(NamedTuple):
+    """As `DirectionalFlows`, with the losses apart and the rate of the throttle's opening."""
+
+    pressure: Flow
+    tank: Flow
+    a: Flow
+    b: Flow
+    losses: ThrottledDirectionalLosses
+    rates: ThrottledDirectionalState
+    forward: Fraction
+    backward: Fraction
+
+
+def directional_valve(
+    pressure: FluidState,
+    tank: FluidState,
+    a: FluidState,
+    b: FluidState,
+    command: SignedFraction,
+    state: DirectionalState,
+    values: DirectionalValve,
+) -> DirectionalFlows:
+    """4/3 valve: forward it joins pressure to a and b to tank, backward pressure to b and a to tank."""
+    forward, backward = edge_openings(state.position, values)
+    to_a, to_b = _edge(pressure, a, forward, values), _edge(pressure, b, backward, values)
+    from_a, from_b = _edge(a, tank, backward, values), _edge(b, tank, forward, values)
+    return DirectionalFlows(
+        pressure=-to_a.flow - to_b.flow,
+        tank=from_a.flow + from_b.flow,
+        a=to_a.flow - from_a.flow,
+        b=to_b.flow - from_b.flow,
+        loss=to_a.loss + to_b.loss + from_a.loss + from_b.loss,
+        rates=DirectionalState(position_rate(command, state.position, values)),
+        forward=forward,
+        backward=backward,
+    )
+
+
+def throttled_directional_valve(
+    pressure: FluidState,
+    tank: FluidState,
+    a: FluidState,
+    b: FluidState,
+    command: SignedFraction,
+    return_command: Fraction,
+    state: ThrottledDirectionalState,
+    values: ThrottledDirectionalValve,
+) -> ThrottledDirectionalFlows:
+    """4/3 valve whose return is throttled by `return_command` [1]: the edge and the throttle are in series."""
+    forward, backward = edge_openings(state.position, values)
+    throttle = values.return_conductance * clip(state.opening, 0.0, 1.0)
+    to_a, to_b = _edge(pressure, a, forward, values), _edge(pressure, b, backward, values)
+    from_a, from_b = _return(a, tank, backward, throttle, values), _return(b, tank, forward, throttle, values)
+    over_a = first_share(values.conductance * backward, throttle) * from_a.loss
+    over_b = first_share(values.conductance * forward, throttle) * from_b.loss
+    return ThrottledDirectionalFlows(
+        pressure=-to_a.flow - to_b.flow,
+        tank=from_a.flow + from_b.flow,
+        a=to_a.flow - from_a.flow,
+        b=to_b.flow - from_b.flow,
+        losses=ThrottledDirectionalLosses(
+            edges=to_a.loss + to_b.loss + over_a + over_b,
+            return_throttle=(from_a.loss - over_a) + (from_b.loss - over_b),
+        ),
+        rates=ThrottledDirectionalState(
+            position_rate(command, state.position, values),
+            (clip(return_command, 0.0, 1.0) - state.opening) / values.return_lag,
+        ),
+        forward=forward,
+        backward=backward,
+    )
+
+
+def _edge(upstream: FluidState, downstream: FluidState, opening: float, values: DirectionalValve) -> Passage:
+    """What goes over one edge."""
+    return passage(edge_flow(upstream.pressure - downstream.pressure, opening, values), upstream, downstream)
+
+
+def _return(
+    upstream: FluidState, downstream: FluidState, opening: float, throttle: float, values: DirectionalValve
+) -> Passage:
+    """What goes over one edge and the throttle behind it."""
+    drop = upstream.pressure - downstream.pressure
+    edge = values.conductance * opening
+    return passage(series_flow(drop, edge, throttle, values.transition_pressure), upstream, downstream)
+
+
+DIRECTIONAL_VALVE = Component(directional_valve, symbol="directional_valve")
+THROTTLED_DIRECTIONAL_VALVE = Component(throttled_directional_valve, symbol="directional_valve")

@@ -1,0 +1,111 @@
+"""The library by the names that a system file uses."""
+
+from collections.abc import Mapping
+
+from vvdp.base.kinds import (
+    AirFraction,
+    BulkModulus,
+    Density,
+    KinematicViscosity,
+    Polytropic,
+    Pressure,
+    ThermalExpansion,
+)
+from vvdp.components.controlled_valves import (
+    DUMP_VALVE,
+    METERING_VALVE,
+    PROPORTIONAL_VALVE,
+    SERIES_THROTTLES,
+    UNLOADING_VALVE,
+)
+from vvdp.components.directional_valves import DIRECTIONAL_VALVE, THROTTLED_DIRECTIONAL_VALVE
+from vvdp.components.drives import DRIVE_COUPLING
+from vvdp.components.flow_sources import FLOW_SOURCE
+from vvdp.components.machines import MOTOR, PUMP
+from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
+from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_FRICTION, SPRING, WEIGHT
+from vvdp.components.self_acting_valves import (
+    CHECK_VALVE,
+    FLOW_CONTROL_VALVE,
+    PILOT_CHECK_VALVE,
+    REDUCING_VALVE,
+    RELIEF_VALVE,
+    SHOCK_VALVE,
+)
+from vvdp.components.shafts import LOAD_TORQUE, ROTOR, SHAFT_FRICTION, TORSION_SPRING
+from vvdp.components.switching_valves import (
+    MODULATED_SWITCHING_VALVE,
+    MODULATED_TWO_WAY_VALVE,
+    PULSED_SWITCHING_VALVE,
+    PULSED_TWO_WAY_VALVE,
+    SWITCHING_VALVE,
+    TWO_WAY_VALVE,
+)
+from vvdp.components.unloading import UNLOADING
+from vvdp.fluid.oil import Oil
+from vvdp.network.component import Component
+from vvdp.network.program import ProgramType
+
+
+class UsualOil(Oil):
+    """A mineral oil of viscosity grade 46 with 1 % of free air, where a file gives no other values.
+
+    Source  wang2017, section 2.3.1 (density, viscosity at 40 degC); the others are usual values, assumed
+    """
+
+    density: Density = 876.0
+    thermal_expansion: ThermalExpansion = 7e-4
+    viscosity_40: KinematicViscosity = 44.1780822e-6
+    viscosity_100: KinematicViscosity = 6.65e-6
+    liquid_bulk_modulus: BulkModulus = 1.4e9
+    air_fraction: AirFraction = 0.01
+    polytropic_exponent: Polytropic = 1.4
+    reference_pressure: Pressure = 101325.0
+
+
+def _by_name(*components: Component) -> Mapping[str, Component]:
+    return {component.name.replace("_", "-"): component for component in components}
+
+
+COMPONENTS = _by_name(
+    CHECK_VALVE,
+    CYLINDER,
+    DIRECTIONAL_VALVE,
+    DRIVE_COUPLING,
+    DUMP_VALVE,
+    END_STOP,
+    FLOW_CONTROL_VALVE,
+    FLOW_SOURCE,
+    LAMINAR_GAP,
+    LOAD_FORCE,
+    LOAD_TORQUE,
+    METERING_VALVE,
+    MODULATED_SWITCHING_VALVE,
+    MODULATED_TWO_WAY_VALVE,
+    MOTOR,
+    ORIFICE,
+    PILOT_CHECK_VALVE,
+    PLUNGER,
+    PROPORTIONAL_VALVE,
+    PULSED_SWITCHING_VALVE,
+    PULSED_TWO_WAY_VALVE,
+    PUMP,
+    REDUCING_VALVE,
+    RELIEF_VALVE,
+    ROD_FRICTION,
+    ROTOR,
+    SERIES_THROTTLES,
+    SHAFT_FRICTION,
+    SHOCK_VALVE,
+    SPRING,
+    SWITCHING_VALVE,
+    THROTTLED_DIRECTIONAL_VALVE,
+    TORSION_SPRING,
+    TWO_WAY_VALVE,
+    UNLOADING_VALVE,
+    WEIGHT,
+)
+"""Components that a system file can name, by their type."""
+
+PROGRAMS: Mapping[str, ProgramType] = {"unloading": UNLOADING}
+"""Programs that a system file can name, by their type."""

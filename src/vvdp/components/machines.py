@@ -1,0 +1,93 @@
+"""Machines between two volumes and a shaft: pump and hydraulic motor."""
+
+from typing import NamedTuple
+
+from vvdp.base.kinds import Flow, Power, Torque
+from vvdp.fluid.mixture import FluidState
+from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.friction import shaft_friction_torque
+from vvdp.hydraulics.motor import Motor, motor_compression_loss, motor_flow, motor_torque
+from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
+from vvdp.hydraulics.pump import Pump, pump_flow, pump_friction_power, pump_friction_torque, pump_torque
+from vvdp.network.component import Component
+
+
+class PumpLosses(NamedTuple):
+    """Powers that a pump turns to heat: its leakage's and its friction's."""
+
+    leakage: Power
+    friction: Power
+
+
+class PumpEffect(NamedTuple):
+    """What a pump gives to its ports, what it loses, and the tank volumes that leak back."""
+
+    inlet: Flow
+    outlet: Flow
+    shaft: Torque
+    losses: PumpLosses
+    leakage_flow: Flow
+
+
+class MotorLosses(NamedTuple):
+    """Powers that a motor turns to heat: its leakage's, its friction's, and where chambers meet the other pressure."""
+
+    leakage: Power
+    friction: Power
+    compression: Power
+
+
+class MotorEffect(NamedTuple):
+    """What a motor gives to its ports, what it loses, and the tank volumes that leak from port a to port b."""
+
+    a: Flow
+    b: Flow
+    shaft: Torque
+    losses: MotorLosses
+    leakage_flow: Flow
+
+
+def pump(inlet: FluidState, outlet: FluidState, shaft: ShaftState, values: Pump) -> PumpEffect:
+    """A pump that fills at its inlet's pressure, gives all it displaces to its outlet, and leaks back to its inlet.
+
+    It displaces D omega (1 + r sin(z theta)), counted at the inlet: over nu there, in tank volumes.
+    """
+    displaced = pump_flow(shaft.angle, shaft.speed, outlet.pressure - inlet.pressure, values)
+    q = displaced.ideal / inlet.volume_ratio
+    leak = passage(displaced.leakage, outlet, inlet)
+    torque = pump_torque(shaft.angle, inlet, outlet, values) + pump_friction_torque(shaft.speed, values)
+    return PumpEffect(
+        inlet=leak.flow - q,
+        outlet=q - leak.flow,
+        shaft=-torque,
+        losses=PumpLosses(leak.loss, pump_friction_power(shaft.speed, values)),
+        leakage_flow=leak.flow,
+    )
+
+
+def motor(a: FluidState, b: FluidState, shaft: ShaftSpeed, values: Motor) -> MotorEffect:
+    """A hydraulic motor: oil that goes from a to b turns it forward, and it leaks from the higher to the lower side.
+
+    It displaces D omega, counted at the side that the oil comes from, with the torque D (P_a - P_b).
+    """
+    displaced = passage(motor_flow(shaft.speed, values), a, b)
+    leak = passage(values.leakage_conductance * (a.pressure - b.pressure), a, b)
+    q = displaced.flow + leak.flow
+    friction = shaft_friction_torque(shaft.speed, values)
+    compression = motor_compression_loss(shaft.speed, a, b, values)
+    return MotorEffect(
+        a=-q,
+        b=q,
+        shaft=motor_torque(a, b, values) - friction,
+        losses=MotorLosses(leak.loss, friction * shaft.speed, compression),
+        leakage_flow=leak.flow,
+    )
+
+
+def motor_inertia(values: Motor) -> float:
+    """Moment of inertia that a motor adds to its shaft [kg m^2]."""
+    return values.inertia
+
+
+PUMP = Component(pump, symbol="pump", averages=("leakage_flow",))
+MOTOR = Component(motor, symbol="motor", inertia=motor_inertia, averages=("leakage_flow",))

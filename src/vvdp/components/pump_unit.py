@@ -1,0 +1,68 @@
+"""The pump unit as a part of any network: pump, inlet volume, relief valve, rotary valve and its spool."""
+
+from dataclasses import dataclass
+
+from vvdp.components.drives import DRIVE_COUPLING
+from vvdp.components.machines import PUMP
+from vvdp.components.rotary_valve import ROTARY_VALVE
+from vvdp.components.self_acting_valves import RELIEF_VALVE
+from vvdp.hydraulics.check_valve import CheckPoppet
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.spool_drive import SpoolDrive
+from vvdp.network.network import Network
+from vvdp.network.nodes import Chamber, Source, Start
+from vvdp.valve.rotary import RotaryValve
+
+
+@dataclass(frozen=True)
+class PumpUnit:
+    """The values of a pump unit, and where it starts: absolute pressure [Pa], spool angle [rad] and speed [rad/s]."""
+
+    pump: Pump
+    inlet: Chamber
+    relief_valve: ReliefValve
+    valve: RotaryValve
+    spool_drive: SpoolDrive
+    check_valve: CheckPoppet
+    inlet_pressure: Start
+    spool_angle: Start = 0.0
+    spool_speed: Start = 0.0
+
+
+@dataclass(frozen=True)
+class UnitJoints:
+    """The nodes that a pump unit joins, and what moves it: signals, states or commands [rad/s, m, rad/s]."""
+
+    tank: str
+    load: str
+    pump_speed: Source
+    axial_position: Source
+    spool_motor_speed: Source = 0.0
+
+
+def add_pump_unit(net: Network, unit: PumpUnit, joints: UnitJoints, prefix: str = "") -> None:
+    """Add a pump unit to a network; `prefix` goes before its names where there are several.
+
+    Its nodes are `inlet`, `pump_shaft`, `spool_motor` and `spool`, its components `pump`, `valve`, `relief_valve` and
+    `coupling`.
+    """
+    inlet, shaft, motor, spool = (prefix + name for name in ("inlet", "pump_shaft", "spool_motor", "spool"))
+    net.volume(inlet, unit.inlet, start=unit.inlet_pressure)
+    net.driven_shaft(shaft, joints.pump_speed)
+    net.driven_shaft(motor, joints.spool_motor_speed)
+    net.shaft(spool, angle=unit.spool_angle, speed=unit.spool_speed)
+    net.add(prefix + "pump", PUMP, unit.pump, inlet=joints.tank, outlet=inlet, shaft=shaft)
+    net.add(
+        prefix + "valve",
+        ROTARY_VALVE,
+        unit.valve,
+        unit.check_valve,
+        inlet=inlet,
+        load=joints.load,
+        tank=joints.tank,
+        spool=spool,
+        axial_position=joints.axial_position,
+    )
+    net.add(prefix + "relief_valve", RELIEF_VALVE, unit.relief_valve, a=inlet, b=joints.tank)
+    net.add(prefix + "coupling", DRIVE_COUPLING, unit.spool_drive, motor=motor, spool=spool)

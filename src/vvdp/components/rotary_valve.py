@@ -1,0 +1,142 @@
+"""The self-spinning rotary on/off valve: two branches, its leakage, a check valve in the load branch, its spool."""
+
+from typing import NamedTuple
+
+from vvdp.base.kinds import Conductance, ExchangedPower, Flow, Fraction, Inertia, Position, Power, Ratio, Torque
+from vvdp.base.select import select
+from vvdp.fluid.mixture import FluidState
+from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_opening_rate
+from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.ports import Medium, ShaftState
+from vvdp.network.component import Component
+from vvdp.valve.branch import BranchLaw, branch_law, law_flow
+from vvdp.valve.geometry import Openings, PortShape, port_shape, shape_openings
+from vvdp.valve.leakage import leakage_conductance
+from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.torque import pwm_frequency, spool_inertia, spool_torque
+
+
+class RotaryValveState(NamedTuple):
+    """How far the check valve in the load branch is open."""
+
+    check_opening: Ratio
+
+
+class RotaryValveHeld(NamedTuple):
+    """What depends on the oil's temperature alone."""
+
+    leakage_conductance: Conductance
+    branch: BranchLaw
+    ports: PortShape
+
+
+class RotaryValveLosses(NamedTuple):
+    """Power turned to heat. The three drops are counted whole; what the spool takes from them as shaft work stands
+    against them in `to_spool`, negative, and comes back as friction."""
+
+    nozzle: Power
+    centre_section: Power
+    outlet_turbine: Power
+    leakage: Power
+    spool_friction: Power
+    to_spool: ExchangedPower
+
+
+class RotaryValveFlow(NamedTuple):
+    """What a rotary valve does at an instant."""
+
+    inlet: Flow
+    load: Flow
+    tank: Flow
+    spool: Torque
+    losses: RotaryValveLosses
+    rates: RotaryValveState
+    leakage: Flow
+    load_opening: Fraction
+    tank_opening: Fraction
+
+
+def rotary_valve_held(medium: Medium, valve: RotaryValve) -> RotaryValveHeld:
+    """What a rotary valve works out once per sample."""
+    return RotaryValveHeld(
+        leakage_conductance=leakage_conductance(medium.viscosity, valve),
+        branch=branch_law(medium.density, valve),
+        ports=port_shape(valve),
+    )
+
+
+def rotary_valve_start(valve: RotaryValve) -> RotaryValveState:
+    """Its first state: the check valve open."""
+    return RotaryValveState(1.0)
+
+
+def duty_position(duty_ratio: float, valve: RotaryValve) -> float:
+    """Axial position of the spool [m] that gives a duty ratio: x = d L."""
+    return duty_ratio * valve.helix_length
+
+
+def rotary_valve(
+    inlet: FluidState,
+    load: FluidState,
+    tank: FluidState,
+    spool: ShaftState,
+    axial_position: Position,
+    state: RotaryValveState,
+    held: RotaryValveHeld,
+    medium: Medium,
+    valve: RotaryValve,
+    check: CheckPoppet,
+) -> RotaryValveFlow:
+    """Flows, torque on the spool and losses of a rotary valve at one spool angle and `axial_position` [m].
+
+    Source  wang2017, ch. 2 and 3; derived in docs/models/rotary-valve.md
+    """
+    ports = shape_openings(spool.angle, axial_position, held.ports)
+    load_drop = inlet.pressure - load.pressure
+    lift = select(check.opening_time > 0.0, state.check_opening, check_opening(load_drop, check))
+    openings = Openings(ports.load * lift, ports.tank)
+    load_branch = law_flow(load_drop, openings.load, held.branch)
+    tank_branch = law_flow(inlet.pressure - tank.pressure, openings.tank, held.branch)
+    to_load, to_tank = passage(load_branch.flow, inlet, load), passage(tank_branch.flow, inlet, tank)
+    leak = passage(held.leakage_conductance * (load.pressure - tank.pressure), load, tank)
+    torque = spool_torque(load_branch, tank_branch, openings, spool.speed, medium.density, medium.viscosity, valve)
+    losses = RotaryValveLosses(
+        nozzle=to_load.loss * load_branch.nozzle_share + to_tank.loss * tank_branch.nozzle_share,
+        centre_section=to_load.loss * load_branch.centre_share + to_tank.loss * tank_branch.centre_share,
+        outlet_turbine=to_load.loss * load_branch.outlet_share + to_tank.loss * tank_branch.outlet_share,
+        leakage=leak.loss,
+        spool_friction=torque.friction * spool.speed,
+        to_spool=-torque.turbine * spool.speed,
+    )
+    return RotaryValveFlow(
+        inlet=-to_load.flow - to_tank.flow,
+        load=to_load.flow - leak.flow,
+        tank=to_tank.flow + leak.flow,
+        spool=torque.turbine - torque.friction,
+        losses=losses,
+        rates=RotaryValveState(check_opening_rate(load_drop, state.check_opening, check)),
+        leakage=leak.flow,
+        load_opening=openings.load,
+        tank_opening=openings.tank,
+    )
+
+
+def rotary_valve_inertia(valve: RotaryValve) -> Inertia:
+    """Moment of inertia of its spool [kg m^2]."""
+    return spool_inertia(valve)
+
+
+def rotary_valve_periods(spool: ShaftState, valve: RotaryValve) -> float:
+    """PWM periods since the spool's angle was zero [1]."""
+    return pwm_frequency(spool.angle, valve)
+
+
+ROTARY_VALVE = Component(
+    rotary_valve,
+    symbol="rotary-valve",
+    held=rotary_valve_held,
+    start=rotary_valve_start,
+    inertia=rotary_valve_inertia,
+    mark=rotary_valve_periods,
+    averages=("leakage", "load_opening"),
+)

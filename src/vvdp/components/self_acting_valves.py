@@ -1,0 +1,135 @@
+"""Valves that the pressures at their ports move: check, relief, reducing and flow control valves."""
+
+from typing import NamedTuple
+
+from vvdp.base.kinds import Flow, Fraction, Power
+from vvdp.base.select import select
+from vvdp.fluid.mixture import FluidState
+from vvdp.hydraulics.check_valve import CheckState, CheckValve, check_opening, check_opening_rate, poppet_flow
+from vvdp.hydraulics.flow import Passage, passage
+from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow
+from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, lifting_drop
+from vvdp.hydraulics.ports import Surplus
+from vvdp.hydraulics.proportional_valve import OpeningState
+from vvdp.hydraulics.reducing_valve import ReducingValve, reducing_flow, reducing_opening, reducing_opening_rate
+from vvdp.hydraulics.relief_valve import (
+    ReliefState,
+    ReliefValve,
+    ShockValve,
+    relief_flow,
+    relief_opening_rate,
+    throttled_relief_flow,
+)
+from vvdp.network.component import Component
+
+
+class CheckPassage(NamedTuple):
+    """What goes through a check valve, and the rate of its poppet."""
+
+    flow: Flow
+    loss: Power
+    rates: CheckState
+
+
+class PilotCheckFlows(NamedTuple):
+    """Flows of a pilot-operated check valve into its nodes, its loss, and the rate of its poppet."""
+
+    a: Flow
+    b: Flow
+    loss: Power
+    rates: CheckState
+
+
+class ReliefPassage(NamedTuple):
+    """What goes over a relief valve, and the rate of its opening."""
+
+    flow: Flow
+    loss: Power
+    rates: ReliefState
+
+
+class ReducingPassage(NamedTuple):
+    """What goes through a reducing valve, and the rate of its opening."""
+
+    flow: Flow
+    loss: Power
+    rates: OpeningState
+
+
+def check_valve(a: FluidState, b: FluidState, state: CheckState, values: CheckValve) -> CheckPassage:
+    """Check valve that opens from a to b; its poppet follows with its opening time, without one at once."""
+    drop = a.pressure - b.pressure
+    y = select(values.opening_time > 0.0, state.opening, check_opening(drop, values))
+    flow, loss = passage(poppet_flow(drop, y, values), a, b)
+    return CheckPassage(flow, loss, CheckState(check_opening_rate(drop, state.opening, values)))
+
+
+def check_start(values: CheckValve) -> CheckState:
+    """On its seat."""
+    return CheckState(values.reverse_opening)
+
+
+def pilot_check_valve(
+    a: FluidState, b: FluidState, pilot: FluidState, state: CheckState, values: PilotCheckValve
+) -> PilotCheckFlows:
+    """Check valve that opens from a to b, and either way when the pilot's pressure exceeds that at a by enough.
+
+    No oil flows at the pilot port.
+    """
+    drop = a.pressure - b.pressure
+    lifting = lifting_drop(drop, pilot.pressure - a.pressure, values)
+    y = select(values.opening_time > 0.0, state.opening, check_opening(lifting, values))
+    flow, loss = passage(poppet_flow(drop, y, values), a, b)
+    return PilotCheckFlows(-flow, flow, loss, CheckState(check_opening_rate(lifting, state.opening, values)))
+
+
+def pilot_check_start(values: PilotCheckValve) -> CheckState:
+    """On its seat."""
+    return CheckState(values.reverse_opening)
+
+
+def relief_valve(
+    a: FluidState, b: FluidState, surplus: Surplus, state: ReliefState, values: ReliefValve
+) -> ReliefPassage:
+    """Relief valve that limits the pressure at a; see `relief_flow` for its three limits.
+
+    An ideal one gives nothing to a side that is under a higher pressure.
+    """
+    excess = select(a.pressure > b.pressure, surplus, 0.0)
+    flow, loss = passage(relief_flow(a.pressure, b.pressure, state.opening, excess, values), a, b)
+    return ReliefPassage(flow, loss, ReliefState(relief_opening_rate(a.pressure, state.opening, values)))
+
+
+def shock_valve(a: FluidState, b: FluidState, state: ReliefState, values: ShockValve) -> ReliefPassage:
+    """Relief valve with an override that limits the pressure at a, also where others do at the same volume.
+
+    `relief_valve` needs the flows of everything else at its volume, so that two of them, each from one side of a
+    motor to the other, would wait for each other.
+    """
+    flow, loss = passage(throttled_relief_flow(a.pressure, b.pressure, state.opening, values), a, b)
+    return ReliefPassage(flow, loss, ReliefState(relief_opening_rate(a.pressure, state.opening, values)))
+
+
+def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> ReducingPassage:
+    """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
+    y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
+    flow, loss = passage(reducing_flow(a.pressure - b.pressure, y, values), a, b)
+    return ReducingPassage(flow, loss, OpeningState(reducing_opening_rate(b.pressure, state.opening, values)))
+
+
+def reducing_start(values: ReducingValve) -> OpeningState:
+    """Fully open, as a spring leaves it without pressure."""
+    return OpeningState(1.0)
+
+
+def flow_control_valve(a: FluidState, b: FluidState, values: FlowControlValve, opening: Fraction = 1.0) -> Passage:
+    """Pressure-compensated flow control valve from a to b whose metering orifice is open by `opening` [1]."""
+    return passage(controlled_flow(a.pressure - b.pressure, opening, values), a, b)
+
+
+CHECK_VALVE = Component(check_valve, symbol="check_valve", start=check_start)
+PILOT_CHECK_VALVE = Component(pilot_check_valve, symbol="pilot_check_valve", start=pilot_check_start)
+RELIEF_VALVE = Component(relief_valve, symbol="relief_valve")
+SHOCK_VALVE = Component(shock_valve, symbol="relief_valve")
+REDUCING_VALVE = Component(reducing_valve, symbol="reducing_valve", start=reducing_start)
+FLOW_CONTROL_VALVE = Component(flow_control_valve, symbol="flow_control_valve")

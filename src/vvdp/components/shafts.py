@@ -1,0 +1,68 @@
+"""What turns with a shaft, brakes it or drives it: rotors, springs, torques from outside."""
+
+from typing import NamedTuple
+
+from vvdp.base.books import Stored
+from vvdp.base.kinds import Power, Torque
+from vvdp.hydraulics.friction import ExchangedPower, ShaftFriction, shaft_friction_torque
+from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
+from vvdp.hydraulics.shaft import Rotor, TorsionSpring, torsion_energy, torsion_torque
+from vvdp.network.component import Component
+
+
+class ShaftEffect(NamedTuple):
+    """A torque on the shaft without loss."""
+
+    shaft: Torque
+
+
+class ShaftLoss(NamedTuple):
+    """A torque on the shaft and the power that it turns to heat."""
+
+    shaft: Torque
+    loss: Power
+
+
+class ShaftLoad(NamedTuple):
+    """A torque on the shaft from outside, and the power that it brings; negative where the load takes it."""
+
+    shaft: Torque
+    supplied: ExchangedPower
+
+
+def shaft_friction(shaft: ShaftSpeed, values: ShaftFriction) -> ShaftLoss:
+    """Viscous and dry friction on a shaft, or a load torque of that form; see `shaft_friction_torque`."""
+    friction = shaft_friction_torque(shaft.speed, values)
+    return ShaftLoss(-friction, friction * shaft.speed)
+
+
+def rotor(shaft: ShaftSpeed, values: Rotor) -> ShaftLoss:
+    """A body that turns with a shaft, in bearings with friction."""
+    friction = shaft_friction_torque(shaft.speed, values)
+    return ShaftLoss(-friction, friction * shaft.speed)
+
+
+def rotor_inertia(values: Rotor) -> float:
+    """Moment of inertia that a rotor adds to its shaft [kg m^2]."""
+    return values.inertia
+
+
+def torsion_spring(shaft: ShaftState, values: TorsionSpring) -> ShaftEffect:
+    """A straight spring with preload on a shaft; see `torsion_torque`."""
+    return ShaftEffect(torsion_torque(shaft.angle, values))
+
+
+def torsion_spring_stored(shaft: ShaftState, values: TorsionSpring) -> Stored:
+    """Energy in the spring."""
+    return Stored(torsion_energy(shaft.angle, values), 0.0)
+
+
+def load_torque(shaft: ShaftSpeed, torque: Torque) -> ShaftLoad:
+    """A torque on a shaft that something outside prescribes, in the direction of its speed [N m]."""
+    return ShaftLoad(torque, torque * shaft.speed)
+
+
+SHAFT_FRICTION = Component(shaft_friction, symbol="friction")
+ROTOR = Component(rotor, symbol="rotor", inertia=rotor_inertia)
+TORSION_SPRING = Component(torsion_spring, symbol="spring", stored=torsion_spring_stored)
+LOAD_TORQUE = Component(load_torque, symbol="torque")

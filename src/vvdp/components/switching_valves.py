@@ -1,0 +1,230 @@
+"""Switching valves, three-way and two-way, moved by a command, by pulses of fixed duty ratio, or by a duty ratio."""
+
+from typing import NamedTuple
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Area, Flow, Fraction, Power
+from vvdp.base.select import select
+from vvdp.fluid.mixture import FluidState
+from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.orifice import Orifice, orifice_flow
+from vvdp.hydraulics.ports import Medium
+from vvdp.hydraulics.switching_valve import (
+    PulseClock,
+    PulseTrain,
+    SpoolState,
+    SwitchingValve,
+    port_areas,
+    pulse_edge,
+    pulse_stop,
+    pulse_train,
+    pulse_value,
+    spool_rate,
+)
+from vvdp.network.component import Component
+
+
+class ThreeWayValve(SwitchingValve, Orifice):
+    """Spool and ports of a three-way switching valve."""
+
+    def check(self) -> None:
+        SwitchingValve.check(self)
+        Orifice.check(self)
+
+
+class PulsedThreeWayValve(ThreeWayValve, PulseTrain):
+    """A three-way switching valve and the pulses that move it."""
+
+    def check(self) -> None:
+        ThreeWayValve.check(self)
+        PulseTrain.check(self)
+
+
+class ModulatedThreeWayValve(ThreeWayValve, PulseClock):
+    """A three-way switching valve and the frequency at which it is pulsed."""
+
+    def check(self) -> None:
+        ThreeWayValve.check(self)
+        PulseClock.check(self)
+
+
+class TwoWayValve(SwitchingValve, Orifice):
+    """Spool and port of a two-way switching valve; `normally_open` is 1 where a command shuts it, else 0."""
+
+    normally_open: Fraction
+
+    def check(self) -> None:
+        SwitchingValve.check(self)
+        Orifice.check(self)
+        if self.normally_open not in (0.0, 1.0):
+            raise ParameterError(f"{type(self).__name__}.normally_open: {self.normally_open:g}; expected 0 or 1")
+
+
+class PulsedTwoWayValve(TwoWayValve, PulseTrain):
+    """A two-way switching valve and the pulses that move it."""
+
+    def check(self) -> None:
+        TwoWayValve.check(self)
+        PulseTrain.check(self)
+
+
+class ModulatedTwoWayValve(TwoWayValve, PulseClock):
+    """A two-way switching valve and the frequency at which it is pulsed."""
+
+    def check(self) -> None:
+        TwoWayValve.check(self)
+        PulseClock.check(self)
+
+
+class ThreeWayFlows(NamedTuple):
+    """Flows of a three-way valve into its nodes, its loss, the rates of its spool and the areas of its ports."""
+
+    pressure: Flow
+    first: Flow
+    second: Flow
+    loss: Power
+    rates: SpoolState
+    first_area: Area
+    second_area: Area
+
+
+class TwoWayPassage(NamedTuple):
+    """What goes through a two-way valve, the rates of its spool and the area of its port."""
+
+    flow: Flow
+    loss: Power
+    rates: SpoolState
+    area: Area
+
+
+def switching_valve(
+    pressure: FluidState,
+    first: FluidState,
+    second: FluidState,
+    command: Fraction,
+    state: SpoolState,
+    medium: Medium,
+    values: ThreeWayValve,
+) -> ThreeWayFlows:
+    """3/2 valve that joins pressure to first while `command` is 1, and to second while it is 0."""
+    return _three_way(pressure, first, second, command, state, medium, values)
+
+
+def pulsed_switching_valve(
+    t: float,
+    pressure: FluidState,
+    first: FluidState,
+    second: FluidState,
+    state: SpoolState,
+    medium: Medium,
+    values: PulsedThreeWayValve,
+) -> ThreeWayFlows:
+    """3/2 valve on a pulse train of fixed frequency and duty ratio."""
+    return _three_way(pressure, first, second, pulse_train(t, values), state, medium, values)
+
+
+def modulated_switching_valve(
+    t: float,
+    pressure: FluidState,
+    first: FluidState,
+    second: FluidState,
+    duty_ratio: Fraction,
+    state: SpoolState,
+    medium: Medium,
+    values: ModulatedThreeWayValve,
+) -> ThreeWayFlows:
+    """3/2 valve on pulses of fixed frequency, whose duty ratio is held between samples."""
+    command = pulse_value(t, duty_ratio, values.frequency)
+    return _three_way(pressure, first, second, command, state, medium, values)
+
+
+def two_way_valve(
+    a: FluidState, b: FluidState, command: Fraction, state: SpoolState, medium: Medium, values: TwoWayValve
+) -> TwoWayPassage:
+    """2/2 valve between a and b that `command` 1 opens, or shuts where it is normally open."""
+    return _two_way(a, b, command, state, medium, values)
+
+
+def pulsed_two_way_valve(
+    t: float, a: FluidState, b: FluidState, state: SpoolState, medium: Medium, values: PulsedTwoWayValve
+) -> TwoWayPassage:
+    """2/2 valve on a pulse train of fixed frequency and duty ratio."""
+    return _two_way(a, b, pulse_train(t, values), state, medium, values)
+
+
+def modulated_two_way_valve(
+    t: float,
+    a: FluidState,
+    b: FluidState,
+    duty_ratio: Fraction,
+    state: SpoolState,
+    medium: Medium,
+    values: ModulatedTwoWayValve,
+) -> TwoWayPassage:
+    """2/2 valve on pulses of fixed frequency, whose duty ratio is held between samples."""
+    return _two_way(a, b, pulse_value(t, duty_ratio, values.frequency), state, medium, values)
+
+
+def pulsed_switching_stop(t: float, values: PulsedThreeWayValve) -> float:
+    """The next edge [s] of the pulses of a three-way valve."""
+    return pulse_stop(t, values)
+
+
+def modulated_switching_stop(t: float, duty_ratio: Fraction, values: ModulatedThreeWayValve) -> float:
+    """The next edge [s] of the pulses of a three-way valve at the duty ratio that holds."""
+    return pulse_edge(t, duty_ratio, values.frequency)
+
+
+def pulsed_two_way_stop(t: float, values: PulsedTwoWayValve) -> float:
+    """The next edge [s] of the pulses of a two-way valve."""
+    return pulse_stop(t, values)
+
+
+def modulated_two_way_stop(t: float, duty_ratio: Fraction, values: ModulatedTwoWayValve) -> float:
+    """The next edge [s] of the pulses of a two-way valve at the duty ratio that holds."""
+    return pulse_edge(t, duty_ratio, values.frequency)
+
+
+def _three_way(
+    pressure: FluidState,
+    first: FluidState,
+    second: FluidState,
+    command: float,
+    state: SpoolState,
+    medium: Medium,
+    values: ThreeWayValve,
+) -> ThreeWayFlows:
+    """What a three-way valve does at a command."""
+    areas = port_areas(state.position, values)
+    drop_1, drop_2 = pressure.pressure - first.pressure, pressure.pressure - second.pressure
+    to_first = passage(orifice_flow(areas.first, drop_1, medium.density, values), pressure, first)
+    to_second = passage(orifice_flow(areas.second, drop_2, medium.density, values), pressure, second)
+    return ThreeWayFlows(
+        pressure=-to_first.flow - to_second.flow,
+        first=to_first.flow,
+        second=to_second.flow,
+        loss=to_first.loss + to_second.loss,
+        rates=spool_rate(command, state, values),
+        first_area=areas.first,
+        second_area=areas.second,
+    )
+
+
+def _two_way(
+    a: FluidState, b: FluidState, command: float, state: SpoolState, medium: Medium, values: TwoWayValve
+) -> TwoWayPassage:
+    """What a two-way valve does at a command."""
+    areas = port_areas(state.position, values)
+    area = select(values.normally_open > 0.5, areas.second, areas.first)
+    flow, loss = passage(orifice_flow(area, a.pressure - b.pressure, medium.density, values), a, b)
+    return TwoWayPassage(flow, loss, spool_rate(command, state, values), area)
+
+
+SWITCHING_VALVE = Component(switching_valve, symbol="switching_valve_3_2")
+PULSED_SWITCHING_VALVE = Component(pulsed_switching_valve, symbol="switching_valve_3_2", stop=pulsed_switching_stop)
+MODULATED_SWITCHING_VALVE = Component(
+    modulated_switching_valve, symbol="switching_valve_3_2", stop=modulated_switching_stop
+)
+TWO_WAY_VALVE = Component(two_way_valve, symbol="switching_valve_2_2")
+PULSED_TWO_WAY_VALVE = Component(pulsed_two_way_valve, symbol="switching_valve_2_2", stop=pulsed_two_way_stop)
+MODULATED_TWO_WAY_VALVE = Component(modulated_two_way_valve, symbol="switching_valve_2_2", stop=modulated_two_way_stop)

@@ -1,0 +1,47 @@
+"""Two-way flow control valve: a compensator holds the drop over a metering orifice, and so its flow."""
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Flow, Fraction, PressureDifference
+from vvdp.base.params import Params
+from vvdp.base.select import clip
+from vvdp.hydraulics.flow import rated_root
+
+
+class FlowControlValve(Params):
+    """Passes `rated_flow`, fully open, from `minimum_drop` on, and a share `flow_rise` more at `maximum_drop`.
+
+    Below the minimum drop the compensator is fully open, above the maximum drop as far shut as it goes, and the valve
+    is a plain throttle.
+    """
+
+    rated_flow: Flow
+    minimum_drop: PressureDifference
+    maximum_drop: PressureDifference
+    flow_rise: Fraction
+
+    def check(self) -> None:
+        if self.rated_flow <= 0.0:
+            raise ParameterError(f"FlowControlValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
+        if self.minimum_drop <= 0.0:
+            raise ParameterError("FlowControlValve.minimum_drop: 0 Pa; the compensator needs a drop above zero")
+        if self.maximum_drop <= self.minimum_drop:
+            raise ParameterError(
+                f"FlowControlValve.maximum_drop: {self.maximum_drop:g} Pa does not exceed "
+                f"the minimum drop {self.minimum_drop:g} Pa"
+            )
+
+
+def controlled_flow(pressure_drop: float, opening: float, valve: FlowControlValve) -> float:
+    """Volume flow of a flow control valve [m^3/s], signed like the drop; backwards it is a plain throttle.
+
+    Q_r u (1 + rise (d - d_min)/(d_max - d_min)) root(dp)/root(d), with d the drop held between d_min and d_max
+
+    pressure_drop  dp, first-named side less the second [Pa]
+    opening        u, of the metering orifice, held between 0 and 1 [1]
+
+    Source  ours, docs/models/components.md
+    """
+    u: float = clip(opening, 0.0, 1.0)
+    held: float = clip(pressure_drop, valve.minimum_drop, valve.maximum_drop)
+    rise = valve.flow_rise * (held - valve.minimum_drop) / (valve.maximum_drop - valve.minimum_drop)
+    return valve.rated_flow * u * (1.0 + rise) * rated_root(pressure_drop, held)

@@ -1,0 +1,96 @@
+"""Friction of rods and shafts: viscous, dry, and the dry friction that falls from breaking away (Stribeck)."""
+
+from typing import Annotated
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Coupling, Force, Kind, Speed, Torque, Velocity, ViscousFriction
+from vvdp.base.params import Params
+
+EXCHANGED_POWER = Kind("exchanged power", "W", -1e9, 1e9, "5.6 kW")
+ExchangedPower = Annotated[float, EXCHANGED_POWER]
+"""Power that may go either way: what a load prescribed from outside gives or takes."""
+
+
+class RodFriction(Params):
+    """Friction on a rod.
+
+    Dry friction is `breakaway_friction` near rest and falls over `stribeck_velocity` to `coulomb_friction`; the two
+    are equal where it does not fall. `coulomb_velocity` is where its sign has reached 71 %.
+    """
+
+    viscous_friction: ViscousFriction
+    coulomb_friction: Force
+    breakaway_friction: Force
+    stribeck_velocity: Velocity
+    coulomb_velocity: Velocity
+
+    def check(self) -> None:
+        F_c, F_s = self.coulomb_friction, self.breakaway_friction
+        if F_c < 0.0:
+            raise ParameterError(f"RodFriction.coulomb_friction: {F_c:g} N would drive the rod")
+        if F_s < F_c:
+            raise ParameterError(
+                f"RodFriction.breakaway_friction: {F_s:g} N is less than the coulomb friction {F_c:g} N; "
+                "make them equal for a friction that does not fall"
+            )
+        for name in ("stribeck_velocity", "coulomb_velocity"):
+            if getattr(self, name) <= 0.0:
+                raise ParameterError(f"RodFriction.{name}: {getattr(self, name):g} m/s; expected one above zero")
+        if F_s > F_c and self.coulomb_velocity >= self.stribeck_velocity:
+            raise ParameterError(
+                f"RodFriction.coulomb_velocity: {self.coulomb_velocity:g} m/s is not below the Stribeck velocity "
+                f"{self.stribeck_velocity:g} m/s, so that the breakaway friction would never be reached"
+            )
+
+
+class ShaftFriction(Params):
+    """Friction on a shaft: `shaft_damping` times the speed, and `coulomb_torque`, 71 % of it at `coulomb_speed`."""
+
+    shaft_damping: Coupling
+    coulomb_torque: Torque
+    coulomb_speed: Speed
+
+    def check(self) -> None:
+        name = type(self).__name__
+        if self.coulomb_torque < 0.0:
+            raise ParameterError(f"{name}.coulomb_torque: {self.coulomb_torque:g} N m would drive the shaft")
+        if self.coulomb_speed <= 0.0:
+            raise ParameterError(f"{name}.coulomb_speed: {self.coulomb_speed:g} rad/s; expected one above zero")
+
+
+def smooth_sign(value: float, width: float) -> float:
+    """Sign of a value [1], a straight line through zero: x/sqrt(x^2 + w^2), 71 % at w.
+
+    value  x
+    width  w, greater than zero, in the unit of x
+
+    Source  ours, docs/models/components.md
+    """
+    sign: float = value / np.sqrt(value * value + width * width)
+    return sign
+
+
+def rod_friction_force(velocity: float, friction: RodFriction) -> float:
+    """Friction of a rod [N], against the velocity: b v + (F_c + (F_s - F_c) exp(-(v/v_s)^2)) v/sqrt(v^2 + v_c^2).
+
+    velocity  v [m/s]
+
+    Source  wang2017, eq. 6.1 (viscous); armstrong1994 (falling dry friction); its sign: ours, docs/models/components.md
+    """
+    ratio = velocity / friction.stribeck_velocity
+    excess = (friction.breakaway_friction - friction.coulomb_friction) * np.exp(-ratio * ratio)
+    dry: float = (friction.coulomb_friction + excess) * smooth_sign(velocity, friction.coulomb_velocity)
+    return friction.viscous_friction * velocity + dry
+
+
+def shaft_friction_torque(speed: float, friction: ShaftFriction) -> float:
+    """Friction of a shaft [N m], against the speed: b omega + T_c omega/sqrt(omega^2 + omega_c^2).
+
+    speed  omega [rad/s]
+
+    Source  ours, docs/models/components.md
+    """
+    dry = friction.coulomb_torque * smooth_sign(speed, friction.coulomb_speed)
+    return friction.shaft_damping * speed + dry

@@ -1,0 +1,68 @@
+"""Pressure-reducing valve: shuts as the pressure behind it rises; it does not relieve that pressure."""
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
+from vvdp.base.params import Params
+from vvdp.base.select import clip, select
+from vvdp.hydraulics.flow import rated_root
+
+
+class ReducingValve(Params):
+    """Is shut from the outlet level `closing_pressure` on and fully open `override_pressure` below it.
+
+    Fully open it passes `rated_flow` at `rated_drop`. `opening_time` > 0: the opening follows the outlet's pressure
+    with that time constant; 0: at once.
+    """
+
+    closing_pressure: Pressure
+    override_pressure: PressureDifference
+    rated_flow: Flow
+    rated_drop: PressureDifference
+    opening_time: Time
+
+    def check(self) -> None:
+        if not 0.0 < self.override_pressure < self.closing_pressure:
+            raise ParameterError(
+                f"ReducingValve.override_pressure: {self.override_pressure:g} Pa; expected one above zero "
+                f"and below the closing pressure, {self.closing_pressure:g} Pa absolute"
+            )
+        if self.rated_flow <= 0.0:
+            raise ParameterError(f"ReducingValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
+        if self.rated_drop <= 0.0:
+            raise ParameterError("ReducingValve.rated_drop: 0 Pa; expected a drop above zero")
+
+
+def reducing_opening(outlet_pressure: float, valve: ReducingValve) -> float:
+    """Static opening of a reducing valve [1]: (P_close - P)/override, between 0 and 1.
+
+    outlet_pressure  P, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    opening: float = clip((valve.closing_pressure - outlet_pressure) / valve.override_pressure, 0.0, 1.0)
+    return opening
+
+
+def reducing_opening_rate(outlet_pressure: float, opening: float, valve: ReducingValve) -> float:
+    """Rate of the opening of a reducing valve [1/s]: (y_static(P) - y)/tau, and 0 without an opening time.
+
+    outlet_pressure  P, absolute [Pa]
+    opening          y [1]
+
+    Source  ours, docs/models/components.md
+    """
+    tau = valve.opening_time
+    lag = (reducing_opening(outlet_pressure, valve) - opening) / select(tau > 0.0, tau, 1.0)
+    rate: float = select(tau > 0.0, lag, 0.0)
+    return rate
+
+
+def reducing_flow(pressure_drop: float, opening: float, valve: ReducingValve) -> float:
+    """Volume flow of a reducing valve at a given opening [m^3/s], signed like the drop: Q_r y root(dp)/root(rated).
+
+    pressure_drop  inlet less outlet [Pa]
+    opening        y [1]
+
+    Source  ours, docs/models/components.md
+    """
+    return valve.rated_flow * opening * rated_root(pressure_drop, valve.rated_drop)

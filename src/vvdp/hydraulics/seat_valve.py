@@ -1,0 +1,47 @@
+"""Two-way seat valve that is opened and shut by a command: unloading and dump valves."""
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Flow, PressureDifference, Time
+from vvdp.base.params import Params
+from vvdp.base.select import clip
+from vvdp.hydraulics.flow import rated_root
+
+
+class SeatValve(Params):
+    """Passes `rated_flow` at `rated_drop` when open; `lag` is the time constant of its opening."""
+
+    rated_flow: Flow
+    rated_drop: PressureDifference
+    lag: Time
+
+    def check(self) -> None:
+        if self.rated_flow <= 0.0:
+            raise ParameterError(f"SeatValve.rated_flow: {self.rated_flow:g} m^3/s; expected a flow above zero")
+        if self.rated_drop <= 0.0:
+            raise ParameterError("SeatValve.rated_drop: 0 Pa; expected a drop above zero")
+        if self.lag <= 0.0:
+            raise ParameterError("SeatValve.lag: 0 s; expected a time above zero")
+
+
+def seat_flow(pressure_drop: float, opening: float, valve: SeatValve) -> float:
+    """Volume flow of a seat valve [m^3/s], either way: Q_r y root(dp)/root(rated drop).
+
+    pressure_drop  first-named side less the second [Pa]
+    opening        y, held between 0 and 1 [1]
+
+    Source  ours, docs/models/components.md
+    """
+    y: float = clip(opening, 0.0, 1.0)
+    return valve.rated_flow * y * rated_root(pressure_drop, valve.rated_drop)
+
+
+def seat_rate(wanted_opening: float, opening: float, valve: SeatValve) -> float:
+    """Rate of the opening of a seat valve [1/s]: (wanted - y)/lag, the wanted one held between 0 and 1.
+
+    wanted_opening  [1]
+    opening         y, now [1]
+
+    Source  ours, docs/models/components.md
+    """
+    wanted: float = clip(wanted_opening, 0.0, 1.0)
+    return (wanted - opening) / valve.lag

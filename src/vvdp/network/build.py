@@ -1,0 +1,86 @@
+"""From a network to what is simulated: the text made into functions, the model, and the case that its values make."""
+
+import hashlib
+import linecache
+import sys
+import types
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.books import NOTHING, Books, Stored
+from vvdp.base.errors import NetworkError
+from vvdp.network.classes import Classes
+from vvdp.network.network import Network
+from vvdp.network.paths import Places
+from vvdp.network.text import Text
+from vvdp.network.written_program import WrittenProgram
+from vvdp.simulation.model import Case, Model, no_mark, started_case
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """A network as it is simulated: the functions, the values to start from, and the text they come from."""
+
+    network: Network
+    model: Model
+    case: Case
+    text: str
+
+    def case_of(self, params: Any) -> Case:
+        """The case of other parameters of the same classes."""
+        return started_case(self.model, type(self.case.command), params, self.case.settings)
+
+
+def build(network: Network) -> Circuit:
+    """The circuit of a network. Raises NetworkError where its parts do not fit together."""
+    if not network.parts:
+        raise NetworkError("a network needs at least one component")
+    places = Places(network)
+    classes = Classes(places)
+    text = Text(places, classes)
+    written = [WrittenProgram(program, text) for program in network.programs.values()]
+    blocks = [text.circuit(), text.conditions(), text.stored(), text.start(), text.stop(), text.mark()]
+    blocks += [block for program in written for block in program.blocks]
+    whole = "\n\n\n".join("\n".join(block) for block in blocks if block) + "\n"
+    module = _module(whole, {**_classes_by_name(classes), **text.names})
+    model = Model(
+        circuit=module.circuit,
+        stored=module.stored,
+        start=module.start,
+        conditions=module.conditions,
+        programs={program.name: program.assembled(module) for program in written},
+        mark=getattr(module, "mark", no_mark),
+        stop=module.stop,
+    )
+    settings = {program.name: program.settings for program in written}
+    return Circuit(network, model, started_case(model, classes.command, classes.values, settings), whole)
+
+
+def _classes_by_name(classes: Classes) -> dict[str, Any]:
+    return {
+        "np": np,
+        "Books": Books,
+        "Stored": Stored,
+        "NOTHING": NOTHING,
+        "EMPTY_BOOKS": classes.empty_books,
+        "State": classes.state,
+        "Outputs": classes.outputs,
+        "Supplied": classes.supplied,
+        "Spent": classes.spent,
+        "Totals": classes.totals,
+        "Held": classes.held,
+    }
+
+
+def _module(text: str, names: dict[str, Any]) -> types.ModuleType:
+    """The text as a module of its own, whose lines tracebacks and messages can show."""
+    name = f"vvdp_network_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
+    module = types.ModuleType(name)
+    module.__dict__.update(names)
+    file = f"<{name}>"
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    exec(compile(text, file, "exec"), module.__dict__)
+    sys.modules[name] = module
+    return module

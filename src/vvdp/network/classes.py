@@ -1,0 +1,230 @@
+"""The NamedTuples and the parameter class of a written network."""
+
+from functools import cached_property
+from typing import Annotated, Any, NamedTuple, get_type_hints
+
+from vvdp.base.books import NOTHING, Books, Nothing
+from vvdp.base.errors import NetworkError
+from vvdp.base.kinds import (
+    EXCHANGED_ENERGY,
+    FLOW,
+    FORCE,
+    FRACTION,
+    POWER,
+    PRESSURE_LEVEL,
+    RATIO,
+    TORQUE,
+    Angle,
+    Duration,
+    Energy,
+    ExchangedEnergy,
+    Flow,
+    Inertia,
+    Kind,
+    Mass,
+    Pressure,
+    PressureTime,
+    TankVolume,
+)
+from vvdp.base.params import Params, field_kinds
+from vvdp.fluid.mixture import FluidState
+from vvdp.hydraulics.ports import Medium, RodState, ShaftState
+from vvdp.network.component import Role
+from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.paths import Places, StartValue
+
+INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
+"""What the integrals over time of a kind are."""
+
+
+class Classes:
+    """The classes of a network's state, books, outputs, command and parameters."""
+
+    def __init__(self, places: Places) -> None:
+        self.places = places
+        self.network = places.network
+
+    @cached_property
+    def supplied(self) -> type:
+        """Energy from outside: by tanks, sources, driven shafts and parts."""
+        given = [n for n, node in self.network.nodes.items() if isinstance(node, Tank | PressureSource | DrivenShaft)]
+        given += [p.name for p in self.network.parts.values() if "supplied" in p.component.result._fields]  # type: ignore[attr-defined]
+        return named_tuple("Supplied", dict.fromkeys(given, Energy))
+
+    @cached_property
+    def spent_parts(self) -> dict[str, type]:
+        """For each part with several losses, these."""
+        return {
+            part.name: named_tuple(
+                f"{_title(part.name)}Spent", {n: _energy(kind) for n, kind in part.component.losses.items()}
+            )
+            for part in self.network.parts.values()
+            if part.component.losses and "" not in part.component.losses
+        }
+
+    @cached_property
+    def spent(self) -> type:
+        """Energy turned to heat, by part."""
+        losses = {p.name: p.component.losses for p in self.network.parts.values() if p.component.losses}
+        hints = {n: _energy(kinds[""]) if "" in kinds else self.spent_parts[n] for n, kinds in losses.items()}
+        return named_tuple("Spent", hints)
+
+    @cached_property
+    def totals(self) -> type:
+        """Integrals from which means are taken."""
+        hints: dict[str, Any] = {}
+        for name, node in self.network.nodes.items():
+            if isinstance(node, HydraulicNode):
+                hints[f"{name}_pressure"] = PressureTime
+        for part in self.network.parts.values():
+            hints |= {name: TankVolume for name in flow_names(part)}
+            hints |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
+        return named_tuple("Totals", hints)
+
+    @cached_property
+    def state(self) -> type:
+        """The state: pressures, shafts, rods, states of parts, books."""
+        hints: dict[str, Any] = {}
+        for name, node in self.network.nodes.items():
+            match node:
+                case OilVolume():
+                    hints[name] = Pressure
+                case Shaft():
+                    hints[name] = ShaftState
+                case Rod():
+                    hints[name] = RodState
+                case DrivenShaft() if name in self.places.turning:
+                    hints[name] = Angle
+        hints |= {p.name: p.component.state for p in self.network.parts.values() if p.component.state is not None}
+        return named_tuple("State", hints | {"books": Books})
+
+    @cached_property
+    def outputs(self) -> type:
+        """What is recorded beside the state."""
+        hints: dict[str, Any] = {}
+        for name, node in self.network.nodes.items():
+            if isinstance(node, Tank | PressureSource):
+                hints[f"{name}_pressure"] = Pressure
+        for part in self.network.parts.values():
+            component = part.component
+            fresh = {name: Flow for name in flow_names(part)}
+            fresh |= {f"{part.name}_{name}": Annotated[float, kind] for name, kind in component.outputs.items()}
+            for port, role in component.ports.items():
+                if role is not Role.PORT and port in component.result._fields:  # type: ignore[attr-defined]
+                    fresh[f"{part.name}_{port}"] = Annotated[float, FORCE if role is Role.ROD else TORQUE]
+            for name in fresh:
+                if name in hints:
+                    raise NetworkError(f"two results would be called {name!r}; rename {part.name!r}")
+            hints |= fresh
+        for read in self.program_reads:
+            program, _, field = read.partition(".")
+            hints[read.replace(".", "_")] = Annotated[float, field_kinds(type(self.network.programs[program].type.command))[field]]
+        return named_tuple("Outputs", hints)
+
+    @cached_property
+    def program_reads(self) -> tuple[str, ...]:
+        """Commands of programs that other programs read."""
+        reads = [path for program in self.network.programs.values() for path in program.reads.values()]
+        return tuple(dict.fromkeys(path for path in reads if path.partition(".")[0] in self.network.programs))
+
+    @cached_property
+    def medium(self) -> type:
+        """The oils at their temperature."""
+        oils = {"medium": Medium}
+        for name, node in self.network.nodes.items():
+            if isinstance(node, HydraulicNode) and node.oil is not self.network.oil:
+                oils[f"medium_{self.places.path(node.oil).removeprefix('p.')}"] = Medium
+        return named_tuple("Media", oils)
+
+    @cached_property
+    def held(self) -> type:
+        """What is worked out once per sample."""
+        hints = dict(get_type_hints(self.medium, include_extras=True))
+        for name, node in self.network.nodes.items():
+            match node:
+                case Tank():
+                    hints[name] = FluidState
+                case Shaft():
+                    hints[f"{name}_inertia"] = Inertia
+                case Rod():
+                    hints[f"{name}_inertia"] = Mass
+        for part in self.network.parts.values():
+            if part.component.held:
+                hints[part.name] = get_type_hints(part.component.held)["return"]
+        return named_tuple("Held", hints)
+
+    @cached_property
+    def command(self) -> type:
+        """What is held between samples: the conditions, and the command of each program."""
+        programs = {name: type(program.type.command) for name, program in self.network.programs.items()}
+        return named_tuple("Command", {"held": self.held, **programs})
+
+    @cached_property
+    def start(self) -> type[Params]:
+        """The start values."""
+        return params_class("Start", {value.name: Annotated[float, value.kind] for value in self.own_starts})
+
+    @property
+    def own_starts(self) -> tuple[StartValue, ...]:
+        """The start values that stand nowhere else among the parameters."""
+        values = (value for several in self.places.starts.values() for value in several)
+        return tuple(value for value in values if value.path == f"p.start.{value.name}")
+
+    @cached_property
+    def params(self) -> type[Params]:
+        """All values of the network."""
+        start = {"start": self.start} if self.own_starts else {}
+        return params_class("Values", {name: hint for name, (hint, _) in self.places.fields.items()} | start)
+
+    @property
+    def values(self) -> Params:
+        """The parameters with the values that the network was drawn with."""
+        found = {name: value for name, (_, value) in self.places.fields.items()}
+        if self.own_starts:
+            found["start"] = self.start(**{value.name: value.value for value in self.own_starts})
+        return self.params(**found)
+
+    @cached_property
+    def empty_books(self) -> Books:
+        """Books before a run."""
+        return Books(blank(self.supplied), blank(self.spent), 0.0, 0.0, blank(self.totals))
+
+
+def flow_names(part: Any) -> list[str]:
+    """Names of the flows of a part: one through it, into its second port, or one into each of more hydraulic ports."""
+    ports = part.component.hydraulic_ports
+    if len(ports) == 2:
+        return [f"{part.name}_flow"]
+    return [f"{part.name}_{port}_flow" for port in ports if port in part.component.result._fields]
+
+
+def named_tuple(name: str, hints: dict[str, Any]) -> type:
+    """A NamedTuple class; `Nothing` without fields."""
+    return NamedTuple(name, list(hints.items())) if hints else Nothing  # type: ignore[misc,return-value]
+
+
+def params_class(name: str, hints: dict[str, Any]) -> type[Params]:
+    """A parameter class."""
+    return type(name, (Params,), {"__annotations__": hints, "__doc__": "Values of a network."})
+
+
+def blank(cls: type) -> Any:
+    """A NamedTuple of zeros."""
+    if cls is Nothing:
+        return NOTHING
+    hints = get_type_hints(cls)
+    fields = cls._fields  # type: ignore[attr-defined]
+    return cls(*(blank(hints[name]) if hasattr(hints[name], "_fields") else 0.0 for name in fields))
+
+
+def _title(name: str) -> str:
+    return name.title().replace("_", "")
+
+
+def _energy(kind: Kind | None) -> Any:
+    return ExchangedEnergy if kind is None or kind is EXCHANGED_ENERGY or kind.low < 0.0 else Energy
+
+
+def _integral(kind: Kind) -> Any:
+    found = INTEGRALS.get(kind)
+    return found or Annotated[float, Kind(f"{kind.name} over time", f"{kind.unit}*s", -1e15, 1e15, "1", accumulates=True)]

@@ -1,0 +1,242 @@
+"""A network being drawn: nodes, components between them, programs that watch and command it."""
+
+import keyword
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vvdp.base.errors import NetworkError
+from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+from vvdp.base.params import Params
+from vvdp.base.signal import Signal, constant
+from vvdp.base.tables import nearest
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.component import Component, Role, check_component
+from vvdp.network.nodes import (
+    Chamber,
+    Connection,
+    DrivenShaft,
+    HydraulicNode,
+    Load,
+    Node,
+    OilVolume,
+    PressureSource,
+    Rod,
+    Rotor,
+    Shaft,
+    Source,
+    Start,
+    Tank,
+    kind_of_node,
+)
+from vvdp.network.program import ProgramType
+from vvdp.sensing.instrument import Instrument
+
+ROOM_TEMPERATURE = constant(313.15)
+"""Temperature of the oil where none is given: 40 degC, at which data sheets give the density."""
+RESERVED = frozenset(
+    "t s u p h m r z rates books start held medium temperature oil state outputs params command values total transition "
+    "full_open time".split()
+)
+JOINS = {
+    Role.PORT: (OilVolume, Tank, PressureSource),
+    Role.SHAFT: (Shaft, DrivenShaft),
+    Role.SHAFT_SPEED: (Shaft, DrivenShaft),
+    Role.ROD: (Rod,),
+}
+
+
+@dataclass(frozen=True)
+class Part:
+    """A component in its place: the values, the nodes at its ports, the sources of its inputs, its first state."""
+
+    name: str
+    component: Component
+    values: tuple[Params, ...]
+    nodes: Mapping[str, str]
+    inputs: Mapping[str, Source]
+    start: Any = None
+
+
+@dataclass(frozen=True)
+class ProgramPart:
+    """A program in its place: what it reads, its values, the sensors before it, and when it is called [s]."""
+
+    name: str
+    type: ProgramType
+    settings: Params | None
+    reads: Mapping[str, str]
+    sensors: Mapping[str, Instrument]
+    period: float | None
+    phase: float
+    latency: float
+
+
+class Network:
+    """Nodes, components and programs by name, in the order in which they were added.
+
+    `values` are parameter classes that components share, or that hold the signals that are connected to them; they
+    appear under their names in the parameters of the circuit. Each method that adds raises `NetworkError` where a
+    name is taken or cannot be one, a node is unknown, a port is open or joins the wrong kind of node, or an input is
+    missing. `extras` makes of a system what it brings along beyond others: numbers, figures.
+    """
+
+    def __init__(self, oil: Oil, *, temperature: Signal = ROOM_TEMPERATURE, **values: Params) -> None:
+        self.oil = oil
+        self.temperature = temperature
+        self.values: dict[str, Params] = {"oil": oil, **values}
+        self.nodes: dict[str, Node] = {}
+        self.parts: dict[str, Part] = {}
+        self.programs: dict[str, ProgramPart] = {}
+        self.positions: dict[str, tuple[float, float]] = {}
+        self.extras: Callable[[Any], Any] | None = None
+
+    def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
+        """Add oil under one pressure, at first `start` [Pa, absolute]."""
+        _check_pressure(name, self.start_value(start))
+        self._add_node(OilVolume(name, values, start, oil or self.oil))
+
+    def tank(self, name: str, pressure: Signal | None = None, oil: Oil | None = None) -> None:
+        """Add a tank, at the oil's reference pressure or another [Pa, absolute]."""
+        medium = oil or self.oil
+        self._add_node(Tank(name, pressure or constant(medium.reference_pressure), medium))
+
+    def pressure_source(self, name: str, pressure: Source, oil: Oil | None = None) -> None:
+        """Add a source or sink that holds its pressure [Pa, absolute]."""
+        self._add_node(PressureSource(name, _signal(pressure), oil or self.oil))
+
+    def shaft(self, name: str, values: Rotor | None = None, *, angle: Start = 0.0, speed: Start = 0.0) -> None:
+        """Add a shaft that turns freely, at first at `angle` [rad] with `speed` [rad/s]."""
+        self._add_node(Shaft(name, values, angle, speed))
+
+    def driven_shaft(self, name: str, speed: Source) -> None:
+        """Add a shaft whose speed [rad/s] is prescribed or commanded."""
+        self._add_node(DrivenShaft(name, _signal(speed)))
+
+    def rod(self, name: str, values: Load | None = None, *, position: Start = 0.0, velocity: Start = 0.0) -> None:
+        """Add a mass that moves along a line, at first at `position` [m] with `velocity` [m/s]."""
+        self._add_node(Rod(name, values, position, velocity))
+
+    def add(self, name: str, component: Component, *values: Params, start: Any = None, **joints: Source) -> None:
+        """Add a component; `joints` give the node of each port and the source of each input, by their names."""
+        self._check_name(name)
+        check_component(component)
+        classes = component.params
+        if [type(v) for v in values] != list(classes) and not all(map(isinstance, values, classes)):
+            expected = ", ".join(c.__name__ for c in classes) or "none"
+            given = ", ".join(type(v).__name__ for v in values) or "none"
+            raise NetworkError(f"{name}: {component.name} takes the values {expected}; {given} given")
+        if len(values) != len(classes):
+            raise NetworkError(
+                f"{name}: {component.name} takes {len(classes)} parameter classes, "
+                f"{', '.join(c.__name__ for c in classes)}; {len(values)} given"
+            )
+        nodes = {port: self._node_at(name, port, role, joints.pop(port, None)) for port, role in component.ports.items()}
+        inputs = {a.name: self._source(name, a.name, a.kind, joints.pop(a.name, a.default)) for a in component.inputs}
+        if joints:
+            known = [*component.ports, *(a.name for a in component.inputs)]
+            raise NetworkError(f"{name}: {component.name} has no port or input {next(iter(joints))!r}" + nearest(next(iter(joints)), known))
+        self._check_oils(name, component, nodes)
+        self.parts[name] = Part(name, component, values, nodes, inputs, start)
+
+    def program(
+        self,
+        name: str,
+        type: ProgramType,
+        settings: Params | None = None,
+        *,
+        reads: Mapping[str, str],
+        sensors: Mapping[str, Instrument] | None = None,
+        period: float | None = None,
+        phase: float = 0.0,
+        latency: float = 0.0,
+    ) -> None:
+        """Add a program that is called at `phase` and every `period` [s], and acts `latency` [s] later.
+
+        `reads` gives the path of each field of its reading: "t", a node's "inlet.pressure", a result "load.flow",
+        another program's "encoder.speed"; `sensors` the instruments through which fields are measured.
+        """
+        self._check_name(name)
+        fields = set(type.reading._fields)  # type: ignore[attr-defined]
+        if set(reads) != fields:
+            odd = ", ".join(sorted(set(reads) ^ fields))
+            raise NetworkError(f"{name}: its reading and what `reads` gives differ in {odd}")
+        if unknown := set(sensors or {}) - fields:
+            raise NetworkError(f"{name}: a sensor for {', '.join(sorted(unknown))}, which it does not read")
+        if type.settings is not None and not isinstance(settings, type.settings):
+            raise NetworkError(f"{name}: settings are {settings!r}; expected {type.settings.__name__}")
+        self.programs[name] = ProgramPart(name, type, settings, dict(reads), dict(sensors or {}), period, phase, latency)
+
+    def place(self, name: str, x: float, y: float) -> None:
+        """Draw the node or component `name` at a place of the diagram's grid."""
+        self.positions[name] = (float(x), float(y))
+
+    def start_value(self, start: Start) -> float:
+        """The number of a start value. Raises NetworkError where its path leads nowhere."""
+        if not isinstance(start, str):
+            return float(start)
+        table, _, key = start.partition(".")
+        found = getattr(self.values.get(table), key, None)
+        if not isinstance(found, int | float):
+            raise NetworkError(f"start {start!r} is neither a number in SI nor the path of one among {', '.join(self.values)}")
+        return float(found)
+
+    def _add_node(self, node: Node) -> None:
+        self._check_name(node.name)
+        self.nodes[node.name] = node
+
+    def _check_name(self, name: str) -> None:
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or keyword.iskeyword(name):
+            raise NetworkError(f"{name!r} cannot be a name; use small letters, digits and _, beginning with a letter")
+        if name in RESERVED:
+            raise NetworkError(f"{name!r} is reserved; choose another name")
+        if name in self.nodes or name in self.parts or name in self.programs:
+            raise NetworkError(f"the name {name!r} is taken; nodes, components and programs need one each")
+
+    def _node_at(self, name: str, port: str, role: Role, node: object) -> str:
+        if node is None:
+            fit = [n for n, value in self.nodes.items() if isinstance(value, JOINS[role])]
+            raise NetworkError(f"{name}: port {port!r} is open; join it to one of {', '.join(fit) or 'no node yet'}")
+        if not isinstance(node, str) or node not in self.nodes:
+            raise NetworkError(f"{name}: port {port!r} ends at {node!r}, which is no node" + nearest(str(node), list(self.nodes)))
+        if not isinstance(self.nodes[node], JOINS[role]):
+            wanted = " or ".join(kind_of_node(cls) for cls in JOINS[role])
+            raise NetworkError(f"{name}: port {port!r} joins a {wanted}; {node!r} is a {kind_of_node(self.nodes[node])}")
+        return node
+
+    def _source(self, name: str, key: str, kind: Kind | None, source: object) -> Source:
+        if source is None:
+            example = f", such as {kind.example!r}," if kind else ""
+            raise NetworkError(f"{name}: input {key!r} is not connected; give a signal{example} or a path")
+        if isinstance(source, str | Connection):
+            return source
+        signal = _signal(source)
+        assert isinstance(signal, Signal)
+        for value in signal.extremes:
+            if kind and (fault := kind.fault(value)):
+                raise NetworkError(f"{name}.{key}: {fault}")
+        return signal
+
+    def _check_oils(self, name: str, component: Component, nodes: Mapping[str, str]) -> None:
+        found = [(port, self.nodes[nodes[port]]) for port in component.hydraulic_ports]
+        oils = {id(node.oil) for _, node in found if isinstance(node, HydraulicNode)}
+        if len(oils) > 1 and component.walls is None:
+            ends = ", ".join(f"{port} at {node.name}" for port, node in found)
+            raise NetworkError(f"{name} joins nodes of different oils: {ends}")
+
+
+def _signal(source: object) -> Source:
+    if isinstance(source, int | float):
+        return constant(float(source))
+    if isinstance(source, Signal | str | Connection):
+        return source
+    raise NetworkError(f"{source!r} is no source; expected a number in SI, a Signal, a path or a Connection")
+
+
+def _check_pressure(name: str, start: float) -> None:
+    if fault := PRESSURE_LEVEL.fault(start):
+        raise NetworkError(f"{name}: start {fault}")
+    if start < 1e3:
+        raise NetworkError(f"{name}: start {start:g} Pa absolute is nearly a vacuum; pressures are in Pa, not in bar")

@@ -1,0 +1,109 @@
+"""The nodes of a network: where ports meet. Volumes, shafts and rods have a state; the others are prescribed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from vvdp.base.kinds import Inertia, Mass, Volume
+from vvdp.base.params import Params
+from vvdp.base.signal import Signal
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.volume import Vessel
+
+
+class Chamber(Params):
+    """A rigid volume of oil."""
+
+    volume: Volume
+
+
+class Rotor(Params):
+    """What turns with a shaft beside the components that it joins."""
+
+    inertia: Inertia
+
+
+class Load(Params):
+    """What moves with a rod beside the components that it joins."""
+
+    mass: Mass
+
+
+@dataclass(frozen=True)
+class Connection:
+    """What `function` makes of signals, parameter classes and paths such as "spool.speed", in this order."""
+
+    function: Callable[..., float]
+    sources: tuple[Signal | Params | str, ...]
+
+
+Start: TypeAlias = float | str
+"""A number at which a run begins, in SI, or where it stands among the network's values: "initial.inlet_pressure"."""
+Source: TypeAlias = float | Signal | str | Connection
+"""Where an input comes from: a number or signal; the path of a state, output or command; a function of several."""
+
+
+@dataclass(frozen=True)
+class OilVolume:
+    """Oil under one pressure: rigid, or with elastic walls and gas. `start` is its pressure at first, absolute [Pa]."""
+
+    name: str
+    values: Chamber | Vessel
+    start: Start
+    oil: Oil
+
+
+@dataclass(frozen=True)
+class Tank:
+    """A tank under a prescribed pressure, read once per sample."""
+
+    name: str
+    pressure: Signal
+    oil: Oil
+
+
+@dataclass(frozen=True)
+class PressureSource:
+    """A source or sink that holds its pressure whatever flows."""
+
+    name: str
+    pressure: Source
+    oil: Oil
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """A shaft that turns freely, with the inertia of all that it joins. At first it has `angle` [rad], `speed` [rad/s]."""
+
+    name: str
+    values: Rotor | None
+    angle: Start
+    speed: Start
+
+
+@dataclass(frozen=True)
+class DrivenShaft:
+    """A shaft whose speed is prescribed or commanded, whatever torque that takes."""
+
+    name: str
+    speed: Source
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A mass that moves along a line, with all that it joins. At first it has `position` [m] and `velocity` [m/s]."""
+
+    name: str
+    values: Load | None
+    position: Start
+    velocity: Start
+
+
+HydraulicNode: TypeAlias = OilVolume | Tank | PressureSource
+Node: TypeAlias = HydraulicNode | Shaft | DrivenShaft | Rod
+
+
+def kind_of_node(node: Node) -> str:
+    """What a message calls a node."""
+    words: dict[type[Any], str] = {OilVolume: "volume", PressureSource: "pressure source", DrivenShaft: "driven shaft"}
+    return words.get(type(node), type(node).__name__.lower())

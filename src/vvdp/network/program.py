@@ -1,0 +1,28 @@
+"""A program as a component of a network: a step with its sensors' readings, command and settings."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from vvdp.base.params import Params
+from vvdp.simulation.model import no_memory
+
+
+@dataclass(frozen=True)
+class ProgramType:
+    """A sampled step that a network can use.
+
+    step     step(t, memory, reading, settings) -> (memory, command)
+    reading  NamedTuple of what its sensors see
+    command  NamedTuple that holds before it is first called
+    settings class of its values
+    start    start(settings) -> memory
+    level    level(reading, settings) -> float: called where its floor changes instead of at samples
+    """
+
+    step: Callable[..., Any]
+    reading: type
+    command: Any
+    settings: type[Params] | None = None
+    start: Callable[..., Any] = no_memory
+    level: Callable[..., Any] | None = None

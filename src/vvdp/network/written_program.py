@@ -1,0 +1,112 @@
+"""A program of a network as it is written: what it measures, the instruments in between, its trigger."""
+
+import types
+from functools import cached_property
+from typing import Any, get_type_hints
+
+from vvdp.base.books import NOTHING
+from vvdp.base.errors import NetworkError
+from vvdp.network.classes import named_tuple, params_class
+from vvdp.network.network import ProgramPart
+from vvdp.network.nodes import DrivenShaft, Node, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.text import Text
+from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
+from vvdp.simulation.model import Program
+
+
+class WrittenProgram:
+    """One program of a network: the functions that it needs, as text, and the record that the model takes."""
+
+    def __init__(self, part: ProgramPart, text: Text) -> None:
+        self.part, self.text, self.name = part, text, part.name
+
+    @property
+    def blocks(self) -> list[list[str]]:
+        """Its functions: `measure_`, `trigger_` where events call it, `step_` and `begin_` where instruments measure."""
+        fields = {name: self._read(path) for name, path in self.part.reads.items()}
+        reading = f"{self.text.use(self.part.type.reading)}({', '.join(f'{n}={text}' for n, text in fields.items())})"
+        found = [[f"def measure_{self.name}(t, s, outputs, p):", f"    return {reading}"]]
+        if self.part.type.level:
+            if "outputs." in reading:
+                raise NetworkError(f"{self.name} is called by events, which can read states alone; {reading} reads more")
+            level, settings = self.text.use(self.part.type.level), "z.program" if self.part.sensors else "z"
+            found.append([f"def trigger_{self.name}(t, s, u, p, z):", f"    return {level}({reading}, {settings})"])
+        return [*found, *(self._with_instruments() if self.part.sensors else [])]
+
+    @cached_property
+    def memory(self) -> type:
+        """The NamedTuple of what instruments and step remember."""
+        kept = type(self.part.type.start(self.part.settings))
+        sensors = {f"{name}_sensor": InstrumentMemory for name in self.part.sensors}
+        return named_tuple(f"{self.name.title().replace('_', '')}Memory", {**sensors, "program": kept})
+
+    @cached_property
+    def settings(self) -> Any:
+        """What its step works with: its settings, beside those of the instruments where there are any."""
+        own = NOTHING if self.part.settings is None else self.part.settings
+        if not self.part.sensors:
+            return own
+        sensors = {f"{name}_sensor": sensor for name, sensor in self.part.sensors.items()}
+        hints = {**{name: Instrument for name in sensors}, "program": type(own)}
+        return params_class("ProgramSettings", hints)(**sensors, program=own)
+
+    def _with_instruments(self) -> list[list[str]]:
+        """A step that takes each reading through its instrument first, and where it begins."""
+        step, start = self.text.use(self.part.type.step), self.text.use(self.part.type.start)
+        instrument, begin = self.text.use(instrument_step), self.text.use(instrument_start)
+        memory, reading = self.text.use(self.memory), self.text.use(self.part.type.reading)
+        lines = [
+            f"{n}_sensor, {n} = {instrument}(m.{n}_sensor, t, r.{n}, z.{n}_sensor)" for n in self.part.sensors
+        ]
+        fields = ", ".join(n if n in self.part.sensors else f"r.{n}" for n in self.part.reads)
+        lines.append(f"program, command = {step}(t, m.program, {reading}({fields}), z.program)")
+        lines.append(f"return {memory}({', '.join(f'{n}_sensor' for n in self.part.sensors)}, program), command")
+        starts = ", ".join(f"{begin}(z.{n}_sensor)" for n in self.part.sensors)
+        return [
+            [f"def step_{self.name}(t, m, r, z):", *(f"    {line}" for line in lines)],
+            [f"def begin_{self.name}(z):", f"    return {memory}({starts}, {start}(z.program))"],
+        ]
+
+    def assembled(self, module: types.ModuleType) -> Program:
+        """The program as the model takes it, from the module that its text has become."""
+        kind, through = self.part.type, bool(self.part.sensors)
+        return Program(
+            measure=getattr(module, f"measure_{self.name}"),
+            step=getattr(module, f"step_{self.name}") if through else kind.step,
+            command=kind.command,
+            start=getattr(module, f"begin_{self.name}") if through else kind.start,
+            trigger=getattr(module, f"trigger_{self.name}", None),
+            period=self.part.period,
+            phase=self.part.phase,
+            latency=self.part.latency,
+        )
+
+    def _read(self, path: str) -> str:
+        """Where a reading comes from: a state, or a result of the circuit."""
+        net = self.text.network
+        name, _, what = path.partition(".")
+        if path == "t":
+            return "t"
+        node = net.nodes.get(name)
+        if node is not None:
+            return self._at_node(node, name, what)
+        self.text.read(path, self.name)  # refuses a path that leads nowhere
+        part = net.parts.get(name)
+        state = part.component.state if part else None
+        if part and state is not None and what in get_type_hints(state) and what not in part.component.outputs:
+            return f"s.{path}"
+        return f"outputs.{name}_{what}"
+
+    def _at_node(self, node: Node, name: str, what: str) -> str:
+        match node, what:
+            case OilVolume(), "pressure":
+                return f"s.{name}"
+            case (Tank() | PressureSource()), "pressure":
+                return f"outputs.{name}_pressure"
+            case Shaft(), ("angle" | "speed"):
+                return f"s.{name}.{what}"
+            case Rod(), ("position" | "velocity"):
+                return f"s.{name}.{what}"
+            case DrivenShaft(), "angle":
+                return f"s.{name}"
+        raise NetworkError(f"{self.name} reads {what!r} at {name!r}, which no sensor measures")

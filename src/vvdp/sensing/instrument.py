@@ -1,0 +1,130 @@
+"""An instrument for any quantity: from a value at a sample to the number that a program reads.
+
+Lag, offset, noise, resolution and range, in this order, and two faults. Derived in docs/models/instrument.md.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Count, Kind, Time
+from vvdp.base.params import Params
+from vvdp.numerics.random import Random, normal, random_start
+
+MEASURED = Kind("measured value", "SI", -1e12, 1e12, "1e5 SI", units=("SI",))
+Measured = Annotated[float, MEASURED]
+"""A value in the SI unit of whatever quantity an instrument measures."""
+
+
+class Instrument(Params):
+    """What an instrument makes of a value; each part is switched off by 0, and all values are in its SI unit.
+
+    It follows the value with the time constant `lag`, adds `offset` and a noise of deviation `noise`, drawn anew for
+    each sample, rounds to a multiple of `resolution` and shows no more than `range_low` to `range_high`. Its reading
+    stays as it is from `freeze_begin` to `freeze_end`, and lies at `range_low` from `dropout_begin` to `dropout_end`.
+    """
+
+    range_low: Measured
+    range_high: Measured
+    resolution: Measured
+    lag: Time
+    offset: Measured
+    noise: Measured
+    freeze_begin: Time
+    freeze_end: Time
+    dropout_begin: Time
+    dropout_end: Time
+    seed: Count
+
+    def check(self) -> None:
+        if self.range_low >= self.range_high:
+            raise ParameterError(
+                f"Instrument.range_low: {self.range_low:g} is not below the upper end of the range, {self.range_high:g}"
+            )
+        span = self.range_high - self.range_low
+        if not 0.0 <= self.resolution <= span:
+            raise ParameterError(
+                f"Instrument.resolution: {self.resolution:g}; expected a step from 0 to the whole range, {span:g}"
+            )
+        if self.noise < 0.0:
+            raise ParameterError(f"Instrument.noise: {self.noise:g}; expected a deviation from 0 on")
+        for fault in ("freeze", "dropout"):
+            begin, end = getattr(self, f"{fault}_begin"), getattr(self, f"{fault}_end")
+            if end < begin:
+                raise ParameterError(f"Instrument.{fault}_end: {end:g} s lies before its begin, {begin:g} s")
+
+
+class InstrumentMemory(NamedTuple):
+    """What an instrument keeps between two samples: `saturated` counts the readings that its range has cut off."""
+
+    started: float
+    time: float
+    value: float
+    followed: float
+    shown: float
+    saturated: float
+    random: Random
+
+
+def ideal_instrument(low: float, high: float) -> Instrument:
+    """An instrument that shows what is there, from `low` to `high`; the others are made from it by a change."""
+    return Instrument(
+        range_low=low, range_high=high, resolution=0.0, lag=0.0, offset=0.0, noise=0.0,
+        freeze_begin=0.0, freeze_end=0.0, dropout_begin=0.0, dropout_end=0.0, seed=0.0,
+    )  # fmt: skip
+
+
+def instrument_start(settings: Instrument) -> InstrumentMemory:
+    """Memory before the first sample; equal seeds give equal noise."""
+    return InstrumentMemory(0.0, 0.0, 0.0, 0.0, settings.range_low, 0.0, random_start(settings.seed))
+
+
+def instrument_step(
+    memory: InstrumentMemory, t: float, value: float, settings: Instrument
+) -> tuple[InstrumentMemory, float]:
+    """Memory and reading after a sample, in the unit of the value.
+
+    t      time of the sample [s]
+    value  what is there
+
+    Source  ours, docs/models/instrument.md
+    """
+    followed = value
+    if memory.started > 0.0:
+        followed = lagged_value(memory.followed, memory.value, value, t - memory.time, settings.lag)
+    random, reading, saturated = memory.random, followed + settings.offset, memory.saturated
+    if settings.noise > 0.0:
+        random, z = normal(random)
+        reading += settings.noise * z
+    if settings.resolution > 0.0:
+        reading = np.floor(reading / settings.resolution + 0.5) * settings.resolution
+    if reading < settings.range_low:
+        reading, saturated = settings.range_low, saturated + 1.0
+    elif reading > settings.range_high:
+        reading, saturated = settings.range_high, saturated + 1.0
+    if t >= settings.freeze_begin and t < settings.freeze_end and memory.started > 0.0:
+        reading, saturated = memory.shown, memory.saturated
+    if t >= settings.dropout_begin and t < settings.dropout_end:
+        reading, saturated = settings.range_low, memory.saturated
+    return InstrumentMemory(1.0, t, value, followed, reading, saturated, random), reading
+
+
+def lagged_value(followed: float, before: float, value: float, interval: float, lag: float) -> float:
+    """What follows a value with a first-order lag, an interval later: exact where the value went along a straight line.
+
+    v + s tau (e^(-h/tau) - 1) + (y - v_0) e^(-h/tau), s = (v - v_0)/h the slope; the value itself without a lag.
+
+    followed  y before, in the unit of the value
+    before    v_0, the value before
+    value     v, now
+    interval  h between the two [s]
+    lag       tau [s]
+
+    Source  ours, docs/models/instrument.md
+    """
+    if lag <= 0.0 or interval <= 0.0:
+        return value if lag <= 0.0 else followed
+    decay = np.expm1(-interval / lag)
+    behind: float = (value - before) * lag / interval * decay + (followed - before) * (1.0 + decay)
+    return value + behind

@@ -1,0 +1,159 @@
+"""The folder of compiled code: who may write there, what is found damaged, and how a module comes out of it.
+
+A module is compiled in a folder of its own beside the final one, which gets its name when it is complete. Its `sums`
+are those of all its files, so that damage is seen before anything of it is executed.
+"""
+
+import functools
+import hashlib
+import os
+import shutil
+import stat
+import sys
+import tempfile
+import types
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from vvdp.base.errors import RunError
+
+TEXT, SUMS = "linked.py", "sums"
+ADVICE = "set VVDP_CACHE to a folder of your own"
+
+
+def quiet(message: str) -> None:
+    """Says nothing: the default listener."""
+
+
+def default_cache() -> Path:
+    """Where compiled code is kept: `VVDP_CACHE`, else the user's cache folder."""
+    if place := os.environ.get("VVDP_CACHE"):
+        return Path(place)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "vvdp"
+
+
+class Wanted(NamedTuple):
+    """A module: its name, its text, the names that it finds around itself, and what to do and say to compile it."""
+
+    name: str
+    source: str
+    known: Mapping[str, Any]
+    prepare: Callable[[], None]
+    announcement: str
+
+
+def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
+    """The module from its folder in the cache, or compiled into it.
+
+    Raises RunError where the cache cannot be written, or can be by others.
+    """
+    if found := sys.modules.get(_module_name(wanted)):
+        return found
+    try:
+        cache.mkdir(mode=0o700, parents=True, exist_ok=True)
+        check_private(cache)
+        folder = cache / f"{wanted.name}-{_processor()}"
+        if folder.exists():
+            check_private(folder)
+            found = _kept(wanted, folder)
+            if found:
+                return found
+            say(f"compiled code in {folder} is damaged; compiling it anew")
+            shutil.rmtree(folder)
+        elif wanted.announcement:
+            say(wanted.announcement)
+        return _compiled(wanted, folder)
+    except OSError as problem:
+        raise RunError(f"compiled code cannot be kept in {cache} ({problem.strerror}); {ADVICE}") from None
+
+
+def check_private(folder: Path) -> None:
+    """Raises RunError where others than this user can write to `folder`, or put another one in its place."""
+    if not hasattr(os, "getuid"):
+        return
+    place = folder.resolve()
+    for part in (place, *place.parents):
+        found = part.stat()
+        if found.st_uid != os.getuid() and (part == place or found.st_uid != 0):
+            raise RunError(f"compiled code in {folder} is not run, as {part} belongs to another user; {ADVICE}")
+        shared = bool(found.st_mode & stat.S_IWOTH) or (bool(found.st_mode & stat.S_IWGRP) and not _is_own_group(found))
+        if shared and (part == place or not found.st_mode & stat.S_ISVTX):
+            told = f"compiled code in {folder} is not run, as other users may write to {part}"
+            raise RunError(f"{told}; chmod go-w {part}, or {ADVICE}")
+
+
+def _is_own_group(found: os.stat_result) -> bool:
+    """Whether a file's group is the one that a user has for himself."""
+    import grp
+    import pwd
+
+    try:
+        user, group = pwd.getpwuid(os.getuid()), grp.getgrgid(found.st_gid)
+    except KeyError:
+        return False
+    return group.gr_gid == user.pw_gid and group.gr_name == user.pw_name and not set(group.gr_mem) - {user.pw_name}
+
+
+@functools.cache
+def _processor() -> str:
+    """A word for the kind of processor, for which compiled code is."""
+    import llvmlite.binding as llvm
+
+    told = f"{llvm.get_host_cpu_name()} {sorted(llvm.get_host_cpu_features().items())}"
+    return hashlib.sha256(told.encode()).hexdigest()[:8]
+
+
+def _sums(folder: Path) -> str:
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != SUMS)
+    return "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()} {path.relative_to(folder)}\n" for path in files)
+
+
+def _kept(wanted: Wanted, folder: Path) -> types.ModuleType | None:
+    """The module in `folder`; None where it is not what was put there."""
+    try:
+        if (folder / TEXT).read_text() != wanted.source or (folder / SUMS).read_text() != _sums(folder):
+            return None
+        return _executed(wanted, folder)
+    except Exception:  # whatever is wrong with it: it is compiled anew, and what is wrong then is told
+        return None
+
+
+def _compiled(wanted: Wanted, folder: Path) -> types.ModuleType:
+    """The module compiled, and its folder under its final name."""
+    workshop = Path(tempfile.mkdtemp(prefix=f".{wanted.name}-", dir=folder.parent))
+    try:
+        (workshop / TEXT).write_text(wanted.source)
+        wanted.prepare()
+        found = _executed(wanted, workshop)
+        (workshop / SUMS).write_text(_sums(workshop))
+        try:
+            workshop.rename(folder)
+        except OSError:
+            if not folder.exists():  # else another process was faster, with the same text
+                raise
+        return found
+    finally:
+        shutil.rmtree(workshop, ignore_errors=True)
+
+
+def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
+    from numba.core import config
+
+    found = types.ModuleType(_module_name(wanted))
+    found.__file__ = str(folder / TEXT)
+    found.__dict__.update(wanted.known)
+    elsewhere, config.CACHE_DIR = config.CACHE_DIR, ""  # all of a module's code stands beside its text
+    sys.modules[found.__name__] = found  # before it runs: Numba's cache looks its functions' module up by name
+    try:
+        exec(compile(wanted.source, found.__file__, "exec"), found.__dict__)
+    except BaseException:
+        del sys.modules[found.__name__]
+        raise
+    finally:
+        config.CACHE_DIR = elsewhere
+    return found
+
+
+def _module_name(wanted: Wanted) -> str:
+    return f"vvdp_linked_{wanted.name}"

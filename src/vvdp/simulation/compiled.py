@@ -1,0 +1,173 @@
+"""What linked modules are made of: numbers at an address, signals as small records, and formulas in compiled form.
+
+Numba is loaded with this module.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload, register_jitable
+from numba.np.arrayobj import make_array, populate_array
+
+from vvdp.base.select import select
+from vvdp.base.signal import changes_stop, changes_value, signal_stop, signal_value, sines_value
+
+COMPILING: Any = {"error_model": "numpy", "forceinline": True}
+"""How formulas are compiled. A call hands over each field of its arguments; without calls a run is a sixth faster."""
+ENDLESS = 2**40
+
+
+class Signal(NamedTuple):
+    """A signal in compiled code. An array in it would be counted wherever the parameters are handed on."""
+
+    base: float
+    place: int  # address of its starts, durations, changes, amplitudes, frequencies and phases
+    changes: int
+    sines: int
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def address(typing: Any, array: Any) -> Any:
+    """The address of the first number of an array."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = make_array(signature.args[0])(context, builder, arguments[0]).data
+        return builder.ptrtoint(data, context.get_value_type(types.intp))
+
+    return types.intp(array), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def view(typing: Any, place: Any, shape: Any) -> Any:
+    """The numbers at an address as an array of `shape` that nobody counts and nobody frees."""
+    found = types.Array(types.float64, len(shape), "C")
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = builder.inttoptr(arguments[0], context.get_value_type(types.CPointer(types.float64)))
+        item = context.get_constant(types.intp, 8)
+        sizes = cgutils.unpack_tuple(builder, arguments[1])
+        strides = [item]
+        for size in reversed(sizes[1:]):
+            strides.insert(0, builder.mul(strides[0], size))
+        array = make_array(found)(context, builder)
+        populate_array(array, data=data, shape=sizes, strides=strides, itemsize=item, meminfo=None)
+        return array._getvalue()
+
+    return found(types.intp, types.UniTuple(types.intp, len(shape))), generate
+
+
+@register_jitable(**COMPILING)  # type: ignore[untyped-decorator]
+def vector(place: int) -> Any:
+    """The numbers from an address on. Nothing checks the length of a vector in compiled code, so it needs none."""
+    return view(place, (ENDLESS,))
+
+
+def store(vector: Any, place: int, values: Any) -> int:
+    """Writes an array or a tuple to a vector from `place` on; returns the place behind it."""
+    raise NotImplementedError("for compiled code")
+
+
+@overload(store, strict=False, jit_options=COMPILING)  # type: ignore[untyped-decorator]
+def _store_form(vector: Any, place: Any, values: Any) -> Any:
+    return _store_tuple if isinstance(values, types.BaseTuple) else _store_array
+
+
+def _store_array(vector: Any, place: int, values: Any) -> int:
+    row = values.ravel()
+    vector[place : place + row.size] = row
+    behind: int = place + row.size
+    return behind
+
+
+def _store_tuple(vector: Any, place: int, values: Any) -> int:
+    for i in range(len(values)):
+        vector[place + i] = values[i]
+    return place + len(values)
+
+
+@register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
+def _changed(t: float, place: int, n: int) -> Any:
+    return changes_value(t, view(place, (n,)), view(place + 8 * n, (n,)), view(place + 16 * n, (n,)))
+
+
+@register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
+def _swung(t: float, place: int, n: int) -> Any:
+    return sines_value(t, view(place, (n,)), view(place + 8 * n, (n,)), view(place + 16 * n, (n,)))
+
+
+@register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
+def _next_corner(t: float, place: int, n: int) -> Any:
+    return changes_stop(t, view(place, (n,)), view(place + 8 * n, (n,)))
+
+
+def _record_value(t: float, signal: Any) -> Any:
+    changed = _changed(t, signal.place, signal.changes) if signal.changes > 0 else 0.0
+    swung = _swung(t, signal.place + 24 * signal.changes, signal.sines) if signal.sines > 0 else 0.0
+    return signal.base + changed + swung
+
+
+def _record_stop(t: float, signal: Any) -> Any:
+    return _next_corner(t, signal.place, signal.changes) if signal.changes > 0 else np.inf
+
+
+def _is_record(signal: Any) -> bool:
+    return getattr(signal, "instance_class", None) is Signal
+
+
+def _is_empty(column: Any) -> bool:
+    """Compiled code cannot index a tuple of nothing, even in a loop that never runs."""
+    return isinstance(column, types.BaseTuple) and not len(column)
+
+
+def _select_form(condition: Any, a: Any, b: Any) -> Any:
+    return lambda condition, a, b: a if condition else b
+
+
+def _value_form(t: Any, signal: Any) -> Any:
+    return _record_value if _is_record(signal) else signal_value
+
+
+def _stop_form(t: Any, signal: Any) -> Any:
+    return _record_stop if _is_record(signal) else signal_stop
+
+
+def _changes_form(t: Any, start: Any, duration: Any, change: Any) -> Any:
+    return (lambda t, start, duration, change: 0.0) if _is_empty(start) else changes_value
+
+
+def _sines_form(t: Any, amplitude: Any, frequency: Any, phase: Any) -> Any:
+    return (lambda t, amplitude, frequency, phase: 0.0) if _is_empty(amplitude) else sines_value
+
+
+def _corner_form(t: Any, start: Any, duration: Any) -> Any:
+    return (lambda t, start, duration: np.inf) if _is_empty(start) else changes_stop
+
+
+FORMS: dict[Callable[..., Any], Callable[..., Any]] = {
+    select: _select_form,
+    signal_value: _value_form,
+    signal_stop: _stop_form,
+    changes_value: _changes_form,
+    sines_value: _sines_form,
+    changes_stop: _corner_form,
+}
+"""Functions whose compiled text differs from their Python text, and how it is chosen from the argument types."""
+
+_registered: set[Callable[..., Any]] = set()
+
+
+def make_compilable(function: Callable[..., Any], form: Callable[..., Any] | None) -> None:
+    """Lets compiled code call the plain `function`; `form` is the function that it runs in its place, if another."""
+    if function in _registered:
+        return
+    _registered.add(function)
+    if function in FORMS:
+        overload(function, strict=False, jit_options=COMPILING)(FORMS[function])
+    elif form:
+        arguments = ", ".join(function.__code__.co_varnames[: function.__code__.co_argcount])
+        overload(function, strict=False, jit_options=COMPILING)(eval(f"lambda {arguments}: form", {"form": form}))
+    else:
+        register_jitable(**COMPILING)(function)

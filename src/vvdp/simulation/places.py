@@ -1,0 +1,28 @@
+"""Where what lies in the flat arrays that Python and the compiled loop hand to each other."""
+
+# What `run` returns.
+DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING = range(7)
+
+# Places in `clock`.
+TIME, STEP, BEGUN, STEPS, REJECTED, EVALUATIONS, RECORDS, MARKS, STORED, METHOD = range(10)
+WINDOW_TIME, WINDOW_COST, OTHER_COST, TRIAL, REVIEW, SWITCHES, REFUSED = range(10, 17)
+MARK_BEFORE, LANDED, JUMPS, JUMP_TIME = range(17, 21)
+CLOCK = 21
+
+EXPLICIT, STIFF = 0.0, 1.0
+AUTOMATIC, ONLY_EXPLICIT, ONLY_STIFF = 0, 1, 2
+
+# The sampled functions have a row each in `plan` and `agenda`: first the conditions, then the programs. Columns of
+# `plan`: times are phase + n period; TRIGGER is the place among the events, 0 for a program that goes by the clock;
+# its command lies in FIRST to LAST.
+PERIOD, PHASE, LATENCY, TRIGGER, FIRST, LAST = range(6)
+PLAN = 6
+
+# Columns of `agenda`: the n of the next sample, how often it was called, the floor of its trigger, whether it has had
+# its turn at this instant, and the ring of commands that wait for their time.
+NUMBER, CALLS, LEVEL, SERVED, HEAD, WAITING, DUE = range(7)
+DEPTH = 16
+AGENDA = DUE + DEPTH
+
+# Instants nearer to each other than this share of the time are one: two ways of rounding the same multiple.
+HAIR = 2e-15

@@ -1,0 +1,156 @@
+"""Which functions and constants a plain function reaches, and the words for them that a hash is taken of."""
+
+import dis
+import enum
+import types
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.errors import RunError
+from vvdp.base.select import select
+
+Functions = dict[str, tuple[types.FunctionType, list[Any]]]
+"""By a name of its own each function, and the constants that it uses."""
+
+FOREIGN = ("numpy", "math", "cmath", "builtins", "operator", "typing", "numba", "_operator")
+"""Packages whose functions and values are known by their names; their versions are part of the hash."""
+MISSING = object()
+
+
+def reachable(function: Callable[..., Any], found: Functions) -> Functions:
+    """Every plain function that `function` calls by name, and every constant these use, added to `found`.
+
+    Raises RunError where a function or a constant is none that a hash can vouch for, with its name.
+    """
+    if not isinstance(function, types.FunctionType):
+        raise RunError(f"{function!r} is not a plain function; circuits and programs are module-level functions")
+    key = f"{function.__module__}.{function.__qualname__}.{id(function)}"
+    if key in found:
+        return found
+    if function.__closure__:
+        raise RunError(f"{function.__qualname__} closes over variables; hand values over in params instead")
+    constants: list[Any] = []
+    found[key] = (function, constants)
+    if function is select:  # compiled code has its own text for it; the plain one reaches for casadi
+        return found
+    where = f"a default of {function.__qualname__}"
+    constants.append(_known(where, (function.__defaults__, tuple((function.__kwdefaults__ or {}).items())), found))
+    if faster := compiled_form(function):
+        reachable(faster, found)
+        return found
+    for path in sorted(set(_paths(function.__code__))):
+        value = _value(path, function)
+        if value is not MISSING:
+            constants.append((path, _known(f"{'.'.join(path)} (in {function.__qualname__})", value, found)))
+    return found
+
+
+def compiled_form(function: Callable[..., Any]) -> Callable[..., Any] | None:
+    """The function that replaces `function` in compiled code: its module's `<name>_compiled`, if there is one.
+
+    It gives the same values faster, with plain conditionals that arrays and symbols could not pass.
+    """
+    form = function.__globals__.get(f"{function.__name__}_compiled")
+    return form if isinstance(form, types.FunctionType) else None
+
+
+def words(functions: Functions) -> Iterator[str]:
+    """What a hash of `functions` is taken of: their code without where it stands, and their constants."""
+    for function, constants in sorted(functions.values(), key=lambda entry: _name(entry[0])):
+        yield f"{_name(function)} {_text(function.__code__)} {constants!r}"
+
+
+def _name(function: types.FunctionType) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
+
+
+def _text(code: types.CodeType) -> str:
+    """What a function does, without where it stands: bytecode, constants and names."""
+    constants = [
+        _text(c) if isinstance(c, types.CodeType) else repr(c)
+        for c in code.co_consts[1 if code.co_consts and isinstance(code.co_consts[0], str) else 0 :]
+    ]
+    return repr((code.co_code, constants, code.co_names, code.co_varnames))
+
+
+def _paths(code: types.CodeType) -> Iterator[tuple[str, ...]]:
+    """Each global name that code reads, with the attributes that it takes of it."""
+    path: tuple[str, ...] = ()
+    for instruction in dis.get_instructions(code):
+        if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+            if path:
+                yield path
+            path = (instruction.argval,)
+        elif instruction.opname in ("LOAD_ATTR", "LOAD_METHOD") and path:
+            path = (*path, instruction.argval)
+        elif instruction.opname not in ("CACHE", "PUSH_NULL", "EXTENDED_ARG", "NOP"):
+            if path:
+                yield path
+            path = ()
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _paths(constant)
+
+
+def _value(path: tuple[str, ...], function: types.FunctionType) -> Any:
+    """What stands at a path, as far as it leads through modules and enums; MISSING where compiling it says so."""
+    value = function.__globals__.get(path[0], MISSING)
+    for name in path[1:]:
+        if not isinstance(value, types.ModuleType | enum.EnumMeta) or _is_foreign(value):
+            break
+        value = getattr(value, name, MISSING)
+    return value
+
+
+def _is_foreign(value: Any) -> bool:
+    home = value.__name__ if isinstance(value, types.ModuleType) else getattr(value, "__module__", None)
+    return isinstance(value, np.ufunc) or (isinstance(home, str) and home.partition(".")[0] in FOREIGN)
+
+
+def _known(where: str, value: Any, found: Functions) -> Any:
+    """Words that differ wherever `value` does."""
+    if value is None or isinstance(value, bool | int | float | complex | str | bytes):
+        plain = value.value if isinstance(value, enum.Enum) else value
+        return (type(value).__module__, type(value).__qualname__, repr(plain))
+    if isinstance(value, enum.Enum):
+        return (type(value).__qualname__, value.name, _known(where, value.value, found))
+    if isinstance(value, tuple):
+        named = type(value).__qualname__, getattr(value, "_fields", ())
+        return (*named, tuple(_known(where, inner, found) for inner in value))
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.hasobject is False:
+        return (str(value.dtype), np.shape(value), value.tobytes())
+    if isinstance(value, type):
+        return _known_class(where, value, found)
+    if callable(value) and _is_foreign(value):
+        return f"{getattr(value, '__module__', 'numpy')}.{getattr(value, '__qualname__', value)}"
+    if isinstance(value, types.FunctionType):
+        reachable(value, found)
+        return _name(value)
+    if isinstance(value, types.ModuleType) and _is_foreign(value):
+        return value.__name__
+    raise RunError(f"{where} is {_kind(value)}")
+
+
+def _known_class(where: str, cls: type, found: Functions) -> Any:
+    name = f"{cls.__module__}.{cls.__qualname__}"
+    if hasattr(cls, "_fields"):
+        defaults = tuple(getattr(cls, "_field_defaults", {}).items())
+        return (name, cls._fields, _known(where, defaults, found))
+    if issubclass(cls, enum.Enum):
+        return (name, tuple(_known(where, member, found) for member in cls))
+    if issubclass(cls, BaseException) or _is_foreign(cls):
+        return name
+    raise RunError(f"{where} is a class that compiled code cannot make; write a NamedTuple")
+
+
+def _kind(value: Any) -> str:
+    """What a value is that no hash can vouch for, and what to write in its place."""
+    if isinstance(value, list | dict | set):
+        return f"a {type(value).__name__}, which may change unseen; write a tuple or an array"
+    if isinstance(value, types.ModuleType):
+        return f"the module {value.__name__} itself; write the names that are meant with it, as in module.NAME"
+    if hasattr(value, "py_func"):
+        return "compiled already; leave it a plain function, which is compiled with the circuit"
+    return f"a {type(value).__name__}; compiled code takes numbers, tuples, arrays and enums of them; use params"

@@ -1,0 +1,61 @@
+"""How long and how finely a run is stepped and recorded."""
+
+from enum import Enum
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Ratio, Time
+from vvdp.base.params import Params
+from vvdp.numerics.tableaus import Array
+
+
+class Method(Enum):
+    """How a run is stepped; the values are those of the compiled loop."""
+
+    AUTOMATIC = 0
+    EXPLICIT = 1
+    STIFF = 2
+
+
+class Stepping(Params):
+    """How long and how finely a run is stepped and recorded.
+
+    The whole run is recorded every `record_interval`, its last `window` every `window_interval` as well. Conditions,
+    and programs without a period of their own, are worked out every `sample_period`.
+    """
+
+    until: Time
+    begin: Time = 0.0
+    relative_tolerance: Ratio = 1e-7
+    sample_period: Time = 1e-3
+    longest_step: Time = 1e6
+    record_interval: Time = 1e-3
+    window: Time = 0.25
+    window_interval: Time = 2e-5
+    method: Method = Method.AUTOMATIC
+
+    def check(self) -> None:
+        for name in ("until", "sample_period", "longest_step", "record_interval", "window_interval"):
+            if not getattr(self, name) > 0.0:
+                raise ParameterError(f"{name} = {getattr(self, name):g} s; expected more than 0 s")
+        if not self.until > self.begin:
+            raise ParameterError(f"until = {self.until:g} s; expected a time after begin, {self.begin:g} s")
+        if not 1e-13 <= self.relative_tolerance <= 1e-2:
+            raise ParameterError(f"relative_tolerance = {self.relative_tolerance:g}; expected 1e-13 to 0.01")
+        lasts = self.until - self.begin
+        rows = lasts / self.record_interval + min(self.window, lasts) / self.window_interval
+        if rows > 2e7:
+            raise ParameterError(f"{rows:.3g} rows to record; at most 2e7: record less often or in a shorter window")
+
+    @property
+    def record_times(self) -> Array:
+        """All times [s] at which the state is recorded, increasing."""
+        first = int(np.ceil(self.begin / self.record_interval - 1e-9))
+        coarse = np.arange(first, round(self.until / self.record_interval) + 1) * self.record_interval
+        begin = max(self.begin, self.until - self.window)
+        fine = begin + np.arange(round((self.until - begin) / self.window_interval) + 1) * self.window_interval
+        both = np.union1d(coarse.clip(min=self.begin), np.append(fine, self.begin))
+        both = both[np.concatenate([[True], np.diff(both) > 1e-3 * self.window_interval])]
+        inside: Array = both[both <= self.until * (1 + 1e-12)].clip(max=self.until)
+        return inside

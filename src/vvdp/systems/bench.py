@@ -1,0 +1,335 @@
+"""What a test bench of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.signal import Signal, signal_value
+from vvdp.fluid.oil import Oil, density
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.spool_drive import SpoolDrive
+from vvdp.hydraulics.volume import Vessel
+from vvdp.numerics.tableaus import Array
+from vvdp.simulation.model import Case
+from vvdp.simulation.outcome import Outcome
+from vvdp.simulation.run import Run
+from vvdp.simulation.values import as_value, flat, leaves
+from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
+from vvdp.systems.spool_encoder import SETTLED, estimate_errors
+from vvdp.valve.losses import full_open_loss
+from vvdp.valve.operating_point import OperatingPoint, operating_point
+from vvdp.valve.rotary import RotaryValve
+
+if TYPE_CHECKING:
+    from vvdp.systems.system import System
+
+Summary = dict[str, float | bool]
+
+ANALYTIC = (
+    "analytic_pwm_frequency_Hz",
+    "analytic_pwm_frequency_full_open_Hz",
+    "analytic_loss_full_open_W",
+    "analytic_loss_transition_W",
+    "analytic_loss_leakage_W",
+    "analytic_loss_compressibility_W",
+    "analytic_loss_total_W",
+    "analytic_load_flow_m3_s",
+)
+"""Keys of the closed forms, in the order of `RotaryBench.closed_forms`."""
+
+
+@dataclass(frozen=True)
+class BenchSeries:
+    """What a bench does over time, each of shape (rows,): pressures absolute [Pa], flows [tank volumes, m^3/s].
+
+    `load_flow` and `tank_flow` go through the ports of the valve; its leakage goes from the load to the tank.
+    """
+
+    inlet_pressure: Array
+    load_pressure: Array
+    spool_angle: Array
+    spool_speed: Array
+    pump_flow: Array
+    load_flow: Array
+    tank_flow: Array
+    relief_flow: Array
+    leakage_flow: Array
+    load_opening: Array
+    tank_opening: Array
+
+
+class RotaryBench:
+    """A pump unit with its load, as a system's tables give it."""
+
+    INLET_TOTAL = "books.totals.inlet_pressure"
+    LOAD_TOTAL = "books.totals.load_line_pressure"
+    LOAD_FLOW_TOTAL = "books.totals.valve_load_flow"
+    """Integrals from which means of inlet pressure, load pressure and load flow are taken, by their paths."""
+
+    def __init__(self, system: "System") -> None:
+        self.system = system
+        self.tables: Mapping[str, Any] = system.tables
+
+    @property
+    def oil(self) -> Oil:
+        """The oil."""
+        found: Oil = self.tables["oil"]
+        return found
+
+    @property
+    def pump(self) -> Pump:
+        """The pump."""
+        found: Pump = self.tables["pump"]
+        return found
+
+    @property
+    def motor(self) -> DriveMotor:
+        """The motor that turns the pump."""
+        found: DriveMotor = self.tables["motor"]
+        return found
+
+    @property
+    def relief_valve(self) -> ReliefValve:
+        """The relief valve at the inlet."""
+        found: ReliefValve = self.tables["relief_valve"]
+        return found
+
+    @property
+    def valve(self) -> RotaryValve:
+        """The rotary valve."""
+        found: RotaryValve = self.tables["valve"]
+        return found
+
+    @property
+    def spool_drive(self) -> SpoolDrive:
+        """The coupling between the spool and a motor of its own."""
+        found: SpoolDrive = self.tables["spool_drive"]
+        return found
+
+    @property
+    def limits(self) -> Limits:
+        """Bounds that are watched."""
+        found: Limits = self.tables["limits"]
+        return found
+
+    @property
+    def operation(self) -> DutyOperation | AxialOperation:
+        """What is prescribed."""
+        found: DutyOperation | AxialOperation = self.tables["operation"]
+        return found
+
+    @property
+    def load(self) -> OrificeLoad | PressureLoad:
+        """The load."""
+        found: OrificeLoad | PressureLoad = self.tables["load"]
+        return found
+
+    @property
+    def load_line(self) -> Vessel | None:
+        """The line in front of an orifice load; None where a source holds the pressure."""
+        return self.tables.get("load_line")
+
+    @property
+    def makes_pressure(self) -> bool:
+        """Whether the load makes its own pressure; else a source holds it."""
+        return isinstance(self.load, OrificeLoad)
+
+    @property
+    def inlet_volume(self) -> float:
+        """Volume between pump, relief valve and nozzles [m^3]."""
+        return float(self.tables["inlet"].volume)
+
+    @property
+    def reference(self) -> float:
+        """What gauge pressures count from [Pa]."""
+        return self.oil.reference_pressure
+
+    @property
+    def duty_ratio(self) -> Signal:
+        """The duty ratio, or the axial position over the helix length."""
+        if isinstance(self.operation, DutyOperation):
+            return self.operation.duty_ratio
+        x, length = self.operation.axial_position, self.valve.helix_length
+        return replace(
+            x,
+            base=x.base / length,
+            change=tuple(change / length for change in x.change),
+            amplitude=tuple(amplitude / length for amplitude in x.amplitude),
+        )
+
+    @property
+    def nominal_flow(self) -> float:
+        """What the pump displaces at the start [m^3/s]."""
+        return float(self.pump.displacement * signal_value(0.0, self.operation.pump_speed))
+
+    @property
+    def load_pressure(self) -> float:
+        """The load pressure at the start, prescribed or initial [Pa, absolute]."""
+        if isinstance(self.load, PressureLoad):
+            return float(signal_value(0.0, self.load.pressure))
+        return float(self.tables["initial"].load_pressure)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a motor turns the spool."""
+        return self.spool_drive.coupling > 0.0
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether an encoder watches the spool."""
+        return "encoder" in self.tables
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether all that is prescribed stays as it is."""
+        parts = (self.operation, self.load)
+        prescribed = [getattr(part, field.name) for part in parts for field in fields(part)]
+        return all(value.is_constant for value in prescribed if isinstance(value, Signal))
+
+    def case(self, tables: Mapping[str, Any]) -> Case:
+        """The case of tables of the same classes, without drawing the network anew."""
+        params = self.system.case.params
+        known = {field.name for field in fields(params)}
+        given = {name: table for name, table in tables.items() if name in known}
+        return self.system.circuit.case_of(replace(params, **given))
+
+    def with_load(self, case: Case, area: Signal, pressure: float) -> Case:
+        """The case with an orifice load of another `area` [m^2], from a load `pressure` [Pa, absolute]."""
+        params = replace(case.params, load=replace(case.params.load, area=area))
+        return replace(case, params=params, state=case.state._replace(load_line=pressure))
+
+    def series(self, state: Callable[[str], Array], output: Callable[[str], Array]) -> BenchSeries:
+        """What a recorded run shows; `state` and `output` give a series by its path."""
+        leakage = output("valve_leakage")
+        return BenchSeries(
+            inlet_pressure=state("inlet"),
+            load_pressure=state("load_line") if self.makes_pressure else output("load_line_pressure"),
+            spool_angle=state("spool.angle"),
+            spool_speed=state("spool.speed"),
+            pump_flow=output("pump_flow"),
+            load_flow=output("valve_load_flow") + leakage,
+            tank_flow=output("valve_tank_flow") - leakage,
+            relief_flow=output("relief_valve_flow"),
+            leakage_flow=leakage,
+            load_opening=output("valve_load_opening"),
+            tank_opening=output("valve_tank_opening"),
+        )
+
+    def run_series(self, run: Run) -> BenchSeries:
+        """What a run in memory shows."""
+        columns = {path: run.states[:, i] for i, (path, _, _) in enumerate(leaves(run.case.state))}
+        outputs = run.outputs
+        return self.series(columns.__getitem__, lambda name: np.asarray(getattr(outputs, name), float))
+
+    def simulated(self, run: Outcome, found: Summary) -> Summary:
+        """The numbers of a bench that its simulation gives, beside those that any circuit has."""
+        window = run.window
+        span = window.end - window.begin
+        mean = as_value(run.case.state.books, (window.last - window.first)[-flat(run.case.state.books).size :] / span)
+        totals, valve, supplied = mean.totals, mean.spent.valve, mean.supplied
+        pump_flow = totals.pump_flow + totals.pump_leakage_flow
+        rho = density(signal_value(0.0, self.operation.oil_temperature), self.oil)
+        open_loss = full_open_loss(pump_flow, rho, self.valve) if pump_flow > 0.0 else 0.0
+        shaft, motor = supplied.pump_shaft, supplied.spool_motor
+        load_power = mean.spent.load if self.makes_pressure else -supplied.load_line
+        drops = valve.nozzle + valve.centre_section + valve.outlet_turbine
+        turns = float(found["speed_mean_spool_rad_s"])
+        return {
+            "pwm_frequency_Hz": turns * self.valve.sections / (2.0 * np.pi),
+            "mean_pump_flow_m3_s": pump_flow,
+            "mean_load_flow_m3_s": totals.valve_load_flow,
+            "mean_tank_flow_m3_s": totals.valve_tank_flow - totals.valve_leakage,
+            "mean_leakage_flow_m3_s": totals.valve_leakage,
+            "load_flow_fraction": _ratio(totals.valve_load_flow, pump_flow),
+            "mean_load_opening": totals.valve_load_opening,
+            "input_power_W": shaft,
+            "spool_motor_power_W": motor,
+            "load_power_W": load_power,
+            "efficiency": _ratio(load_power, shaft + motor),
+            "motor_rated_power_W": self.motor.rated_power,
+            "motor_overloaded": bool(shaft > self.motor.rated_power),
+            "loss_nozzle_W": valve.nozzle,
+            "loss_centre_section_W": valve.centre_section,
+            "loss_outlet_turbine_W": valve.outlet_turbine,
+            "loss_spool_friction_W": valve.spool_friction,
+            "spool_shaft_power_W": -valve.to_spool,
+            "loss_full_open_W": open_loss,
+            "loss_transition_W": drops + mean.spent.relief_valve - open_loss,
+            "loss_total_W": shaft + motor - load_power,
+            "steady": self.is_steady,
+        }
+
+    def recorded(self, run: Run) -> Summary:
+        """How far the estimate of a watched spool was off, from `SETTLED` on; empty for a shorter run, or no encoder.
+
+        Root means square over time, by the trapezoidal rule over the recorded rows.
+        """
+        late = run.times >= SETTLED
+        if not self.is_watched or np.count_nonzero(late) < 2:
+            return {}
+        estimate = run.command.encoder
+        errors = estimate_errors(run.times, run.state.spool.angle, run.state.spool.speed, estimate._asdict())
+        t = run.times[late]
+        angle, speed = (float(np.sqrt(np.trapezoid(e[late] ** 2, t) / (t[-1] - t[0]))) for e in errors)
+        return {
+            "spool_angle_error_rms_rad": angle,
+            "spool_speed_error_rms_rad_s": speed,
+            "spool_missed_edges": float(estimate.missed_edges[-1]),
+        }
+
+    def closed_forms(self, found: Summary) -> Summary:
+        """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.
+
+        There are none where they do not describe the run: without flow or load, with anything prescribed that changes
+        over time, or with a driven spool. They take as long to work out as a short run.
+        """
+        if not self.is_steady or self.is_driven:
+            return {}
+        load_pressure = found["pressure_mean_load_line_Pa"] + self.reference
+        if self.nominal_flow <= 0.0 or load_pressure <= self.reference:
+            return {}
+        point = self.operating_point(load_pressure)
+        values = (
+            point.averaged_pwm_frequency,
+            point.full_open_pwm_frequency,
+            point.full_open_loss,
+            point.transition_loss,
+            point.leakage_loss,
+            point.compressibility_loss,
+            point.total_loss,
+            point.cycle.load_flow,
+        )
+        return {key: float(value) for key, value in zip(ANALYTIC, values, strict=True)}
+
+    def operating_point(self, load_pressure: float) -> OperatingPoint:
+        """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""
+        return operating_point(
+            self.nominal_flow,
+            signal_value(0.0, self.operation.oil_temperature),
+            signal_value(0.0, self.duty_ratio),
+            load_pressure,
+            self.relief_valve.cracking_pressure,
+            self.inlet_volume,
+            self.oil,
+            self.valve,
+        )
+
+
+def rotary_bench(system: "System", verb: str) -> RotaryBench:
+    """The bench that a system is. Raises ConfigError, which names `verb`, where it is none."""
+    found = system.extras
+    if isinstance(found, RotaryBench):
+        return found
+    message = (
+        f"`vvdp {verb}` needs a pump unit with a rotary valve on a test bench (circuit = "
+        '"orifice-load" or "constant-load"); this circuit has none'
+    )
+    raise ConfigError([Fault(system.name, 0, "", message)])
+
+
+def _ratio(a: float, b: float) -> float:
+    return a / b if b else 0.0

@@ -1,0 +1,113 @@
+"""What a system file may name as its circuit: an entry point, or a function in a module of one's own."""
+
+import importlib
+import importlib.util
+import inspect
+import sys
+import types
+import typing
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, get_args, get_origin, get_type_hints
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.params import Params
+from vvdp.base.tables import nearest
+from vvdp.network.network import Network
+
+GROUP = "vvdp.systems"
+"""Group of the entry points under which packages offer circuits."""
+
+NetworkFunction = Callable[..., Network]
+
+
+@dataclass(frozen=True)
+class TableSlot:
+    """A table that a circuit takes: one of several classes, told apart by their keys; or none, where it is optional."""
+
+    classes: tuple[type[Params], ...]
+    optional: bool
+
+    def choice(self, keys: Mapping[str, Any]) -> type[Params]:
+        """The class that has most of the keys, the first one at a tie."""
+        return max(self.classes, key=lambda cls: len(keys.keys() & set(inspect.signature(cls).parameters)))
+
+
+def circuit_names() -> list[str]:
+    """Names of the circuits that installed packages offer."""
+    return sorted({point.name for point in entry_points(group=GROUP)})
+
+
+def network_function(name: str, folder: Path) -> NetworkFunction:
+    """The function that draws a circuit, by the name of an entry point or as "module:function".
+
+    A module is looked for in `folder` first. Raises ParameterError where there is none.
+    """
+    found: Any
+    if ":" in name:
+        module_name, _, function = name.partition(":")
+        module = _module(module_name, folder)
+        found = getattr(module, function, None)
+        if found is None:
+            public = [n for n, value in vars(module).items() if inspect.isfunction(value) and not n.startswith("_")]
+            raise ParameterError(f"{module_name} has no function {function!r}{nearest(function, public)}")
+    else:
+        points = [point for point in entry_points(group=GROUP) if point.name == name]
+        if not points:
+            message = f"{name!r} is not a circuit; expected {', '.join(circuit_names())}, or module:function"
+            raise ParameterError(message)
+        found = points[0].load()
+    if not inspect.isfunction(found):
+        raise ParameterError(f"{name} is no function; expected one that takes tables and returns a Network")
+    return found
+
+
+def local_module(name: str, folder: Path) -> Path | None:
+    """The file of a module beside a system file; None where it is an installed one, or an entry point's."""
+    path = folder / f"{name.partition(':')[0].replace('.', '/')}.py"
+    return path if ":" in name and path.is_file() else None
+
+
+def _module(name: str, folder: Path) -> types.ModuleType:
+    path = local_module(f"{name}:", folder)
+    if path is None:
+        try:
+            return importlib.import_module(name)
+        except ModuleNotFoundError as problem:
+            if problem.name and (name == problem.name or name.startswith(f"{problem.name}.")):
+                raise ParameterError(f"no module {name!r}, neither {folder / name}.py nor installed") from None
+            raise ParameterError(f"{name} needs the module {problem.name!r}, which is not installed") from None
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as problem:
+        del sys.modules[name]
+        raise ParameterError(f"{path} cannot be run: {type(problem).__name__}: {problem}") from problem
+    return module
+
+
+def table_slots(function: NetworkFunction) -> dict[str, TableSlot]:
+    """The tables that a circuit takes, by name: the arguments of its function and their annotations.
+
+    Raises ParameterError where one is not a parameter class.
+    """
+    hints = get_type_hints(function)
+    return {
+        name: _slot(function.__qualname__, name, hints.get(name)) for name in inspect.signature(function).parameters
+    }
+
+
+def _slot(function: str, name: str, hint: Any) -> TableSlot:
+    union = get_origin(hint) in (types.UnionType, typing.Union)
+    members = get_args(hint) if union else (hint,)
+    classes = tuple(c for c in members if isinstance(c, type) and issubclass(c, Params))
+    if not classes or len(classes) + (type(None) in members) != len(members):
+        raise ParameterError(
+            f"{function}: the table {name!r} has the annotation {hint!r}; expected a subclass of vvdp.base.params.Params"
+        )
+    return TableSlot(classes, type(None) in members)

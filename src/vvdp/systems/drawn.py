@@ -1,0 +1,319 @@
+"""Networks that a system file draws itself: its tables [nodes], [components] and [programs]."""
+
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, get_type_hints
+
+from vvdp.base.errors import Fault, NetworkError, ParameterError
+from vvdp.base.kinds import (
+    Angle,
+    Compliance,
+    Inertia,
+    Mass,
+    Polytropic,
+    Position,
+    Pressure,
+    PressureSignal,
+    Speed,
+    SpeedSignal,
+    TemperatureSignal,
+    Time,
+    Velocity,
+    Volume,
+)
+from vvdp.base.params import Params
+from vvdp.base.signal import Signal
+from vvdp.base.tables import Sourced, Table, build, nearest
+from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.component import Component
+from vvdp.network.network import ROOM_TEMPERATURE, Network
+from vvdp.network.nodes import Chamber, Load, Rotor
+from vvdp.network.program import ProgramType
+
+TABLES = ("oil", "oils", "operation", "nodes", "components", "programs")
+DRAWING_WORDS = ("type", "at", "oil")
+
+
+class Temperature(Params):
+    """The [operation] table of a drawn network."""
+
+    oil_temperature: TemperatureSignal
+
+
+class VolumeTable(Chamber):
+    """A rigid volume and its pressure at first."""
+
+    start: Pressure
+
+
+class VesselTable(Params):
+    """A volume with elastic walls or gas, and its pressure at first."""
+
+    oil_volume: Volume
+    start: Pressure
+    hose_compliance: Compliance = 0.0
+    gas_volume: Volume = 0.0
+    precharge_pressure: Pressure = 1e5
+    gas_exponent: Polytropic = 1.3
+
+
+class SourceTable(Params):
+    """A pressure source, or a tank that is not at the oil's reference pressure."""
+
+    pressure: PressureSignal
+
+
+class ShaftTable(Params):
+    """A shaft that turns freely, its own inertia beside that of what it joins, and how it starts."""
+
+    inertia: Inertia = 1e-9
+    angle: Angle = 0.0
+    speed: Speed = 0.0
+
+
+class DrivenShaftTable(Params):
+    """A shaft whose speed is prescribed."""
+
+    speed: SpeedSignal
+
+
+class RodTable(Params):
+    """A mass that moves along a line beside that of what it joins, and how it starts."""
+
+    mass: Mass = 0.0
+    position: Position = 0.0
+    velocity: Velocity = 0.0
+
+
+class ProgramTimes(Params):
+    """When a program is called: every `period` (0: the run's sample period), first at `phase`; it acts `latency` later."""
+
+    period: Time = 0.0
+    phase: Time = 0.0
+    latency: Time = 0.0
+
+
+def _add_volume(net: Network, name: str, v: VolumeTable, oil: Oil) -> None:
+    net.volume(name, Chamber(volume=v.volume), start=v.start, oil=oil)
+
+
+def _add_vessel(net: Network, name: str, v: VesselTable, oil: Oil) -> None:
+    fields = {field.name: getattr(v, field.name) for field in dataclasses.fields(Vessel)}
+    net.volume(name, Vessel(**fields), start=v.start, oil=oil)
+
+
+def _add_tank(net: Network, name: str, v: SourceTable | None, oil: Oil) -> None:
+    net.tank(name, v.pressure if v else None, oil)
+
+
+def _add_source(net: Network, name: str, v: SourceTable, oil: Oil) -> None:
+    net.pressure_source(name, v.pressure, oil)
+
+
+def _add_shaft(net: Network, name: str, v: ShaftTable, oil: Oil) -> None:
+    net.shaft(name, Rotor(inertia=v.inertia), angle=v.angle, speed=v.speed)
+
+
+def _add_driven_shaft(net: Network, name: str, v: DrivenShaftTable, oil: Oil) -> None:
+    net.driven_shaft(name, v.speed)
+
+
+def _add_rod(net: Network, name: str, v: RodTable, oil: Oil) -> None:
+    net.rod(name, Load(mass=v.mass), position=v.position, velocity=v.velocity)
+
+
+@dataclasses.dataclass(frozen=True)
+class NodeType:
+    """A type of node in a file: the class of its table, and how it is added."""
+
+    table: type[Params]
+    add: Callable[..., None]
+
+
+NODES: Mapping[str, NodeType] = {
+    "volume": NodeType(VolumeTable, _add_volume),
+    "vessel": NodeType(VesselTable, _add_vessel),
+    "tank": NodeType(SourceTable, _add_tank),
+    "pressure-source": NodeType(SourceTable, _add_source),
+    "shaft": NodeType(ShaftTable, _add_shaft),
+    "driven-shaft": NodeType(DrivenShaftTable, _add_driven_shaft),
+    "rod": NodeType(RodTable, _add_rod),
+}
+
+
+class Drawer:
+    """Draws one file: what it has found wrong so far, and where each value comes from."""
+
+    def __init__(self, content: Mapping[str, Any], origin: Table, faults: list[Fault]) -> None:
+        self.content, self.origin, self.faults = content, origin, faults
+        self.rows: list[Sourced] = []
+
+    def network(self) -> Network | None:
+        """The network of the file; None where something is wrong."""
+        for key, part in self.content.items():
+            if key not in TABLES and isinstance(part, Mapping):
+                self._fault(key, f"unknown table; expected {', '.join((*TABLES, 'run'))}")
+        oil = self._table(UsualOil, "oil", self.content.get("oil", {}))
+        operation = self.content.get("operation")
+        heat = self._table(Temperature, "operation", operation) if isinstance(operation, Mapping) else None
+        if oil is None:
+            return None
+        oils = {name: self._table(Oil, f"oils.{name}", part) for name, part in self._parts("oils")}
+        net = Network(oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o})
+        for name, part in self._parts("nodes"):
+            self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
+        for name, part in self._parts("components"):
+            self._add_component(net, name, part)
+        for name, part in self._parts("programs"):
+            self._add_program(net, name, part)
+        return None if self.faults else net
+
+    def _parts(self, table: str) -> list[tuple[str, Mapping[str, Any]]]:
+        found = self.content.get(table, {})
+        if not isinstance(found, Mapping):
+            self._fault(table, f"{found!r} is not a table")
+            return []
+        for name, part in found.items():
+            if not isinstance(part, Mapping):
+                self._fault(f"{table}.{name}", f"{part!r} is not a table; expected {{ type = ... }}")
+        return [(name, part) for name, part in found.items() if isinstance(part, Mapping)]
+
+    def _fault(self, path: str, message: str) -> None:
+        line, part = self.origin.lines.get(path), path
+        while line is None and "." in part:
+            part = part.rpartition(".")[0]
+            line = self.origin.lines.get(part)
+        self.faults.append(Fault("--set" if line == 0 else self.origin.place, line or 0, path, message))
+
+    def _table(self, cls: type[Any], path: str, part: Any) -> Any:
+        found, rows = build(cls, part, path, self.origin, self.faults)
+        self.rows += rows
+        return found
+
+    def _type(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> Any:
+        word = part.get("type")
+        if word not in types:
+            what = "has no type" if word is None else f"type {word!r} is unknown"
+            self._fault(path, what + nearest(str(word), list(types)))
+            return None
+        return types[str(word)]
+
+    def _add_node(self, net: Network, name: str, part: Mapping[str, Any], oils: Mapping[str, Oil]) -> None:
+        path = f"nodes.{name}"
+        kind = self._type(path, part, NODES)
+        if kind is None:
+            return
+        oil = oils.get(str(part["oil"])) if "oil" in part else net.oil
+        if oil is None:
+            self._fault(f"{path}.oil", f"{part['oil']!r} is no oil{nearest(str(part['oil']), list(oils))}")
+            return
+        own = {key: value for key, value in part.items() if key not in DRAWING_WORDS}
+        values = None if kind is NODES["tank"] and not own else self._values(kind.table, path, own)
+        if values is not None or not own and kind is NODES["tank"]:
+            self._try(path, lambda: kind.add(net, name, values, oil))
+        self._place(net, name, path, part)
+
+    def _values(self, cls: type[Params], path: str, own: Mapping[str, Any]) -> Any:
+        """A table of which a value may also be a connection."""
+        return self._table(cls, path, own)
+
+    def _place(self, net: Network, name: str, path: str, part: Mapping[str, Any]) -> None:
+        match part.get("at"):
+            case None:
+                return
+            case [int() | float() as x, int() | float() as y]:
+                net.place(name, x, y)
+            case other:
+                self._fault(f"{path}.at", f"{other!r}; expected [column, row] of the diagram's grid")
+
+    def _try(self, path: str, add: Callable[[], None]) -> None:
+        try:
+            add()
+        except (NetworkError, ParameterError) as problem:
+            self._fault(path, str(problem))
+
+    def _add_component(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
+        path = f"components.{name}"
+        component: Component | None = self._type(path, part, COMPONENTS)
+        if component is None:
+            return
+        cls = component.params[0] if component.params else None
+        own = set(inspect.signature(cls).parameters) if cls else set()
+        inputs = {argument.name for argument in component.inputs}
+        known = [*component.ports, *inputs, *own, "type", "at", "start"]
+        for key in part:
+            if key not in known:
+                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+        values = self._table(cls, path, {k: v for k, v in part.items() if k in own}) if cls else None
+        joints = {key: part[key] for key in component.ports if key in part}
+        joints |= self._inputs(component, path, {key: part[key] for key in inputs if key in part})
+        start = self._start(component, path, part.get("start"))
+        if (values is not None or cls is None) and not any(fault.key.startswith(path) for fault in self.faults):
+            given = () if values is None else (values,)
+            self._try(path, lambda: net.add(name, component, *given, start=start, **joints))
+        self._place(net, name, path, part)
+
+    def _inputs(self, component: Component, path: str, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Sources of inputs: `{ from = "spool.speed" }`, or a signal."""
+        found: dict[str, Any] = {}
+        signals = {}
+        for key, entry in given.items():
+            match entry:
+                case {"from": str() as source, **rest} if not rest:
+                    found[key] = source
+                case _:
+                    signals[key] = entry
+        kinds = {a.name: a.kind for a in component.inputs if a.name in signals}
+        hints = {key: Annotated[Signal, kind] for key, kind in kinds.items()}
+        table = self._table(type("Inputs", (Params,), {"__annotations__": hints}), path, signals) if signals else None
+        return found | ({key: getattr(table, key) for key in signals} if table else {})
+
+    def _start(self, component: Component, path: str, given: Any) -> Any:
+        """The state that a component starts from; None without a table `start`."""
+        if given is None:
+            return None
+        if component.state is None or not isinstance(given, Mapping):
+            self._fault(f"{path}.start", "this component has no state" if component.state is None else "expected a table")
+            return None
+        hints = get_type_hints(component.state, include_extras=True)
+        table = self._table(type("Start", (Params,), {"__annotations__": hints}), f"{path}.start", given)
+        return component.state(**{key: getattr(table, key) for key in hints}) if table else None
+
+    def _add_program(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
+        path = f"programs.{name}"
+        kind: ProgramType | None = self._type(path, part, PROGRAMS)
+        if kind is None:
+            return
+        fields = kind.reading._fields  # type: ignore[attr-defined]
+        own = set(inspect.signature(kind.settings).parameters) if kind.settings else set()
+        known = [*fields, *own, "type", "period", "phase", "latency"]
+        for key in part:
+            if key not in known:
+                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+        for key in fields:
+            if not isinstance(part.get(key), str):
+                self._fault(f"{path}.{key}", 'missing; expected what it reads, such as "inlet.pressure"')
+        given = {key: value for key, value in part.items() if key in own}
+        settings = self._table(kind.settings, path, given) if kind.settings else None
+        times = self._table(ProgramTimes, path, {k: part[k] for k in ("period", "phase", "latency") if k in part})
+        if any(fault.key.startswith(path) for fault in self.faults):
+            return
+        reads = {key: part[key] for key in fields}
+        period = times.period or None
+        self._try(
+            path,
+            lambda: net.program(
+                name, kind, settings, reads=reads, period=period, phase=times.phase, latency=times.latency
+            ),
+        )
+
+
+def draw_network(
+    content: Mapping[str, Any], table: Table, faults: list[Fault]
+) -> tuple[Network | None, list[Sourced]]:
+    """The network that a file draws, and where each value comes from. Faults are appended to `faults`."""
+    drawer = Drawer(content, table, faults)
+    return drawer.network(), drawer.rows
