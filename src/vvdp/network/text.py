@@ -1,5 +1,6 @@
 """Writes a network as the plain functions that a person would have written: `circuit`, `conditions`, `stored`, ..."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -459,20 +460,20 @@ def bracketed(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
 
 
 def folded(line: str) -> list[str]:
-    """A line of text, on several where it is too long: one for each part of its last bracket, or term of its sum."""
-    space = line[: len(line) - len(line.lstrip())]
+    """A line of text, on several where it is too long: one for each argument of its call, or term of its sum."""
     if len(line) <= WIDTH or line.endswith("("):
         return [line]
-    begin, end = line.find("("), line.rfind(")")
-    parts = divided(line[begin + 1 : end], ", ") if begin >= 0 else [line]
-    if len(parts) > 1:
-        inner = [f"{space}    {part}," for part in parts]
-        return [line[: begin + 1], *(text for part in inner for text in folded(part)), space + line[end:]]
-    head, equals, value = line.partition(" = ")
+    space = line[: len(line) - len(line.lstrip())]
+    head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
     terms = divided(value, " + ")
-    if not equals or len(terms) == 1:
-        return [line]
-    return [f"{head} = (", *(f"{space}    {'+ ' if i else ''}{term}" for i, term in enumerate(terms)), f"{space})"]
+    if len(terms) > 1:
+        inner, opened, closed = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)], "(", ")"
+    else:
+        begin = value.find("(")
+        inner = [f"{part}," for part in divided(value[begin + 1 : -1], ", ")]
+        opened, closed = value[: begin + 1], ")"
+    parts = [text for part in inner for text in folded(f"{space}    {part}")]
+    return [head + opened, *parts, f"{space}{closed}{tail}"]
 
 
 def divided(text: str, mark: str) -> list[str]:
