@@ -61,7 +61,7 @@ class Component:
 
     law      what it does at an instant. Arguments, by annotation: FluidState (a hydraulic port), ShaftState,
              ShaftSpeed, RodState (mechanical ports), Medium, Oil, a Params class (its values), the NamedTuples of its
-             state and of what `held` gives, Surplus, `t`; any other float with a kind is an input, a signal or connection.
+             state and of what `held` gives, Surplus, `t`; any other float with a kind is an input.
              Result: `Passage` for what lies between two ports, or a NamedTuple in which the fields named as ports are
              what it gives to the nodes there (tank volumes m^3/s into it, torque N m on it, force N on it), `loss`
              or `losses` are powers turned to heat, `supplied` is power from outside, `rates` those of its state, and

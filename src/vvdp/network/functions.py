@@ -12,6 +12,7 @@ from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.pipe import LinePipe, piece_rate, piece_stored
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored, pressure_rate, stored
+from vvdp.network.classes import blank
 from vvdp.network.component import Role
 from vvdp.network.folding import bracketed, indented, negative
 from vvdp.network.network import Part
