@@ -78,7 +78,8 @@ class Classes:
             if isinstance(node, HydraulicNode):
                 hints[f"{name}_pressure"] = PressureTime
         for part in self.network.parts.values():
-            hints |= dict.fromkeys(flow_names(part), TankVolume)
+            flows = flow_names(part)
+            hints |= dict.fromkeys(flows[1:] if len(flows) > 1 else flows, TankVolume)
             hints |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
         return named_tuple("Totals", hints)
 

@@ -57,7 +57,7 @@ class Functions:
                     lines.append(f"surplus_{node} = {self.text.given(node, without=part)}")
                     surplus.add(node)
             lines.append(f"{part.name} = {self.text.call(part, part.component.law)}")
-        lines += ["rates = State("]
+        lines += [*self._exchange(), "rates = State("]
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
         lines += ["outputs = Outputs(", *(f"    {name}={text}," for name, text in self._outputs()), ")"]
@@ -98,12 +98,20 @@ class Functions:
     def _books(self) -> Iterator[str]:
         yield from bracketed("supplied=Supplied", self.classes.supplied, self._supplied())
         yield from bracketed("spent=Spent", self.classes.spent, self._spent())
-        flows = [self._port_flow(name) for name, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)]
-        every = [flow for flows_here in flows for flow in flows_here]
-        for word, sign in (("taken_in", "-"), ("given_out", "")):
-            terms = [f"{self.text.use(maximum)}({flow if not sign else negative(flow)}, 0.0)" for flow in every]
-            yield f"{word}={' + '.join(terms) or '0.0'},"
+        yield "taken_in=taken_in,"
+        yield f"given_out={' + '.join(['taken_in', *(f'into_{name}' for name in self._prescribed)])},"
         yield from bracketed("totals=Totals", self.classes.totals, self._totals())
+
+    @property
+    def _prescribed(self) -> list[str]:
+        return [name for name, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)]
+
+    def _exchange(self) -> Iterator[str]:
+        """Lines that say what oil goes into tanks and sources, and how much of it comes out of them."""
+        yield from (f"into_{name} = {self.text.given(name)}" for name in self._prescribed)
+        flows = [flow for name in self._prescribed for flow in self._port_flow(name)]
+        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in flows]
+        yield f"taken_in = {' + '.join(terms) or '0.0'}"
 
     def _port_flow(self, node: str) -> list[str]:
         text = []
@@ -119,7 +127,7 @@ class Functions:
         found = {}
         for name, node in self.network.nodes.items():
             if isinstance(node, PRESCRIBED):
-                found[name] = f"-{name}.enthalpy * ({self.text.given(name)})"
+                found[name] = f"-{name}.enthalpy * into_{name}"
             elif isinstance(node, DrivenShaft):
                 found[name] = f"-{name}.speed * ({self.text.given(name)})"
         parts = (part for part in self.network.parts.values() if "supplied" in names(part.component.result))
@@ -144,7 +152,9 @@ class Functions:
             if isinstance(node, HydraulicNode)
         }
         for part in self.network.parts.values():
-            found |= dict(self._flows(part))
+            # What goes into the first of more than two ports is what comes out of the others.
+            flows = list(self._flows(part))
+            found |= dict(flows[1:] if len(flows) > 1 else flows)
             found |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.averages}
         return found
 
