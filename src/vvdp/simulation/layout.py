@@ -157,7 +157,7 @@ class Packed:
         """Adds `value` to the block."""
         for _, leaf in members(value, ""):
             if isinstance(leaf, Signal):
-                self.fixed.append(leaf.base)
+                self.fixed.append(leaf.base + 0.0)  # what a constant signal comes to, -0.0 as well
                 if leaf.start or leaf.amplitude:
                     self._place()
                 else:
