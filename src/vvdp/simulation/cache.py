@@ -138,8 +138,9 @@ def _compiled(wanted: Wanted, folder: Path) -> types.ModuleType:
 
 
 def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
-    from numba.core import config
+    from numba.core import config as numba_config
 
+    config: Any = numba_config
     found = types.ModuleType(_module_name(wanted))
     found.__file__ = str(folder / TEXT)
     found.__dict__.update(wanted.known)

@@ -8,13 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import extending, njit, types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload, register_jitable
 from numba.np.arrayobj import make_array, populate_array
 
 from vvdp.base.select import select
 from vvdp.base.signal import changes_stop, changes_value, signal_stop, signal_value, sines_value
+
+intrinsic: Any = extending.intrinsic
+overload: Any = extending.overload
+register_jitable: Any = extending.register_jitable
 
 COMPILING: Any = {"error_model": "numpy", "forceinline": True}
 """How formulas are compiled. A call hands over each field of its arguments; without calls a run is a sixth faster."""
@@ -33,7 +36,7 @@ class Signal(NamedTuple):
     value: float  # then
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def address(typing: Any, array: Any) -> Any:
     """The address of the first number of an array."""
 
@@ -44,7 +47,7 @@ def address(typing: Any, array: Any) -> Any:
     return types.intp(array), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def view(typing: Any, place: Any, shape: Any) -> Any:
     """The numbers at an address as an array of `shape` that nobody counts and nobody frees."""
     found = types.Array(types.float64, len(shape), "C")
@@ -63,7 +66,7 @@ def view(typing: Any, place: Any, shape: Any) -> Any:
     return found(types.intp, types.UniTuple(types.intp, len(shape))), generate
 
 
-@register_jitable(**COMPILING)  # type: ignore[untyped-decorator]
+@register_jitable(**COMPILING)
 def vector(place: int) -> Any:
     """The numbers from an address on. Nothing checks the length of a vector in compiled code, so it needs none."""
     return view(place, (ENDLESS,))
@@ -74,7 +77,7 @@ def store(vector: Any, place: int, values: Any) -> int:
     raise NotImplementedError("for compiled code")
 
 
-@overload(store, strict=False, jit_options=COMPILING)  # type: ignore[untyped-decorator]
+@overload(store, strict=False, jit_options=COMPILING)
 def _store_form(vector: Any, place: Any, values: Any) -> Any:
     return _store_tuple if isinstance(values, types.BaseTuple) else _store_array
 
@@ -95,12 +98,12 @@ def _store_tuple(vector: Any, place: int, values: Any) -> int:
 def apart(function: Callable[..., Any]) -> Any:
     """`function` of two arguments for compiled code that seldom calls it: it is never copied in, and writes nothing,
     so that the code around it need not save what it has read."""
-    compiled = njit(error_model="numpy")(function)
+    compiled: Any = njit(error_model="numpy")(function)
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @intrinsic
     def call(typing: Any, first: Any, second: Any) -> Any:
         compiled.compile((first, second))
-        found = compiled.overloads[(first, second)]
+        found = compiled.overloads[first, second]
 
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             context.add_linking_libs([found.library])
@@ -145,7 +148,7 @@ def _corner(t: float, signal: Any) -> Any:
     return changes_stop(t, view(place, (n,)), view(place + 8 * n, (n,)))
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def _is_same(typing: Any, one: Any, other: Any) -> Any:
     """Whether two numbers have the same bits: of a number and itself the compiler knows it, whereas NaN != NaN."""
 
@@ -156,7 +159,7 @@ def _is_same(typing: Any, one: Any, other: Any) -> Any:
     return types.boolean(types.float64, types.float64), generate
 
 
-@register_jitable(**COMPILING)  # type: ignore[untyped-decorator]
+@register_jitable(**COMPILING)
 def signal(t: float, base: float, place: float, changes: float, sines: float, parameters: int) -> Any:
     """The signal of these numbers, worked out at the time `t` [s]."""
     unknown = Signal(base, place, changes, sines, parameters, t, base)
