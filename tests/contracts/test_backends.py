@@ -12,7 +12,9 @@ import pytest
 
 from vvdp.base.params import Params
 from vvdp.fluid import mixture
-from vvdp.simulation.link import _make_compilable, link, reachable
+from vvdp.simulation.compiled import make_compilable
+from vvdp.simulation.link import link
+from vvdp.simulation.reach import compiled_form, reachable
 from vvdp.simulation.values import as_series, flat, leaves, names, rebuilt
 from vvdp.systems.system import load_system, shipped
 
@@ -352,7 +354,8 @@ def test_every_formula_agrees_between_floats_and_compiled_code(formula_modules, 
             continue
         found: dict = {}
         reachable(function, found)
-        _make_compilable(found)
+        for reached, _ in found.values():
+            make_compilable(reached, compiled_form(reached))
         compiled = njit(error_model="numpy")(function)
         rng = np.random.default_rng(5)
         cases = [sampled(module, name, function, components, rng) for _ in range(20)]

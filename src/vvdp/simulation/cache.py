@@ -60,7 +60,7 @@ def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.Mod
             if found:
                 return found
             say(f"compiled code in {folder} is damaged; compiling it anew")
-            shutil.rmtree(folder)
+            shutil.rmtree(folder, ignore_errors=True)
         elif wanted.announcement:
             say(wanted.announcement)
         return _compiled(wanted, folder)
