@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from vvdp.report import symbols
-from vvdp.report.diagram import HEIGHT, WIDTH, circuit_diagram
+from vvdp.report.bench_diagram import HEIGHT, WIDTH, circuit_diagram
 from vvdp.report.reading import Reading, reading
 from vvdp.systems.system import load_system
 

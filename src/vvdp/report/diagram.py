@@ -1,140 +1,163 @@
-"""The circuit diagram of a bench, with the values of the system that was run."""
+"""The diagram of a circuit, laid out from its graph: pumps below, loads above, nodes as lines between them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from html import escape
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
-from vvdp.base.signal import Signal
+from vvdp.network.graph import Graph, GraphComponent, NodeKind
 from vvdp.report import symbols as draw
-from vvdp.report.reading import BAR, LPM, Reading
-from vvdp.report.wording import brief, fixed, number, percent
+from vvdp.report.blocks import Label
+from vvdp.report.captions import NARROW, USUAL, Lines, captions
+from vvdp.report.chains import Setting, blocks, setting
+from vvdp.report.leads import Point
+from vvdp.report.lettering import LEADING, SIZE
+from vvdp.report.machine_symbols import tank
+from vvdp.report.placing import Placing
+from vvdp.report.routing import Plan, Rail, Wire, plan
+from vvdp.report.signals import signal_lines
+from vvdp.report.symbol import Side
+from vvdp.report.symbol_set import UNKNOWN_LETTER, entry
 
-WIDTH, HEIGHT = 976, 520
-MAIN, RETURN, TOP = 318.0, 492.0, 112.0
-"""Heights of the pump's line, of the tanks, and of the load's line."""
-PUMP, RELIEF, VALVE, LOAD = 150.0, 330.0, 520.0, 868.0
+if TYPE_CHECKING:
+    from vvdp.report.reading import Reading
+
+NO_VALUES: Mapping[str, Lines] = MappingProxyType({})
+LEAST_WIDTH = 900.0
+"""A narrower drawing has empty margins, so that its text is not blown up on a page [px]."""
+MOST_WIDTH = 1150.0
+"""Wider drawings get narrow texts [px]."""
+COLUMN = 60.0
+"""Components within so much count as one above the other when they are numbered [px]."""
+FONTS = "Helvetica Neue, Arial, Liberation Sans, DejaVu Sans, sans-serif"
 
 
-def circuit_diagram(reading: Reading) -> str:
-    """The diagram as one SVG element."""
-    parts = "\n".join(_parts(reading))
+def diagram(graph: Graph, values: Mapping[str, Lines] = NO_VALUES) -> str:
+    """The circuit diagram of a graph as one SVG element; `values` are further lines of text by name of the part."""
+    made = laid_out(graph, values)
+    width = max(LEAST_WIDTH, made.width)
+    left = -0.5 * (width - made.width)
+    title = escape(graph.title)
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
-        f'font-family="Helvetica Neue, Arial, Liberation Sans, DejaVu Sans, sans-serif" font-size="13.5">\n'
-        f"<title>Circuit diagram</title>\n"
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{left:.1f} 0 {width:.1f} {made.height:.1f}" role="img" '
+        f'aria-label="{escape(graph.title, quote=True)}" font-family="{FONTS}" font-size="{SIZE:g}">\n'
+        f"<title>{title}</title>\n"
         f'<g fill="none" stroke="{draw.INK}" stroke-width="1.7" stroke-linecap="round" stroke-linejoin="round">\n'
-        f"{parts}\n</g>\n</svg>\n"
+        + "\n".join([*_parts(made), *(_signal(*line) for line in signal_lines(graph, made))])
+        + "\n</g>\n</svg>\n"
     )
 
 
-def _value(reading: Reading, table: str, key: str, digits: int = 4) -> str:
-    row = reading.row(table, key)
-    return brief(row, digits) if row else "–"
+def laid_out(graph: Graph, values: Mapping[str, Lines] = NO_VALUES) -> Plan:
+    """The place of every symbol, line and label of a graph's diagram."""
+    return _plan(graph, values, designations(graph))
 
 
-def _parts(reading: Reading) -> Iterator[str]:
-    yield from _supply(reading)
-    yield from _valve(reading)
-    yield from _load_line(reading)
+def designations(graph: Graph) -> dict[str, str]:
+    """The designation of each component: its own, else a letter for its symbol and a number in order of the layout."""
+    draft = _plan(graph, NO_VALUES, {c.name: c.designation or f"{_letter(c)}0" for c in graph.components})
+    places = {piece.name: piece.at for piece in draft.pieces}
+    marks = {c.name: c.designation for c in graph.components if c.designation}
+    rest = [c for c in graph.components if not c.designation]
+    for component in sorted(rest, key=lambda c: (round(places[c.name][0] / COLUMN), -places[c.name][1], c.name)):
+        letter, number, taken = _letter(component), 1, set(marks.values())
+        while f"{letter}{number}" in taken:
+            number += 1
+        marks[component.name] = f"{letter}{number}"
+    return {component.name: marks[component.name] for component in graph.components}
 
 
-def _supply(reading: Reading) -> Iterator[str]:
-    port, x, y = VALVE + 18.0, PUMP, 400.0
-    relief = reading.supply.relief_valve
-    flow = reading.supply.pump.displacement * reading.start(reading.operation.pump_speed) / LPM
-    yield draw.electric_motor(x - 92, y) + draw.shaft(x - 66, x - 30, y) + draw.pump(x, y)
-    yield draw.pipe((x, y + 30), (x, RETURN)) + draw.tank(x, RETURN)
-    yield draw.pipe((x, y - 30), (x, MAIN), (port, MAIN), (port, 262))
-    yield draw.label(x - 92, y + 48, ["Motor", _value(reading, "motor", "rated_power")], "middle")
-    displacement, speed = _value(reading, "pump", "displacement"), _value(reading, "operation", "pump_speed")
-    yield draw.label(x + 42, y - 12, ["Pump", displacement, speed, f"{fixed(flow, 1)} lpm"])
-    temperature, pressure = (_value(reading, "operation", key) for key in ("oil_temperature", "tank_pressure"))
-    yield draw.label(x + 34, RETURN + 6, ["Tank", f"{pressure}, {temperature}"])
-    yield draw.junction(RELIEF, MAIN) + draw.pipe((RELIEF, MAIN), (RELIEF, 376)) + draw.relief_valve(RELIEF, 400)
-    yield draw.pipe((RELIEF, 424), (RELIEF, RETURN)) + draw.tank(RELIEF, RETURN)
-    manner = (
-        f"+ {number(relief.override_pressure / BAR, 3)} bar at rated flow"
-        if relief.override_pressure
-        else "holds its setting"
+def circuit_diagram(reading: "Reading") -> str:
+    """The diagram of the bench, as long as reports do not draw graphs."""
+    from vvdp.report.bench_diagram import circuit_diagram as of_bench
+
+    return of_bench(reading)
+
+
+def _letter(component: GraphComponent) -> str:
+    found = entry(component.symbol)
+    return found.letter if found else UNKNOWN_LETTER
+
+
+def _plan(graph: Graph, values: Mapping[str, Lines], marks: Mapping[str, str]) -> Plan:
+    """The layout with texts as usual or, where that is too wide for a page, with narrow ones."""
+    usual = _planned(graph, captions(graph, values, marks, USUAL))
+    return usual if usual.width <= MOST_WIDTH else _planned(graph, captions(graph, values, marks, NARROW))
+
+
+def _planned(graph: Graph, texts: Mapping[str, Lines]) -> Plan:
+    given = setting(graph, lambda name: texts[name])
+    made = blocks(given)
+    lines = {node.name: texts[node.name] for node in graph.nodes if node.kind is NodeKind.VOLUME}
+    return plan(made, given.level, Placing(made, given.level, _sends(given)), lines)
+
+
+def _sends(given: Setting) -> frozenset[tuple[str, str]]:
+    """The components and ports through which flow leaves into the circuit; a source of pressure is its node's."""
+    sides = (Side.TOP, Side.RIGHT)
+    found = {
+        (name, port) for name, fit in given.fits.items() for port in fit.terminals if fit.terminal(port).side in sides
+    }
+    entered = {given.graph.component(name).ports[port] for name, port in found}
+    return frozenset(found | {(n.name, "port") for n in given.graph.nodes if n.name not in entered})
+
+
+def _parts(made: Plan) -> Iterator[str]:
+    for link in made.links:
+        yield _double(link)
+    for wire in made.wires:
+        yield from _wire(wire)
+    for rail in made.rails:
+        yield _rail(rail)
+    for piece in made.pieces:
+        yield piece.symbol.drawn(*piece.at, escape(piece.label.lines[0]))
+        yield _label(piece.label)
+    for label in made.names.values():
+        yield _label(label)
+
+
+def _wire(wire: Wire) -> Iterator[str]:
+    yield draw.pipe(*wire.points, pilot=wire.pilot)
+    if wire.tank:
+        x, y = wire.points[-1]
+        yield tank().drawn(x, y + 2, escape(wire.node))
+
+
+def _signal(x0: float, x1: float, y: float, name: str) -> str:
+    """A thin dashed line to the right with the name of what it carries on hover."""
+    line = f'<path d="M {x0:.1f} {y:.1f} H {x1 - 5:.1f}" stroke-dasharray="3 3" stroke-width="1"/>'
+    return f"<g><title>{escape(name)}</title>{line}{draw.arrow_head(x1, y, (1, 0), 6)}</g>"
+
+
+def _rail(rail: Rail) -> str:
+    """A node's line with a dot wherever lines are joined."""
+    begin, end = rail.ends
+    line = f"<g><title>{escape(rail.node)}</title>"
+    if end > begin:
+        line += draw.pipe((begin, rail.y), (end, rail.y))
+    for x in sorted({*rail.tops, *rail.bottoms}):
+        branches = rail.tops.count(x) + rail.bottoms.count(x) + (x > begin) + (x < end)
+        line += draw.junction(x, rail.y) if branches > 2 or begin == end else ""
+    return line + "</g>"
+
+
+def _double(points: tuple[Point, ...]) -> str:
+    """A shaft or rod along a straight line."""
+    (x0, y0), (x1, y1) = points
+    if y0 == y1:
+        return draw.pipe((x0, y0 - 2.6), (x1, y0 - 2.6)) + draw.pipe((x0, y0 + 2.6), (x1, y0 + 2.6))
+    return f'<rect x="{x0 - 2.6:.1f}" y="{y0 - 2.6:.1f}" width="5.2" height="{y1 - y0 + 5.2:.1f}" fill="#fff"/>'
+
+
+def _label(label: Label) -> str:
+    """The lines of a label, the first in bold."""
+    if not label.lines:
+        return ""
+    x = label.box[0] if label.anchor == "start" else 0.5 * (label.box[0] + label.box[2])
+    first, *rest = label.lines
+    spans = f'<tspan x="{x:.1f}" font-weight="600" fill="{draw.INK}">{escape(first)}</tspan>'
+    spans += "".join(f'<tspan x="{x:.1f}" dy="{LEADING:g}">{escape(line)}</tspan>' for line in rest)
+    y = label.box[1] + 12.0
+    return (
+        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{label.anchor}" fill="{draw.QUIET}" stroke="none">{spans}</text>'
     )
-    yield draw.label(RELIEF + 62, 390, ["Relief valve", _value(reading, "relief_valve", "cracking_pressure"), manner])
-    rail = RELIEF - 92
-    yield draw.junction(rail, MAIN) + draw.pipe((rail, MAIN), (rail, MAIN - 22)) + draw.gauge(rail, MAIN - 22)
-    low, high = (reading.number(f"inlet_pressure_{end}_Pa") / BAR for end in ("min", "max"))
-    inlet = [
-        f"mean {fixed(reading.number('mean_inlet_pressure_Pa') / BAR, 1)} bar",
-        f"{fixed(low, 1)} to {fixed(high, 1)} bar",
-    ]
-    yield draw.label(rail - 30, MAIN - 62, ["Inlet", *inlet], "end")
-    yield draw.label(RELIEF + 14, MAIN - 12, [f"Inlet volume {_value(reading, 'inlet', 'volume')}"])
-
-
-def _valve(reading: Reading) -> Iterator[str]:
-    x, y, valve = VALVE, 230.0, reading.supply.valve
-    frequency, drive = reading.number("pwm_frequency_Hz"), reading.supply.spool_drive
-    yield draw.rotary_valve(x, y) + draw.rotary_drive(x - 64, y) + draw.set_position(x + 64, y)
-    yield draw.pipe((x + 46, 262), (x + 46, RETURN)) + draw.tank(x + 46, RETURN)
-    yield draw.label(
-        x + 2,
-        TOP + 24,
-        [
-            "Rotary valve",
-            f"{number(valve.sections, 3).rstrip('0').rstrip('.')} sections",
-            f"nozzles {_value(reading, 'valve', 'nozzle_area')}",
-        ],
-        "end",
-    )
-    turned = "driven" if drive.coupling > 0.0 else "self-spinning"
-    yield draw.label(x - 120, y - 6, ["Spool", f"{turned}, PWM {fixed(frequency, 1)} Hz"], "end")
-    duty, axial = reading.duty_ratio, reading.operation.axial_position
-    place = f"{fixed(1e3 * reading.start(axial), 2)} mm of {fixed(1e3 * valve.helix_length, 2)} mm"
-    low, high = duty.extremes
-    ratio = fixed(low, 3) if duty.is_constant else f"{fixed(low, 3)} to {fixed(high, 3)}"
-    yield draw.label(
-        x + 120, y - 15, [f"Duty ratio {ratio}", "axial position", place + ("" if duty.is_constant else " at start")]
-    )
-
-
-def _load_line(reading: Reading) -> Iterator[str]:
-    begin, check = VALVE + 18.0, reading.supply.check_valve
-    at = begin
-    yield draw.pipe((begin, 198), (begin, TOP))
-    if check.reverse_opening < 1.0:
-        x = begin + 54
-        yield draw.pipe((at, TOP), (x - 18, TOP)) + draw.check_valve(x, TOP)
-        crack = f"{number(check.cracking_pressure / BAR, 3)} bar"
-        yield draw.label(x, TOP - 42, ["Check valve", crack], "middle")
-        at = x + 18
-    if reading.has_load_line:
-        line = reading.system.case.params.load_line
-        x0, x1 = begin + 110.0, begin + 190.0
-        yield draw.pipe((at, TOP), (x0, TOP)) + draw.hose(x0, x1, TOP)
-        yield draw.label(x0 + 40, TOP + 52, ["Load line", _value(reading, "load_line", "oil_volume")], "middle")
-        at = x1
-        if line.gas_volume > 0.0:
-            x = begin + 226.0
-            yield draw.junction(x, TOP) + draw.pipe((x, TOP), (x, TOP - 14)) + draw.accumulator(x, TOP - 14)
-            gas, charge = (_value(reading, "load_line", key) for key in ("gas_volume", "precharge_pressure"))
-            yield draw.label(x - 26, TOP - 88, ["Accumulator", f"{gas}, precharge {charge}"], "end")
-    yield draw.pipe((at, TOP), (LOAD, TOP), (LOAD, 274))
-    yield (
-        draw.junction(LOAD - 44, TOP)
-        + draw.pipe((LOAD - 44, TOP), (LOAD - 44, TOP - 14))
-        + draw.gauge(LOAD - 44, TOP - 14)
-    )
-    mean = fixed(reading.number("mean_load_pressure_Pa") / BAR, 1)
-    ends = [reading.number(f"load_pressure_{end}_Pa") / BAR for end in ("min", "max")]
-    swing = [f"{fixed(ends[0], 1)} to {fixed(ends[1], 1)} bar"] if reading.has_load_line else []
-    yield draw.label(LOAD - 14, TOP - 62, ["Load", f"mean {mean} bar", *swing])
-    fraction = percent(reading.number("load_flow_fraction"))
-    flow = f"{fixed(reading.number('mean_load_flow_m3_s') / LPM, 2)} lpm"
-    share = f"{fraction} of pump flow"
-    if reading.has_load_line:
-        area = reading.system.case.params.load.area
-        varies = isinstance(area, Signal) and not area.is_constant
-        yield draw.throttle(LOAD, 300, adjustable=varies)
-        yield draw.pipe((LOAD, 326), (LOAD, RETURN)) + draw.tank(LOAD, RETURN)
-        lines = ["Load orifice", _value(reading, "load", "area"), flow, share]
-        yield draw.label(LOAD - 34, 280, lines, "end")
-    else:
-        yield draw.pressure_source(LOAD, 274)
-        lines = ["Pressure source", _value(reading, "load", "pressure"), flow, share]
-        yield draw.label(LOAD - 40, 280, lines, "end")

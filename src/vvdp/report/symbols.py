@@ -110,12 +110,17 @@ def rotary_valve(x: float, y: float) -> str:
     The lines stand on the right box: load port A at (x + 18, y - 32), pump P at (x + 18, y + 32), tank T at
     (x + 46, y + 32). Right, P goes to A; left, P goes to T. Drives join at (x - 64, y) and (x + 64, y).
     """
+    ports = letter(x + 8, y - 41, "A", 12) + letter(x + 8, y + 42, "P", 12) + letter(x + 58, y + 42, "T", 12)
+    return rotary_valve_body(x, y) + ports
+
+
+def rotary_valve_body(x: float, y: float) -> str:
+    """The boxes of `rotary_valve` without the letters of its ports."""
     boxes = "".join(f'<rect x="{_n(left)}" y="{_n(y - 32)}" width="64" height="64"/>' for left in (x - 64, x))
     to_load = arrow((x + 18, y + 32), (x + 18, y - 32)) + blocked(x + 46, y + 32, up=True)
     to_tank = pipe((x - 46, y + 32), (x - 46, y + 2), (x - 18, y + 2), (x - 18, y + 24))
     to_tank += arrow_head(x - 18, y + 32, (0, 1)) + blocked(x - 46, y - 32, up=False)
-    ports = letter(x + 8, y - 41, "A", 12) + letter(x + 8, y + 42, "P", 12) + letter(x + 58, y + 42, "T", 12)
-    return boxes + to_load + to_tank + ports
+    return boxes + to_load + to_tank
 
 
 def blocked(x: float, y: float, *, up: bool) -> str:

@@ -1,0 +1,160 @@
+"""Symbols of pumps, motors, cylinders, stores and what they move, in the manner of ISO 1219-1, about their centres."""
+
+from vvdp.report import symbols as draw
+from vvdp.report.symbol import Side, Symbol, Terminal
+from vvdp.report.symbols import arrow, arrow_head, filled, pipe
+from vvdp.report.valve_symbols import box
+
+ROUND = 26.0
+
+
+def _circle(radius: float) -> str:
+    return f'<circle cx="0" cy="0" r="{radius:g}"/>'
+
+
+def _rounded(lower: str, upper: str) -> dict[str, Terminal]:
+    return {lower: Terminal(0, ROUND, Side.BOTTOM), upper: Terminal(0, -ROUND, Side.TOP)}
+
+
+def pump() -> Symbol:
+    """A pump of fixed displacement."""
+    drawn = _circle(ROUND) + filled((0, -26), (-9, -11), (9, -11))
+    return Symbol((-26, -26, 26, 26), drawn, _rounded("suction", "outlet"), (-26, 26))
+
+
+def hydraulic_motor() -> Symbol:
+    """A hydraulic motor of fixed displacement."""
+    drawn = _circle(ROUND) + filled((0, 9), (-9, 24), (9, 24))
+    return Symbol((-26, -26, 26, 26), drawn, _rounded("inlet", "outlet"), (-26, 26))
+
+
+def flow_source() -> Symbol:
+    """A source that holds a flow."""
+    drawn = _circle(ROUND) + arrow((0, 5), (0, -24), 9)
+    return Symbol((-26, -26, 26, 26), drawn, _rounded("suction", "outlet"), letters=((0, 13, "Q", 14.0),))
+
+
+def pressure_source() -> Symbol:
+    """A source that holds a pressure."""
+    drawn = _circle(24) + filled((0, -24), (-9, -9), (9, -9))
+    return Symbol((-24, -24, 24, 24), drawn, {"port": Terminal(0, -24, Side.TOP)}, letters=((0, 5, "p", 16.0),))
+
+
+def accumulator() -> Symbol:
+    """A gas accumulator."""
+    return Symbol((-15, -31, 15, 31), draw.accumulator(0, 31), {"port": Terminal(0, 31, Side.BOTTOM)})
+
+
+def tank() -> Symbol:
+    """A tank, the line ending in it from above."""
+    return Symbol((-12, -7, 12, 7), pipe((-12, -6), (-12, 6), (12, 6), (12, -6)), {"port": Terminal(0, -6, Side.TOP)})
+
+
+def dot() -> Symbol:
+    """A node by itself."""
+    return Symbol((-4, -4, 4, 4), draw.junction(0, 0))
+
+
+def sensor(text: str = "p") -> Symbol:
+    """A sensor with the letter of what it reads."""
+    drawn = _circle(14) + pipe((0, 14), (0, 22))
+    return Symbol((-14, -14, 14, 22), drawn, {"port": Terminal(0, 22, Side.BOTTOM)}, (-14, 14), ((0, 0, text, 13.0),))
+
+
+def _cylinder_body() -> str:
+    piston = box(-22, -18, -14, 18)
+    return box(-60, -18, 42, 18) + piston + _shaft(-14, 78)
+
+
+def cylinder() -> Symbol:
+    """A double-acting cylinder with one rod."""
+    lines = pipe((-51, 18), (-51, 30)) + pipe((33, 18), (33, 30))
+    terminals = {"cap": Terminal(-51, 30, Side.BOTTOM), "rod": Terminal(33, 30, Side.BOTTOM)}
+    return Symbol((-60, -18, 78, 30), _cylinder_body() + lines, terminals, (None, 78))
+
+
+def spring_cylinder() -> Symbol:
+    """A single-acting cylinder that a spring returns."""
+    coil = pipe((-14, -11), (-7, 14), (0, -14), (7, 14), (14, -14), (21, 14), (28, -14), (35, 14), (42, -11))
+    body = box(-60, -18, 42, 18) + box(-22, -18, -14, 18) + coil
+    rod = _shaft(-14, 78) + pipe((-51, 18), (-51, 30))
+    return Symbol((-60, -18, 78, 30), body + rod, {"cap": Terminal(-51, 30, Side.BOTTOM)}, (None, 78))
+
+
+def plunger() -> Symbol:
+    """A single-acting cylinder with a plunger."""
+    drawn = pipe((42, -11), (42, -18), (-60, -18), (-60, 18), (42, 18), (42, 11)) + box(-20, -11, 78, 11)
+    drawn += pipe((-51, 18), (-51, 30))
+    return Symbol((-60, -18, 78, 30), drawn, {"cap": Terminal(-51, 30, Side.BOTTOM)}, (None, 78))
+
+
+def weight() -> Symbol:
+    """A mass that gravity pulls."""
+    drawn = box(-26, -20, 26, 20) + arrow((14, -12), (14, 13), 8)
+    return Symbol((-26, -20, 26, 20), drawn, {}, (-26, 26), ((-7, 0, "m", 15.0),))
+
+
+def mass() -> Symbol:
+    """A mass that slides."""
+    return Symbol((-26, -20, 26, 20), box(-26, -20, 26, 20), {}, (-26, 26), ((0, 0, "m", 16.0),))
+
+
+def inertia() -> Symbol:
+    """An inertia that turns."""
+    return Symbol((-8, -26, 8, 26), box(-8, -26, 8, 26), {}, (-8, 8))
+
+
+def electric_motor() -> Symbol:
+    """A motor that turns a shaft."""
+    return Symbol((-24, -24, 24, 24), _circle(24), {}, (-24, 24), ((0, 0, "M", 19.0),))
+
+
+def driven_rod() -> Symbol:
+    """A rod whose position is prescribed."""
+    both = arrow((0, 9), (18, 9), 7) + arrow((0, 9), (-18, 9), 7)
+    return Symbol((-24, -18, 24, 18), box(-24, -18, 24, 18) + both, {}, (-24, 24), ((0, -7, "x", 14.0),))
+
+
+def _ground(x: float) -> str:
+    hatch = "".join(pipe((x, y), (x + 6, y - 6)) for y in (-9, -2, 5, 12, 19))
+    return pipe((x, -17), (x, 17)) + hatch
+
+
+def spring(grounded: bool = True) -> Symbol:
+    """A spring, held at its right end where it is grounded."""
+    drawn = draw.spring(-28, 28, 0) + (_ground(28) if grounded else "")
+    return Symbol((-28, -19, 34 if grounded else 28, 19), drawn, {}, (-28, None if grounded else 28))
+
+
+def damper(grounded: bool = True) -> Symbol:
+    """A damper or friction, held at its right end where it is grounded."""
+    pot = pipe((-10, -11), (14, -11), (14, 11), (-10, 11)) + pipe((14, 0), (28, 0))
+    drawn = pot + pipe((-28, 0), (2, 0)) + pipe((2, -8), (2, 8)) + (_ground(28) if grounded else "")
+    return Symbol((-28, -19, 34 if grounded else 28, 19), drawn, {}, (-28, None if grounded else 28))
+
+
+def end_stop() -> Symbol:
+    """An end stop: a plate that meets a wall."""
+    drawn = pipe((-28, 0), (-4, 0)) + pipe((-4, -12), (-4, 12)) + _ground(10)
+    return Symbol((-28, -19, 16, 19), drawn, {}, (-28, None))
+
+
+def force() -> Symbol:
+    """A force that acts on a rod."""
+    return Symbol((-28, -14, 24, 14), arrow((24, 0), (-28, 0), 11), {}, (-28, None), ((10, -10, "F", 13.0),))
+
+
+def torque() -> Symbol:
+    """A torque that acts on a shaft."""
+    arc = '<path d="M 6 -15 A 16 16 0 0 1 6 15"/>' + arrow_head(-1, 17, (-0.93, 0.37), 9)
+    return Symbol((-20, -19, 24, 19), pipe((-20, 0), (0, 0)) + arc, {}, (-20, None), ((-9, -11, "T", 13.0),))
+
+
+def _shaft(x0: float, x1: float) -> str:
+    return pipe((x0, -2.6), (x1, -2.6)) + pipe((x0, 2.6), (x1, 2.6))
+
+
+def coupling() -> Symbol:
+    """A coupling between two shafts."""
+    plates = pipe((-4, -15), (-4, 15)) + pipe((4, -15), (4, 15))
+    return Symbol((-18, -17, 18, 17), plates + _shaft(-18, -4) + _shaft(4, 18), {}, (-18, 18))

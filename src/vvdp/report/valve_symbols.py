@@ -1,0 +1,183 @@
+"""Symbols of valves and resistances in the manner of ISO 1219-1, each about its centre, flow from bottom to top."""
+
+from dataclasses import replace
+
+from vvdp.report.symbol import Side, Symbol, Terminal
+from vvdp.report.symbols import arrow, blocked, pipe, rotary_drive, rotary_valve_body, set_position, spring
+
+
+def box(x0: float, y0: float, x1: float, y1: float) -> str:
+    """A rectangle between two corners."""
+    return f'<rect x="{x0:g}" y="{y0:g}" width="{x1 - x0:g}" height="{y1 - y0:g}"/>'
+
+
+def through(reach: float) -> dict[str, Terminal]:
+    """The terminals of a symbol in a vertical line, inlet below and outlet above."""
+    return {"inlet": Terminal(0, reach, Side.BOTTOM), "outlet": Terminal(0, -reach, Side.TOP)}
+
+
+def stubs(edge: float, reach: float) -> str:
+    """The pieces of line between a box's edges and its terminals."""
+    return pipe((0, edge), (0, reach)) + pipe((0, -edge), (0, -reach))
+
+
+def _restriction(y: float, wide: float = 13.0, high: float = 15.0) -> str:
+    return "".join(f'<path d="M {s * wide:g} {y - high:g} Q {s:g} {y:g} {s * wide:g} {y + high:g}"/>' for s in (-1, 1))
+
+
+def orifice(adjustable: bool = False) -> Symbol:
+    """An orifice or throttle."""
+    hand = arrow((-20, 20), (20, -20), 8) if adjustable else ""
+    return Symbol((-20, -28, 20, 28), _restriction(0) + pipe((0, 28), (0, -28)) + hand, through(28))
+
+
+def two_orifices() -> Symbol:
+    """Two restrictions in series."""
+    drawn = _restriction(18, 13, 13) + _restriction(-18, 13, 13) + pipe((0, 40), (0, -40))
+    return Symbol((-20, -40, 20, 40), drawn, through(40))
+
+
+def flow_control() -> Symbol:
+    """A flow control valve that compensates its pressure."""
+    inside = _restriction(0, 9, 11) + pipe((0, 20), (0, -20)) + arrow((-18, 17), (18, -17), 7)
+    compensated = arrow((17, 15), (17, 1), 6)
+    return Symbol((-24, -34, 24, 34), box(-24, -20, 24, 20) + stubs(20, 34) + inside + compensated, through(34))
+
+
+def _spring_set(x: float) -> str:
+    return spring(x, x + 26, 0) + arrow((x + 3, 15), (x + 24, -15), 7)
+
+
+def _pressure_valve(shift: float) -> str:
+    return box(-20, -20, 20, 20) + stubs(20, 36) + arrow((shift, 20), (shift, -20)) + _spring_set(20)
+
+
+def relief_valve() -> Symbol:
+    """A relief valve, opened by the pressure at its inlet."""
+    pilot = pipe((0, 28), (-32, 28), (-32, 0), (-20, 0), pilot=True)
+    return Symbol((-32, -36, 46, 36), _pressure_valve(-8) + pilot, through(36))
+
+
+def unloading_valve() -> Symbol:
+    """A valve that a pressure elsewhere opens against a spring."""
+    pilot = pipe((-34, 0), (-20, 0), pilot=True)
+    terminals = through(36) | {"pilot": Terminal(-34, 0, Side.LEFT)}
+    return Symbol((-34, -36, 46, 36), _pressure_valve(-8) + pilot, terminals)
+
+
+def reducing_valve() -> Symbol:
+    """A pressure-reducing valve, closed by the pressure at its outlet."""
+    pilot = pipe((0, -28), (-32, -28), (-32, 0), (-20, 0), pilot=True)
+    return Symbol((-32, -36, 46, 36), _pressure_valve(0) + pilot, through(36))
+
+
+def _check() -> str:
+    ball = '<circle cx="0" cy="4" r="8"/>'
+    return ball + pipe((-14, 6), (0, 17), (14, 6)) + pipe((0, 28), (0, 17)) + pipe((0, -4), (0, -28))
+
+
+def check_valve() -> Symbol:
+    """A check valve that lets flow pass upward."""
+    return Symbol((-15, -28, 15, 28), _check(), through(28))
+
+
+def pilot_check_valve() -> Symbol:
+    """A check valve that a pilot pressure opens."""
+    terminals = through(28) | {"pilot": Terminal(-34, 12, Side.LEFT)}
+    return Symbol((-34, -28, 15, 28), _check() + pipe((-34, 12), (-8, 12), pilot=True), terminals)
+
+
+def _solenoid(x: float, wide: float = 22.0, proportional: bool = False) -> str:
+    coil = box(x, -11, x + wide, 11) + pipe((x + 5, -11), (x + wide - 5, 11))
+    return coil + (arrow((x - 4, 15), (x + wide + 4, -17), 6) if proportional else "")
+
+
+def valve_2_2() -> Symbol:
+    """A 2/2 switching valve, closed at rest."""
+    boxes = box(-60, -20, -20, 20) + box(-20, -20, 20, 20) + stubs(20, 32)
+    inside = arrow((-40, 20), (-40, -20)) + blocked(0, 20, up=True) + blocked(0, -20, up=False)
+    return Symbol((-82, -32, 46, 32), boxes + inside + _solenoid(-82) + spring(20, 46, 0), through(32))
+
+
+def proportional_2_2() -> Symbol:
+    """A 2/2 proportional valve."""
+    rails = pipe((-60, -25), (20, -25)) + pipe((-60, 25), (20, 25))
+    boxes = box(-60, -20, -20, 20) + box(-20, -20, 20, 20) + stubs(20, 34) + rails
+    inside = arrow((-40, 20), (-40, -20)) + blocked(0, 20, up=True) + blocked(0, -20, up=False)
+    drive = _solenoid(-82, proportional=True) + spring(20, 46, 0)
+    return Symbol((-86, -34, 46, 34), boxes + inside + drive, through(34))
+
+
+def valve_3_2() -> Symbol:
+    """A 3/2 switching valve: at rest the load goes to the tank."""
+    boxes = box(-76, -22, -26, 22) + box(-26, -22, 26, 22)
+    rest = arrow((-13, -22), (13, 22)) + blocked(-13, 22, up=True)
+    on = arrow((-63, 22), (-63, -22)) + blocked(-37, 22, up=True)
+    lines = pipe((-13, 22), (-13, 34)) + pipe((13, 22), (13, 34)) + pipe((-13, -22), (-13, -34))
+    terminals = {
+        "P": Terminal(-13, 34, Side.BOTTOM),
+        "T": Terminal(13, 34, Side.BOTTOM),
+        "A": Terminal(-13, -34, Side.TOP),
+    }
+    drawn = boxes + rest + on + lines + _solenoid(-98) + spring(26, 52, 0)
+    letters = ((-21, -29, "A", 11.0), (-21, 29, "P", 11.0), (21, 29, "T", 11.0))
+    return Symbol((-98, -34, 52, 34), drawn, terminals, letters=letters)
+
+
+def diverter_3_2() -> Symbol:
+    """A 3/2 switching valve that sends one line to a load, and to the tank at rest."""
+    boxes = box(-76, -22, -26, 22) + box(-26, -22, 26, 22)
+    rest = pipe((-13, 22), (-13, 2), (13, 2), (13, 14)) + arrow((13, 2), (13, 22), 8) + blocked(-13, -22, up=False)
+    on = arrow((-63, 22), (-63, -22)) + blocked(-37, 22, up=True)
+    lines = pipe((-13, 22), (-13, 34)) + pipe((13, 22), (13, 34)) + pipe((-13, -22), (-13, -34))
+    drawn = boxes + rest + on + lines + _solenoid(-98) + spring(26, 52, 0)
+    return replace(valve_3_2(), svg=drawn)
+
+
+def valve_4_3() -> Symbol:
+    """A 4/3 proportional directional valve, closed in its middle."""
+    boxes = box(-84, -22, -28, 22) + box(-28, -22, 28, 22) + box(28, -22, 84, 22)
+    rails = pipe((-84, -27), (84, -27)) + pipe((-84, 27), (84, 27))
+    middle = "".join(blocked(x, 22, up=True) + blocked(x, -22, up=False) for x in (-14, 14))
+    straight = arrow((-70, 22), (-70, -22)) + arrow((-42, -22), (-42, 22))
+    crossed = arrow((42, 22), (70, -22)) + arrow((42, -22), (70, 22))
+    lines = "".join(pipe((x, s * 22), (x, s * 38)) for x in (-14, 14) for s in (-1, 1))
+    drives = _solenoid(-128, proportional=True) + spring(-104, -84, 0)
+    drives += spring(84, 104, 0) + _solenoid(106, proportional=True)
+    terminals = {
+        "P": Terminal(-14, 38, Side.BOTTOM),
+        "T": Terminal(14, 38, Side.BOTTOM),
+        "A": Terminal(-14, -38, Side.TOP),
+        "B": Terminal(14, -38, Side.TOP),
+    }
+    letters = ((-22, -34, "A", 11.0), (22, -34, "B", 11.0), (-22, 34, "P", 11.0), (22, 34, "T", 11.0))
+    return Symbol(
+        (-132, -38, 132, 38), boxes + rails + middle + straight + crossed + lines + drives, terminals, letters=letters
+    )
+
+
+def rotary_valve() -> Symbol:
+    """A rotary on/off valve: a turning spool switches the pump to the load and to the tank by turns."""
+    terminals = {
+        "P": Terminal(18, 44, Side.BOTTOM),
+        "T": Terminal(46, 44, Side.BOTTOM),
+        "A": Terminal(18, -44, Side.TOP),
+    }
+    lines = pipe((18, 32), (18, 44)) + pipe((46, 32), (46, 44)) + pipe((18, -32), (18, -44))
+    drawn = rotary_valve_body(0, 0) + rotary_drive(-64, 0) + set_position(64, 0) + lines
+    letters = ((9, -39, "A", 11.0), (9, 39, "P", 11.0), (55, 39, "T", 11.0))
+    return Symbol((-110, -44, 110, 44), drawn, terminals, (-110, 110), letters)
+
+
+def line() -> Symbol:
+    """A tube with a length, in a horizontal line."""
+    tube = box(-32, -5, 32, 5) + pipe((-44, 0), (-32, 0)) + pipe((32, 0), (44, 0))
+    ends = {"inlet": Terminal(-44, 0, Side.LEFT), "outlet": Terminal(44, 0, Side.RIGHT)}
+    return Symbol((-44, -9, 44, 9), tube, ends)
+
+
+def hose() -> Symbol:
+    """A flexible hose, in a horizontal line."""
+    curve = '<path d="M -44 0 Q 0 36 44 0"/><circle cx="-44" cy="0" r="3.2"/><circle cx="44" cy="0" r="3.2"/>'
+    ends = {"inlet": Terminal(-44, 0, Side.LEFT), "outlet": Terminal(44, 0, Side.RIGHT)}
+    return Symbol((-44, -9, 44, 20), curve, ends)
