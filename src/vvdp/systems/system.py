@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -41,6 +41,11 @@ class RunTable(Params):
     def check(self) -> None:
         if not self.average_from < self.until:
             raise ParameterError(f"average_from {self.average_from:g} s; expected less than until = {self.until:g} s")
+
+    def stepping(self, method: Method) -> Stepping:
+        """How the run is stepped. Raises ParameterError where that cannot be."""
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "average_from"}
+        return Stepping(**values, method=method)
 
 
 @dataclass(frozen=True)
@@ -201,31 +206,20 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         network, rows = draw_network(content, table, faults)
     if run is not None:
         rows += run[1]
-    circuit = None
-    if network is not None and not faults:
+    circuit = stepping = None
+    if network is not None and run is not None and not faults:
         try:
-            circuit = build_circuit(network)
+            circuit, stepping = build_circuit(network), run[0].stepping(method)
         except (NetworkError, ParameterError) as problem:
             faults.append(Fault(table.place, 0, "", str(problem)))
-    if faults or circuit is None or run is None:
+    if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(faults)
-    r = run[0]
-    stepping = Stepping(
-        until=r.until,
-        relative_tolerance=r.relative_tolerance,
-        sample_period=r.sample_period,
-        record_interval=r.record_interval,
-        window=r.window,
-        window_interval=r.window_interval,
-        longest_step=r.longest_step,
-        method=method,
-    )
     return System(
         name=name,
         title=str(table.content.get("title", name)),
         circuit=circuit,
         stepping=stepping,
-        average_from=r.average_from,
+        average_from=run[0].average_from,
         tables=values,
         rows=tuple(rows),
         content=table.content,
