@@ -190,7 +190,7 @@ def _check_outputs(study: Study, base: System) -> None:
     state = flat(base.case.state)
     window = Window(0.0, 1.0, state, state, 1, True)
     still = Outcome(base.model, base.case, window, state, state, state, 1.0, 0, 0, 0, False, 0.0, True)
-    known = [*simulated_summary(still, base), *(() if base.extras is None else base.extras.closed_form_keys)]
+    known = [*simulated_summary(still, base), *(() if base.extras is None else base.extras.CLOSED_FORMS)]
     unknown = [name for name in study.outputs if name not in known]
     if unknown:
         raise ConfigError([Fault("study", 0, name, f"no such output{nearest(name, known)}") for name in unknown])
@@ -224,7 +224,7 @@ def _results(
     ran: int,
     seconds: float,
 ) -> StudyResults:
-    closed_forms = base.extras is not None and not set(base.extras.closed_form_keys).isdisjoint(study.outputs)
+    closed_forms = base.extras is not None and not set(base.extras.CLOSED_FORMS).isdisjoint(study.outputs)
     rows: list[Mapping[str, float | bool]] = []
     failures: list[Failure] = []
     for case in planned:

@@ -76,7 +76,7 @@ class RotaryBench:
     LOAD_FLOW_TOTAL = "books.totals.valve_load_flow"
     """Integrals from which means of inlet pressure, load pressure and load flow are taken, by their paths."""
 
-    closed_form_keys = ANALYTIC
+    CLOSED_FORMS = ANALYTIC
 
     def __init__(self, system: "System", tables: Mapping[str, Any] | None = None) -> None:
         self.system = system
