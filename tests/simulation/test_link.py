@@ -350,6 +350,18 @@ def test_a_signal_at_another_time_than_now():
     assert rates_of(link(Model(later), case), case, 0.7)[0] == signal_value(1.4, case.params.drive) + 3.0
 
 
+def test_a_signal_that_nobody_asks_for(tmp_path):
+    text = """
+        import numpy as np
+        from test_link import CASE, Driven, Level, link, rates_of, sound
+        from vvdp.base.signal import constant
+        from vvdp.simulation.model import Case, Model
+        case = Case(Level(1.0), Driven(gain=2.0, drive=constant(1.0)))
+        print(rates_of(link(Model(sound), case), case)[0])
+    """
+    assert run_python(text, Path(__file__).parent, tmp_path) == "-2.0\n"
+
+
 # What is compiled again, and what is not
 
 
