@@ -370,13 +370,11 @@ class Drawer:
                     values[key] = _instrument_value(key, entry, measured)
                 except ParameterError as problem:
                     self._fault(f"{path}.{name}.{key}", str(problem))
-            if not self._has_faults(path):
-                self._try(f"{path}.{name}", lambda: found.update({name: _instrument(measured, values)}))
+            try:
+                found[name] = dataclasses.replace(ideal_instrument(measured.low, measured.high), **values)
+            except ParameterError as problem:
+                self._fault(f"{path}.{name}", str(problem))
         return found
-
-
-def _instrument(measured: Kind, values: Mapping[str, float]) -> Instrument:
-    return dataclasses.replace(ideal_instrument(measured.low, measured.high), **values)
 
 
 def _instrument_value(key: str, entry: object, measured: Kind) -> float:
