@@ -1,12 +1,13 @@
 """What a run comes to: means, losses by component, extremes, balances, in plain numbers by the names of the circuit."""
 
 from collections.abc import Iterator
+from operator import attrgetter
 
 import numpy as np
 
 from vvdp.base.signal import Signal
 from vvdp.network.classes import flow_names
-from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
+from vvdp.network.nodes import HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
@@ -93,7 +94,7 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, HydraulicNode):
             reference = node.oil.reference_pressure
-            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node.pressure, means, name)
+            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node, run, system, name)
             lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
             found[f"pressure_mean_{name}_Pa"] = means[f"totals.{name}_pressure"] - reference
             found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
@@ -112,11 +113,13 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
     return found | {"cavitation": bool(lowest < bound)}
 
 
-def _prescribed(pressure: object, means: dict[str, float], name: str) -> tuple[float, float]:
-    """Bounds of a prescribed pressure [Pa, absolute]; its mean where it is a connection."""
-    if isinstance(pressure, Signal):
-        return pressure.extremes
-    return means[f"totals.{name}_pressure"], means[f"totals.{name}_pressure"]
+def _prescribed(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
+    """Bounds of a prescribed pressure [Pa, absolute], as the case has it; its mean where it is a connection."""
+    if isinstance(node.pressure, Signal):
+        given: Signal = attrgetter(system.circuit.place(node.pressure))(run.case.params)
+        return given.extremes
+    mean = _means(run)[f"totals.{name}_pressure"]
+    return mean, mean
 
 
 def _part_numbers(run: Outcome, system: System) -> Summary:

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -42,12 +42,18 @@ class RunTable(Params):
         if not self.average_from < self.until:
             raise ParameterError(f"average_from {self.average_from:g} s; expected less than until = {self.until:g} s")
 
+    def stepping(self, method: Method) -> Stepping:
+        """How the run is stepped. Raises ParameterError where that cannot be."""
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "average_from"}
+        return Stepping(**values, method=method)
+
 
 @dataclass(frozen=True)
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from the tables; None where the file draws it itself.
+    `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
+    tables of the file. Modules that the file names are looked for in `folder`.
     """
 
     name: str
@@ -58,7 +64,9 @@ class System:
     tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
+    folder: Path = Path()
     function: NetworkFunction | None = None
+    redrawn: bool = False
 
     @property
     def model(self) -> Model:
@@ -81,12 +89,30 @@ class System:
         """The values that are merely assumed."""
         return tuple(row for row in self.rows if row.status == "assumed")
 
+    @property
+    def table(self) -> Table:
+        """What it was read from, settings included."""
+        return Table(self.name, self.content, {})
+
+    def read_from(self, table: Table) -> "System":
+        """The system of another text in the same place. Raises ConfigError with all its faults."""
+        return built_system(table, self.name, self.folder)
+
     def with_tables(self, tables: Mapping[str, Any]) -> "System":
         """The same system drawn from other tables."""
         assert self.function is not None
         names = table_slots(self.function)
         network = self.function(**{name: table for name, table in tables.items() if name in names})
-        return replace(self, circuit=build_circuit(network), tables=tables)
+        return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A system travels to other processes as its text: its functions are written anew where it arrives."""
+        return _arrived, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
+
+
+def _arrived(table: Table, name: str, folder: Path, tables: Mapping[str, Any] | None) -> System:
+    found = built_system(table, name, folder)
+    return found if tables is None else found.with_tables(tables)
 
 
 def shipped() -> dict[str, str]:
@@ -180,34 +206,24 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         network, rows = draw_network(content, table, faults)
     if run is not None:
         rows += run[1]
-    circuit = None
-    if network is not None and not faults:
+    circuit = stepping = None
+    if network is not None and run is not None and not faults:
         try:
-            circuit = build_circuit(network)
+            circuit, stepping = build_circuit(network), run[0].stepping(method)
         except (NetworkError, ParameterError) as problem:
             faults.append(Fault(table.place, 0, "", str(problem)))
-    if faults or circuit is None or run is None:
+    if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(faults)
-    r = run[0]
-    stepping = Stepping(
-        until=r.until,
-        relative_tolerance=r.relative_tolerance,
-        sample_period=r.sample_period,
-        record_interval=r.record_interval,
-        window=r.window,
-        window_interval=r.window_interval,
-        longest_step=r.longest_step,
-        method=method,
-    )
     return System(
         name=name,
         title=str(table.content.get("title", name)),
         circuit=circuit,
         stepping=stepping,
-        average_from=r.average_from,
+        average_from=run[0].average_from,
         tables=values,
         rows=tuple(rows),
         content=table.content,
+        folder=folder,
         function=function,
     )
 
