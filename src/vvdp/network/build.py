@@ -15,10 +15,8 @@ from vvdp.network.classes import Classes
 from vvdp.network.functions import Functions
 from vvdp.network.network import Network
 from vvdp.network.nodes import Rod, Shaft
-from vvdp.network.nodes import Rod, Shaft
 from vvdp.network.paths import Places
 from vvdp.network.text import Text
-from vvdp.network.trial import check_law
 from vvdp.network.trial import check_law
 from vvdp.network.written_program import WrittenProgram
 from vvdp.simulation.model import Case, Model, no_mark, started_case
@@ -42,8 +40,6 @@ def build(network: Network) -> Circuit:
     """The circuit of a network. Raises NetworkError where its parts do not fit together."""
     if not network.parts:
         raise NetworkError("a network needs at least one component")
-    for part in network.parts.values():
-        check_law(part.component, part.values, network.oil)
     for part in network.parts.values():
         check_law(part.component, part.values, network.oil)
     places = Places(network)

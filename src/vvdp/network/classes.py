@@ -27,7 +27,7 @@ from vvdp.base.params import Params
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
-from vvdp.network.paths import Places, StartValue, flows_of, shown
+from vvdp.network.paths import Places, StartValue, averaged_flows, shown
 from vvdp.simulation.values import names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
@@ -74,7 +74,8 @@ class Classes:
             if isinstance(node, HydraulicNode):
                 _join(hints, name, {f"{name}_pressure": PressureTime})
         for part in self.network.parts.values():
-            fresh: dict[str, Any] = dict.fromkeys((f"{part.name}_{n}" for n in flows_of(part)), TankVolume)
+            flows = [f"{part.name}_{n}" for n in averaged_flows(part)]
+            fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume)
             fresh |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
             _join(hints, part.name, fresh)
         return named_tuple("Totals", hints)

@@ -219,7 +219,7 @@ def check_component(component: Component) -> None:
     if "flow" in fields and len(hydraulic) != 2:
         returned = "a Passage" if component.result is Passage else "a field 'flow'"
         raise NetworkError(
-            f"{name} returns {returned} and has {len(hydraulic)} hydraulic ports; expected two, or a field for each port"
+            f"{name} returns {returned} and has {len(hydraulic)} hydraulic ports; expected two, or a field each"
         )
     if component.is_passage and (twice := fields & set(hydraulic)):
         raise NetworkError(

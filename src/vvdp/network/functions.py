@@ -28,7 +28,7 @@ from vvdp.network.nodes import (
     Shaft,
     Tank,
 )
-from vvdp.network.paths import flows_of, paths_of, shown, signals_of, sources_of, takes_surplus
+from vvdp.network.paths import averaged_flows, paths_of, shown, signals_of, sources_of, takes_surplus
 from vvdp.network.text import PRESCRIBED, Text
 from vvdp.simulation.values import names
 
@@ -63,7 +63,7 @@ class Functions:
                 lines.append(f"surplus_{node} = {self.text.given(node, only=done)}")
             lines.append(f"{name} = {self.text.call(part, part.component.law)}")
             done.add(name)
-        lines += ["rates = State("]
+        lines += [*self._exchange(), "rates = State("]
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
         lines += ["outputs = Outputs(", *(f"    {name}={text}," for name, text in self._outputs()), ")"]
@@ -104,12 +104,20 @@ class Functions:
     def _books(self) -> Iterator[str]:
         yield from bracketed("supplied=Supplied", self.classes.supplied, self._supplied())
         yield from bracketed("spent=Spent", self.classes.spent, self._spent())
-        flows = [self._port_flow(name) for name, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)]
-        every = [flow for flows_here in flows for flow in flows_here]
-        for word, sign in (("taken_in", "-"), ("given_out", "")):
-            terms = [f"{self.text.use(maximum)}({flow if not sign else negative(flow)}, 0.0)" for flow in every]
-            yield f"{word}={' + '.join(terms) or '0.0'},"
+        yield "taken_in=taken_in,"
+        yield f"given_out={' + '.join(['taken_in', *(f'into_{name}' for name in self._prescribed)])},"
         yield from bracketed("totals=Totals", self.classes.totals, self._totals())
+
+    @property
+    def _prescribed(self) -> list[str]:
+        return [name for name, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)]
+
+    def _exchange(self) -> Iterator[str]:
+        """Lines that say what oil goes into tanks and sources, and how much of it comes out of them."""
+        yield from (f"into_{name} = {self.text.given(name)}" for name in self._prescribed)
+        flows = [flow for name in self._prescribed for flow in self._port_flow(name)]
+        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in flows]
+        yield f"taken_in = {' + '.join(terms) or '0.0'}"
 
     def _port_flow(self, node: str) -> list[str]:
         text = []
@@ -125,7 +133,7 @@ class Functions:
         found = {}
         for name, node in self.network.nodes.items():
             if isinstance(node, PRESCRIBED):
-                found[name] = f"-{name}.enthalpy * ({self.text.given(name)}){self._pushed(name, node)}"
+                found[name] = f"-{name}.enthalpy * into_{name}{self._pushed(name, node)}"
             elif isinstance(node, DrivenShaft):
                 found[name] = f"-{name}.speed * ({self.text.given(name)})"
         parts = (part for part in self.network.parts.values() if "supplied" in names(part.component.result))
@@ -161,7 +169,7 @@ class Functions:
             if isinstance(node, HydraulicNode)
         }
         for part in self.network.parts.values():
-            found |= {f"{part.name}_{name}": text for name, text in flows_of(part).items()}
+            found |= {f"{part.name}_{name}": text for name, text in averaged_flows(part).items()}
             found |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.averages}
         return found
 
@@ -220,7 +228,7 @@ class Functions:
 
     def stored(self) -> list[str]:
         """The function `stored`."""
-        lines, energies, volumes = [], [], []
+        lines, energies, held = list[str](), list[str](), list[str]()
         used = [p for p in self.network.parts.values() if p.component.walls or p.component.stored]
         joined = {
             p.nodes[a.name]
@@ -239,11 +247,13 @@ class Functions:
         for name, node in self.network.nodes.items():
             if isinstance(node, OilVolume):
                 lines.append(f"in_{name} = {self._content(name, node)}")
+                held.append(f"in_{name}")
             elif isinstance(node, Shaft | Rod):
                 speed = "speed" if isinstance(node, Shaft) else "velocity"
                 energies.append(f"0.5 * ({self._inertia(name, node)}) * s.{name}.{speed} ** 2")
-        lines += [f"in_{p.name} = {self.text.call(p, p.component.stored)}" for p in used if p.component.stored]
-        held = [line.partition(" = ")[0] for line in lines if line.startswith("in_")]
+        own = [p for p in used if p.component.stored]
+        lines += [f"in_{p.name} = {self.text.call(p, p.component.stored)}" for p in own]
+        held += [f"in_{p.name}" for p in own]
         energies, volumes = [f"{name}.energy" for name in held] + energies, [f"{name}.volume" for name in held]
         lines.append(f"energy = {' + '.join(energies) or '0.0'}")
         lines.append(f"return Stored(energy, {' + '.join(volumes) or '0.0'})")
@@ -325,8 +335,8 @@ class Functions:
             for path in paths_of(part.inputs[argument.name]) if argument.role is Role.INPUT else ():
                 if path.partition(".")[0] not in self.network.programs:
                     raise NetworkError(
-                        f"{part.name}.{argument.name}: {path!r} changes all the time, so that nobody knows when the part "
-                        "jumps next; expected a signal or a program's command"
+                        f"{part.name}.{argument.name}: {path!r} changes all the time, so that nobody knows when the "
+                        "part jumps next; expected a signal or a program's command"
                     )
 
     def _signal_paths(self) -> list[str]:

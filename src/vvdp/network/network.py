@@ -42,35 +42,9 @@ ROOM_TEMPERATURE = constant(313.15)
 """Temperature of the oil where none is given: 40 degC, at which data sheets give the density."""
 RESERVED = frozenset(
     (
-        "t",
-        "s",
-        "u",
-        "p",
-        "h",
-        "m",
-        "r",
-        "z",
-        "rates",
-        "books",
-        "start",
-        "held",
-        "medium",
-        "temperature",
-        "energy",
-        "oil",
-    )
-    + (
-        "state",
-        "outputs",
-        "params",
-        "command",
-        "values",
-        "total",
-        "transition",
-        "full_open",
-        "time",
-        "next_stop",
-        "check",
+        *("t", "s", "u", "p", "h", "m", "r", "z", "rates", "books", "start", "held", "medium", "temperature", "energy"),
+        *("oil", "state", "outputs", "params", "command", "values", "total", "transition", "full_open", "time"),
+        *("next_stop", "taken_in", "check"),
     )
 )
 NEARLY_VACUUM = 1e3
@@ -353,8 +327,8 @@ def _check_connection(name: str, connection: Connection) -> None:
     for source in connection.sources:
         if not isinstance(source, Signal | Params | str):
             raise NetworkError(
-                f"{name}: {source!r} cannot be an argument of {function.__name__}; expected a Signal (constant(...) for "
-                "a number), a path, or a parameter class"
+                f"{name}: {source!r} cannot be an argument of {function.__name__}; expected a Signal (constant(...) "
+                "for a number), a path, or a parameter class"
             )
 
 

@@ -290,6 +290,12 @@ def flows_of(part: Part) -> dict[str, str]:
     return {f"{port}_flow": f"{part.name}.{port}" for port in given}
 
 
+def averaged_flows(part: Part) -> dict[str, str]:
+    """Those flows whose means are kept: what goes into the first of several ports is what comes out of the others."""
+    found = flows_of(part)
+    return dict(list(found.items())[1:]) if len(found) > 1 else found
+
+
 def shown(part: Part) -> dict[str, tuple[str, Kind]]:
     """Names, texts and kinds of what a part shows: flows, outputs, torques and forces."""
     found = {name: (text, FLOW) for name, text in flows_of(part).items()}

@@ -33,7 +33,7 @@ PRESCRIBED = (Tank, PressureSource)
 WRITTEN = frozenset(
     (
         *("circuit", "conditions", "stored", "start", "stop", "mark", "t", "s", "u", "p", "h", "m", "r", "z", "np"),
-        *("rates", "outputs", "energy", "next_stop", "temperature", "medium", "program", "command"),
+        *("rates", "outputs", "energy", "next_stop", "taken_in", "temperature", "medium", "program", "command"),
         *("Books", "Stored", "NOTHING", "EMPTY_BOOKS"),
         *("State", "Outputs", "Supplied", "Spent", "Totals", "Held"),
     )
@@ -65,17 +65,19 @@ class Text:
 
     @cached_property
     def _taken(self) -> frozenset[str]:
-        """Names that the text gives to what is its own."""
+        """Names that the text gives to what is its own. Raises NetworkError where two would be the same."""
         net = self.network
-        found = {*WRITTEN, *net.nodes, *net.parts, *net.programs}
-        for name in net.nodes:
-            found |= {f"surplus_{name}", f"in_{name}", f"{name}_oil", f"medium_{name}_oil"}
-        for name in net.parts:
-            found |= {f"{name}_walls", f"in_{name}"}
+        own = {*net.nodes, *net.parts, *net.programs}
+        derived = {f"{word}_{name}" for name in net.nodes for word in ("surplus", "in", "into")}
+        derived |= {text for name in net.parts for text in (f"{name}_walls", f"in_{name}")}
+        if twice := own & derived:
+            raise NetworkError(f"{min(twice)!r} is what another name becomes in the text of the circuit; rename it")
+        found = {f"{name}_oil" for name in net.nodes} | {f"medium_{name}" for name in net.values}
+        found |= {f"medium_{name}_oil" for name in net.nodes}
         for name, program in net.programs.items():
             found |= {f"{word}_{name}" for word in ("measure", "trigger", "step", "begin")}
             found |= {field for read in program.sensors for field in (read, f"{read}_sensor")}
-        return frozenset(found | {f"medium_{name}" for name in net.values})
+        return frozenset({*WRITTEN, *own, *derived, *found})
 
     def source(self, source: Source, where: str, kind: Kind | None = None) -> str:
         """The expression of a source in the circuit, for what is of a `kind`."""

@@ -107,7 +107,8 @@ class Trial:
         law = [a.name for a in self.component.arguments if a.role is Role.PARAMS]
         if argument.name in law:
             return self.values[law.index(argument.name)]
-        return next(value for value in self.values if isinstance(value, argument.type))
+        found: Params = next(value for value in self.values if isinstance(value, argument.type))
+        return found
 
     def check(self, at: Instant) -> None:
         """Refuse what makes oil or power at an instant."""
@@ -128,8 +129,8 @@ class Trial:
             if not exchanged and loss < -EXACT * size:
                 what = f"its loss {name!r}" if name else "its loss"
                 raise NetworkError(
-                    f"{component.name}: {what} is {loss:.3g} W{_where(at)}; a sink cannot give power: is a pressure drop "
-                    "taken the wrong way round?"
+                    f"{component.name}: {what} is {loss:.3g} W{_where(at)}; a sink cannot give power: is a pressure "
+                    "drop taken the wrong way round?"
                 )
         if abs(sum(flows)) > accuracy * sum(map(abs, flows)):
             raise NetworkError(

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from vvdp.base.signal import Signal
+from vvdp.network.classes import flow_names
 from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
@@ -131,6 +132,9 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
         elif group == "supplied":
             found[f"power_{name}_W"] = value
     for part in system.circuit.network.parts.values():
+        first, *others = flow_names(part) or [""]
+        if others:
+            found[f"flow_mean_{first.removesuffix('_flow')}_m3_s"] = -sum(means[f"totals.{name}"] for name in others)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())
