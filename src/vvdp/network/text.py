@@ -52,7 +52,8 @@ class Text:
     def use(self, value: Any, name: str | None = None) -> str:
         """The name under which the text knows a function or class."""
         wanted = name or value.__name__
-        taken = {*self.network.nodes, *self.network.parts, *self.network.programs}
+        nodes, parts = self.network.nodes, self.network.parts
+        taken = {*nodes, *parts, *self.network.programs, *(f"surplus_{n}" for n in nodes), *(f"{n}_walls" for n in parts)}
         while wanted in taken or self.names.get(wanted, value) is not value:
             wanted += "_law" if callable(value) and not isinstance(value, type) else "_"
         self.names[wanted] = value
@@ -465,11 +466,14 @@ def folded(line: str) -> list[str]:
         return [line]
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
-    terms = divided(value, " + ")
-    if len(terms) > 1:
-        inner, opened, closed = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)], "(", ")"
+    terms, begin = divided(value, " + "), value.find("(")
+    is_product = len(terms) == 1 and " * (" in value[: begin + 1]
+    if is_product:
+        terms = divided(value[begin + 1 : -1], " + ")
+    if is_product or len(terms) > 1:
+        inner = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)]
+        opened, closed = value[: begin + 1] if is_product else "(", ")"
     else:
-        begin = value.find("(")
         inner = [f"{part}," for part in divided(value[begin + 1 : -1], ", ")]
         opened, closed = value[: begin + 1], ")"
     parts = [text for part in inner for text in folded(f"{space}    {part}")]
