@@ -33,7 +33,7 @@ class Balance:
 
     @property
     def energy_residual(self) -> float:
-        """(in - out - stored) over the throughput: every entry whatever its sign, but at least what the system holds."""
+        """(in - out - stored) over the throughput: all entries, whatever their sign, but at least what is held."""
         return _share(self.energy_in - self.energy_out - self.energy_stored, self.energy_throughput)
 
     @property

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from vvdp.base.signal import Signal
+from vvdp.network.classes import flow_names
 from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
@@ -45,7 +46,9 @@ def summary(system: System, run: Run) -> Summary:
     extras = system.extras
     if extras is None:
         return simulated
-    return simulated | extras.recorded(run) | extras.closed_forms(simulated)
+    recorded: Summary = extras.recorded(run)
+    closed: Summary = extras.closed_forms(simulated)
+    return simulated | recorded | closed
 
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
@@ -119,7 +122,9 @@ def _prescribed(pressure: object, means: dict[str, float], name: str) -> tuple[f
 def _part_numbers(run: Outcome, system: System) -> Summary:
     """Mean flows, losses and powers by component, and what its sources give."""
     means, found = _means(run), Summary()
-    hydraulic = {f"totals.{n}_pressure" for n, node in system.circuit.network.nodes.items() if isinstance(node, HydraulicNode)}
+    hydraulic = {
+        f"totals.{n}_pressure" for n, node in system.circuit.network.nodes.items() if isinstance(node, HydraulicNode)
+    }
     for path, value in means.items():
         group, _, name = path.partition(".")
         if group == "totals" and path not in hydraulic and name.endswith("_flow"):
@@ -127,14 +132,17 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
         elif group == "supplied":
             found[f"power_{name}_W"] = value
     for part in system.circuit.network.parts.values():
+        first, *others = flow_names(part) or [""]
+        if others:
+            found[f"flow_mean_{first.removesuffix('_flow')}_m3_s"] = -sum(means[f"totals.{name}"] for name in others)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())
         if "" not in losses:
             found |= {f"loss_{part.name}_{loss}_W": value for loss, value in losses.items()}
-    for name, group in system.circuit.network.groups.items():
-        found[f"flow_mean_{name}_m3_s"] = found[f"flow_mean_{group.parts[-1]}_m3_s"]
-        found[f"loss_{name}_W"] = sum(float(found[f"loss_{part}_W"]) for part in group.parts)
+    for whole, chain in system.circuit.network.groups.items():
+        found[f"flow_mean_{whole}_m3_s"] = found[f"flow_mean_{chain.parts[-1]}_m3_s"]
+        found[f"loss_{whole}_W"] = float(sum(found[f"loss_{part}_W"] for part in chain.parts))
     return found
 
 
