@@ -231,7 +231,7 @@ def counter(t, memory, reading, settings):
     return found, Shown(reading.row * settings.share, memory.count)
 
 
-def trigger(t, state, command, params):
+def trigger(t, state, command, params, settings):
     return 10.0 * t + command.held.level
 
 
@@ -348,6 +348,18 @@ def later(t, s, u, p):
 def test_a_signal_at_another_time_than_now():
     case = Case(Level(0.0), Driven(gain=0.0, drive=table((0.0, 1.0, 2.0), (3.0, 5.0, 1.0))))
     assert rates_of(link(Model(later), case), case, 0.7)[0] == signal_value(1.4, case.params.drive) + 3.0
+
+
+def test_a_signal_that_nobody_asks_for(tmp_path):
+    text = """
+        import numpy as np
+        from test_link import CASE, Driven, Level, link, rates_of, sound
+        from vvdp.base.signal import constant
+        from vvdp.simulation.model import Case, Model
+        case = Case(Level(1.0), Driven(gain=2.0, drive=constant(1.0)))
+        print(rates_of(link(Model(sound), case), case)[0])
+    """
+    assert run_python(text, Path(__file__).parent, tmp_path) == "-2.0\n"
 
 
 # What is compiled again, and what is not

@@ -17,8 +17,10 @@ from vvdp.base.signal import Signal
 from vvdp.network.classes import Classes
 from vvdp.network.functions import Functions
 from vvdp.network.network import Network
+from vvdp.network.nodes import Rod, Shaft
 from vvdp.network.paths import Places
 from vvdp.network.text import Text
+from vvdp.network.trial import check_law
 from vvdp.network.written_program import WrittenProgram
 from vvdp.simulation.model import Case, Model, no_mark, started_case
 
@@ -60,6 +62,8 @@ def build(network: Network) -> Circuit:
     """The circuit of a network. Raises NetworkError where its parts do not fit together."""
     if not network.parts:
         raise NetworkError("a network needs at least one component")
+    for part in network.parts.values():
+        check_law(part.component, part.values, network.oil)
     places = Places(network)
     classes = Classes(places)
     text = Text(places, classes)
@@ -79,7 +83,17 @@ def build(network: Network) -> Circuit:
         stop=module.stop,
     )
     settings = {program.name: program.settings for program in written}
-    return Circuit(network, model, started_case(model, classes.command, classes.values, settings), whole)
+    case = started_case(model, classes.command, classes.values, settings)
+    _check_inertias(network, case)
+    return Circuit(network, model, case, whole)
+
+
+def _check_inertias(network: Network, case: Case) -> None:
+    """Refuse what moves without a mass."""
+    for name, node in network.nodes.items():
+        if isinstance(node, Shaft | Rod) and not getattr(case.command.held, f"{name}_inertia") > 0.0:
+            what = "inertia" if isinstance(node, Shaft) else "mass"
+            raise NetworkError(f"{name} has no {what}; give it one, or join a component that has")
 
 
 def _classes_by_name(classes: Classes) -> dict[str, Any]:

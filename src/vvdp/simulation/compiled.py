@@ -12,7 +12,7 @@ from numba import extending, njit, types
 from numba.core import cgutils
 from numba.np.arrayobj import make_array, populate_array
 
-from vvdp.base.select import select
+from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.base.signal import changes_stop, changes_value, signal_stop, signal_value, sines_value
 
 intrinsic: Any = extending.intrinsic
@@ -235,3 +235,9 @@ def make_compilable(function: Callable[..., Any], form: Callable[..., Any] | Non
         overload(function, strict=False, jit_options=COMPILING)(eval(f"lambda {arguments}: form", {"form": form}))
     else:
         register_jitable(**COMPILING)(function)
+
+
+# Signals are worked out wherever there are some, also for functions that never ask for one.
+_own: tuple[Any, ...] = (*FORMS, minimum, maximum, clip)
+for _function in _own:
+    make_compilable(_function, None)
