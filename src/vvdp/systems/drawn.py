@@ -232,9 +232,9 @@ class Drawer:
     def _values(self, cls: type[Params], path: str, own: Mapping[str, Any]) -> Any:
         """The values of a node; what a source or a driven shaft prescribes may also be `{ from = "spool.speed" }`."""
         match own:
-            case {"pressure": {"from": str() as source}} if cls is SourceTable and len(own) == 1:
+            case {"pressure": {"from": str() as source, **rest}} if cls is SourceTable and not rest:
                 return SimpleNamespace(pressure=source)
-            case {"speed": {"from": str() as source}} if cls is DrivenShaftTable and len(own) == 1:
+            case {"speed": {"from": str() as source, **rest}} if cls is DrivenShaftTable and not rest:
                 return SimpleNamespace(speed=source)
         return self._table(cls, path, own)
 

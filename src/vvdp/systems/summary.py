@@ -6,8 +6,8 @@ from operator import attrgetter
 import numpy as np
 
 from vvdp.base.signal import Signal
-from vvdp.network.classes import flow_names
 from vvdp.network.nodes import HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.paths import flows_of
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
@@ -135,9 +135,10 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
         elif group == "supplied":
             found[f"power_{name}_W"] = value
     for part in system.circuit.network.parts.values():
-        first, *others = flow_names(part) or [""]
+        first, *others = flows_of(part) or [""]
         if others:
-            found[f"flow_mean_{first.removesuffix('_flow')}_m3_s"] = -sum(means[f"totals.{name}"] for name in others)
+            into_others = (means[f"totals.{part.name}_{name}"] for name in others)
+            found[f"flow_mean_{part.name}_{first.removesuffix('_flow')}_m3_s"] = -sum(into_others)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())
