@@ -166,6 +166,7 @@ ONLY_FORWARD = {
 NOT_IN_THE_LOOP = {
     "quasi_steady_cycle", "quasi_steady_mean", "mean_load_flow", "averaged_spool_speed", "operating_point",
     "range_warnings", "best_relief_pressure", "bearing_eccentricity", "specific_volume_exponent", "mean_modulus",
+    "pipe_parts",
     "modulus.compression_energy_per_volume", "modulus.compression_energy_per_mass",
 }  # fmt: skip
 # Refuse a value with an error, which only plain numbers can.
@@ -229,12 +230,18 @@ def components():
         directional_valve,
         flow_control_valve,
         flow_source,
+        friction,
         line,
+        motor,
         pilot_check_valve,
+        pipe,
         proportional_valve,
         reducing_valve,
+        rod,
         seat_valve,
+        shaft,
         switching_valve,
+        unsteady_friction,
     )
     from vvdp.valve import branch, geometry, torque
 
@@ -248,7 +255,7 @@ def components():
                     for cls in type(value).__mro__:
                         values.setdefault(cls, value)
     by_name = {c.__name__: v for c, v in values.items()}
-    oil, valve, vessel = by_name["Oil"], by_name["RotaryValve"], by_name["Vessel"]
+    oil, valve = by_name["Oil"], by_name["RotaryValve"]
     air = {"liquid_bulk_modulus": 1.4e9, "air_fraction": 0.01, "reference_pressure": 101325.0}
     polytropic = {**air, "polytropic_exponent": 1.3}
     made = [
@@ -259,15 +266,27 @@ def components():
         modulus.PolytropicAir(**polytropic),
         modulus.YuAir(**polytropic, dissolving_rate=1e-8),
         modulus.DissolvingAir(**polytropic, critical_pressure=1e7),
-        cylinder.Cylinder(
-            area_a=2e-3, area_b=1e-3, stroke=0.5, moving_mass=100.0, viscous_friction=2e3, coulomb_friction=100.0,
-            coulomb_velocity=0.01, stop_stiffness=1e7, stop_damping=1.0, chamber_a=vessel, chamber_b=vessel,
-        ),
         directional_valve.DirectionalValve(conductance=1e-7, overlap=0.05, transition_pressure=1e4, lag=0.01),
         proportional_valve.ProportionalValve(
             conductance=1e-7, leakage_conductance=1e-13, transition_pressure=1e4, lag=0.01
         ),
         line.Line(length=2.0, diameter=0.01),
+        pipe.TubeWall(diameter=0.02, wall_thickness=0.002, youngs_modulus=2e11),
+        cylinder.Plunger(area_a=2e-3, moving_mass=100.0),
+        cylinder.Cylinder(area_a=2e-3, area_b=1e-3, stroke=0.5, moving_mass=100.0, leakage_conductance=1e-13),
+        friction.RodFriction(
+            viscous_friction=2e3, coulomb_friction=50.0, breakaway_friction=80.0, stribeck_velocity=0.1,
+            coulomb_velocity=0.01,
+        ),
+        friction.ShaftFriction(shaft_damping=0.01, coulomb_torque=2.0, coulomb_speed=3.0),
+        motor.Motor(
+            displacement=5e-6, leakage_conductance=1e-12, shaft_damping=0.01, coulomb_torque=2.0, coulomb_speed=3.0,
+            inertia=0.02,
+        ),
+        rod.EndStop(lower_end=0.0, upper_end=0.5, stop_stiffness=1e7, stop_damping=1.0),
+        rod.Spring(stiffness=1e4, preload=50.0, rest_position=0.1),
+        rod.Weight(mass=100.0, slope=0.5),
+        shaft.TorsionSpring(torsional_stiffness=10.0, preload_torque=2.0, rest_angle=0.5),
         switching_valve.SwitchingValve(
             natural_frequency=200.0, damping_ratio=0.7, stroke=1e-3, lap=1e-4, full_area=1e-5
         ),
@@ -299,8 +318,8 @@ def components():
             branch.BranchLaw: lambda: branch.branch_law(870.0, valve),
             geometry.Openings: lambda: geometry.Openings(*map(float, rng.uniform(0.05, 1.0, 2))),
             geometry.PortShape: lambda: geometry.port_shape(valve),
-            cylinder.CylinderState: lambda: cylinder.CylinderState(
-                float(rng.uniform(-0.002, 0.502)), float(rng.uniform(-0.5, 0.5)), *map(float, rng.uniform(2e5, 2e7, 2))
+            unsteady_friction.LayeredState: lambda: unsteady_friction.LayeredState(
+                *map(float, rng.uniform(-1e-3, 1e-3, 6))
             ),
             switching_valve.SpoolState: lambda: switching_valve.SpoolState(
                 float(rng.uniform(-1e-4, 1.1e-3)), float(rng.uniform(-1.0, 1.0))

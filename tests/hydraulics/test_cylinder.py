@@ -15,7 +15,11 @@ REF = 101325.0
 RIG = Cylinder(area_a=20e-4, area_b=10e-4, stroke=0.3, moving_mass=100.0, leakage_conductance=1e-13)
 STOP = EndStop(lower_end=0.0, upper_end=0.3, stop_stiffness=2e7, stop_damping=2.0)
 FRICTION = RodFriction(
-    viscous_friction=2000.0, coulomb_friction=50.0, breakaway_friction=50.0, stribeck_velocity=1.0, coulomb_velocity=3e-3
+    viscous_friction=2000.0,
+    coulomb_friction=50.0,
+    breakaway_friction=50.0,
+    stribeck_velocity=1.0,
+    coulomb_velocity=3e-3,
 )
 
 
@@ -91,5 +95,5 @@ def test_contradictions_are_refused():
     for name in ("area_a", "area_b", "stroke"):
         with pytest.raises(ParameterError, match=name):
             Cylinder(**(values | {name: 0.0}))
-    with pytest.raises(ParameterError, match="Plunger.area_a"):
+    with pytest.raises(ParameterError, match=r"Plunger\.area_a"):
         Plunger(area_a=0.0, moving_mass=1.0)

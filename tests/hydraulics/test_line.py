@@ -8,11 +8,13 @@ from vvdp.base.errors import ParameterError
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.hydraulics.line import (
     Line,
+    flow_scale,
     inertance,
     line_energy,
     line_flow_rate,
     line_friction_drop,
     line_friction_power,
+    line_volume,
 )
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
 
@@ -47,21 +49,54 @@ def test_friction_grows_smoothly_through_the_transition():
     assert np.abs(np.diff(slopes)).max() < 0.01 * slopes.max()
 
 
-@given(Re=st.floats(-1e6, 1e6))
-def test_friction_only_takes(Re):
-    q = flow_at(Re)
-    assert line_friction_power(q, RHO, MU, LINE) >= 0.0
+@given(Re=st.floats(-1e6, 1e6), P_a=st.floats(1e3, 3e7), P_b=st.floats(1e3, 3e7))
+def test_friction_only_takes(oil, Re, P_a, P_b):
+    q, a, b = flow_at(Re), fluid_state(P_a, oil), fluid_state(P_b, oil)
+    assert line_friction_power(q, a, b, RHO, MU, LINE) >= 0.0
     assert line_friction_drop(-q, RHO, MU, LINE) == -line_friction_drop(q, RHO, MU, LINE)
 
 
-def test_a_line_speeds_up_with_the_enthalpy_difference():
-    up, down = FluidState(1e5, 0.99, 1e9, 3e5), FluidState(1e5, 1.0, 1e9, 1e5)
+def test_friction_can_be_left_out():
+    free = Line(length=1.0, diameter=0.01, wall_friction=0.0)
+    assert line_friction_drop(flow_at(1e4), RHO, MU, free) == 0.0
+    rough = Line(length=1.0, diameter=0.01, wall_friction=1.5)
+    for Re in (100.0, 1e4):
+        drop = line_friction_drop(flow_at(Re), RHO, MU, LINE)
+        assert line_friction_drop(flow_at(Re), RHO, MU, rough) == pytest.approx(1.5 * drop, rel=1e-14)
+
+
+def test_scale_and_rate_by_hand():
+    up, down = FluidState(1e5, 0.98, 1e9, 3e5), FluidState(1e5, 1.0, 1e9, 1e5)
+    assert flow_scale(up, down) == pytest.approx(np.sqrt(0.99), rel=1e-14)
     rate = line_flow_rate(0.0, up, down, RHO, MU, LINE)
-    assert rate == pytest.approx(2e5 / inertance(RHO, LINE), rel=1e-14)
-    steady = 2e5 * np.pi * 1e-8 / (128.0 * MU)  # laminar if the drop were 200 times smaller
-    assert line_flow_rate(steady / 200.0, up, FluidState(1e5, 1.0, 1e9, 2.99e5), RHO, MU, LINE) == pytest.approx(
-        0.0, abs=1e-12
-    )
+    assert rate == pytest.approx(2e5 / np.sqrt(0.99) / inertance(RHO, LINE), rel=1e-14)
+    # stiff oil, laminar: 1000 Pa of drop against 128 mu l/(pi d^4) z
+    z = 1e3 * np.pi * 1e-8 / (128.0 * MU)
+    up, down = FluidState(1e5, 1.0, 1e9, 3e5), FluidState(1e5, 1.0, 1e9, 2.99e5)
+    assert line_flow_rate(z, up, down, RHO, MU, LINE) == pytest.approx(0.0, abs=1e-12)
+    assert line_friction_power(z, up, down, RHO, MU, LINE) == pytest.approx(1e3 * z, rel=1e-13)
+
+
+@pytest.mark.parametrize("level", [64e5, 250e5])
+def test_a_small_swing_has_the_frequency_of_the_momentum(oil, level):
+    """Two volumes and a line without friction: I q' = dP gives omega^2 = beta nu (1/V1 + 1/V2)/I."""
+    V1, V2, free = 1e-3, 2e-3, Line(length=10.0, diameter=0.02, wall_friction=0.0)
+
+    def rates(y):
+        a, b = fluid_state(y[0], oil), fluid_state(y[1], oil)
+        q = y[2] / flow_scale(a, b)
+        z_rate = line_flow_rate(y[2], a, b, RHO, MU, free)
+        return np.array([closed_volume_rate(-q, 0.0, V1, a), closed_volume_rate(q, 0.0, V2, b), z_rate])
+
+    steps, middle = np.diag([1e3, 1e3, 1e-9]), np.array([level, level, 0.0])
+    slopes = np.array([(rates(middle + d) - rates(middle - d)) / (2.0 * d.sum()) for d in steps]).T
+    oil_there = fluid_state(level, oil)
+    momentum = oil_there.bulk_modulus * oil_there.volume_ratio * (1.0 / V1 + 1.0 / V2) / inertance(RHO, free)
+    assert np.abs(np.linalg.eigvals(slopes).imag).max() == pytest.approx(np.sqrt(momentum), rel=1e-6)
+
+
+def test_inside_and_column_by_hand():
+    assert line_volume(Line(length=10.0, diameter=0.02)) == pytest.approx(np.pi * 1e-3, rel=1e-14)
 
 
 def test_friction_is_free_of_units():
@@ -81,10 +116,10 @@ def test_books_of_two_volumes_and_a_line_close(oil):
     def rates(_, y):
         a, b = fluid_state(y[0], oil), fluid_state(y[1], oil)
         return [
-            closed_volume_rate(-y[2], 0.0, V1, a),
-            closed_volume_rate(y[2], 0.0, V2, b),
+            closed_volume_rate(-y[2] / flow_scale(a, b), 0.0, V1, a),
+            closed_volume_rate(y[2] / flow_scale(a, b), 0.0, V2, b),
             line_flow_rate(y[2], a, b, RHO, thin, LINE),
-            line_friction_power(y[2], RHO, thin, LINE),
+            line_friction_power(y[2], a, b, RHO, thin, LINE),
         ]
 
     run = solve_ivp(

@@ -21,7 +21,11 @@ from vvdp.hydraulics.shaft import TorsionSpring, torsion_energy, torsion_torque
 
 STOP = EndStop(lower_end=0.0, upper_end=0.3, stop_stiffness=2e7, stop_damping=2.0)
 FRICTION = RodFriction(
-    viscous_friction=2000.0, coulomb_friction=50.0, breakaway_friction=80.0, stribeck_velocity=0.01, coulomb_velocity=3e-3
+    viscous_friction=2000.0,
+    coulomb_friction=50.0,
+    breakaway_friction=80.0,
+    stribeck_velocity=0.01,
+    coulomb_velocity=3e-3,
 )
 
 

@@ -22,4 +22,4 @@ def drive_coupling(motor: ShaftSpeed, spool: ShaftSpeed, values: SpoolDrive) -> 
     return CouplingEffect(-torque, torque, coupling_loss(motor.speed, spool.speed, values))
 
 
-DRIVE_COUPLING = Component(drive_coupling, symbol="rotary_drive")
+DRIVE_COUPLING = Component(drive_coupling, symbol="coupling")

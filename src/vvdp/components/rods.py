@@ -8,8 +8,8 @@ from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Cylinder, Plunger, cylinder_force, plunger_force, wall_a, wall_b
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.friction import ExchangedPower, RodFriction, rod_friction_force
-from vvdp.hydraulics.ports import RodState, Wall
+from vvdp.hydraulics.friction import RodFriction, rod_friction_force
+from vvdp.hydraulics.ports import ExchangedPower, RodState, Wall
 from vvdp.hydraulics.rod import (
     EndStop,
     Spring,
@@ -154,9 +154,9 @@ def load_force(rod: RodState, force: Force) -> LoadEffect:
 
 
 CYLINDER = Component(cylinder, symbol="cylinder", walls=cylinder_walls, inertia=piston_mass)
-PLUNGER = Component(plunger, symbol="plunger", walls=plunger_walls, inertia=plunger_mass)
+PLUNGER = Component(plunger, symbol="spring_cylinder", walls=plunger_walls, inertia=plunger_mass)
 END_STOP = Component(end_stop, symbol="end_stop", stored=end_stop_stored)
 ROD_FRICTION = Component(rod_friction, symbol="friction")
 SPRING = Component(spring, symbol="spring", stored=spring_stored)
-WEIGHT = Component(weight, symbol="weight", stored=weight_stored, inertia=weight_mass)
+WEIGHT = Component(weight, symbol="mass", stored=weight_stored, inertia=weight_mass)
 LOAD_FORCE = Component(load_force, symbol="force")

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 from vvdp.base.books import Stored
 from vvdp.base.kinds import Power, Torque
-from vvdp.hydraulics.friction import ExchangedPower, ShaftFriction, shaft_friction_torque
-from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
+from vvdp.hydraulics.friction import ShaftFriction, shaft_friction_torque
+from vvdp.hydraulics.ports import ExchangedPower, ShaftSpeed, ShaftState
 from vvdp.hydraulics.shaft import Rotor, TorsionSpring, torsion_energy, torsion_torque
 from vvdp.network.component import Component
 
@@ -63,6 +63,6 @@ def load_torque(shaft: ShaftSpeed, torque: Torque) -> ShaftLoad:
 
 
 SHAFT_FRICTION = Component(shaft_friction, symbol="friction")
-ROTOR = Component(rotor, symbol="rotor", inertia=rotor_inertia)
+ROTOR = Component(rotor, symbol="inertia", inertia=rotor_inertia)
 TORSION_SPRING = Component(torsion_spring, symbol="spring", stored=torsion_spring_stored)
 LOAD_TORQUE = Component(load_torque, symbol="torque")

@@ -1,16 +1,10 @@
 """Friction of rods and shafts: viscous, dry, and the dry friction that falls from breaking away (Stribeck)."""
 
-from typing import Annotated
-
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Coupling, Force, Kind, Speed, Torque, Velocity, ViscousFriction
+from vvdp.base.kinds import Coupling, Force, Speed, Torque, Velocity, ViscousFriction
 from vvdp.base.params import Params
-
-EXCHANGED_POWER = Kind("exchanged power", "W", -1e9, 1e9, "5.6 kW")
-ExchangedPower = Annotated[float, EXCHANGED_POWER]
-"""Power that may go either way: what a load prescribed from outside gives or takes."""
 
 
 class RodFriction(Params):

@@ -5,6 +5,9 @@ from typing import Annotated, NamedTuple
 from vvdp.base.kinds import Angle, Density, DynamicViscosity, Flow, Kind, Position, Speed, Velocity, Volume
 
 SURPLUS = Kind("surplus flow", "m^3/s", -1.0, 1.0, "1 lpm")
+EXCHANGED_POWER = Kind("exchanged power", "W", -1e9, 1e9, "5.6 kW")
+ExchangedPower = Annotated[float, EXCHANGED_POWER]
+"""Power that may go either way, such as what a force from outside gives or takes."""
 Surplus = Annotated[float, SURPLUS]
 """What flows into the volume at a component's first port without that component, less what its walls give way
 [m^3/s at the pressure there]."""

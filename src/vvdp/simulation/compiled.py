@@ -24,9 +24,10 @@ class Signal(NamedTuple):
     """A signal in compiled code. An array in it would be counted wherever the parameters are handed on."""
 
     base: float
-    place: int  # address of its starts, durations, changes, amplitudes, frequencies and phases
-    changes: int
-    sines: int
+    place: float  # of its starts, durations, changes, amplitudes, frequencies and phases; 0 where it is constant
+    changes: float
+    sines: float
+    parameters: int  # address of the vector in which they are
 
 
 @intrinsic  # type: ignore[untyped-decorator]
@@ -88,29 +89,28 @@ def _store_tuple(vector: Any, place: int, values: Any) -> int:
     return place + len(values)
 
 
+# Not inlined: most signals are constant, and pass with one test of a number that is at hand.
 @register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
-def _changed(t: float, place: int, n: int) -> Any:
-    return changes_value(t, view(place, (n,)), view(place + 8 * n, (n,)), view(place + 16 * n, (n,)))
+def _moving(t: float, signal: Any) -> Any:
+    place, n, m = signal.parameters + 8 * int(signal.place), int(signal.changes), int(signal.sines)
+    changed = changes_value(t, view(place, (n,)), view(place + 8 * n, (n,)), view(place + 16 * n, (n,)))
+    place += 24 * n
+    swung = sines_value(t, view(place, (m,)), view(place + 8 * m, (m,)), view(place + 16 * m, (m,)))
+    return signal.base + changed + swung
 
 
 @register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
-def _swung(t: float, place: int, n: int) -> Any:
-    return sines_value(t, view(place, (n,)), view(place + 8 * n, (n,)), view(place + 16 * n, (n,)))
-
-
-@register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
-def _next_corner(t: float, place: int, n: int) -> Any:
+def _corner(t: float, signal: Any) -> Any:
+    place, n = signal.parameters + 8 * int(signal.place), int(signal.changes)
     return changes_stop(t, view(place, (n,)), view(place + 8 * n, (n,)))
 
 
 def _record_value(t: float, signal: Any) -> Any:
-    changed = _changed(t, signal.place, signal.changes) if signal.changes > 0 else 0.0
-    swung = _swung(t, signal.place + 24 * signal.changes, signal.sines) if signal.sines > 0 else 0.0
-    return signal.base + changed + swung
+    return _moving(t, signal) if signal.place > 0.0 else signal.base + 0.0
 
 
 def _record_stop(t: float, signal: Any) -> Any:
-    return _next_corner(t, signal.place, signal.changes) if signal.changes > 0 else np.inf
+    return _corner(t, signal) if signal.place > 0.0 else np.inf
 
 
 def _is_record(signal: Any) -> bool:

@@ -109,7 +109,10 @@ class Hashed:
         """Compiles the module and lets others find its function by its symbol."""
         import llvmlite.binding as llvm
 
-        llvm.add_symbol(symbol(self.digest), self.module(cache, say).exported.address)
+        (result,) = self.module(cache, say).exported.overloads.values()
+        # The entry that Numba makes for calls by pointer: plain C, and compiled already.
+        place = result.library.get_pointer_to_function(result.fndesc.llvm_cfunc_wrapper_name)
+        llvm.add_symbol(symbol(self.digest), place)
 
     def _prepare(self) -> None:
         from vvdp.simulation.compiled import make_compilable

@@ -81,7 +81,7 @@ def events_part(model: Model, case: Case) -> Part:
 def conditions_part(conditions: Callable[..., Any], case: Case) -> Part:
     """exported(t, p, c), with addresses for vectors"""
     a = _Arguments(case)
-    lines = [_cfunc(2, "exported(t, p_place, c_place)"), "    p, c = vector(p_place), vector(c_place)"]
+    lines = [_outside(2, "exported(t, p_place, c_place)"), "    p, c = vector(p_place), vector(c_place)"]
     lines += [f"    held_from = int(p[{a.held}])", f"    value = conditions(t, {a.params})"]
     write(case.command.held, "value", "c", Place(0, "held_from"), lines)
     return Part(_source(a.classes, lines), {"conditions": conditions}, a.classes)
@@ -91,7 +91,7 @@ def measure_part(model: Model, program: Program, case: Case) -> tuple[Part, int]
     """exported(t, y, u, p, r), with addresses for vectors, and how many numbers it writes to `r`."""
     a, reading = _Arguments(case), example_reading(model, program, case)
     called = {"measure": program.measure}
-    lines = [_cfunc(4, "exported(t, y_place, u_place, p_place, r_place)")]
+    lines = [_outside(4, "exported(t, y_place, u_place, p_place, r_place)")]
     lines.append("    y, u, p, r = vector(y_place), vector(u_place), vector(p_place), vector(r_place)")
     lines += [*a.lines, f"    state, command, params = {a.state}, {a.command}, {a.params}", "    outputs = 0.0"]
     if needs_outputs(program.measure):
@@ -111,7 +111,7 @@ def step_part(model: Model, name: str, case: Case) -> Part:
     shapes, end = Place(block.offset + 2, "k"), Place(0, "m_from")
     memory = numbers(case.memory[name], "m", end, shapes, lines, classes)
     reading = told(example_reading(model, program, case), "r", Place(), lines, classes)
-    head = [_cfunc(4, "exported(t, m_place, r_place, p_place, c_place, k)", ", int64")]
+    head = [_outside(4, "exported(t, m_place, r_place, p_place, c_place, k)", ", int64")]
     head.append("    m, r, p, c = vector(m_place), vector(r_place), vector(p_place), vector(c_place)")
     lines = [*head, *begins, *lines, f"    memory, command = step(t, {memory}, {reading}, {settings})"]
     if hasattr(case.command, name):
@@ -170,9 +170,9 @@ def _njit(result: str, vectors: int, signature: str) -> str:
     return f"@njit({kinds}, cache=True, error_model='numpy')\ndef {signature}:"
 
 
-def _cfunc(places: int, signature: str, more: str = "") -> str:
+def _outside(places: int, signature: str, more: str = "") -> str:
     kinds = f"void(float64, {', '.join(['intp'] * places)}{more})"
-    return f"@cfunc({kinds}, cache=True, error_model='numpy')\ndef {signature}:"
+    return f"@njit({kinds}, cache=True, error_model='numpy')\ndef {signature}:"
 
 
 def _source(classes: Classes, lines: Sequence[str]) -> str:

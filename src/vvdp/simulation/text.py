@@ -32,7 +32,7 @@ class Classes:
             "from collections import namedtuple",
             "",
             "import numpy as np",
-            "from numba import cfunc, float64, int64, intp, njit, types, void",
+            "from numba import float64, int64, intp, njit, types, void",
             "",
             "from vvdp.simulation.compiled import Signal, address, store, vector, view",
             "",
@@ -54,8 +54,7 @@ class Place:
 def parameters(value: Any, place: Place, classes: Classes) -> str:
     """Source that makes `value` from its block of the parameters `p`; `place` is moved behind it."""
     if isinstance(value, Signal):
-        base, at, changes, sines = (_number("p", place) for _ in range(SIGNAL_SLOTS))
-        return f"Signal({base}, address(p) + 8 * int({at}), int({changes}), int({sines}))"
+        return f"Signal({', '.join(_number('p', place) for _ in range(SIGNAL_SLOTS))}, address(p))"
     if inner := names(value):
         parts = [parameters(getattr(value, name), place, classes) for name in inner]
         return f"{classes.name(type(value))}({', '.join(parts)})"
