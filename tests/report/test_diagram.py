@@ -350,6 +350,18 @@ def test_a_symbol_takes_any_ports(symbol):
     assert len({wire.points[0] for wire in made.wires}) == 4
 
 
+def test_a_switching_valve_knows_whether_it_diverts_or_selects():
+    ports = {"pressure": "common", "first": "other", "second": "tank"}
+    for source, diverts in (("common", True), ("other", False)):
+        nodes = (Node("common", V), Node("other", V), TANK)
+        parts = (
+            Part("pump", "pump", {"inlet": "tank", "outlet": source}),
+            Part("switch", "switching_valve_3_2", ports),
+        )
+        rails = {rail.node: rail.y for rail in laid_out(Graph("Switch", nodes, parts)).rails}
+        assert (rails["common"] > rails["other"]) is diverts
+
+
 def test_flow_goes_up_and_to_the_right():
     made = laid_out(prototype())
     y = {rail.node: rail.y for rail in made.rails}

@@ -8,7 +8,7 @@ from vvdp.report.blocks import Beside, Block, Piece, piece
 from vvdp.report.layers import Stand, node_levels, stands
 from vvdp.report.leads import Point
 from vvdp.report.symbol import Side, Symbol
-from vvdp.report.symbol_set import LONELY, NODES, Fitted, fitted
+from vvdp.report.symbol_set import LONELY, NODES, Fitted, fitted, is_source
 
 SPACE, ROW = 20.0, 12.0
 """Space between the symbols of a chain, along it and between its rows [px]."""
@@ -38,7 +38,10 @@ class Setting:
 def setting(graph: Graph, texts: Callable[[str], tuple[str, ...]]) -> Setting:
     """The symbols of a graph's components and the levels of its nodes; `texts` gives the label of a part."""
     kinds = {node.name: node.kind for node in graph.nodes}
-    fits = {component.name: fitted(component, kinds) for component in graph.components}
+    fed = frozenset(name for name, kind in kinds.items() if kind is NodeKind.PRESSURE) | {
+        node for component in graph.components if is_source(component.symbol) for node in component.ports.values()
+    }
+    fits = {component.name: fitted(component, kinds, fed) for component in graph.components}
     return Setting(graph, texts, fits, node_levels(graph, fits), kinds)
 
 
@@ -166,8 +169,9 @@ class Chain:
         return Block(tuple(self.pieces), tuple(self.links), band, column)
 
     def _position(self, name: str) -> tuple[float, float] | None:
-        parts = (*self.given.graph.nodes, *self.given.graph.components)
-        return next((part.position for part in parts if part.name == name), None)
+        graph = self.given.graph
+        nodes, components = {n.name: n.position for n in graph.nodes}, {c.name: c.position for c in graph.components}
+        return {**nodes, **components}.get(name)
 
     def _node(self, name: str) -> None:
         if name in self.done:

@@ -81,6 +81,19 @@ def spring_cylinder() -> Symbol:
     return Symbol((-60, -18, 78, 30), body + rod, {"cap": Terminal(-51, 30, Side.BOTTOM)}, (None, 78))
 
 
+def plunger() -> Symbol:
+    """A single-acting cylinder with a plunger."""
+    drawn = pipe((42, -11), (42, -18), (-60, -18), (-60, 18), (42, 18), (42, 11)) + box(-20, -11, 78, 11)
+    drawn += pipe((-51, 18), (-51, 30))
+    return Symbol((-60, -18, 78, 30), drawn, {"cap": Terminal(-51, 30, Side.BOTTOM)}, (None, 78))
+
+
+def weight() -> Symbol:
+    """A mass that gravity pulls."""
+    drawn = box(-26, -20, 26, 20) + arrow((14, -12), (14, 13), 8)
+    return Symbol((-26, -20, 26, 20), drawn, {}, (-26, 26), ((-7, 0, "m", 15.0),))
+
+
 def mass() -> Symbol:
     """A mass that slides."""
     return Symbol((-26, -20, 26, 20), box(-26, -20, 26, 20), {}, (-26, 26), ((0, 0, "m", 16.0),))

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 
 from vvdp.network.graph import GraphComponent, NodeKind
@@ -77,6 +78,10 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
         "cylinder": _CYLINDER,
         "spring_cylinder": Entry(machine.spring_cylinder, "A"),
         "spring_chamber": Entry(machine.spring_cylinder, "A"),
+        "plunger": Entry(machine.plunger, "A"),
+        "weight": Entry(machine.weight, "G"),
+        "rotor": Entry(machine.inertia, "J"),
+        "rotary_drive": Entry(machine.coupling, "K"),
         "electric_motor": Entry(machine.electric_motor, "M"),
         "mass": Entry(machine.mass, "G"),
         "inertia": Entry(machine.inertia, "J"),
@@ -89,7 +94,14 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
         "coupling": Entry(machine.coupling, "K"),
     }
 )
+SELECTOR: Mapping[str, str] = MappingProxyType({"pressure": "A", "first": "P", "second": "T"})
+DIVERTER: Mapping[str, str] = MappingProxyType({"pressure": "P", "first": "A", "second": "T"})
+"""Terminals of a 3/2 valve that joins `pressure` to `first` or `second`, where these feed it or it feeds them."""
 UNKNOWN_LETTER = "U"
+HELD_BETWEEN: Mapping[Callable[[], Symbol], Callable[[], Symbol]] = MappingProxyType(
+    {machine.spring: partial(machine.spring, grounded=False), machine.damper: partial(machine.damper, grounded=False)}
+)
+"""How a spring and a damper look between two rods or shafts."""
 
 MEANT: Mapping[str, str] = MappingProxyType(
     {
@@ -126,8 +138,13 @@ def entry(symbol: str) -> Entry | None:
     return CATALOGUE.get(re.sub(r"[^a-z0-9]+", "_", symbol.lower()).strip("_"))
 
 
-def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind]) -> Fitted:
-    """The symbol of a component, with a terminal for every port; `kinds` are those of the nodes by name.
+def is_source(symbol: str) -> bool:
+    """Whether it delivers flow."""
+    return entry(symbol) in (_PUMP, _FLOW)
+
+
+def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind], fed: frozenset[str] = frozenset()) -> Fitted:
+    """The symbol of a component, with a terminal for every port; `kinds` are those of the nodes, `fed` have a source.
 
     A few ports that a symbol does not know join at its left side; with more, or without a symbol, it is a box.
     """
@@ -137,16 +154,17 @@ def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind]) -> Fitted:
     if found is None:
         symbol = generic(component.symbol, lines)
         return Fitted(symbol, {port: port for port in lines}, links)
-    symbol = found.draw()
-    if len(links) > 1 and found.draw in (machine.spring, machine.damper):
-        symbol = found.draw(grounded=False)  # type: ignore[call-arg]
-    names = _assigned(lines, symbol)
+    symbol = HELD_BETWEEN[found.draw]() if len(links) > 1 and found.draw in HELD_BETWEEN else found.draw()
+    names: Mapping[str, str] = _assigned(lines, symbol)
+    if found is _SWITCH_3 and {*lines} == {*SELECTOR}:
+        diverts = component.ports["pressure"] in fed or component.ports["first"] not in fed
+        symbol, names = (valve.diverter_3_2(), DIVERTER) if diverts else (symbol, SELECTOR)
     extra = [port for port in lines if port not in names]
     x0, _, x1, y1 = symbol.box
     if extra and (not symbol.terminals or 10.0 * len(extra) > y1 - 5.0):
         return Fitted(generic(component.symbol, lines), {port: port for port in lines}, links)
     more = {f"port {port}": Terminal(x0, 10.0 * (i + 1), Side.LEFT) for i, port in enumerate(extra)}
-    names |= {port: f"port {port}" for port in extra}
+    names = {**names} | {port: f"port {port}" for port in extra}
     axis = (x0, x1) if links and symbol.axis == (None, None) else symbol.axis
     return Fitted(replace(symbol, terminals={**symbol.terminals, **more}, axis=axis), names, links)
 
@@ -155,7 +173,7 @@ def _assigned(lines: Mapping[str, NodeKind], symbol: Symbol) -> dict[str, str]:
     """Port -> terminal: by name, then tanks to the tank's terminals, then in order as long as terminals last."""
     free, names = list(symbol.terminals), dict[str, str]()
     single = [port for port, kind in lines.items() if kind is not NodeKind.TANK]
-    if "suction" in free and len(single) == 1:
+    if "suction" in free and len(single) == len(lines) == 1:
         names[single[0]] = "outlet"
         free.remove("outlet")
 

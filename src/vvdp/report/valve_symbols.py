@@ -1,9 +1,9 @@
 """Symbols of valves and resistances in the manner of ISO 1219-1, each about its centre, flow from bottom to top."""
 
-from vvdp.report.symbol import Side, Symbol, Terminal
-from vvdp.report.symbols import arrow, arrow_head, blocked, pipe, rotary_drive, rotary_valve_body, set_position, spring
+from dataclasses import replace
 
-THIN = ' stroke-width="1.3"'
+from vvdp.report.symbol import Side, Symbol, Terminal
+from vvdp.report.symbols import arrow, blocked, pipe, rotary_drive, rotary_valve_body, set_position, spring
 
 
 def box(x0: float, y0: float, x1: float, y1: float) -> str:
@@ -124,6 +124,16 @@ def valve_3_2() -> Symbol:
     return Symbol((-98, -34, 52, 34), drawn, terminals, letters=letters)
 
 
+def diverter_3_2() -> Symbol:
+    """A 3/2 switching valve that sends one line to a load, and to the tank at rest."""
+    boxes = box(-76, -22, -26, 22) + box(-26, -22, 26, 22)
+    rest = pipe((-13, 22), (-13, 2), (13, 2), (13, 14)) + arrow((13, 2), (13, 22), 8) + blocked(-13, -22, up=False)
+    on = arrow((-63, 22), (-63, -22)) + blocked(-37, 22, up=True)
+    lines = pipe((-13, 22), (-13, 34)) + pipe((13, 22), (13, 34)) + pipe((-13, -22), (-13, -34))
+    drawn = boxes + rest + on + lines + _solenoid(-98) + spring(26, 52, 0)
+    return replace(valve_3_2(), svg=drawn)
+
+
 def valve_4_3() -> Symbol:
     """A 4/3 proportional directional valve, closed in its middle."""
     boxes = box(-84, -22, -28, 22) + box(-28, -22, 28, 22) + box(28, -22, 84, 22)
@@ -171,8 +181,3 @@ def hose() -> Symbol:
     curve = '<path d="M -44 0 Q 0 36 44 0"/><circle cx="-44" cy="0" r="3.2"/><circle cx="44" cy="0" r="3.2"/>'
     ends = {"inlet": Terminal(-44, 0, Side.LEFT), "outlet": Terminal(44, 0, Side.RIGHT)}
     return Symbol((-44, -9, 44, 20), curve, ends)
-
-
-def pressure_head(x: float, y: float) -> str:
-    """A small arrow head pointing up, with its tip at (x, y)."""
-    return arrow_head(x, y, (0, -1), 8)
