@@ -10,9 +10,8 @@ from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
+from vvdp.systems.extras import Summary as Summary
 from vvdp.systems.system import System
-
-Summary = dict[str, float | bool]
 
 CAVITATION_PRESSURE = 3e4
 """Below which oil is held to cavitate where a system says nothing else [Pa, absolute]."""

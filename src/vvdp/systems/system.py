@@ -20,6 +20,7 @@ from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
 from vvdp.systems.circuits import NetworkFunction, TableSlot, circuit_names, network_function, table_slots
 from vvdp.systems.drawn import draw_network
+from vvdp.systems.extras import Extras
 
 HEADINGS = ("title", "circuit")
 DRAWN = ("nodes", "components")
@@ -70,10 +71,17 @@ class System:
         return self.circuit.case
 
     @cached_property
-    def extras(self) -> Any:
+    def extras(self) -> Extras | None:
         """What the system brings along beyond others; None where that is nothing."""
         found = self.circuit.network.extras
         return None if found is None else found(self)
+
+    @property
+    def circuit_name(self) -> str:
+        """What the file names as its circuit; where it draws it itself, how many parts it has."""
+        network = self.circuit.network
+        count = f"{len(network.nodes)} nodes, {len(network.parts)} components"
+        return str(self.content.get("circuit", f"drawn, {count}"))
 
     @property
     def assumed(self) -> tuple[Sourced, ...]:
