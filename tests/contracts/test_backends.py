@@ -166,7 +166,6 @@ ONLY_FORWARD = {
 NOT_IN_THE_LOOP = {
     "quasi_steady_cycle", "quasi_steady_mean", "mean_load_flow", "averaged_spool_speed", "operating_point",
     "range_warnings", "best_relief_pressure", "bearing_eccentricity", "specific_volume_exponent", "mean_modulus",
-    "pipe_parts",
     "modulus.compression_energy_per_volume", "modulus.compression_energy_per_mass",
 }  # fmt: skip
 # Refuse a value with an error, which only plain numbers can.

@@ -7,7 +7,16 @@ from scipy.special import jv
 from vvdp.base.errors import ParameterError
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.hydraulics.line import Line, flow_scale, inertance, line_flow_rate, line_friction_drop
-from vvdp.hydraulics.pipe import LinePipe, TubeWall, pipe_parts, sound_speed, wall_compliance
+from vvdp.hydraulics.pipe import (
+    LinePipe,
+    TubeWall,
+    end_piece,
+    inner_piece,
+    piece_rate,
+    piece_stored,
+    sound_speed,
+    wall_compliance,
+)
 from vvdp.hydraulics.unsteady_friction import (
     LAYER_RATES,
     LAYER_WEIGHTS,
@@ -17,7 +26,7 @@ from vvdp.hydraulics.unsteady_friction import (
     layered_power,
     layered_rate,
 )
-from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored, pressure_rate
+from vvdp.hydraulics.volume import Vessel, closed_volume_rate, closed_volume_stored, pressure_rate, stored
 
 RHO, MU = 876.0, 0.04
 HOSE = LinePipe(length=10.0, diameter=0.02, hose_compliance=0.0, wall_friction=0.0)
@@ -30,12 +39,12 @@ def slopes_of(rates, middle, steps):
 
 def first_mode(pipe, end_volume, oil, level=64e5, density=RHO):
     """Frequency [Hz] of the first swing between two equal volumes through a pipe in pieces, from the formulas."""
-    n, parts = int(pipe.pieces), pipe_parts(pipe)
+    n = int(pipe.pieces)
 
     def rates(y):
         P, z = y[: n + 2], y[n + 2 :]
         fluids = [fluid_state(p, oil) for p in P]
-        columns = [parts.end, *[parts.inner] * (n - 1), parts.end]
+        columns = [end_piece(pipe), *[inner_piece(pipe)] * (n - 1), end_piece(pipe)]
         q, out = [0.0], []
         for i, line in enumerate(columns):
             q.append(z[i] / flow_scale(fluids[i], fluids[i + 1]))
@@ -44,9 +53,7 @@ def first_mode(pipe, end_volume, oil, level=64e5, density=RHO):
         net = -np.diff(q)
         first = closed_volume_rate(net[0], 0.0, end_volume, fluids[0])
         last = closed_volume_rate(net[-1], 0.0, end_volume, fluids[-1])
-        inside = [
-            pressure_rate(net[i], 0.0, P[i], fluids[i], parts.vessel, oil.reference_pressure) for i in range(1, n + 1)
-        ]
+        inside = [piece_rate(net[i], fluids[i], pipe, oil.reference_pressure) for i in range(1, n + 1)]
         return np.array([first, *inside, last, *out])
 
     middle = np.array([level] * (n + 2) + [0.0] * (n + 1))
@@ -90,11 +97,23 @@ def test_default_pieces_hold_the_first_mode_to_a_fifth_of_a_percent(oil, level, 
     )
 
 
-def test_parts_add_up():
-    parts = pipe_parts(with_pieces(4, length=2.0))
-    assert 2.0 * parts.end.length + 3.0 * parts.inner.length == pytest.approx(2.0, rel=1e-14)
-    assert 4.0 * parts.vessel.oil_volume == pytest.approx(0.25 * np.pi * 4e-4 * 2.0, rel=1e-14)
-    assert parts.end.wall_friction == parts.inner.wall_friction == 0.0
+def test_pieces_add_up(oil):
+    pipe = with_pieces(4, length=2.0)
+    assert 2.0 * end_piece(pipe).length + 3.0 * inner_piece(pipe).length == pytest.approx(2.0, rel=1e-14)
+    assert 4.0 * piece_stored(oil.reference_pressure, oil, pipe).volume == pytest.approx(0.25 * np.pi * 4e-4 * 2.0, rel=1e-14)
+    assert end_piece(pipe).wall_friction == inner_piece(pipe).wall_friction == 0.0
+
+
+def test_a_piece_is_a_vessel_without_gas(oil):
+    pipe = with_pieces(4, length=2.0, hose_compliance=3e-10)
+    vessel = Vessel(
+        oil_volume=0.25 * np.pi * 4e-4 * 0.5, hose_compliance=3e-10, gas_volume=0.0, precharge_pressure=0.0, gas_exponent=1.4
+    )
+    for pressure in (5e4, 1e6, 2.5e7):
+        fluid = fluid_state(pressure, oil)
+        expected = pressure_rate(1e-4, 0.0, pressure, fluid, vessel, oil.reference_pressure)
+        assert piece_rate(1e-4, fluid, pipe, oil.reference_pressure) == pytest.approx(expected, rel=1e-14)
+        assert piece_stored(pressure, oil, pipe) == pytest.approx(stored(pressure, oil, vessel), rel=1e-12)
 
 
 def test_tube_by_hand():

@@ -21,7 +21,9 @@ from vvdp.components.controlled_valves import (
 from vvdp.components.directional_valves import DIRECTIONAL_VALVE, THROTTLED_DIRECTIONAL_VALVE
 from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.flow_sources import FLOW_SOURCE
+from vvdp.components.lines import LINE
 from vvdp.components.machines import MOTOR, PUMP
+from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_FRICTION, SPRING, WEIGHT
 from vvdp.components.self_acting_valves import (
@@ -43,6 +45,7 @@ from vvdp.components.switching_valves import (
 )
 from vvdp.components.unloading import UNLOADING
 from vvdp.fluid.oil import Oil
+from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
 from vvdp.network.program import ProgramType
 
@@ -63,7 +66,7 @@ class UsualOil(Oil):
     reference_pressure: Pressure = 101325.0
 
 
-def _by_name(*components: Component) -> Mapping[str, Component]:
+def _by_name(*components: Component | Assembly) -> Mapping[str, Component | Assembly]:
     return {component.name.replace("_", "-"): component for component in components}
 
 
@@ -77,6 +80,8 @@ COMPONENTS = _by_name(
     FLOW_CONTROL_VALVE,
     FLOW_SOURCE,
     LAMINAR_GAP,
+    LAYERED_PIPE,
+    LINE,
     LOAD_FORCE,
     LOAD_TORQUE,
     METERING_VALVE,
@@ -85,6 +90,7 @@ COMPONENTS = _by_name(
     MOTOR,
     ORIFICE,
     PILOT_CHECK_VALVE,
+    PIPE,
     PLUNGER,
     PROPORTIONAL_VALVE,
     PULSED_SWITCHING_VALVE,

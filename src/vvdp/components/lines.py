@@ -57,7 +57,7 @@ def column(a: FluidState, b: FluidState, state: LineState, medium: Medium, value
     """A column of oil from a to b: its inertia and wall friction, *not* its volume.
 
     Its oil belongs to the volumes at its ends, which their values have to say; `line` sees to that itself. For pieces
-    of a longer line; see `pipe_parts`.
+    of a longer line; see `components.pipe`.
     """
     return LineEffect(
         flow=state.flow / flow_scale(a, b),

@@ -1,5 +1,7 @@
 """Line: a column of oil with inertia and wall friction between two volumes."""
 
+from typing import Protocol
+
 import numpy as np
 
 from vvdp.base.errors import ParameterError
@@ -10,6 +12,17 @@ from vvdp.fluid.mixture import FluidState
 
 LAMINAR_UP_TO = 2300.0
 TURBULENT_FROM = 4000.0
+
+
+class RoundLine(Protocol):
+    """What the formulas need to know of a line, or of a piece of one."""
+
+    @property
+    def length(self) -> Length: ...
+    @property
+    def diameter(self) -> Length: ...
+    @property
+    def wall_friction(self) -> Ratio: ...
 
 
 class Line(Params):
@@ -26,7 +39,7 @@ class Line(Params):
             )
 
 
-def line_volume(line: Line) -> float:
+def line_volume(line: RoundLine) -> float:
     """Volume inside a line [m^3]: pi d^2 l/4.
 
     Source  ours, docs/models/components.md
@@ -34,7 +47,7 @@ def line_volume(line: Line) -> float:
     return 0.25 * np.pi * line.diameter**2 * line.length
 
 
-def inertance(density: float, line: Line) -> float:
+def inertance(density: float, line: RoundLine) -> float:
     """Inertance of a line [Pa s^2/m^3]: rho l/A.
 
     density  of the oil at the tank [kg/m^3]
@@ -57,7 +70,7 @@ def flow_scale(a: FluidState, b: FluidState) -> float:
     return scale
 
 
-def line_flow_rate(flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: Line) -> float:
+def line_flow_rate(flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine) -> float:
     """Rate of the flow of a line [m^3/s^2]: I z' = (h_a - h_b)/sigma - sigma dp_f(sigma z).
 
     Its kinetic energy I z^2/2, friction and q (h_a - h_b) balance exactly; a small wave has the momentum I q' = dP.
@@ -74,7 +87,7 @@ def line_flow_rate(flow: float, a: FluidState, b: FluidState, density: float, vi
     return ((a.enthalpy - b.enthalpy) / sigma - sigma * drop) / inertance(density, line)
 
 
-def line_friction_drop(flow: float, density: float, viscosity: float, line: Line) -> float:
+def line_friction_drop(flow: float, density: float, viscosity: float, line: RoundLine) -> float:
     """Pressure that wall friction takes from a steady flow [Pa], signed like the flow.
 
     128 mu l Q/(pi d^4), laminar, times a factor that goes smoothly from 1 at Re 2300 to that of Blasius,
@@ -95,7 +108,7 @@ def line_friction_drop(flow: float, density: float, viscosity: float, line: Line
 
 
 def line_friction_power(
-    flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: Line
+    flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine
 ) -> float:
     """Power that wall friction in a line turns to heat [W]: Q dp_f(Q), Q = sigma z, never negative.
 
@@ -110,7 +123,7 @@ def line_friction_power(
     return sigma * flow * line_friction_drop(sigma * flow, density / sigma**2, viscosity, line)
 
 
-def line_energy(flow: float, density: float, line: Line) -> float:
+def line_energy(flow: float, density: float, line: RoundLine) -> float:
     """Kinetic energy of the column in a line [J]: I z^2/2.
 
     flow     z; see `flow_scale` [m^3/s]

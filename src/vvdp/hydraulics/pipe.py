@@ -4,12 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.books import Stored
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import BulkModulus, Compliance, Count, Length, Ratio
 from vvdp.base.params import Params
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.line import Line, line_volume
-from vvdp.hydraulics.volume import Vessel
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.line import line_volume
+from vvdp.hydraulics.volume import closed_volume_stored
 
 
 class LinePipe(Params):
@@ -48,12 +50,12 @@ class TubeWall(Params):
             )
 
 
-class PipeParts(NamedTuple):
-    """A pipe divided: end, vessel, inner, vessel, inner ... vessel, end, from port to port."""
+class PipePiece(NamedTuple):
+    """A column of a pipe's oil between two of its volumes, or between one and an end."""
 
-    end: Line
-    inner: Line
-    vessel: Vessel
+    length: Length
+    diameter: Length
+    wall_friction: Ratio
 
 
 def wall_compliance(wall: TubeWall) -> float:
@@ -64,22 +66,49 @@ def wall_compliance(wall: TubeWall) -> float:
     return wall.diameter / (wall.youngs_modulus * wall.wall_thickness)
 
 
-def pipe_parts(pipe: LinePipe) -> PipeParts:
-    """The columns and the volume of which a pipe of n pieces consists: l/(2n) at both ends, l/n between two volumes.
+def inner_piece(pipe: LinePipe) -> PipePiece:
+    """The column between two volumes of a pipe of n pieces: l/n long.
 
     Source  ours, docs/models/components.md
     """
-    step = pipe.length / pipe.pieces
-    inner = Line(length=step, diameter=pipe.diameter, wall_friction=pipe.wall_friction)
-    end = Line(length=0.5 * step, diameter=pipe.diameter, wall_friction=pipe.wall_friction)
-    vessel = Vessel(
-        oil_volume=line_volume(inner),
-        hose_compliance=pipe.hose_compliance,
-        gas_volume=0.0,
-        precharge_pressure=0.0,
-        gas_exponent=1.4,
-    )
-    return PipeParts(end, inner, vessel)
+    return PipePiece(pipe.length / pipe.pieces, pipe.diameter, pipe.wall_friction)
+
+
+def end_piece(pipe: LinePipe) -> PipePiece:
+    """The column between an end of a pipe and its next volume: l/(2n) long.
+
+    Source  ours, docs/models/components.md
+    """
+    return PipePiece(0.5 * pipe.length / pipe.pieces, pipe.diameter, pipe.wall_friction)
+
+
+def piece_rate(net_flow: float, fluid: FluidState, pipe: LinePipe, reference_pressure: float) -> float:
+    """Rate of the pressure in one of a pipe's volumes [Pa/s]: P' = nu sum(q) / (V (1 + (P - ref)/B)/beta + V/B).
+
+    As `pressure_rate` of a vessel without gas.
+
+    net_flow            sum of the flows in [tank volumes, m^3/s]
+    fluid               oil in the volume
+    reference_pressure  at which the hose is unstretched, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    V, compliance = line_volume(inner_piece(pipe)), pipe.hose_compliance
+    oil = V * (1.0 + compliance * (fluid.pressure - reference_pressure))
+    return fluid.volume_ratio * net_flow / (oil / fluid.bulk_modulus + V * compliance)
+
+
+def piece_stored(pressure: float, oil: Oil, pipe: LinePipe) -> Stored:
+    """Energy [J] and tank volumes [m^3] in one of a pipe's volumes, its stretched wall's included.
+
+    pressure  absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    V, compliance = line_volume(inner_piece(pipe)), pipe.hose_compliance
+    excess = pressure - oil.reference_pressure
+    inside = closed_volume_stored(pressure, V * (1.0 + compliance * excess), oil)
+    return Stored(inside.energy + 0.5 * V * compliance * excess**2, inside.volume)
 
 
 def sound_speed(density: float, fluid: FluidState, hose_compliance: float) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 
 from vvdp.base.kinds import Flow
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.line import Line, flow_scale, inertance, line_energy, line_flow_rate, line_friction_power
+from vvdp.hydraulics.line import RoundLine, flow_scale, inertance, line_energy, line_flow_rate, line_friction_power
 
 LAYERS = 5
 LAYER_RATES = (28.7511, 134.636, 668.445, 3490.60, 33724.9)
@@ -25,7 +25,7 @@ class LayeredState(NamedTuple):
     layer_5: Flow
 
 
-def layer_resistance(viscosity: float, line: Line) -> float:
+def layer_resistance(viscosity: float, line: RoundLine) -> float:
     """Pressure per flow with which a layer of weight 1 clings [Pa s/m^3]: 64 mu l/(pi d^4) times `wall_friction`.
 
     viscosity  dynamic, mu [Pa s]
@@ -37,7 +37,7 @@ def layer_resistance(viscosity: float, line: Line) -> float:
 
 
 def layered_rate(
-    state: LayeredState, a: FluidState, b: FluidState, density: float, viscosity: float, line: Line
+    state: LayeredState, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine
 ) -> LayeredState:
     """Rates of the flow of a line and of its layers [m^3/s^2].
 
@@ -68,7 +68,7 @@ def layered_rate(
 
 
 def layered_power(
-    state: LayeredState, a: FluidState, b: FluidState, density: float, viscosity: float, line: Line
+    state: LayeredState, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine
 ) -> float:
     """Power that wall friction in a line turns to heat [W]: steady, and sigma^2 R m_i (z - z_i)^2; never negative.
 
@@ -87,7 +87,7 @@ def layered_power(
     return steady + sigma**2 * layer_resistance(viscosity, line) * slip
 
 
-def layered_energy(state: LayeredState, density: float, line: Line) -> float:
+def layered_energy(state: LayeredState, density: float, line: RoundLine) -> float:
     """Kinetic energy in a line [J]: I z^2/2 and that of its layers, 2 I m_i/n_i z_i^2 times `wall_friction`.
 
     state    z and z_i

@@ -13,6 +13,8 @@ from vvdp.base.signal import Signal, constant
 from vvdp.base.tables import nearest
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
+from vvdp.hydraulics.pipe import LinePipe
+from vvdp.network.assembly import Assembly, Group
 from vvdp.network.component import Component, Role, check_component
 from vvdp.network.nodes import (
     Chamber,
@@ -91,6 +93,7 @@ class Network:
         self.parts: dict[str, Part] = {}
         self.programs: dict[str, ProgramPart] = {}
         self.positions: dict[str, tuple[float, float]] = {}
+        self.groups: dict[str, Group] = {}
         self.extras: Callable[[Any], Any] | None = None
 
     def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
@@ -140,6 +143,33 @@ class Network:
             raise NetworkError(f"{name}: {component.name} has no port or input {next(iter(joints))!r}" + nearest(next(iter(joints)), known))
         self._check_oils(name, component, nodes)
         self.parts[name] = Part(name, component, values, nodes, inputs, start)
+
+    def add_chain(
+        self,
+        name: str,
+        assembly: Assembly,
+        pipe: LinePipe,
+        nodes: Mapping[str, str],
+        components: tuple[Component, Component],
+        start: Start,
+    ) -> None:
+        """Add a pipe as a chain: its volumes `name_1` ..., and between them columns, the first component at the ends."""
+        self._check_name(name)
+        self.values[name] = pipe
+        ends = [self._node_at(name, port, Role.PORT, nodes.get(port)) for port in assembly.ports]
+        node = self.nodes[ends[0]]
+        assert isinstance(node, HydraulicNode)
+        inside = [f"{name}_{i}" for i in range(1, int(pipe.pieces) + 1)]
+        for volume in inside:
+            self._check_name(volume)
+            self.nodes[volume] = OilVolume(volume, pipe, start, node.oil)
+        column, piece = components
+        places = [ends[0], *inside, ends[1]]
+        parts = [f"{name}_from_{ends[0]}", *(f"{name}_{i}_to_{i + 1}" for i in range(1, len(inside))), f"{name}_to_{ends[1]}"]
+        for number, part in enumerate(parts):
+            law = piece if 0 < number < len(parts) - 1 else column
+            self.add(part, law, pipe, a=places[number], b=places[number + 1])
+        self.groups[name] = Group(assembly, pipe, dict(zip(assembly.ports, ends, strict=True)), tuple(parts), tuple(inside))
 
     def program(
         self,
@@ -192,7 +222,7 @@ class Network:
             raise NetworkError(f"{name!r} cannot be a name; use small letters, digits and _, beginning with a letter")
         if name in RESERVED:
             raise NetworkError(f"{name!r} is reserved; choose another name")
-        if name in self.nodes or name in self.parts or name in self.programs:
+        if any(name in taken for taken in (self.nodes, self.parts, self.programs, self.groups)):
             raise NetworkError(f"the name {name!r} is taken; nodes, components and programs need one each")
 
     def _node_at(self, name: str, port: str, role: Role, node: object) -> str:
@@ -204,6 +234,9 @@ class Network:
         if not isinstance(self.nodes[node], JOINS[role]):
             wanted = " or ".join(kind_of_node(cls) for cls in JOINS[role])
             raise NetworkError(f"{name}: port {port!r} joins a {wanted}; {node!r} is a {kind_of_node(self.nodes[node])}")
+        for group, whole in self.groups.items():
+            if node in whole.nodes:
+                raise NetworkError(f"{name}: port {port!r} ends at {node!r}, inside of {group!r}")
         return node
 
     def _source(self, name: str, key: str, kind: Kind | None, source: object) -> Source:

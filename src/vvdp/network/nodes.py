@@ -8,6 +8,7 @@ from vvdp.base.kinds import Inertia, Mass, Volume
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
 from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.volume import Vessel
 
 
@@ -48,7 +49,7 @@ class OilVolume:
     """Oil under one pressure: rigid, or with elastic walls and gas. `start` is its pressure at first, absolute [Pa]."""
 
     name: str
-    values: Chamber | Vessel
+    values: Chamber | Vessel | LinePipe
     start: Start
     oil: Oil
 

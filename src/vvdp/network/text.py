@@ -11,6 +11,7 @@ from vvdp.base.select import maximum, minimum
 from vvdp.base.signal import Signal, signal_stop, signal_value
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.hydraulics.pipe import LinePipe, piece_rate, piece_stored
 from vvdp.hydraulics.ports import Medium, RodState, ShaftSpeed, ShaftState
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored, pressure_rate, stored
 from vvdp.network.classes import Classes
@@ -185,7 +186,7 @@ class Text:
                 if node not in surplus:
                     lines.append(f"surplus_{node} = {self.given(node, without=part)}")
                     surplus.add(node)
-            lines += wrapped(f"{part.name} = ", self.use(part.component.law), self.arguments(part, part.component.law))
+            lines.append(f"{part.name} = {self.call(part, part.component.law)}")
         lines += ["rates = State("]
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
@@ -211,6 +212,9 @@ class Text:
             case OilVolume(values=Chamber()):
                 volume = f"{self.places.path(node.values)}.volume" + (f" + {swept}" if swept else "")
                 return f"{self.use(closed_volume_rate)}({self.given(name)}, {rate}, {volume}, {name})"
+            case OilVolume(values=LinePipe()):
+                ends = f"{self.places.path(node.values)}, {self.places.path(node.oil)}.reference_pressure"
+                return f"{self.use(piece_rate)}({self.given(name)}, {name}, {ends})"
             case OilVolume():
                 reference = f"{self.places.path(node.oil)}.reference_pressure"
                 values = self.places.path(node.values)
@@ -339,6 +343,8 @@ class Text:
         used = [p for p in self.network.parts.values() if p.component.walls or p.component.stored]
         joined = {p.nodes[a.name] for p in used for f in (p.component.walls, p.component.stored) if f
                   for a in p.component.arguments_of(f) if a.name in p.nodes}
+        if any(a.role is Role.MEDIUM for p in used if p.component.stored for a in p.component.arguments_of(p.component.stored)):
+            lines.append("h = conditions(0.0, p)")
         lines += list(self.node_lines(n for n in self.network.nodes if n in joined))
         lines += [f"{p.name}_walls = {self.call(p, p.component.walls)}" for p in used if p.component.walls]
         for name, node in self.network.nodes.items():
@@ -350,7 +356,8 @@ class Text:
         lines += [f"in_{p.name} = {self.call(p, p.component.stored)}" for p in used if p.component.stored]
         held = [line.partition(" = ")[0] for line in lines if line.startswith("in_")]
         energies, volumes = [f"{name}.energy" for name in held] + energies, [f"{name}.volume" for name in held]
-        lines.append(f"return Stored({' + '.join(energies) or '0.0'}, {' + '.join(volumes) or '0.0'})")
+        lines.append(f"energy = {' + '.join(energies) or '0.0'}")
+        lines.append(f"return Stored(energy, {' + '.join(volumes) or '0.0'})")
         return ["def stored(s, p):", *indented(lines)]
 
     def _content(self, name: str, node: OilVolume) -> str:
@@ -358,6 +365,8 @@ class Text:
         if isinstance(node.values, Chamber):
             volume = f"{values}.volume" + (f" + {swept}" if swept else "")
             return f"{self.use(closed_volume_stored)}(s.{name}, {volume}, {oil})"
+        if isinstance(node.values, LinePipe):
+            return f"{self.use(piece_stored)}(s.{name}, {oil}, {values})"
         return f"{self.use(stored, 'vessel_stored')}(s.{name}, {oil}, {values}{f', {swept}' if swept else ''})"
 
     def start(self) -> list[str]:
@@ -425,10 +434,8 @@ def _quantities(node: Node) -> tuple[str, ...]:
 
 def added(terms: list[tuple[str, str]]) -> str:
     """A sum of signed terms as text."""
-    if not terms:
-        return "0.0"
-    text = " ".join(f"{sign} {term}" for sign, term in terms)
-    return text.removeprefix("+ ").replace("- ", "-", 1) if text.startswith(("+ ", "- ")) else text
+    text = " ".join(f"{sign} {term}" for sign, term in terms) or "0.0"
+    return f"-{text[2:]}" if text.startswith("- ") else text.removeprefix("+ ")
 
 
 def negative(term: str) -> str:
@@ -437,8 +444,8 @@ def negative(term: str) -> str:
 
 
 def indented(lines: Iterable[str]) -> list[str]:
-    """Lines, four spaces further in."""
-    return [f"    {line}" for line in lines]
+    """Lines, four spaces further in, and folded where they are too long."""
+    return [part for line in lines for part in folded(f"    {line}")]
 
 
 def bracketed(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
@@ -451,10 +458,32 @@ def bracketed(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
     yield "),"
 
 
-def wrapped(head: str, function: str, arguments: str) -> list[str]:
-    """A call on one line, or with its arguments on a line of their own where that is too long."""
-    line = f"{head}{function}({arguments})"
-    return [line] if len(line) <= WIDTH else [f"{head}{function}(", f"    {arguments}", ")"]
+def folded(line: str) -> list[str]:
+    """A line of text, on several where it is too long: one for each part of its last bracket, or term of its sum."""
+    space = line[: len(line) - len(line.lstrip())]
+    if len(line) <= WIDTH or line.endswith("("):
+        return [line]
+    begin, end = line.find("("), line.rfind(")")
+    parts = divided(line[begin + 1 : end], ", ") if begin >= 0 else [line]
+    if len(parts) > 1:
+        inner = [f"{space}    {part}," for part in parts]
+        return [line[: begin + 1], *(text for part in inner for text in folded(part)), space + line[end:]]
+    head, equals, value = line.partition(" = ")
+    terms = divided(value, " + ")
+    if not equals or len(terms) == 1:
+        return [line]
+    return [f"{head} = (", *(f"{space}    {'+ ' if i else ''}{term}" for i, term in enumerate(terms)), f"{space})"]
+
+
+def divided(text: str, mark: str) -> list[str]:
+    """The parts of a text between the marks that stand in no bracket."""
+    parts, depth, begin = [], 0, 0
+    for place, letter in enumerate(text):
+        depth += (letter in "([") - (letter in ")]")
+        if depth == 0 and text.startswith(mark, place):
+            parts.append(text[begin:place])
+            begin = place + len(mark)
+    return [*parts, text[begin:]]
 
 
 def zero(cls: type) -> Any:

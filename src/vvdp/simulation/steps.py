@@ -10,7 +10,8 @@ TSIT5_ROWS = tuple(tuple(float(x) for x in row) for row in TSIT5_A)
 TSIT5_ERROR = tuple(float(x) for x in TSIT5_E)
 
 
-@njit(cache=True, error_model="numpy")
+# Written into the loop rather than called: a call per step with so many arrays costs a few per cent.
+@njit(cache=True, error_model="numpy", inline="always")
 def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error):
     """Tsitouras 5(4) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], its error in `error`.
 
@@ -167,7 +168,7 @@ def turning_value(a, b, rise, fall):
     return a + s * (rise + s * (c2 + s * c3))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def widen(low, high, step, y, trial, k):
     """Takes a step into the extremes, with where its cubic turns round."""
     for m in range(y.size):

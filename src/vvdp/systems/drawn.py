@@ -28,6 +28,7 @@ from vvdp.base.tables import Sourced, Table, build, nearest
 from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
+from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import Chamber, Load, Rotor
@@ -58,6 +59,12 @@ class VesselTable(Params):
     gas_volume: Volume = 0.0
     precharge_pressure: Pressure = 1e5
     gas_exponent: Polytropic = 1.3
+
+
+class StartPressure(Params):
+    """The pressure in a component at first."""
+
+    start: Pressure
 
 
 class SourceTable(Params):
@@ -237,24 +244,41 @@ class Drawer:
 
     def _add_component(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
         path = f"components.{name}"
-        component: Component | None = self._type(path, part, COMPONENTS)
-        if component is None:
+        component: Component | Assembly | None = self._type(path, part, COMPONENTS)
+        if isinstance(component, Assembly):
+            self._add_assembly(net, name, part, component)
+        if component is None or isinstance(component, Assembly):
             return
-        cls = component.params[0] if component.params else None
-        own = set(inspect.signature(cls).parameters) if cls else set()
+        own = {key for cls in component.params for key in _fields(cls)}
         inputs = {argument.name for argument in component.inputs}
         known = [*component.ports, *inputs, *own, "type", "at", "start"]
         for key in part:
             if key not in known:
                 self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
-        values = self._table(cls, path, {k: v for k, v in part.items() if k in own}) if cls else None
+        values = [self._table(cls, path, {k: part[k] for k in _fields(cls) if k in part}) for cls in component.params]
         joints = {key: part[key] for key in component.ports if key in part}
         joints |= self._inputs(component, path, {key: part[key] for key in inputs if key in part})
         start = self._start(component, path, part.get("start"))
-        if (values is not None or cls is None) and not any(fault.key.startswith(path) for fault in self.faults):
-            given = () if values is None else (values,)
-            self._try(path, lambda: net.add(name, component, *given, start=start, **joints))
+        if not self._has_faults(path):
+            self._try(path, lambda: net.add(name, component, *values, start=start, **joints))
         self._place(net, name, path, part)
+
+    def _add_assembly(self, net: Network, name: str, part: Mapping[str, Any], assembly: Assembly) -> None:
+        path = f"components.{name}"
+        fields = _fields(assembly.params)
+        known = [*assembly.ports, *fields, "type", "at", "start"]
+        for key in part:
+            if key not in known:
+                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+        values = self._table(assembly.params, path, {key: part[key] for key in fields if key in part})
+        start = self._table(StartPressure, path, {"start": part["start"]} if "start" in part else {})
+        if values is not None and start is not None:
+            nodes = {port: part[port] for port in assembly.ports if port in part}
+            self._try(path, lambda: assembly.add(net, name, values, nodes, start.start))
+        self._place(net, name, path, part)
+
+    def _has_faults(self, path: str) -> bool:
+        return any(fault.key == path or fault.key.startswith(f"{path}.") for fault in self.faults)
 
     def _inputs(self, component: Component, path: str, given: Mapping[str, Any]) -> dict[str, Any]:
         """Sources of inputs: `{ from = "spool.speed" }`, or a signal."""
@@ -288,7 +312,7 @@ class Drawer:
         if kind is None:
             return
         fields = kind.reading._fields  # type: ignore[attr-defined]
-        own = set(inspect.signature(kind.settings).parameters) if kind.settings else set()
+        own = set(_fields(kind.settings)) if kind.settings else set()
         known = [*fields, *own, "type", "period", "phase", "latency"]
         for key in part:
             if key not in known:
@@ -299,7 +323,7 @@ class Drawer:
         given = {key: value for key, value in part.items() if key in own}
         settings = self._table(kind.settings, path, given) if kind.settings else None
         times = self._table(ProgramTimes, path, {k: part[k] for k in ("period", "phase", "latency") if k in part})
-        if any(fault.key.startswith(path) for fault in self.faults):
+        if self._has_faults(path):
             return
         reads = {key: part[key] for key in fields}
         period = times.period or None
@@ -309,6 +333,10 @@ class Drawer:
                 name, kind, settings, reads=reads, period=period, phase=times.phase, latency=times.latency
             ),
         )
+
+
+def _fields(cls: type[Params]) -> list[str]:
+    return list(inspect.signature(cls).parameters)
 
 
 def draw_network(

@@ -131,6 +131,9 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
             found[f"loss_{part.name}_W"] = sum(losses.values())
         if "" not in losses:
             found |= {f"loss_{part.name}_{loss}_W": value for loss, value in losses.items()}
+    for name, group in system.circuit.network.groups.items():
+        found[f"flow_mean_{name}_m3_s"] = found[f"flow_mean_{group.parts[-1]}_m3_s"]
+        found[f"loss_{name}_W"] = sum(float(found[f"loss_{part}_W"]) for part in group.parts)
     return found
 
 

@@ -1,0 +1,36 @@
+"""A component that a network makes of several: drawn, named and counted as one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from vvdp.base.params import Params
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A component of several parts and nodes.
+
+    params  class of its values
+    ports   names of its hydraulic ports
+    symbol  of the diagram
+    add     add(network, name, values, nodes by port, start) draws it; `start` is the pressure of the volumes in it
+            [Pa, absolute]
+    """
+
+    name: str
+    params: type[Params]
+    ports: tuple[str, ...]
+    symbol: str
+    add: Callable[..., None]
+
+
+@dataclass(frozen=True)
+class Group:
+    """What an assembly has become: its parts from the first port to the last, and the nodes inside."""
+
+    assembly: Assembly
+    values: Params
+    ports: Mapping[str, str]
+    parts: tuple[str, ...]
+    nodes: tuple[str, ...]
+

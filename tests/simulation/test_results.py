@@ -1,0 +1,78 @@
+"""What a run leaves on disk, by program and by name, and what of it comes back."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError
+from vvdp.simulation.results import read_results, result_directory, write_results
+from vvdp.simulation.run import Stepping, simulate
+
+
+@pytest.fixture(scope="module")
+def run(switching):
+    model, case = switching
+    return simulate(model, case(), Stepping(until=0.1))
+
+
+@pytest.fixture
+def written(run, tmp_path):
+    with result_directory(tmp_path / "out") as folder:
+        write_results(folder, run, system="[oil]\n", summary={"mean_bar": 1.0}, more={"more": 2})
+    return tmp_path / "out"
+
+
+def test_everything_that_was_recorded_comes_back_by_name(run, written):
+    found = read_results(written)
+    assert np.array_equal(found.times, run.times)
+    assert np.array_equal(found.states["inlet_pressure"].values, run.states[:, 0])
+    assert np.array_equal(found.outputs["load_flow"].values, run.outputs.load_flow)
+    assert set(found.commands) == {
+        "held.tank_pressure",
+        "controller.frequency",
+        "controller.duty_ratio",
+        "display.mean",
+        "display.samples",
+    }
+    assert np.array_equal(found.commands["display.mean"].values, run.command.display.mean)
+    assert np.array_equal(found.memory["controller.duty_ratio"].values, run.memory["controller"].duty_ratio)
+    assert np.array_equal(found.readings["display.load_pressure"].values, run.state.load_pressure)
+    assert np.array_equal(found.mark_times, run.mark_times)
+    assert found.summary == {"mean_bar": 1.0} and found.meta["more"] == 2 and found.system == "[oil]\n"
+
+
+def test_each_has_a_unit_and_a_name_in_words(written):
+    found = read_results(written)
+    mean = found.commands["display.mean"]
+    assert (mean.unit, mean.long_name) == ("Pa", "display, mean (absolute)")
+    assert found.memory["controller.duty_ratio"].unit == "1"
+    assert found.readings["controller.load_pressure"].long_name == "load pressure (absolute)"
+
+
+def test_remarks_of_the_run_are_told(run, written):
+    assert read_results(written).meta.get("remarks", []) == list(run.remarks)
+
+
+def test_results_of_an_earlier_format_are_refused_with_what_to_do(written):
+    meta = json.loads((written / "meta.json").read_text())
+    (written / "meta.json").write_text(json.dumps(meta | {"format": 1}))
+    with pytest.raises(ConfigError, match=r"was written in format 1; this version reads format 2: run its system.toml"):
+        read_results(written)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{"])
+def test_a_damaged_directory_is_told_as_such(written, text):
+    (written / "meta.json").write_text(text)
+    with pytest.raises(ConfigError, match="is damaged"):
+        read_results(written)
+
+
+def test_a_stopped_run_is_written_as_far_as_it_went(run, tmp_path):
+    part = replace(
+        run, times=run.times[:3], states=run.states[:3], commands=run.commands[:3], memories=run.memories[:3]
+    )
+    with result_directory(tmp_path / "part") as folder:
+        write_results(folder, part, system="", summary={}, more={})
+    assert read_results(tmp_path / "part").memory["display.mean"].values.shape == (3,)
