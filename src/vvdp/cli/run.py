@@ -99,8 +99,8 @@ def _print(system: "System", done: "Run", found: dict[str, Any]) -> None:
     out = console()
     out.print(system.title, soft_wrap=True)
     begin, end, periods = found["averaged_from_s"], found["averaged_to_s"], found["averaged_periods"]
-    over = f"over {periods:g} {period(system)}s, {begin:.4g} s to {end:.4g} s" if periods else f"{begin:.4g} s to {end:.4g} s"
-    out.print(f"means {over}; pressures gauge")
+    over = f"{periods:g} {period(system)}s, " if periods or system.extras is not None else ""
+    out.print(f"means over {over}{begin:.4g} s to {end:.4g} s; pressures gauge")
     for table in _tables(system, found):
         out.print(table)
     if "trusted" in found:
@@ -109,7 +109,9 @@ def _print(system: "System", done: "Run", found: dict[str, Any]) -> None:
             f"(limit {LIMIT:.0e})"
         )
     out.print(f"{done.steps} steps in {done.seconds:.2f} s; {len(system.assumed)} values of the system are assumed")
-    for text in (*warnings(system, found), *done.remarks):
+    for text in done.remarks:
+        out.print(f"remark: {text}", soft_wrap=True)
+    for text in warnings(system, found):
         warn(text)
 
 
@@ -142,8 +144,8 @@ def _nodes(system: "System", found: dict[str, Any]) -> "Table":
 
     table = grid("node", "quantity", "mean", "lowest", "highest", "unit", right=("mean", "lowest", "highest"))
     for line in node_lines(system, found):
-        mean = "" if line.mean is None else amount(line.mean, line.unit)
-        table.add_row(line.name, line.quantity, mean, amount(line.low, line.unit), amount(line.high, line.unit), line.unit)
+        values = ("" if value is None else amount(value, line.unit) for value in (line.mean, line.low, line.high))
+        table.add_row(line.name, line.quantity, *values, line.unit)
     return table
 
 
@@ -154,7 +156,8 @@ def _components(system: "System", found: dict[str, Any]) -> "Table":
 
     table = grid("component or node", "quantity", "mean", "unit", right=("mean",))
     for line in flow_lines(system, found):
-        table.add_row(line.component, f"flow into {line.port}" if line.port else "flow", amount(line.flow, "lpm"), "lpm")
+        quantity = f"flow into {line.port}" if line.port else "flow"
+        table.add_row(line.component, quantity, amount(line.flow, "lpm"), "lpm")
     for loss in loss_lines(system, found):
         table.add_row(loss.component, "loss", amount(loss.loss, "W"), "W")
         for name, power in loss.parts:

@@ -51,7 +51,9 @@ class Text:
     def use(self, value: Any, name: str | None = None) -> str:
         """The name under which the text knows a function or class."""
         wanted = name or value.__name__
-        taken = {*self.network.nodes, *self.network.parts, *self.network.programs}
+        net = self.network
+        taken = {*net.nodes, *net.parts, *net.programs}
+        taken |= {*(f"{part}_walls" for part in net.parts), *(f"surplus_{node}" for node in net.nodes)}
         while wanted in taken or self.names.get(wanted, value) is not value:
             wanted += "_law" if callable(value) and not isinstance(value, type) else "_"
         self.names[wanted] = value
