@@ -91,7 +91,8 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             reference = node.oil.reference_pressure
             bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node.pressure, means, name)
             lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
-            found[f"pressure_mean_{name}_Pa"] = means[f"totals.{name}_pressure"] - reference
+            mean = bounds[0] if bounds[0] == bounds[1] else means[f"totals.{name}_pressure"]
+            found[f"pressure_mean_{name}_Pa"] = mean - reference
             found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
             found[f"pressure_max_{name}_Pa"] = bounds[1] - reference
         elif isinstance(node, Shaft | Rod):
@@ -103,9 +104,13 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             if isinstance(node, Rod):
                 found[f"position_min_{name}_m"] = low[f"{name}.position"]
                 found[f"position_max_{name}_m"] = high[f"{name}.position"]
+    return found | {"cavitation": bool(lowest < cavitation_pressure(system))}
+
+
+def cavitation_pressure(system: System) -> float:
+    """Below which the oil of a system is held to cavitate [Pa, absolute]."""
     limits = system.tables.get("limits")
-    bound = CAVITATION_PRESSURE if limits is None else limits.cavitation_pressure
-    return found | {"cavitation": bool(lowest < bound)}
+    return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)
 
 
 def _prescribed(pressure: object, means: dict[str, float], name: str) -> tuple[float, float]:
