@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 
-from vvdp.base.kinds import AREA, DISPLACEMENT, FRACTION, PRESSURE_LEVEL, SPEED, TIME, Kind
+from vvdp.base.kinds import AREA, DISPLACEMENT, FRACTION, PRESSURE_LEVEL, SPEED, TIME, VOLUME, Kind
 from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.base.signal import Signal
+from vvdp.hydraulics.volume import Vessel
 from vvdp.network.graph import Graph, GraphComponent, GraphNode, GraphProgram, NodeKind
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
@@ -27,6 +28,8 @@ FIRST = (DISPLACEMENT, PRESSURE_LEVEL, AREA)
 """Kinds that say most about a component."""
 UNSAID = (TIME, FRACTION)
 """Kinds that say little."""
+SIZES = ("m", "m^2")
+"""Units of which a component may well show two values, such as length and diameter."""
 
 
 def graph_of(network: Network, title: str) -> Graph:
@@ -47,9 +50,11 @@ def _node(network: Network, node: Node) -> GraphNode:
 def _kind_and_labels(node: Node) -> tuple[NodeKind, Lines]:
     match node:
         case OilVolume():
-            labels = main_values(node.values)
-            gas = getattr(node.values, "gas_volume", 0.0) > 0.0
-            return (NodeKind.ACCUMULATOR if gas else NodeKind.VOLUME), labels
+            if isinstance(node.values, Vessel) and node.values.gas_volume > 0.0:
+                oil, gas = (rounded(volume, VOLUME) for volume in (node.values.oil_volume, node.values.gas_volume))
+                charge = rounded(node.values.precharge_pressure, PRESSURE_LEVEL)
+                return NodeKind.ACCUMULATOR, (oil, f"gas {gas} at {charge}")
+            return NodeKind.VOLUME, main_values(node.values)
         case Tank():
             pressure = node.pressure
             is_usual = pressure.is_constant and pressure.base == node.oil.reference_pressure
@@ -107,17 +112,22 @@ def source_words(source: Source, kind: Kind | None) -> str:
 def main_values(values: Params | None) -> Lines:
     """The values of a parameter class that say most about it, at most two, each with its unit.
 
-    Left out are zeros, shares, times, and what stands at its usual value.
+    Left out are zeros, shares, times, what stands at its usual value, what has an unwieldy unit, and a second value in
+    a unit that is not one of size.
     """
     if values is None:
         return ()
     usual = default_values(type(values))
     found: list[tuple[Kind, str]] = []
+    units: set[str] = set()
     for name, kind in field_kinds(type(values)).items():
         value = getattr(values, name)
         plain = kind is not None and isinstance(value, float) and value != 0.0 and usual.get(name) != value
         if kind is None or not plain or kind.unit in ("1", "SI") or kind in UNSAID or "transition" in name:
             continue
+        if "(" in kind.shown or (kind.unit in units and kind.unit not in SIZES):
+            continue
+        units.add(kind.unit)
         found.append((kind, rounded(value, kind)))
     found.sort(key=lambda entry: entry[0] not in FIRST)
     return tuple(text for _, text in found[:MOST_LABELS])

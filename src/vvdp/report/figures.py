@@ -114,7 +114,7 @@ def _motions(reading: Reading) -> Iterator[Panel]:
     turned = [name for name, node in nodes.items() if isinstance(node, DrivenShaft) and name in reading.results.states]
     t = reading.results.times
     moving = [(name, np.gradient(reading.state(name), t) / RPM) for name in turned if t.size > 2]
-    changing = [Course(_said(n), speed) for n, speed in moving if np.ptp(speed) > 1e-6 * max(1.0, np.max(np.abs(speed)))]
+    changing = [Course(_said(n), speed) for n, speed in moving if np.ptp(speed) > 1e-6 * (1.0 + np.max(np.abs(speed)))]
     if changing:
         yield Panel("driven speed [rpm]", changing)
     for program in reading.network.programs:

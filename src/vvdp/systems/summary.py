@@ -123,7 +123,8 @@ def _prescribed(pressure: object, means: dict[str, float], name: str) -> tuple[f
 def _part_numbers(run: Outcome, system: System) -> Summary:
     """Mean flows, losses and powers by component, and what its sources give."""
     means, found = _means(run), Summary()
-    hydraulic = {f"totals.{n}_pressure" for n, node in system.circuit.network.nodes.items() if isinstance(node, HydraulicNode)}
+    nodes = system.circuit.network.nodes
+    hydraulic = {f"totals.{name}_pressure" for name, node in nodes.items() if isinstance(node, HydraulicNode)}
     for path, value in means.items():
         group, _, name = path.partition(".")
         if group == "totals" and path not in hydraulic and name.endswith("_flow"):
