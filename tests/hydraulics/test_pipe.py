@@ -100,14 +100,20 @@ def test_default_pieces_hold_the_first_mode_to_a_fifth_of_a_percent(oil, level, 
 def test_pieces_add_up(oil):
     pipe = with_pieces(4, length=2.0)
     assert 2.0 * end_piece(pipe).length + 3.0 * inner_piece(pipe).length == pytest.approx(2.0, rel=1e-14)
-    assert 4.0 * piece_stored(oil.reference_pressure, oil, pipe).volume == pytest.approx(0.25 * np.pi * 4e-4 * 2.0, rel=1e-14)
+    assert 4.0 * piece_stored(oil.reference_pressure, oil, pipe).volume == pytest.approx(
+        0.25 * np.pi * 4e-4 * 2.0, rel=1e-14
+    )
     assert end_piece(pipe).wall_friction == inner_piece(pipe).wall_friction == 0.0
 
 
 def test_a_piece_is_a_vessel_without_gas(oil):
     pipe = with_pieces(4, length=2.0, hose_compliance=3e-10)
     vessel = Vessel(
-        oil_volume=0.25 * np.pi * 4e-4 * 0.5, hose_compliance=3e-10, gas_volume=0.0, precharge_pressure=0.0, gas_exponent=1.4
+        oil_volume=0.25 * np.pi * 4e-4 * 0.5,
+        hose_compliance=3e-10,
+        gas_volume=0.0,
+        precharge_pressure=0.0,
+        gas_exponent=1.4,
     )
     for pressure in (5e4, 1e6, 2.5e7):
         fluid = fluid_state(pressure, oil)

@@ -4,6 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from vvdp.systems.watching import estimate_errors
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
@@ -15,7 +16,6 @@ from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
 from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system, system_table
-from vvdp.systems.watching import estimate_errors
 
 SECTOR = 2.0 * np.pi / 8.0
 

@@ -106,7 +106,9 @@ ANGULAR_VARIANCE = Kind("angular variance", "rad^2", 0.0, 1e6, "3.5e-3 rad^2", u
 SPEED_VARIANCE = Kind(
     "variance of a rotational speed", "rad^2/s^2", 0.0, 1e10, "1000 rad^2/s^2", units=("rad^2/s^2", "rpm^2")
 )
-ANGLE_SPEED_COVARIANCE = Kind("covariance of an angle and its speed", "rad^2/s", -1e10, 1e10, "1 rad^2/s", units=("rad^2/s",))
+ANGLE_SPEED_COVARIANCE = Kind(
+    "covariance of an angle and its speed", "rad^2/s", -1e10, 1e10, "1 rad^2/s", units=("rad^2/s",)
+)
 ACCELERATION_DENSITY = Kind(
     "spectral density of an angular acceleration", "rad^2/s^3", 0.0, 1e12, "0.25 rad^2/s^3", units=("rad^2/s^3",)
 )

@@ -7,6 +7,7 @@ from vvdp.base.kinds import Flow, Power
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.line import (
     Line,
+    RoundLine,
     flow_scale,
     line_energy,
     line_flow_rate,
@@ -53,17 +54,21 @@ def line_walls(values: Line) -> LineWalls:
     return LineWalls(Wall(half, 0.0), Wall(half, 0.0))
 
 
-def column(a: FluidState, b: FluidState, state: LineState, medium: Medium, values: Line) -> LineEffect:
-    """A column of oil from a to b: its inertia and wall friction, *not* its volume.
-
-    Its oil belongs to the volumes at its ends, which their values have to say; `line` sees to that itself. For pieces
-    of a longer line; see `components.pipe`.
-    """
+def column_effect(a: FluidState, b: FluidState, state: LineState, medium: Medium, line: RoundLine) -> LineEffect:
+    """What a column of oil does from a to b: its inertia and wall friction, *not* its volume."""
     return LineEffect(
         flow=state.flow / flow_scale(a, b),
-        loss=line_friction_power(state.flow, a, b, medium.density, medium.viscosity, values),
-        rates=LineState(line_flow_rate(state.flow, a, b, medium.density, medium.viscosity, values)),
+        loss=line_friction_power(state.flow, a, b, medium.density, medium.viscosity, line),
+        rates=LineState(line_flow_rate(state.flow, a, b, medium.density, medium.viscosity, line)),
     )
+
+
+def column(a: FluidState, b: FluidState, state: LineState, medium: Medium, values: Line) -> LineEffect:
+    """A column of oil from a to b, without the oil that it holds.
+
+    That belongs to the volumes at its ends, whose values have to say it; `line` sees to that itself.
+    """
+    return column_effect(a, b, state, medium, values)
 
 
 def column_stored(state: LineState, medium: Medium, values: Line) -> Stored:
@@ -76,7 +81,7 @@ def line(a: FluidState, b: FluidState, state: LineState, medium: Medium, values:
 
     Its wall is rigid and it shows no waves: right for frequencies well below c/(4 l), c the speed of sound.
     """
-    return column(a, b, state, medium, values)
+    return column_effect(a, b, state, medium, values)
 
 
 def line_stored(state: LineState, medium: Medium, values: Line) -> Stored:
@@ -84,13 +89,18 @@ def line_stored(state: LineState, medium: Medium, values: Line) -> Stored:
     return column_stored(state, medium, values)
 
 
-def layered_column(a: FluidState, b: FluidState, state: LayeredState, medium: Medium, values: Line) -> LayeredEffect:
-    """As `column`, with wall friction that rises with frequency; see `layered_rate`."""
+def layered_effect(a: FluidState, b: FluidState, state: LayeredState, medium: Medium, line: RoundLine) -> LayeredEffect:
+    """As `column_effect`, with wall friction that rises with frequency; see `layered_rate`."""
     return LayeredEffect(
         flow=state.flow / flow_scale(a, b),
-        loss=layered_power(state, a, b, medium.density, medium.viscosity, values),
-        rates=layered_rate(state, a, b, medium.density, medium.viscosity, values),
+        loss=layered_power(state, a, b, medium.density, medium.viscosity, line),
+        rates=layered_rate(state, a, b, medium.density, medium.viscosity, line),
     )
+
+
+def layered_column(a: FluidState, b: FluidState, state: LayeredState, medium: Medium, values: Line) -> LayeredEffect:
+    """As `column`, with wall friction that rises with frequency."""
+    return layered_effect(a, b, state, medium, values)
 
 
 def layered_column_stored(state: LayeredState, medium: Medium, values: Line) -> Stored:

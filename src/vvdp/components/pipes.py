@@ -7,8 +7,8 @@ from vvdp.components.lines import (
     LayeredEffect,
     LineEffect,
     LineState,
-    column,
-    layered_column,
+    column_effect,
+    layered_effect,
 )
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.line import line_energy
@@ -22,8 +22,8 @@ from vvdp.network.nodes import Start
 
 
 def pipe_end(a: FluidState, b: FluidState, state: LineState, medium: Medium, values: LinePipe) -> LineEffect:
-    """The column between an end of a pipe and its next volume; see `column`."""
-    return column(a, b, state, medium, end_piece(values))
+    """The column between an end of a pipe and its next volume; see `column_effect`."""
+    return column_effect(a, b, state, medium, end_piece(values))
 
 
 def pipe_end_stored(state: LineState, medium: Medium, values: LinePipe) -> Stored:
@@ -32,8 +32,8 @@ def pipe_end_stored(state: LineState, medium: Medium, values: LinePipe) -> Store
 
 
 def pipe_piece(a: FluidState, b: FluidState, state: LineState, medium: Medium, values: LinePipe) -> LineEffect:
-    """The column between two volumes of a pipe; see `column`."""
-    return column(a, b, state, medium, inner_piece(values))
+    """The column between two volumes of a pipe; see `column_effect`."""
+    return column_effect(a, b, state, medium, inner_piece(values))
 
 
 def pipe_piece_stored(state: LineState, medium: Medium, values: LinePipe) -> Stored:
@@ -43,7 +43,7 @@ def pipe_piece_stored(state: LineState, medium: Medium, values: LinePipe) -> Sto
 
 def layered_end(a: FluidState, b: FluidState, state: LayeredState, medium: Medium, values: LinePipe) -> LayeredEffect:
     """As `pipe_end`, with wall friction that rises with frequency."""
-    return layered_column(a, b, state, medium, end_piece(values))
+    return layered_effect(a, b, state, medium, end_piece(values))
 
 
 def layered_end_stored(state: LayeredState, medium: Medium, values: LinePipe) -> Stored:
@@ -53,7 +53,7 @@ def layered_end_stored(state: LayeredState, medium: Medium, values: LinePipe) ->
 
 def layered_piece(a: FluidState, b: FluidState, state: LayeredState, medium: Medium, values: LinePipe) -> LayeredEffect:
     """As `pipe_piece`, with wall friction that rises with frequency."""
-    return layered_column(a, b, state, medium, inner_piece(values))
+    return layered_effect(a, b, state, medium, inner_piece(values))
 
 
 def layered_piece_stored(state: LayeredState, medium: Medium, values: LinePipe) -> Stored:

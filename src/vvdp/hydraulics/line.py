@@ -70,7 +70,9 @@ def flow_scale(a: FluidState, b: FluidState) -> float:
     return scale
 
 
-def line_flow_rate(flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine) -> float:
+def line_flow_rate(
+    flow: float, a: FluidState, b: FluidState, density: float, viscosity: float, line: RoundLine
+) -> float:
     """Rate of the flow of a line [m^3/s^2]: I z' = (h_a - h_b)/sigma - sigma dp_f(sigma z).
 
     Its kinetic energy I z^2/2, friction and q (h_a - h_b) balance exactly; a small wave has the momentum I q' = dP.

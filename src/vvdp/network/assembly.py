@@ -33,4 +33,3 @@ class Group:
     ports: Mapping[str, str]
     parts: tuple[str, ...]
     nodes: tuple[str, ...]
-

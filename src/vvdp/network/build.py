@@ -12,6 +12,7 @@ import numpy as np
 from vvdp.base.books import NOTHING, Books, Stored
 from vvdp.base.errors import NetworkError
 from vvdp.network.classes import Classes
+from vvdp.network.functions import Functions
 from vvdp.network.network import Network
 from vvdp.network.paths import Places
 from vvdp.network.text import Text
@@ -41,7 +42,8 @@ def build(network: Network) -> Circuit:
     classes = Classes(places)
     text = Text(places, classes)
     written = [WrittenProgram(program, text) for program in network.programs.values()]
-    blocks = [text.circuit(), text.conditions(), text.stored(), text.start(), text.stop(), text.mark()]
+    functions = Functions(text)
+    blocks = functions.all()
     blocks += [block for program in written for block in program.blocks]
     whole = "\n\n\n".join("\n".join(block) for block in blocks if block) + "\n"
     module = _module(whole, {**_classes_by_name(classes), **text.names})

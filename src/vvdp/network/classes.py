@@ -32,6 +32,7 @@ from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.component import Role
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
 from vvdp.network.paths import Places, StartValue
+from vvdp.simulation.values import names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
 """What the integrals over time of a kind are."""
@@ -48,7 +49,7 @@ class Classes:
     def supplied(self) -> type:
         """Energy from outside: by tanks, sources, driven shafts and parts."""
         given = [n for n, node in self.network.nodes.items() if isinstance(node, Tank | PressureSource | DrivenShaft)]
-        given += [p.name for p in self.network.parts.values() if "supplied" in p.component.result._fields]  # type: ignore[attr-defined]
+        given += [p.name for p in self.network.parts.values() if "supplied" in names(p.component.result)]
         return named_tuple("Supplied", dict.fromkeys(given, Energy))
 
     @cached_property
@@ -77,7 +78,8 @@ class Classes:
             if isinstance(node, HydraulicNode):
                 hints[f"{name}_pressure"] = PressureTime
         for part in self.network.parts.values():
-            hints |= {name: TankVolume for name in flow_names(part)}
+            flows = flow_names(part)
+            hints |= dict.fromkeys(flows[1:] if len(flows) > 1 else flows, TankVolume)
             hints |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
         return named_tuple("Totals", hints)
 
@@ -107,10 +109,10 @@ class Classes:
                 hints[f"{name}_pressure"] = Pressure
         for part in self.network.parts.values():
             component = part.component
-            fresh = {name: Flow for name in flow_names(part)}
+            fresh: dict[str, Any] = dict.fromkeys(flow_names(part), Flow)
             fresh |= {f"{part.name}_{name}": Annotated[float, kind] for name, kind in component.outputs.items()}
             for port, role in component.ports.items():
-                if role is not Role.PORT and port in component.result._fields:  # type: ignore[attr-defined]
+                if role is not Role.PORT and port in names(component.result):
                     fresh[f"{part.name}_{port}"] = Annotated[float, FORCE if role is Role.ROD else TORQUE]
             for name in fresh:
                 if name in hints:
@@ -118,7 +120,9 @@ class Classes:
             hints |= fresh
         for read in self.program_reads:
             program, _, field = read.partition(".")
-            hints[read.replace(".", "_")] = Annotated[float, field_kinds(type(self.network.programs[program].type.command))[field]]
+            hints[read.replace(".", "_")] = Annotated[
+                float, field_kinds(type(self.network.programs[program].type.command))[field]
+            ]
         return named_tuple("Outputs", hints)
 
     @cached_property
@@ -131,7 +135,7 @@ class Classes:
     def medium(self) -> type:
         """The oils at their temperature."""
         oils = {"medium": Medium}
-        for name, node in self.network.nodes.items():
+        for node in self.network.nodes.values():
             if isinstance(node, HydraulicNode) and node.oil is not self.network.oil:
                 oils[f"medium_{self.places.path(node.oil).removeprefix('p.')}"] = Medium
         return named_tuple("Media", oils)
@@ -195,12 +199,12 @@ def flow_names(part: Any) -> list[str]:
     ports = part.component.hydraulic_ports
     if len(ports) == 2:
         return [f"{part.name}_flow"]
-    return [f"{part.name}_{port}_flow" for port in ports if port in part.component.result._fields]
+    return [f"{part.name}_{port}_flow" for port in ports if port in names(part.component.result)]
 
 
 def named_tuple(name: str, hints: dict[str, Any]) -> type:
     """A NamedTuple class; `Nothing` without fields."""
-    return NamedTuple(name, list(hints.items())) if hints else Nothing  # type: ignore[misc,return-value]
+    return NamedTuple(name, list(hints.items())) if hints else Nothing  # type: ignore[return-value]
 
 
 def params_class(name: str, hints: dict[str, Any]) -> type[Params]:
@@ -213,7 +217,7 @@ def blank(cls: type) -> Any:
     if cls is Nothing:
         return NOTHING
     hints = get_type_hints(cls)
-    fields = cls._fields  # type: ignore[attr-defined]
+    fields = names(cls)
     return cls(*(blank(hints[name]) if hasattr(hints[name], "_fields") else 0.0 for name in fields))
 
 
@@ -227,4 +231,6 @@ def _energy(kind: Kind | None) -> Any:
 
 def _integral(kind: Kind) -> Any:
     found = INTEGRALS.get(kind)
-    return found or Annotated[float, Kind(f"{kind.name} over time", f"{kind.unit}*s", -1e15, 1e15, "1", accumulates=True)]
+    return (
+        found or Annotated[float, Kind(f"{kind.name} over time", f"{kind.unit}*s", -1e15, 1e15, "1", accumulates=True)]
+    )

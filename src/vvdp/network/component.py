@@ -19,6 +19,7 @@ from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.flow import Passage
 from vvdp.hydraulics.ports import SURPLUS, Medium, RodState, ShaftSpeed, ShaftState
+from vvdp.simulation.values import names
 
 
 class Role(Enum):
@@ -58,9 +59,9 @@ class Argument:
 class Component:
     """What a component is, apart from its values.
 
-    law      what it does at an instant. Arguments, by annotation: FluidState (a hydraulic port), ShaftState, ShaftSpeed,
-             RodState (mechanical ports), Medium, Oil, a Params class (its values), the NamedTuples of its state and
-             of what `held` gives, Surplus, `t`; any other float with a kind is an input, a signal or connection.
+    law      what it does at an instant. Arguments, by annotation: FluidState (a hydraulic port), ShaftState,
+             ShaftSpeed, RodState (mechanical ports), Medium, Oil, a Params class (its values), the NamedTuples of its
+             state and of what `held` gives, Surplus, `t`; any other float with a kind is an input.
              Result: `Passage` for what lies between two ports, or a NamedTuple in which the fields named as ports are
              what it gives to the nodes there (tank volumes m^3/s into it, torque N m on it, force N on it), `loss`
              or `losses` are powers turned to heat, `supplied` is power from outside, `rates` those of its state, and
@@ -103,7 +104,7 @@ class Component:
     @cached_property
     def state(self) -> type | None:
         """The NamedTuple of its state, where it has one."""
-        return None if "rates" not in self.result._fields else get_type_hints(self.result)["rates"]
+        return None if "rates" not in names(self.result) else get_type_hints(self.result)["rates"]
 
     @cached_property
     def arguments(self) -> tuple[Argument, ...]:
@@ -137,7 +138,9 @@ class Component:
             return Role.STATE
         if self.held is not None and plain is get_type_hints(self.held).get("return"):
             return Role.HELD
-        expected = "FluidState, ShaftState, ShaftSpeed, RodState, Medium, Oil, Params, its state, or a float with a kind"
+        expected = (
+            "FluidState, ShaftState, ShaftSpeed, RodState, Medium, Oil, Params, its state, or a float with a kind"
+        )
         raise NetworkError(f"{function}: what {name!r} is cannot be told from {plain!r}; annotate it as {expected}")
 
     @cached_property
@@ -163,14 +166,14 @@ class Component:
     @property
     def is_passage(self) -> bool:
         """Whether what leaves its first port enters its second."""
-        return "flow" in self.result._fields and len(self.hydraulic_ports) == 2
+        return "flow" in names(self.result) and len(self.hydraulic_ports) == 2
 
     @cached_property
     def losses(self) -> Mapping[str, Kind | None]:
         """Names of the parts of its losses; the empty name where it has one loss only."""
-        if "losses" in self.result._fields:
+        if "losses" in names(self.result):
             return field_kinds(get_type_hints(self.result)["losses"])
-        return {"": field_kinds(self.result)["loss"]} if "loss" in self.result._fields else {}
+        return {"": field_kinds(self.result)["loss"]} if "loss" in names(self.result) else {}
 
     @cached_property
     def outputs(self) -> Mapping[str, Kind]:
@@ -184,9 +187,11 @@ class Component:
 
 def check_component(component: Component) -> None:
     """Refuse, with a NetworkError that names it, a component whose functions do not fit together."""
-    ports, fields = component.ports, set(component.result._fields)
+    ports, fields = component.ports, set(names(component.result))
     if not ports:
-        raise NetworkError(f"{component.name} has no port; annotate at least one argument as FluidState, or a shaft or rod")
+        raise NetworkError(
+            f"{component.name} has no port; annotate at least one argument as FluidState, or a shaft or rod"
+        )
     if component.result is Passage and len(component.hydraulic_ports) != 2:
         count = len(component.hydraulic_ports)
         raise NetworkError(f"{component.name} returns a Passage and has {count} hydraulic ports; expected two")

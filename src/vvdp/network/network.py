@@ -12,8 +12,8 @@ from vvdp.base.params import Params
 from vvdp.base.signal import Signal, constant
 from vvdp.base.tables import nearest
 from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.volume import Vessel
 from vvdp.hydraulics.pipe import LinePipe
+from vvdp.hydraulics.volume import Vessel
 from vvdp.network.assembly import Assembly, Group
 from vvdp.network.component import Component, Role, check_component
 from vvdp.network.nodes import (
@@ -35,12 +35,30 @@ from vvdp.network.nodes import (
 )
 from vvdp.network.program import ProgramType
 from vvdp.sensing.instrument import Instrument
+from vvdp.simulation.values import names
 
 ROOM_TEMPERATURE = constant(313.15)
 """Temperature of the oil where none is given: 40 degC, at which data sheets give the density."""
 RESERVED = frozenset(
-    "t s u p h m r z rates books start held medium temperature oil state outputs params command values total transition "
-    "full_open time".split()
+    (
+        "t",
+        "s",
+        "u",
+        "p",
+        "h",
+        "m",
+        "r",
+        "z",
+        "rates",
+        "books",
+        "start",
+        "held",
+        "medium",
+        "temperature",
+        "energy",
+        "oil",
+    )
+    + ("state", "outputs", "params", "command", "values", "total", "transition", "full_open", "time", "next_stop")
 )
 JOINS = {
     Role.PORT: (OilVolume, Tank, PressureSource),
@@ -136,11 +154,16 @@ class Network:
                 f"{name}: {component.name} takes {len(classes)} parameter classes, "
                 f"{', '.join(c.__name__ for c in classes)}; {len(values)} given"
             )
-        nodes = {port: self._node_at(name, port, role, joints.pop(port, None)) for port, role in component.ports.items()}
+        nodes = {
+            port: self._node_at(name, port, role, joints.pop(port, None)) for port, role in component.ports.items()
+        }
         inputs = {a.name: self._source(name, a.name, a.kind, joints.pop(a.name, a.default)) for a in component.inputs}
         if joints:
             known = [*component.ports, *(a.name for a in component.inputs)]
-            raise NetworkError(f"{name}: {component.name} has no port or input {next(iter(joints))!r}" + nearest(next(iter(joints)), known))
+            raise NetworkError(
+                f"{name}: {component.name} has no port or input {next(iter(joints))!r}"
+                + nearest(next(iter(joints)), known)
+            )
         self._check_oils(name, component, nodes)
         self.parts[name] = Part(name, component, values, nodes, inputs, start)
 
@@ -153,7 +176,7 @@ class Network:
         components: tuple[Component, Component],
         start: Start,
     ) -> None:
-        """Add a pipe as a chain: its volumes `name_1` ..., and between them columns, the first component at the ends."""
+        """Add a pipe as a chain: volumes `name_1` ..., columns between them, and at the ends the first component."""
         self._check_name(name)
         self.values[name] = pipe
         ends = [self._node_at(name, port, Role.PORT, nodes.get(port)) for port in assembly.ports]
@@ -165,16 +188,22 @@ class Network:
             self.nodes[volume] = OilVolume(volume, pipe, start, node.oil)
         column, piece = components
         places = [ends[0], *inside, ends[1]]
-        parts = [f"{name}_from_{ends[0]}", *(f"{name}_{i}_to_{i + 1}" for i in range(1, len(inside))), f"{name}_to_{ends[1]}"]
+        parts = [
+            f"{name}_from_{ends[0]}",
+            *(f"{name}_{i}_to_{i + 1}" for i in range(1, len(inside))),
+            f"{name}_to_{ends[1]}",
+        ]
         for number, part in enumerate(parts):
             law = piece if 0 < number < len(parts) - 1 else column
             self.add(part, law, pipe, a=places[number], b=places[number + 1])
-        self.groups[name] = Group(assembly, pipe, dict(zip(assembly.ports, ends, strict=True)), tuple(parts), tuple(inside))
+        self.groups[name] = Group(
+            assembly, pipe, dict(zip(assembly.ports, ends, strict=True)), tuple(parts), tuple(inside)
+        )
 
     def program(
         self,
         name: str,
-        type: ProgramType,
+        kind: ProgramType,
         settings: Params | None = None,
         *,
         reads: Mapping[str, str],
@@ -189,15 +218,17 @@ class Network:
         another program's "encoder.speed"; `sensors` the instruments through which fields are measured.
         """
         self._check_name(name)
-        fields = set(type.reading._fields)  # type: ignore[attr-defined]
+        fields = set(names(kind.reading))
         if set(reads) != fields:
             odd = ", ".join(sorted(set(reads) ^ fields))
             raise NetworkError(f"{name}: its reading and what `reads` gives differ in {odd}")
         if unknown := set(sensors or {}) - fields:
             raise NetworkError(f"{name}: a sensor for {', '.join(sorted(unknown))}, which it does not read")
-        if type.settings is not None and not isinstance(settings, type.settings):
-            raise NetworkError(f"{name}: settings are {settings!r}; expected {type.settings.__name__}")
-        self.programs[name] = ProgramPart(name, type, settings, dict(reads), dict(sensors or {}), period, phase, latency)
+        if kind.settings is not None and not isinstance(settings, kind.settings):
+            raise NetworkError(f"{name}: settings are {settings!r}; expected {kind.settings.__name__}")
+        self.programs[name] = ProgramPart(
+            name, kind, settings, dict(reads), dict(sensors or {}), period, phase, latency
+        )
 
     def place(self, name: str, x: float, y: float) -> None:
         """Draw the node or component `name` at a place of the diagram's grid."""
@@ -210,7 +241,9 @@ class Network:
         table, _, key = start.partition(".")
         found = getattr(self.values.get(table), key, None)
         if not isinstance(found, int | float):
-            raise NetworkError(f"start {start!r} is neither a number in SI nor the path of one among {', '.join(self.values)}")
+            raise NetworkError(
+                f"start {start!r} is neither a number in SI nor the path of one among {', '.join(self.values)}"
+            )
         return float(found)
 
     def _add_node(self, node: Node) -> None:
@@ -230,10 +263,14 @@ class Network:
             fit = [n for n, value in self.nodes.items() if isinstance(value, JOINS[role])]
             raise NetworkError(f"{name}: port {port!r} is open; join it to one of {', '.join(fit) or 'no node yet'}")
         if not isinstance(node, str) or node not in self.nodes:
-            raise NetworkError(f"{name}: port {port!r} ends at {node!r}, which is no node" + nearest(str(node), list(self.nodes)))
+            raise NetworkError(
+                f"{name}: port {port!r} ends at {node!r}, which is no node" + nearest(str(node), list(self.nodes))
+            )
         if not isinstance(self.nodes[node], JOINS[role]):
             wanted = " or ".join(kind_of_node(cls) for cls in JOINS[role])
-            raise NetworkError(f"{name}: port {port!r} joins a {wanted}; {node!r} is a {kind_of_node(self.nodes[node])}")
+            raise NetworkError(
+                f"{name}: port {port!r} joins a {wanted}; {node!r} is a {kind_of_node(self.nodes[node])}"
+            )
         for group, whole in self.groups.items():
             if node in whole.nodes:
                 raise NetworkError(f"{name}: port {port!r} ends at {node!r}, inside of {group!r}")

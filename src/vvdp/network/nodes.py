@@ -74,7 +74,7 @@ class PressureSource:
 
 @dataclass(frozen=True)
 class Shaft:
-    """A shaft that turns freely, with the inertia of all that it joins. At first it has `angle` [rad], `speed` [rad/s]."""
+    """A shaft that turns freely, with the inertia of all that it joins; `angle` [rad] and `speed` [rad/s] at first."""
 
     name: str
     values: Rotor | None
@@ -104,7 +104,8 @@ HydraulicNode: TypeAlias = OilVolume | Tank | PressureSource
 Node: TypeAlias = HydraulicNode | Shaft | DrivenShaft | Rod
 
 
-def kind_of_node(node: Node) -> str:
-    """What a message calls a node."""
+def kind_of_node(node: Node | type[Node]) -> str:
+    """What a message calls a node, or a class of nodes."""
+    cls = node if isinstance(node, type) else type(node)
     words: dict[type[Any], str] = {OilVolume: "volume", PressureSource: "pressure source", DrivenShaft: "driven shaft"}
-    return words.get(type(node), type(node).__name__.lower())
+    return words.get(cls, cls.__name__.lower())

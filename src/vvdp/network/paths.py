@@ -13,7 +13,7 @@ from vvdp.base.tables import nearest
 from vvdp.network.component import Role
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import Connection, DrivenShaft, HydraulicNode, OilVolume, Rod, Shaft, Source, Start
-from vvdp.simulation.values import leaves
+from vvdp.simulation.values import leaves, names
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,9 @@ class Places:
             return
         if name in above:
             loop = " -> ".join([*above[above.index(name) :], name])
-            raise NetworkError(f"each of these needs the other's result at the same instant: {loop}; put a state between")
+            raise NetworkError(
+                f"each of these needs the other's result at the same instant: {loop}; put a state between"
+            )
         for needed in self._needs(self.network.parts[name]):
             self._place(needed, done, [*above, name])
         done[name] = self.network.parts[name]
@@ -75,7 +77,7 @@ class Places:
     @staticmethod
     def _is_state(part: Part, name: str) -> bool:
         state = part.component.state
-        return state is not None and name in state._fields and name not in part.component.outputs
+        return state is not None and name in names(state) and name not in part.component.outputs
 
     @staticmethod
     def _takes_surplus_of(part: Part, node: str) -> bool:
@@ -103,7 +105,9 @@ class Places:
         sources = [path for part in self.network.parts.values() for s in part.inputs.values() for path in paths_of(s)]
         reads = [path for program in self.network.programs.values() for path in program.reads.values()]
         asked = {path.partition(".")[0] for path in (*sources, *reads) if path.endswith(".angle")}
-        return frozenset(name for name, node in self.network.nodes.items() if isinstance(node, DrivenShaft)) & (ports | asked)
+        return frozenset(name for name, node in self.network.nodes.items() if isinstance(node, DrivenShaft)) & (
+            ports | asked
+        )
 
     @cached_property
     def fields(self) -> Mapping[str, tuple[Any, Any]]:

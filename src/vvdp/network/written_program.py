@@ -22,13 +22,15 @@ class WrittenProgram:
 
     @property
     def blocks(self) -> list[list[str]]:
-        """Its functions: `measure_`, `trigger_` where events call it, `step_` and `begin_` where instruments measure."""
+        """Its functions: `measure_`, `trigger_` if events call it, `step_` and `begin_` where instruments measure."""
         fields = {name: self._read(path) for name, path in self.part.reads.items()}
         reading = f"{self.text.use(self.part.type.reading)}({', '.join(f'{n}={text}' for n, text in fields.items())})"
         found = [[f"def measure_{self.name}(t, s, outputs, p):", f"    return {reading}"]]
         if self.part.type.level:
             if "outputs." in reading:
-                raise NetworkError(f"{self.name} is called by events, which can read states alone; {reading} reads more")
+                raise NetworkError(
+                    f"{self.name} is called by events, which can read states alone; {reading} reads more"
+                )
             level, settings = self.text.use(self.part.type.level), "z.program" if self.part.sensors else "z"
             found.append([f"def trigger_{self.name}(t, s, u, p, z):", f"    return {level}({reading}, {settings})"])
         return [*found, *(self._with_instruments() if self.part.sensors else [])]
@@ -47,17 +49,16 @@ class WrittenProgram:
         if not self.part.sensors:
             return own
         sensors = {f"{name}_sensor": sensor for name, sensor in self.part.sensors.items()}
-        hints = {**{name: Instrument for name in sensors}, "program": type(own)}
-        return params_class("ProgramSettings", hints)(**sensors, program=own)
+        hints = {**dict.fromkeys(sensors, Instrument), "program": type(own)}
+        values: dict[str, Any] = {**sensors, "program": own}
+        return params_class("ProgramSettings", hints)(**values)
 
     def _with_instruments(self) -> list[list[str]]:
         """A step that takes each reading through its instrument first, and where it begins."""
         step, start = self.text.use(self.part.type.step), self.text.use(self.part.type.start)
         instrument, begin = self.text.use(instrument_step), self.text.use(instrument_start)
         memory, reading = self.text.use(self.memory), self.text.use(self.part.type.reading)
-        lines = [
-            f"{n}_sensor, {n} = {instrument}(m.{n}_sensor, t, r.{n}, z.{n}_sensor)" for n in self.part.sensors
-        ]
+        lines = [f"{n}_sensor, {n} = {instrument}(m.{n}_sensor, t, r.{n}, z.{n}_sensor)" for n in self.part.sensors]
         fields = ", ".join(n if n in self.part.sensors else f"r.{n}" for n in self.part.reads)
         lines.append(f"program, command = {step}(t, m.program, {reading}({fields}), z.program)")
         lines.append(f"return {memory}({', '.join(f'{n}_sensor' for n in self.part.sensors)}, program), command")
@@ -101,7 +102,7 @@ class WrittenProgram:
         match node, what:
             case OilVolume(), "pressure":
                 return f"s.{name}"
-            case (Tank() | PressureSource()), "pressure":
+            case ((Tank() | PressureSource()), "pressure"):
                 return f"outputs.{name}_pressure"
             case Shaft(), ("angle" | "speed"):
                 return f"s.{name}.{what}"

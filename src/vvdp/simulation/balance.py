@@ -33,7 +33,7 @@ class Balance:
 
     @property
     def energy_residual(self) -> float:
-        """(in - out - stored) over the throughput: every entry counted, whatever its sign."""
+        """(in - out - stored) over the throughput: all entries, whatever their sign, but at least what is held."""
         return _share(self.energy_in - self.energy_out - self.energy_stored, self.energy_throughput)
 
     @property
@@ -71,7 +71,8 @@ def balance_between(model: Model, case: Case, start: Array, end: Array, low: Arr
     energy_stored, volume_stored = float(holds.energy - held.energy), float(holds.volume - held.volume)
     taken_in = float(after.books.taken_in - before.books.taken_in)
     given_out = float(after.books.given_out - before.books.given_out)
-    throughput = float(max(abs(supplied).sum(), abs(spent).sum(), abs(energy_stored)))
+    passed = max(abs(supplied).sum(), abs(spent).sum(), abs(energy_stored))
+    throughput = float(max(passed, abs(held.energy), abs(holds.energy)))
     return Balance(
         energy_in=float(supplied.sum()),
         energy_out=float(spent.sum()),

@@ -41,7 +41,7 @@ class BatchRun:
     final: Array  # (cases, n)
     final_commands: Array  # (cases, commands)
     final_memories: Array  # (cases, memories)
-    low: Array  # (cases, n) over every step
+    low: Array  # (cases, n) over every step, the books left out
     high: Array  # (cases, n)
     marks: npt.NDArray[np.int64]  # (cases,)
     mark_times: Array  # (cases, 3) of the first, the middle and the last mark

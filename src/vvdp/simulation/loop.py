@@ -255,7 +255,7 @@ def run(
             record_memory[row, :] = memory
             row += 1
         clock[RECORDS] = row
-        widen(low, high, step, y, trial, k)
+        widen(low, high, active, step, y, trial, k)
         if clock[REFUSED] >= SERIES and clock[LANDED] == 0.0:
             clock[JUMPS] += 1.0
             if clock[JUMPS] == 1.0:

@@ -32,7 +32,7 @@ class Outcome:
     case: Case
     window: Window
     final: Array  # (n,)
-    low: Array  # (n,) over every step
+    low: Array  # (n,) over every step, the books left out
     high: Array  # (n,)
     end: float
     steps: int

@@ -47,7 +47,7 @@ class Run:
     mark_states: Array  # (marks, n)
     initial: Array  # (n,)
     final: Array  # (n,)
-    low: Array  # (n,) over every step
+    low: Array  # (n,) over every step, the books left out
     high: Array  # (n,)
     end: float
     steps: int

@@ -169,9 +169,9 @@ def turning_value(a, b, rise, fall):
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def widen(low, high, step, y, trial, k):
-    """Takes a step into the extremes, with where its cubic turns round."""
-    for m in range(y.size):
+def widen(low, high, active, step, y, trial, k):
+    """Takes a step into the extremes of all but the books, with where its cubic turns round."""
+    for m in range(active):
         low[m] = min(low[m], trial[m])
         high[m] = max(high[m], trial[m])
         if k[0, m] * k[6, m] < 0.0:

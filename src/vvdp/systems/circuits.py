@@ -108,6 +108,6 @@ def _slot(function: str, name: str, hint: Any) -> TableSlot:
     classes = tuple(c for c in members if isinstance(c, type) and issubclass(c, Params))
     if not classes or len(classes) + (type(None) in members) != len(members):
         raise ParameterError(
-            f"{function}: the table {name!r} has the annotation {hint!r}; expected a subclass of vvdp.base.params.Params"
+            f"{function}: the table {name!r} is annotated as {hint!r}; expected a subclass of vvdp.base.params.Params"
         )
     return TableSlot(classes, type(None) in members)

@@ -96,7 +96,7 @@ class RodTable(Params):
 
 
 class ProgramTimes(Params):
-    """When a program is called: every `period` (0: the run's sample period), first at `phase`; it acts `latency` later."""
+    """When a program is called: every `period` (0: the run's), first at `phase`; it acts `latency` later."""
 
     period: Time = 0.0
     phase: Time = 0.0
@@ -169,7 +169,9 @@ class Drawer:
         if oil is None:
             return None
         oils = {name: self._table(Oil, f"oils.{name}", part) for name, part in self._parts("oils")}
-        net = Network(oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o})
+        net = Network(
+            oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o}
+        )
         for name, part in self._parts("nodes"):
             self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
         for name, part in self._parts("components"):
@@ -219,7 +221,7 @@ class Drawer:
             return
         own = {key: value for key, value in part.items() if key not in DRAWING_WORDS}
         values = None if kind is NODES["tank"] and not own else self._values(kind.table, path, own)
-        if values is not None or not own and kind is NODES["tank"]:
+        if values is not None or (not own and kind is NODES["tank"]):
             self._try(path, lambda: kind.add(net, name, values, oil))
         self._place(net, name, path, part)
 
@@ -300,7 +302,9 @@ class Drawer:
         if given is None:
             return None
         if component.state is None or not isinstance(given, Mapping):
-            self._fault(f"{path}.start", "this component has no state" if component.state is None else "expected a table")
+            self._fault(
+                f"{path}.start", "this component has no state" if component.state is None else "expected a table"
+            )
             return None
         hints = get_type_hints(component.state, include_extras=True)
         table = self._table(type("Start", (Params,), {"__annotations__": hints}), f"{path}.start", given)
@@ -339,9 +343,7 @@ def _fields(cls: type[Params]) -> list[str]:
     return list(inspect.signature(cls).parameters)
 
 
-def draw_network(
-    content: Mapping[str, Any], table: Table, faults: list[Fault]
-) -> tuple[Network | None, list[Sourced]]:
+def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault]) -> tuple[Network | None, list[Sourced]]:
     """The network that a file draws, and where each value comes from. Faults are appended to `faults`."""
     drawer = Drawer(content, table, faults)
     return drawer.network(), drawer.rows

@@ -4,14 +4,12 @@ The two functions that return a `Network` are what a system file names as its ci
 """
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.params import Params
 from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.rotary_valve import duty_position
 from vvdp.estimation.event_filter import EventFilterValues
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.check_valve import CheckPoppet
-from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive

@@ -144,9 +144,7 @@ def add_encoder(net: Network, spool: str, table: EncoderTable, values: EventFilt
         missed_edges=0.0,
     )
     watch = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
-    net.program(
-        "encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"}
-    )
+    net.program("encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"})
 
 
 def estimate_errors(

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from vvdp.base.signal import Signal
+from vvdp.network.classes import flow_names
 from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
@@ -44,7 +45,9 @@ def summary(system: System, run: Run) -> Summary:
     extras = system.extras
     if extras is None:
         return simulated
-    return simulated | extras.recorded(run) | extras.closed_forms(simulated)
+    recorded: Summary = extras.recorded(run)
+    closed: Summary = extras.closed_forms(simulated)
+    return simulated | recorded | closed
 
 
 def simulated_summary(run: Outcome, system: System) -> Summary:
@@ -132,14 +135,17 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
         elif group == "supplied":
             found[f"power_{name}_W"] = value
     for part in system.circuit.network.parts.values():
+        first, *others = flow_names(part) or [""]
+        if others:
+            found[f"flow_mean_{first.removesuffix('_flow')}_m3_s"] = -sum(means[f"totals.{name}"] for name in others)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())
         if "" not in losses:
             found |= {f"loss_{part.name}_{loss}_W": value for loss, value in losses.items()}
-    for name, group in system.circuit.network.groups.items():
-        found[f"flow_mean_{name}_m3_s"] = found[f"flow_mean_{group.parts[-1]}_m3_s"]
-        found[f"loss_{name}_W"] = sum(float(found[f"loss_{part}_W"]) for part in group.parts)
+    for whole, chain in system.circuit.network.groups.items():
+        found[f"flow_mean_{whole}_m3_s"] = found[f"flow_mean_{chain.parts[-1]}_m3_s"]
+        found[f"loss_{whole}_W"] = float(sum(found[f"loss_{part}_W"] for part in chain.parts))
     return found
 
 

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import resources
@@ -239,9 +240,7 @@ def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunctio
     return function
 
 
-def _run_table(
-    given: Any, table: Table, faults: list[Fault]
-) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:
+def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:
     """The [run] table and its method."""
     if not isinstance(given, Mapping):
         what = "missing table" if given is None else f"{given!r} is not a table"
@@ -250,10 +249,8 @@ def _run_table(
     content = dict(given)
     method = _method(content.pop("method", "automatic"), table, faults)
     if "average_from" not in content and "until" in content:
-        try:
+        with suppress(ParameterError):  # `build` says what is wrong with it
             content["average_from"] = f"{0.5 * parsed(content['until'], TIME)!r} s"
-        except ParameterError:
-            pass  # `build` says what is wrong with it
     found, rows = build(RunTable, content, "run", table, faults)
     return (None if found is None else (found, rows)), method
 

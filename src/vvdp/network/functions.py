@@ -1,0 +1,345 @@
+"""Writes a network as the plain functions that a person would have written: `circuit`, `conditions`, `stored`, ..."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from vvdp.base.errors import NetworkError
+from vvdp.base.params import field_kinds
+from vvdp.base.select import maximum, minimum
+from vvdp.base.signal import Signal, signal_stop, signal_value
+from vvdp.fluid.mixture import fluid_state
+from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.hydraulics.pipe import LinePipe, piece_rate, piece_stored
+from vvdp.hydraulics.ports import Medium, RodState, ShaftState
+from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored, pressure_rate, stored
+from vvdp.network.classes import blank
+from vvdp.network.component import Role
+from vvdp.network.folding import bracketed, indented, negative
+from vvdp.network.network import Part
+from vvdp.network.nodes import (
+    Chamber,
+    Connection,
+    DrivenShaft,
+    HydraulicNode,
+    Node,
+    OilVolume,
+    PressureSource,
+    Rod,
+    Shaft,
+    Tank,
+)
+from vvdp.network.text import PRESCRIBED, Text
+from vvdp.simulation.values import names
+
+
+class Functions:
+    """The functions of a network as text."""
+
+    def __init__(self, text: Text) -> None:
+        self.text = text
+        self.places, self.classes, self.network = text.places, text.classes, text.network
+
+    def all(self) -> list[list[str]]:
+        """All functions, the lines of each."""
+        return [self.circuit(), self.conditions(), self.stored(), self.start(), self.stop(), self.mark()]
+
+    def circuit(self) -> list[str]:
+        """The function `circuit`."""
+        lines = ["h = u.held", *self.text.node_lines(self.network.nodes)]
+        lines += [
+            f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in self.places.order if p.component.walls
+        ]
+        surplus: set[str] = set()
+        for part in self.places.order:
+            if any(a.role is Role.SURPLUS for a in part.component.arguments):
+                node = part.nodes[part.component.hydraulic_ports[0]]
+                if node not in surplus:
+                    lines.append(f"surplus_{node} = {self.text.given(node, without=part)}")
+                    surplus.add(node)
+            lines.append(f"{part.name} = {self.text.call(part, part.component.law)}")
+        lines += [*self._exchange(), "rates = State("]
+        lines += [f"    {name}={rate}," for name, rate in self._rates()]
+        lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
+        lines += ["outputs = Outputs(", *(f"    {name}={text}," for name, text in self._outputs()), ")"]
+        return ["def circuit(t, s, u, p):", *indented(lines), "    return rates, outputs"]
+
+    def _rates(self) -> Iterator[tuple[str, str]]:
+        for name, node in self.network.nodes.items():
+            if rate := self._node_rate(name, node):
+                yield name, rate
+        for part in self.network.parts.values():
+            if part.component.state is not None:
+                yield part.name, f"{part.name}.rates"
+
+    def _node_rate(self, name: str, node: Node) -> str:
+        swept, rate = self.text.walls(name, "volume"), self.text.walls(name, "rate") or "0.0"
+        match node:
+            case OilVolume(values=Chamber()):
+                volume = f"{self.places.path(node.values)}.volume" + (f" + {swept}" if swept else "")
+                return f"{self.text.use(closed_volume_rate)}({self.text.given(name)}, {rate}, {volume}, {name})"
+            case OilVolume(values=LinePipe()):
+                ends = f"{self.places.path(node.values)}, {self.places.path(node.oil)}.reference_pressure"
+                return f"{self.text.use(piece_rate)}({self.text.given(name)}, {name}, {ends})"
+            case OilVolume():
+                reference = f"{self.places.path(node.oil)}.reference_pressure"
+                values = self.places.path(node.values)
+                ends = f"{values}, {reference}" + (f", {swept}" if swept else "")
+                return (
+                    f"{self.text.use(pressure_rate)}({self.text.given(name)}, {rate}, {name}.pressure, {name}, {ends})"
+                )
+            case DrivenShaft() if name in self.places.turning:
+                return f"{name}.speed"
+            case Shaft():
+                return f"{self.text.use(ShaftState)}({name}.speed, ({self.text.given(name)}) / h.{name}_inertia)"
+            case Rod():
+                return f"{self.text.use(RodState)}({name}.velocity, ({self.text.given(name)}) / h.{name}_inertia)"
+        return ""
+
+    def _books(self) -> Iterator[str]:
+        yield from bracketed("supplied=Supplied", self.classes.supplied, self._supplied())
+        yield from bracketed("spent=Spent", self.classes.spent, self._spent())
+        yield "taken_in=taken_in,"
+        yield f"given_out={' + '.join(['taken_in', *(f'into_{name}' for name in self._prescribed)])},"
+        yield from bracketed("totals=Totals", self.classes.totals, self._totals())
+
+    @property
+    def _prescribed(self) -> list[str]:
+        return [name for name, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)]
+
+    def _exchange(self) -> Iterator[str]:
+        """Lines that say what oil goes into tanks and sources, and how much of it comes out of them."""
+        yield from (f"into_{name} = {self.text.given(name)}" for name in self._prescribed)
+        flows = [flow for name in self._prescribed for flow in self._port_flow(name)]
+        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in flows]
+        yield f"taken_in = {' + '.join(terms) or '0.0'}"
+
+    def _port_flow(self, node: str) -> list[str]:
+        text = []
+        for met in self.places.attached(node):
+            component = met.part.component
+            if component.is_passage and met.port in component.hydraulic_ports:
+                text.append(f"{'-' if met.port == component.hydraulic_ports[0] else ''}{met.part.name}.flow")
+            elif met.port in names(component.result):
+                text.append(f"{met.part.name}.{met.port}")
+        return text
+
+    def _supplied(self) -> dict[str, str]:
+        found = {}
+        for name, node in self.network.nodes.items():
+            if isinstance(node, PRESCRIBED):
+                found[name] = f"-{name}.enthalpy * into_{name}"
+            elif isinstance(node, DrivenShaft):
+                found[name] = f"-{name}.speed * ({self.text.given(name)})"
+        parts = (part for part in self.network.parts.values() if "supplied" in names(part.component.result))
+        return found | {part.name: f"{part.name}.supplied" for part in parts}
+
+    def _spent(self) -> dict[str, str]:
+        found = {}
+        for part in self.network.parts.values():
+            losses = part.component.losses
+            if "" in losses:
+                found[part.name] = f"{part.name}.loss"
+            elif losses:
+                cls = self.text.use(self.classes.spent_parts[part.name])
+                inner = ", ".join(f"{part.name}.losses.{loss}" for loss in losses)
+                found[part.name] = f"{cls}({inner})"
+        return found
+
+    def _totals(self) -> dict[str, str]:
+        found = {
+            f"{n}_pressure": f"{n}.pressure"
+            for n, node in self.network.nodes.items()
+            if isinstance(node, HydraulicNode)
+        }
+        for part in self.network.parts.values():
+            # What goes into the first of more than two ports is what comes out of the others.
+            flows = list(self._flows(part))
+            found |= dict(flows[1:] if len(flows) > 1 else flows)
+            found |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.averages}
+        return found
+
+    @staticmethod
+    def _flows(part: Part) -> Iterator[tuple[str, str]]:
+        ports = part.component.hydraulic_ports
+        if len(ports) == 2:
+            yield f"{part.name}_flow", f"{part.name}.{'flow' if part.component.is_passage else ports[1]}"
+            return
+        for port in ports:
+            if port in names(part.component.result):
+                yield f"{part.name}_{port}_flow", f"{part.name}.{port}"
+
+    def _outputs(self) -> Iterator[tuple[str, str]]:
+        texts = {
+            f"{n}_pressure": f"{n}.pressure" for n, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)
+        }
+        for part in self.network.parts.values():
+            texts |= dict(self._flows(part))
+            texts |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.outputs}
+            for port, role in part.component.ports.items():
+                if role is not Role.PORT and port in names(part.component.result):
+                    texts[f"{part.name}_{port}"] = f"{part.name}.{port}"
+        texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}
+        yield from texts.items()
+
+    def conditions(self) -> list[str]:
+        """The function `conditions`."""
+        lines = [
+            f"celsius = {self.text.use(signal_value)}(t, {self.places.path(self.network.temperature)})".replace(
+                "celsius", "temperature"
+            )
+        ]
+        fields = {}
+        for name, oil in self.oils().items():
+            path = self.places.path(oil)
+            lines.append(
+                f"{name} = {self.text.use(Medium)}({self.text.use(density)}(temperature, {path}), "
+                f"{self.text.use(dynamic_viscosity)}(temperature, {path}))"
+            )
+            fields[name] = name
+        lines.append(f"h = {self.text.use(self.classes.medium)}({', '.join(fields)})")
+        for name, node in self.network.nodes.items():
+            if isinstance(node, Tank):
+                pressure, oil = self.text.source(node.pressure, name), self.places.path(node.oil)
+                fields[name] = f"{self.text.use(fluid_state)}({pressure}, {oil})"
+            elif isinstance(node, Shaft | Rod):
+                fields[f"{name}_inertia"] = self._inertia(name, node)
+        for part in self.network.parts.values():
+            if part.component.held:
+                fields[part.name] = self.text.call(part, part.component.held)
+        lines += ["return Held(", *(f"    {name}={text}," for name, text in fields.items()), ")"]
+        return ["def conditions(t, p):", *indented(lines)]
+
+    def oils(self) -> dict[str, Any]:
+        """The oils of the network, by the name of their medium."""
+        found = {"medium": self.network.oil}
+        for node in self.network.nodes.values():
+            if isinstance(node, HydraulicNode) and node.oil is not self.network.oil:
+                found[f"medium_{self.places.path(node.oil).removeprefix('p.')}"] = node.oil
+        return found
+
+    def _inertia(self, name: str, node: Shaft | Rod) -> str:
+        own = "inertia" if isinstance(node, Shaft) else "mass"
+        terms = [f"{self.places.path(node.values)}.{own}"] if node.values else []
+        terms += [
+            self.text.call(m.part, m.part.component.inertia)
+            for m in self.places.attached(name)
+            if m.part.component.inertia
+        ]
+        if not terms:
+            raise NetworkError(f"{name} has no {own}; give it one, or join a component that has")
+        return " + ".join(terms)
+
+    def stored(self) -> list[str]:
+        """The function `stored`."""
+        lines, energies, volumes = [], [], []
+        used = [p for p in self.network.parts.values() if p.component.walls or p.component.stored]
+        joined = {
+            p.nodes[a.name]
+            for p in used
+            for f in (p.component.walls, p.component.stored)
+            if f
+            for a in p.component.arguments_of(f)
+            if a.name in p.nodes
+        }
+        if any(
+            a.role is Role.MEDIUM
+            for p in used
+            if p.component.stored
+            for a in p.component.arguments_of(p.component.stored)
+        ):
+            lines.append("h = conditions(0.0, p)")
+        lines += list(self.text.node_lines(n for n in self.network.nodes if n in joined))
+        lines += [f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in used if p.component.walls]
+        for name, node in self.network.nodes.items():
+            if isinstance(node, OilVolume):
+                lines.append(f"in_{name} = {self._content(name, node)}")
+            elif isinstance(node, Shaft | Rod):
+                speed = "speed" if isinstance(node, Shaft) else "velocity"
+                energies.append(f"0.5 * ({self._inertia(name, node)}) * s.{name}.{speed} ** 2")
+        lines += [f"in_{p.name} = {self.text.call(p, p.component.stored)}" for p in used if p.component.stored]
+        held = [line.partition(" = ")[0] for line in lines if line.startswith("in_")]
+        energies, volumes = [f"{name}.energy" for name in held] + energies, [f"{name}.volume" for name in held]
+        lines.append(f"energy = {' + '.join(energies) or '0.0'}")
+        lines.append(f"return Stored(energy, {' + '.join(volumes) or '0.0'})")
+        return ["def stored(s, p):", *indented(lines)]
+
+    def _content(self, name: str, node: OilVolume) -> str:
+        oil, values, swept = self.places.path(node.oil), self.places.path(node.values), self.text.walls(name, "volume")
+        if isinstance(node.values, Chamber):
+            volume = f"{values}.volume" + (f" + {swept}" if swept else "")
+            return f"{self.text.use(closed_volume_stored)}(s.{name}, {volume}, {oil})"
+        if isinstance(node.values, LinePipe):
+            return f"{self.text.use(piece_stored)}(s.{name}, {oil}, {values})"
+        return f"{self.text.use(stored, 'vessel_stored')}(s.{name}, {oil}, {values}{f', {swept}' if swept else ''})"
+
+    def start(self) -> list[str]:
+        """The function `start`."""
+        lines = []
+        for name in field_kinds(self.classes.state):
+            if name == "books":
+                continue
+            lines.append(f"    {name}={self._start(name)},")
+        return ["def start(p):", "    return State(", *indented(lines), "        books=EMPTY_BOOKS,", "    )"]
+
+    def _start(self, name: str) -> str:
+        values = self.places.starts.get(name)
+        part = self.network.parts.get(name)
+        if part is None:
+            if values is None:
+                return "0.0"
+            places = [value.path for value in values]
+            if isinstance(self.network.nodes[name], OilVolume):
+                return places[0]
+            cls = ShaftState if isinstance(self.network.nodes[name], Shaft) else RodState
+            return f"{self.text.use(cls)}({', '.join(places)})"
+        state = part.component.state
+        assert state is not None
+        if values is not None:
+            return nested(part.start, iter(value.path for value in values), self.text.use)
+        if part.component.start is not None:
+            return self.text.call(part, part.component.start)
+        return nested(blank(state), iter(lambda: "0.0", None), self.text.use)
+
+    def stop(self) -> list[str]:
+        """The function `stop`: the next corner of a signal, or jump of a part."""
+        calls = [f"{self.text.use(signal_stop)}(t, {path})" for path in self._signal_paths()]
+        for part in self.network.parts.values():
+            if part.component.stop:
+                calls.append(self.text.call(part, part.component.stop))
+        lines = ["next_stop = np.inf", *(f"next_stop = {self.text.use(minimum)}(next_stop, {call})" for call in calls)]
+        return ["def stop(t, u, p):", *indented(lines), "    return next_stop"]
+
+    def _signal_paths(self) -> list[str]:
+        net = self.network
+        sources: list[Any] = [net.temperature]
+        for node in net.nodes.values():
+            sources += [
+                getattr(node, key)
+                for key in ("pressure", "speed")
+                if isinstance(node, Tank | PressureSource | DrivenShaft) and hasattr(node, key)
+            ]
+        sources += [source for part in net.parts.values() for source in part.inputs.values()]
+        inner = [x for source in sources for x in (source.sources if isinstance(source, Connection) else (source,))]
+        return list(dict.fromkeys(self.places.path(x) for x in inner if isinstance(x, Signal)))
+
+    def mark(self) -> list[str]:
+        """The function `mark`, of the first part that has one; nothing without any."""
+        for part in self.network.parts.values():
+            if part.component.mark:
+                nodes = [
+                    part.nodes[a.name] for a in part.component.arguments_of(part.component.mark) if a.name in part.nodes
+                ]
+                return [
+                    "def mark(t, s, u, p):",
+                    *indented(list(self.text.node_lines(nodes))),
+                    f"    return {self.text.call(part, part.component.mark)}",
+                ]
+        return []
+
+
+def nested(value: Any, leaves: Iterator[str], use: Callable[[Any], str]) -> str:
+    """A NamedTuple as the text that makes it, with `leaves` for its numbers."""
+    fields = getattr(type(value), "_fields", None)
+    if fields is None:
+        return next(leaves)
+    return f"{use(type(value))}({', '.join(nested(getattr(value, name), leaves, use) for name in fields)})"
