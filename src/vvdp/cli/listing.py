@@ -1,6 +1,6 @@
 """`vvdp list`."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,6 +9,7 @@ import typer
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
     from vvdp.base.params import Params
+    from vvdp.network.assembly import Assembly
     from vvdp.network.component import Component
     from vvdp.network.program import ProgramType
 
@@ -82,6 +83,7 @@ def _library() -> None:
     """Prints all that a file may draw a circuit from."""
     from vvdp.cli.screen import console, grid
     from vvdp.components.library import COMPONENTS, PROGRAMS
+    from vvdp.network.assembly import Assembly
     from vvdp.systems.drawn import NODES
 
     out = console()
@@ -92,8 +94,7 @@ def _library() -> None:
     title = "Components: [components.NAME] with its type, the node at each port, inputs and values"
     table = grid("type", "ports", "inputs", "values", "outputs", "symbol", title=title)
     for name, component in COMPONENTS.items():
-        values = [line for cls in component.params for line in _values(cls)]
-        cells = (_ports(component), _inputs(component), values, [*component.outputs])
+        cells = _assembly(component) if isinstance(component, Assembly) else _component(component)
         table.add_row(name, *("\n".join(cell) for cell in cells), component.symbol)
     out.print(table)
     table = grid("type", "reads", "commands", "values", title="Programs: [programs.NAME] with its type and what it reads")
@@ -102,6 +103,16 @@ def _library() -> None:
     out.print(table)
     out.print('A value is written with its unit, as in the examples; an input is a value, a signal over time or { from =')
     out.print('"NAME.OUTPUT" }. In brackets: what a value is that is not given.')
+
+
+def _component(component: "Component") -> Sequence[list[str]]:
+    """Ports, inputs, values and outputs."""
+    values = [line for cls in component.params for line in _values(cls)]
+    return _ports(component), _inputs(component), values, [*component.outputs]
+
+
+def _assembly(assembly: "Assembly") -> Sequence[list[str]]:
+    return [*assembly.ports], [], [*_values(assembly.params), 'start = "100 bar"'], []
 
 
 def _ports(component: "Component") -> list[str]:

@@ -6,6 +6,7 @@ from vvdp.base.kinds import AREA, DISPLACEMENT, FRACTION, PRESSURE_LEVEL, SPEED,
 from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.hydraulics.volume import Vessel
+from vvdp.network.assembly import Group
 from vvdp.network.graph import Graph, GraphComponent, GraphNode, GraphProgram, NodeKind
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
@@ -21,6 +22,7 @@ from vvdp.network.nodes import (
 )
 from vvdp.network.paths import paths_of
 from vvdp.report.wording import rounded, rounded_signal
+from vvdp.systems.overview import inside
 
 Lines = tuple[str, ...]
 MOST_LABELS = 2
@@ -34,10 +36,14 @@ SIZES = ("m", "m^2")
 
 def graph_of(network: Network, title: str) -> Graph:
     """The graph of a network, its parts labelled with their main values."""
+    hidden = inside(network)
     return Graph(
         title=title,
-        nodes=tuple(_node(network, node) for node in network.nodes.values()),
-        components=tuple(_component(network, part) for part in network.parts.values()),
+        nodes=tuple(_node(network, node) for name, node in network.nodes.items() if name not in hidden),
+        components=(
+            *(_component(network, part) for name, part in network.parts.items() if name not in hidden),
+            *(_group(network, name, group) for name, group in network.groups.items()),
+        ),
         programs=tuple(_programs(network)),
     )
 
@@ -83,6 +89,17 @@ def _component(network: Network, part: Part) -> GraphComponent:
         },
         labels=tuple(value for values in part.values for value in main_values(values))[:MOST_LABELS],
         position=network.positions.get(part.name),
+    )
+
+
+def _group(network: Network, name: str, group: Group) -> GraphComponent:
+    """A pipe or the like as one component."""
+    return GraphComponent(
+        name=name,
+        symbol=group.assembly.symbol,
+        ports=dict(group.ports),
+        labels=main_values(group.values),
+        position=network.positions.get(name),
     )
 
 

@@ -13,7 +13,7 @@ from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation.results import Results, read_results
-from vvdp.systems.overview import flow_ports, period
+from vvdp.systems.overview import flow_ports, inside, period
 from vvdp.systems.system import System, built_system
 
 BAR = 1e5
@@ -81,8 +81,10 @@ class Reading:
 
     @property
     def volumes(self) -> tuple[str, ...]:
-        """Names of the nodes that make their own pressure."""
-        return tuple(name for name, node in self.network.nodes.items() if isinstance(node, OilVolume))
+        """Names of the nodes that make their own pressure, but for those inside of a pipe."""
+        hidden = inside(self.network)
+        nodes = self.network.nodes.items()
+        return tuple(name for name, node in nodes if isinstance(node, OilVolume) and name not in hidden)
 
     def pressure(self, node: str) -> Array:
         """The gauge pressure of a hydraulic node over `results.times` [Pa]."""
@@ -93,9 +95,12 @@ class Reading:
 
     def flows(self) -> Iterator[tuple[str, Array]]:
         """Name and course of every recorded flow of a component [tank volumes, m^3/s]."""
+        hidden = inside(self.network)
         for part in self.network.parts.values():
-            for name, port in flow_ports(part).items():
+            for name, port in flow_ports(part).items() if part.name not in hidden else ():
                 yield f"{part.name}, {port}" if port else part.name, self.output(name)
+        for name, group in self.network.groups.items():
+            yield name, self.output(f"{group.parts[-1]}_flow")
 
     def is_absolute(self, row: Sourced) -> bool:
         """Whether a pressure level was written as an absolute one."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from vvdp.network.classes import flow_names
-from vvdp.network.network import Part
+from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
 from vvdp.systems.system import System
 
@@ -36,9 +36,18 @@ class LossLine(NamedTuple):
     parts: tuple[tuple[str, float], ...]
 
 
+def inside(network: Network) -> frozenset[str]:
+    """The nodes and components inside of pipes and the like, which count as one component."""
+    return frozenset(name for group in network.groups.values() for name in (*group.nodes, *group.parts))
+
+
 def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
     """Pressures of hydraulic nodes, speeds of shafts, velocities and positions of rods."""
-    for name, node in system.circuit.network.nodes.items():
+    network = system.circuit.network
+    hidden = inside(network)
+    for name, node in network.nodes.items():
+        if name in hidden:
+            continue
         if isinstance(node, HydraulicNode):
             values = (float(found[f"pressure_{which}_{name}_Pa"]) for which in ("mean", "min", "max"))
             yield NodeLine(name, "pressure", "bar", *values)
@@ -53,9 +62,13 @@ def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
 
 def flow_lines(system: System, found: Mapping[str, Any]) -> Iterator[FlowLine]:
     """Mean flows of the components: one through each, or one into each port of those with more than two."""
-    for part in system.circuit.network.parts.values():
-        for name, port in flow_ports(part).items():
+    network = system.circuit.network
+    hidden = inside(network)
+    for part in network.parts.values():
+        for name, port in flow_ports(part).items() if part.name not in hidden else ():
             yield FlowLine(part.name, port, float(found[f"flow_mean_{name.removesuffix('_flow')}_m3_s"]))
+    for name in network.groups:
+        yield FlowLine(name, "", float(found[f"flow_mean_{name}_m3_s"]))
 
 
 def flow_ports(part: Part) -> dict[str, str]:
@@ -65,12 +78,16 @@ def flow_ports(part: Part) -> dict[str, str]:
 
 def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:
     """What the components turn to heat."""
-    for part in system.circuit.network.parts.values():
+    network = system.circuit.network
+    hidden = inside(network)
+    for part in network.parts.values():
         whole = f"loss_{part.name}_W"
-        if whole in found:
+        if whole in found and part.name not in hidden:
             inner = ((name, f"loss_{part.name}_{name}_W") for name in part.component.losses if name)
             parts = tuple((name, float(found[key])) for name, key in inner)
             yield LossLine(part.name, float(found[whole]), parts if len(parts) > 1 else ())
+    for name in network.groups:
+        yield LossLine(name, float(found[f"loss_{name}_W"]), ())
 
 
 def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str, float]]:

@@ -252,6 +252,7 @@ def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[Run
         with suppress(ParameterError):  # `build` says what is wrong with it
             content["average_from"] = f"{0.5 * parsed(content['until'], TIME)!r} s"
     found, rows = build(RunTable, content, "run", table, faults)
+    rows = [replace(row, status="given") if row.note == "default" else row for row in rows]  # says nothing of the circuit
     return (None if found is None else (found, rows)), method
 
 
