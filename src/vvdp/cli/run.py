@@ -58,6 +58,7 @@ def run(
             say(f"interrupted at t = {done.end:.6g} s; writing what was reached")
         found = summary(loaded, done)
         more = _origin(loaded, found, settings or [])
+        _copy_module(loaded, folder)
         write_results(folder, done, system=resolved_text(loaded), summary=plain(found), more=plain(more))
     if json:
         print_json({"system": loaded.name, **found, "out": str(directory)})
@@ -76,6 +77,15 @@ def run(
         raise typer.Exit(INTERRUPTED)
     if not found.get("trusted", True):
         raise typer.Exit(NOT_TRUSTED)
+
+
+def _copy_module(system: "System", folder: Path) -> None:
+    """Puts a module that lies beside the system file into the results as well, which can then be read alone."""
+    if system.module is not None:
+        name = str(system.content["circuit"]).partition(":")[0]
+        copy = folder / f"{name.replace('.', '/')}.py"
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(system.module.read_bytes())
 
 
 def _origin(system: "System", found: dict[str, Any], settings: list[str]) -> dict[str, Any]:
@@ -99,7 +109,7 @@ def _print(system: "System", done: "Run", found: dict[str, Any]) -> None:
     out = console()
     out.print(system.title, soft_wrap=True)
     begin, end, periods = found["averaged_from_s"], found["averaged_to_s"], found["averaged_periods"]
-    over = f"{periods:g} {period(system)}s, " if periods or system.extras is not None else ""
+    over = f"{periods:g} {period(system)}s, " if periods else ""
     out.print(f"means over {over}{begin:.4g} s to {end:.4g} s; pressures gauge")
     for table in _tables(system, found):
         out.print(table)

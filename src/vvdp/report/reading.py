@@ -173,10 +173,7 @@ class Reading:
 
 
 def reading(directory: Path) -> Reading:
-    """The content of a result directory. Raises ConfigError where it is none, or the system in it cannot be read.
-
-    A module that the system names is looked for beside the directory and in the current folder.
-    """
+    """The content of a result directory. Raises ConfigError where it is none, or the system in it cannot be read."""
     results = read_results(directory)
     table = parsed_table(results.system, str(directory / "system.toml"))
     return Reading(results, built_system(table, str(results.meta.get("system", "")), directory))

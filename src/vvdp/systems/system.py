@@ -1,6 +1,7 @@
 """Reading a system: from a shipped name or a file to checked values and a circuit that is ready to run."""
 
 import os
+import traceback
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -19,7 +20,14 @@ from vvdp.network.build import build as build_circuit
 from vvdp.network.network import Network
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
-from vvdp.systems.circuits import NetworkFunction, TableSlot, circuit_names, network_function, table_slots
+from vvdp.systems.circuits import (
+    NetworkFunction,
+    TableSlot,
+    circuit_names,
+    local_module,
+    network_function,
+    table_slots,
+)
 from vvdp.systems.drawn import draw_network
 from vvdp.systems.extras import Extras
 
@@ -48,7 +56,8 @@ class RunTable(Params):
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from the tables; None where the file draws it itself.
+    `function` drew the network from the tables; None where the file draws it itself. `module` is the file that the
+    function stands in, where that lies beside the system's.
     """
 
     name: str
@@ -60,6 +69,7 @@ class System:
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
     function: NetworkFunction | None = None
+    module: Path | None = None
 
     @property
     def model(self) -> Model:
@@ -217,6 +227,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         rows=tuple(rows),
         content=table.content,
         function=function,
+        module=local_module(str(table.content.get("circuit", "")), folder),
     )
 
 
@@ -306,6 +317,11 @@ def _drawn_by(
         network = function(**values)
     except (NetworkError, ParameterError) as problem:
         faults.append(Fault(table.place, 0, "", str(problem)))
+        return None
+    except Exception as problem:  # of code that is not ours
+        at = traceback.extract_tb(problem.__traceback__)[-1]
+        what = f"{type(problem).__name__}: {problem} ({at.filename}:{at.lineno})"
+        faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"cannot be drawn: {what}"))
         return None
     if not isinstance(network, Network):
         name = function.__qualname__
