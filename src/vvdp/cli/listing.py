@@ -19,7 +19,7 @@ def systems(
         bool, typer.Option("--components", help="List what a file may draw a circuit from: the library.")
     ] = False,
 ) -> None:
-    """List the shipped systems, the circuits to choose from, and the systems in the current folder."""
+    """List shipped systems, circuits, and systems in this folder."""
     if components:
         _library()
         return

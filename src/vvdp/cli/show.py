@@ -21,9 +21,9 @@ def show(
     json: AsJson = False,
     text: Annotated[bool, typer.Option("--text", help="Print the circuit as it is written out and simulated.")] = False,
 ) -> None:
-    """Show nodes, components and all values of a system, with status and source.
+    """Show nodes, components and values of a system.
 
-    Pressure levels are shown gauge and absolute.
+    Each value has its status and source; pressure levels are shown gauge and absolute.
     """
     from vvdp.cli.screen import print_json
     from vvdp.systems.system import load_system
@@ -51,12 +51,18 @@ def _content(system: "System") -> dict[str, Any]:
 
 def _entry(row: "Sourced") -> dict[str, Any]:
     """A value as a program reads it: SI, a pressure level absolute; `value` is null where it changes over time."""
-    if isinstance(row.value, float):
-        low = high = row.value
-    else:
+    from vvdp.base.signal import Signal
+
+    value: Any = row.value
+    if isinstance(row.value, tuple):
+        low, high = min(row.value), max(row.value)
+    elif isinstance(row.value, Signal):
         low, high = row.value.extremes
+        value = low if low == high else None
+    else:
+        low = high = row.value
     return {
-        "value": low if low == high else None,
+        "value": value,
         "low": low,
         "high": high,
         "unit": row.kind.unit,

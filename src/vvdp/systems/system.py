@@ -4,7 +4,7 @@ import os
 import traceback
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -275,7 +275,8 @@ def _tables(
     for key in content:
         if key not in slots and key not in HEADINGS:
             message = f"unknown table; expected {', '.join((*slots, 'run'))}{_meant(key, slots)}"
-            faults.append(Fault(table.place, table.lines.get(key, 0), key, message))
+            place = table.place if key in table.lines else "--set"
+            faults.append(Fault(place, table.lines.get(key, 0), key, message))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     for key, slot in slots.items():
@@ -287,7 +288,8 @@ def _tables(
             faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
             continue
         cls = _class(slot, key, part, table, faults)
-        values[key], found = build(cls, part, key, table, faults)
+        others = {field for other in slot.classes if other is not cls for field in _fields(other)} - _fields(cls)
+        values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
         rows += found
     return values, rows
 
@@ -295,13 +297,17 @@ def _tables(
 def _class(slot: TableSlot, name: str, part: Mapping[str, Any], table: Table, faults: list[Fault]) -> type[Params]:
     """The class of a table, with a fault where its keys belong to two."""
     cls = slot.choice(part)
-    own = set(cls.__dataclass_fields__)  # type: ignore[attr-defined]
+    own = _fields(cls)
     for other in slot.classes:
-        for key in part.keys() & (set(other.__dataclass_fields__) - own):  # type: ignore[attr-defined]
-            instead = ", ".join(sorted(own - set(other.__dataclass_fields__)))  # type: ignore[attr-defined]
+        for key in part.keys() & (_fields(other) - own):
+            instead = ", ".join(sorted(own - _fields(other)))
             message = f"contradicts {name}.{instead}; give one of the two"
             faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
     return cls
+
+
+def _fields(cls: type[Params]) -> set[str]:
+    return {field.name for field in fields(cls)}  # type: ignore[arg-type]
 
 
 def _meant(key: str, slots: Mapping[str, TableSlot]) -> str:
