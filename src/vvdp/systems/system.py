@@ -172,7 +172,7 @@ def lasting(table: Table, until: str) -> Table:
     if not isinstance(run, Mapping):
         return table
     try:
-        share = parsed(run.get("average_from"), TIME) / parsed(run.get("until"), TIME)
+        share = _duration(run.get("average_from")) / _duration(run.get("until"))
     except (ParameterError, ZeroDivisionError):
         share = 0.5
     lasting = {**run, "until": f"{seconds!r} s", "average_from": f"{share * seconds!r} s"}
@@ -251,6 +251,11 @@ def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunctio
     return function
 
 
+def _duration(entry: Any) -> float:
+    """The time of an entry of [run], with its origin or without [s]. Raises ParameterError."""
+    return parsed(entry.get("value") if isinstance(entry, Mapping) else entry, TIME)
+
+
 def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:
     """The [run] table and its method."""
     if not isinstance(given, Mapping):
@@ -261,9 +266,9 @@ def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[Run
     method = _method(content.pop("method", "automatic"), table, faults)
     if "average_from" not in content and "until" in content:
         with suppress(ParameterError):  # `build` says what is wrong with it
-            content["average_from"] = f"{0.5 * parsed(content['until'], TIME)!r} s"
+            content["average_from"] = f"{0.5 * _duration(content['until'])!r} s"
     found, rows = build(RunTable, content, "run", table, faults)
-    rows = [replace(row, status="given") if row.note == "default" else row for row in rows]  # says nothing of the circuit
+    rows = [replace(row, status="given") if row.note == "default" else row for row in rows]  # not on the circuit
     return (None if found is None else (found, rows)), method
 
 
