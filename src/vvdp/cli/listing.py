@@ -97,12 +97,13 @@ def _library() -> None:
         cells = _assembly(component) if isinstance(component, Assembly) else _component(component)
         table.add_row(name, *("\n".join(cell) for cell in cells), component.symbol)
     out.print(table)
-    table = grid("type", "reads", "commands", "values", title="Programs: [programs.NAME] with its type and what it reads")
+    title = "Programs: [programs.NAME] with its type, values and what it reads"
+    table = grid("type", "reads", "commands", "values", title=title)
     for name, program in PROGRAMS.items():
         table.add_row(name, *("\n".join(cell) for cell in _program(program)))
     out.print(table)
-    out.print('A value is written with its unit, as in the examples; an input is a value, a signal over time or { from =')
-    out.print('"NAME.OUTPUT" }. In brackets: what a value is that is not given.')
+    out.print("A value is written with its unit, as in the examples; in brackets stands what it is where it is not given.")
+    out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
 
 
 def _component(component: "Component") -> Sequence[list[str]]:
