@@ -1,6 +1,6 @@
 """What a test bench of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,15 +19,14 @@ from vvdp.simulation.outcome import Outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
-from vvdp.systems.spool_encoder import SETTLED, estimate_errors
+from vvdp.systems.extras import Extras, Line, Summary
+from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.operating_point import OperatingPoint, operating_point
 from vvdp.valve.rotary import RotaryValve
 
 if TYPE_CHECKING:
     from vvdp.systems.system import System
-
-Summary = dict[str, float | bool]
 
 WATCHING = ("encoder", "spool_filter")
 """Tables of a watched spool; a system file has both or neither."""
@@ -68,8 +67,38 @@ class BenchSeries:
     tank_opening: Array
 
 
-class RotaryBench:
+VALVE_LOSS = ("loss_full_open_W", "loss_transition_W")
+
+
+class RotaryBench(Extras):
     """A pump unit with its load, as a system's tables give it."""
+
+    PERIOD = "PWM period"
+    OVERVIEW = (
+        Line("PWM frequency", ("pwm_frequency_Hz",), "Hz", ("analytic_pwm_frequency_Hz",)),
+        Line("pump flow", ("mean_pump_flow_m3_s",), "lpm"),
+        Line("flow to the load", ("mean_load_flow_m3_s",), "lpm", ("analytic_load_flow_m3_s",)),
+        Line("flow to the tank", ("mean_tank_flow_m3_s",), "lpm"),
+        Line("flow over the relief valve", ("flow_mean_relief_valve_m3_s",), "lpm"),
+        Line("leakage of the valve", ("mean_leakage_flow_m3_s",), "lpm"),
+        Line("inlet pressure, mean", ("pressure_mean_inlet_Pa",), "bar"),
+        Line("inlet pressure, lowest", ("pressure_min_inlet_Pa",), "bar"),
+        Line("inlet pressure, highest", ("pressure_max_inlet_Pa",), "bar"),
+        Line("load pressure, mean", ("pressure_mean_load_line_Pa",), "bar"),
+        Line("load pressure, lowest", ("pressure_min_load_line_Pa",), "bar"),
+        Line("load pressure, highest", ("pressure_max_load_line_Pa",), "bar"),
+        Line("spool angle, error of the estimate", ("spool_angle_error_rms_rad",), "rad"),
+        Line("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), "rad/s"),
+        Line("input power, pump shaft", ("input_power_W",), "W"),
+        Line("input power, spool motor", ("spool_motor_power_W",), "W"),
+        Line("load power", ("load_power_W",), "W"),
+        Line("efficiency", ("efficiency",), ""),
+        Line("loss, valve and relief valve", VALVE_LOSS, "W", tuple(f"analytic_{key}" for key in VALVE_LOSS)),
+        Line("loss, compressibility", (), "W", ("analytic_loss_compressibility_W",)),
+        Line("loss, leakage of the valve", ("loss_valve_leakage_W",), "W", ("analytic_loss_leakage_W",)),
+        Line("taken into store", ("stored_power_W",), "W"),
+        Line("input less load", ("loss_total_W",), "W", ("analytic_loss_total_W",)),
+    )
 
     INLET_TOTAL = "books.totals.inlet_pressure"
     LOAD_TOTAL = "books.totals.load_line_pressure"
@@ -340,7 +369,7 @@ class RotaryBench:
             "spool_missed_edges": float(estimate.missed_edges[-1]),
         }
 
-    def closed_forms(self, found: Summary) -> Summary:
+    def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.
 
         There are none where they do not describe the run: without flow or load, with anything prescribed that changes
@@ -363,6 +392,25 @@ class RotaryBench:
             point.cycle.load_flow,
         )
         return {key: float(value) for key, value in zip(ANALYTIC, values, strict=True)}
+
+    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """What is to be known before the numbers of a bench: is the valve settled, and what does the motor take."""
+        if found["averaged_periods"] < 1:
+            yield "no whole PWM period lies in the averaging window: the means are over plain time"
+        elif not found["settled"]:
+            if found["steady"]:
+                yield "the PWM frequency has not settled within the averaging window: run longer"
+            else:
+                yield (
+                    "what is prescribed changes over time: the means are those of the averaging window, no steady state"
+                )
+        if found["motor_overloaded"]:
+            power, rated = found["input_power_W"], found["motor_rated_power_W"]
+            yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
+
+    def estimate(self, command: Callable[[str], Array]) -> dict[str, Array]:
+        """What is believed of a watched spool, by field of `SpoolEstimate`; `command` gives a series by its path."""
+        return {name: command(f"encoder.{name}") for name in SpoolEstimate._fields}
 
     def operating_point(self, load_pressure: float) -> OperatingPoint:
         """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""

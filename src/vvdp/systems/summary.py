@@ -12,9 +12,8 @@ from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
+from vvdp.systems.extras import Summary as Summary
 from vvdp.systems.system import System
-
-Summary = dict[str, float | bool]
 
 CAVITATION_PRESSURE = 3e4
 """Below which oil is held to cavitate where a system says nothing else [Pa, absolute]."""
@@ -96,7 +95,8 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             reference = node.oil.reference_pressure
             bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node, run, system, name)
             lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
-            found[f"pressure_mean_{name}_Pa"] = means[f"totals.{name}_pressure"] - reference
+            mean = bounds[0] if bounds[0] == bounds[1] else means[f"totals.{name}_pressure"]
+            found[f"pressure_mean_{name}_Pa"] = mean - reference
             found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
             found[f"pressure_max_{name}_Pa"] = bounds[1] - reference
         elif isinstance(node, Shaft | Rod):
@@ -108,9 +108,13 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             if isinstance(node, Rod):
                 found[f"position_min_{name}_m"] = low[f"{name}.position"]
                 found[f"position_max_{name}_m"] = high[f"{name}.position"]
+    return found | {"cavitation": bool(lowest < cavitation_pressure(system))}
+
+
+def cavitation_pressure(system: System) -> float:
+    """Below which the oil of a system is held to cavitate [Pa, absolute]."""
     limits = system.tables.get("limits")
-    bound = CAVITATION_PRESSURE if limits is None else limits.cavitation_pressure
-    return found | {"cavitation": bool(lowest < bound)}
+    return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)
 
 
 def _prescribed(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
@@ -125,9 +129,8 @@ def _prescribed(node: Tank | PressureSource, run: Outcome, system: System, name:
 def _part_numbers(run: Outcome, system: System) -> Summary:
     """Mean flows, losses and powers by component, and what its sources give."""
     means, found = _means(run), Summary()
-    hydraulic = {
-        f"totals.{n}_pressure" for n, node in system.circuit.network.nodes.items() if isinstance(node, HydraulicNode)
-    }
+    nodes = system.circuit.network.nodes
+    hydraulic = {f"totals.{name}_pressure" for name, node in nodes.items() if isinstance(node, HydraulicNode)}
     for path, value in means.items():
         group, _, name = path.partition(".")
         if group == "totals" and path not in hydraulic and name.endswith("_flow"):
