@@ -38,23 +38,25 @@ def folded(line: str) -> list[str]:
         return [line]
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
-    terms = divided(value, " + ")
+    terms, begin = divided(value, (" + ", " - ")), value.find("(")
     if len(terms) > 1:
-        inner, opened, closed = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)], "(", ")"
-    else:
-        begin = value.find("(")
-        inner = [f"{part}," for part in divided(value[begin + 1 : -1], ", ")]
+        inner, opened, closed = [term.lstrip() for term in terms], "(", ")"
+    elif begin >= 0 and value.endswith(")"):
+        parts = divided(value[begin + 1 : -1], (", ",))
+        inner = [f"{part.removeprefix(', ')}," for part in parts]
         opened, closed = value[: begin + 1], ")"
-    parts = [text for part in inner for text in folded(f"{space}    {part}")]
-    return [head + opened, *parts, f"{space}{closed}{tail}"]
+    else:
+        return [line]
+    folds = [text for part in inner for text in folded(f"{space}    {part}")]
+    return [head + opened, *folds, f"{space}{closed}{tail}"]
 
 
-def divided(text: str, mark: str) -> list[str]:
-    """The parts of a text between the marks that stand in no bracket."""
+def divided(text: str, marks: tuple[str, ...]) -> list[str]:
+    """The parts of a text before the marks that stand in no bracket; each but the first begins with its mark."""
     parts, depth, begin = [], 0, 0
     for place, letter in enumerate(text):
         depth += (letter in "([") - (letter in ")]")
-        if depth == 0 and text.startswith(mark, place):
+        if depth == 0 and place > begin and text.startswith(marks, place):
             parts.append(text[begin:place])
-            begin = place + len(mark)
+            begin = place
     return [*parts, text[begin:]]
