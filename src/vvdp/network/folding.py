@@ -38,26 +38,27 @@ def folded(line: str) -> list[str]:
         return [line]
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
-    terms, begin = divided(value, " + "), value.find("(")
-    is_product = len(terms) == 1 and " * (" in value[: begin + 1]
-    if is_product:
-        terms = divided(value[begin + 1 : -1], " + ")
-    if is_product or len(terms) > 1:
-        inner = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)]
-        opened = value[: begin + 1] if is_product else "("
-    else:
-        inner = [f"{part}," for part in divided(value[begin + 1 : -1], ", ")]
+    terms, begin = divided(value, (" + ", " - ")), value.find("(")
+    inside, is_whole = value[begin + 1 : -1], begin >= 0 and len(divided(value[begin:], (" ",))) == 1
+    if len(terms) > 1:
+        inner, opened = [term.lstrip() for term in terms], "("
+    elif is_whole and (begin == 0 or value[:begin].endswith(" * ")):
+        inner, opened = [term.lstrip() for term in divided(inside, (" + ", " - "))], value[: begin + 1]
+    elif is_whole:
+        inner = [f"{part.removeprefix(', ')}," for part in divided(inside, (", ",))]
         opened = value[: begin + 1]
-    parts = [text for part in inner for text in folded(f"{space}    {part}")]
-    return [head + opened, *parts, f"{space}){tail}"]
+    else:
+        return [line]
+    folds = [text for part in inner for text in folded(f"{space}    {part}")]
+    return [head + opened, *folds, f"{space}){tail}"]
 
 
-def divided(text: str, mark: str) -> list[str]:
-    """The parts of a text between the marks that stand in no bracket."""
+def divided(text: str, marks: tuple[str, ...]) -> list[str]:
+    """The parts of a text before the marks that stand in no bracket; each but the first begins with its mark."""
     parts, depth, begin = [], 0, 0
     for place, letter in enumerate(text):
         depth += (letter in "([") - (letter in ")]")
-        if depth == 0 and text.startswith(mark, place):
+        if depth == 0 and place > begin and text.startswith(marks, place):
             parts.append(text[begin:place])
-            begin = place + len(mark)
+            begin = place
     return [*parts, text[begin:]]
