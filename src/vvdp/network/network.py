@@ -58,7 +58,7 @@ RESERVED = frozenset(
         "energy",
         "oil",
     )
-    + ("state", "outputs", "params", "command", "values", "total", "transition", "full_open", "time", "next_stop")
+    + ("state", "outputs", "params", "command", "values", "total", "transition", "full_open", "time", "next_stop", "check")
 )
 JOINS = {
     Role.PORT: (OilVolume, Tank, PressureSource),
