@@ -1,67 +1,81 @@
-"""Joining a model to the compiled loop: what is refused and in which words, and that compiled code is never stale."""
+"""Joining a model to the compiled loop: flat vectors in and out, and compiled code that is never stale nor foreign."""
 
+import enum
 import os
 import subprocess
 import sys
 import textwrap
+import types
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from vvdp.base.books import Books, Nothing
+from vvdp.base.books import NOTHING, Nothing
 from vvdp.base.errors import RunError
-from vvdp.base.kinds import Energy, Kind
+from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
-from vvdp.simulation.link import link
-from vvdp.simulation.model import Case, Model
-from vvdp.simulation.run import Stepping, simulate
+from vvdp.base.signal import Signal, constant, signal_stop, signal_value, table
+from vvdp.simulation.cache import check_private
+from vvdp.simulation.layout import as_memory, case_shape, command_parts, memory_parts, params_rows, vectors
+from vvdp.simulation.link import Hashed, link
+from vvdp.simulation.model import Case, Model, Program
+from vvdp.simulation.parts import measure_part, rates_part
 
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
+Prescribed = Annotated[Signal, Kind("plain number", "1", -1e9, 1e9, "1")]
 
 
 class Level(NamedTuple):
     x: Plain
 
 
-class Other(NamedTuple):
-    y: Plain
-
-
-class Bare(NamedTuple):
-    x: float
-
-
 class Gain(Params):
     gain: Plain
+
+
+class Driven(Params):
+    gain: Plain
+    drive: Prescribed
 
 
 CASE = Case(Level(1.0), Gain(gain=2.0))
 
 
-def sound(t: float, s: Level, u: Nothing, p: Gain) -> tuple[Level, Nothing]:
+def sound(t, s, u, p):
     return Level(-p.gain * s.x), Nothing(0.0)
 
 
-def other_fields(t: float, s: Level, u: Nothing, p: Gain) -> tuple[Other, Nothing]:
-    return Other(s.x), Nothing(0.0)
+def driven(t, s, u, p):
+    return Level(signal_value(t, p.drive) + p.gain), Nothing(0.0)
 
 
-def infinite(t: float, s: Level, u: Nothing, p: Gain) -> tuple[Level, Nothing]:
-    return Level(np.sqrt(s.x - 2.0)), Nothing(0.0)
+def driven_stop(t, u, p):
+    return signal_stop(t, p.drive)
 
 
-def bare(t: float, s: Bare, u: Nothing, p: Gain) -> tuple[Bare, Nothing]:
-    return Bare(s.x), Nothing(0.0)
+def rates_of(linked, case, t=0.0):
+    y, u, _, p = vectors(case)
+    found = np.zeros_like(y)
+    linked.rates(t, y, u, p, found)
+    return found
 
 
-def forgetful(t: float, memory: Nothing, measured: Level, settings: Nothing) -> tuple[Other, Nothing]:
-    return Other(0.0), Nothing(0.0)
+def forget() -> None:
+    """As a new process would find it: nothing is loaded yet."""
+    for name in [name for name in sys.modules if name.startswith("vvdp_linked_")]:
+        del sys.modules[name]
 
 
-def commanding(t: float, memory: Nothing, measured: Level, settings: Nothing) -> tuple[Nothing, Other]:
-    return memory, Other(0.0)
+@pytest.fixture
+def fresh():
+    forget()
+    yield
+    forget()
+
+
+# What is refused
 
 
 def closing(factor):
@@ -76,119 +90,374 @@ class Callable:
         return arguments[1], Nothing(0.0)
 
 
-class Kept(NamedTuple):
-    books: Books
-    x: Plain
+FACTORS, SHARES, WHOLE = [1.0, 2.0], {"a": 1.0}, Gain(gain=1.0)
 
 
-class Sums(NamedTuple):
-    all: Energy
+def by_list(t, s, u, p):
+    return Level(FACTORS[0] * s.x), Nothing(0.0)
 
 
-class Reading(NamedTuple):
-    x: Plain
-    books: Books
+def by_mapping(t, s, u, p):
+    return Level(SHARES["a"] * s.x), Nothing(0.0)
 
 
-BLANK = Books(Sums(0.0), Sums(0.0), 0.0, 0.0)
+def by_record(t, s, u, p):
+    return Level(WHOLE.gain * s.x), Nothing(0.0)
 
 
-def books_first(t: float, s: Kept, u: Nothing, p: Gain) -> tuple[Kept, Nothing]:
-    return Kept(BLANK, -s.x), Nothing(0.0)
-
-
-def reads_books(t: float, s: Reading, u: Nothing, p: Gain) -> tuple[Reading, Nothing]:
-    return Reading(-s.x - s.books.taken_in, BLANK), Nothing(0.0)
-
-
-class Arrayed(NamedTuple):
-    x: Plain
-    column: np.ndarray
-
-
-def arrayed(t: float, s: Arrayed, u: Nothing, p: Gain) -> tuple[Arrayed, Nothing]:
-    return Arrayed(s.x, s.column), Nothing(0.0)
+def by_module(t, s, u, p):
+    words = textwrap
+    return Level(words.factor * s.x), Nothing(0.0)
 
 
 @pytest.mark.parametrize(
-    ("model", "case", "told"),
+    ("circuit", "told"),
     [
-        (Model(other_fields), CASE, "the rates of the circuit and its state differ in x, y"),
-        (Model(infinite), CASE, "no finite rate at the start for x"),
-        (Model(bare), Case(Bare(1.0), Gain(gain=1.0)), "state 'x' has no kind"),
-        (Model(sound, program=forgetful), CASE, "the memory that the program returns .* differ in unused, y"),
-        (Model(sound, program=commanding), CASE, "the command that the program returns .* differ in unused, y"),
-        (Model(closing(2.0)), CASE, "closing.<locals>.circuit closes over variables; hand values over in params"),
-        (Model(Callable()), CASE, "is not a plain function"),
-        (Model(books_first), Case(Kept(BLANK, 1.0), Gain(gain=1.0)), "books must be the last field"),
-        (Model(reads_books), Case(Reading(1.0, BLANK), Gain(gain=1.0)), "reads its own books"),
-        (Model(sound), Case(Level(np.nan), Gain(gain=1.0)), "no finite rate at the start for x"),
-        (Model(arrayed), Case(Arrayed(1.0, np.zeros(3)), Gain(gain=1.0)), "state 'column' is an array"),
+        (closing(2.0), "closing.<locals>.circuit closes over variables; hand values over in params"),
+        (Callable(), "is not a plain function"),
+        (by_list, r"FACTORS \(in by_list\) is a list, which may change unseen; write a tuple or an array"),
+        (by_mapping, r"SHARES \(in by_mapping\) is a dict"),
+        (by_record, r"WHOLE \(in by_record\) is a Gain; .*use params"),
+        (by_module, r"textwrap \(in by_module\) is the module textwrap itself"),
     ],
 )
-def test_what_does_not_fit_together_is_refused(model, case, told, tmp_path):
+def test_what_cannot_be_hashed_is_refused_by_name(circuit, told, tmp_path):
     with pytest.raises(RunError, match=told):
-        link(model, case, tmp_path)
+        link(Model(circuit), CASE, tmp_path)
     assert not any(tmp_path.iterdir())
 
 
-def uncompilable(t: float, s: Level, u: Nothing, p: Gain) -> tuple[Level, Nothing]:
+def test_memory_and_settings_are_those_of_the_programs(tmp_path):
+    with pytest.raises(RunError, match="for each program"):
+        link(Model(sound), Case(Level(1.0), Gain(gain=1.0), memory={"other": NOTHING}), tmp_path)
+
+
+def uncompilable(t, s, u, p):
     return Level(helper_with_words(s.x)), Nothing(0.0)
 
 
-def helper_with_words(x: float) -> float:
-    return float(f"{x:.3f}") + undeclared(x)
+def helper_with_words(x):
+    return float(f"{x:.3f}") + sorted([x, 1.0], key=str)[0]
 
 
-def undeclared(x: float) -> float:
-    return sorted([x, 1.0], key=str)[0]
-
-
-def test_what_cannot_be_compiled_is_told_in_one_readable_message(tmp_path):
-    with pytest.raises(RunError) as caught:
-        link(Model(uncompilable), CASE, tmp_path)
-    message = str(caught.value)
-    assert "uncompilable" in message
-    assert "cannot be compiled" in message
-    assert "test_link.py" in message  # where
-    assert "Traceback" not in message
-    assert len(message.splitlines()) <= 6
-
-
-def choosing(t: float, s: Level, u: Nothing, p: Gain) -> tuple[Level, Nothing]:
-    return Level(-s.x if s.x > 1.0 else s.x), Nothing(0.0)
-
-
-def test_choice_by_a_state_is_refused_before_it_fails_on_recorded_columns(tmp_path):
-    with pytest.raises(RunError, match="choosing chooses by a state; write the choice with select"):
-        link(Model(choosing), CASE, tmp_path)
-
-
-def test_after_a_failed_compilation_the_next_attempt_fails_alike(tmp_path):
+def test_what_cannot_be_compiled_is_told_in_one_readable_message_each_time(tmp_path):
     for _ in range(2):
-        with pytest.raises(RunError, match="cannot be compiled"):
+        with pytest.raises(RunError) as caught:
             link(Model(uncompilable), CASE, tmp_path)
+        message = str(caught.value)
+        assert "uncompilable" in message
+        assert "cannot be compiled" in message
+        assert "test_link.py" in message  # where
+        assert "Traceback" not in message
+        assert len(message.splitlines()) <= 6
+    assert not any(tmp_path.iterdir())
 
 
-def test_cache_that_cannot_be_written_is_told(tmp_path):
-    place = tmp_path / "file"
-    place.write_text("")
-    with pytest.raises(RunError, match="VVDP_CACHE"):
-        link(Model(sound), CASE, place)
+class Pair(NamedTuple):
+    x: Plain
+    y: Plain = 0.0
 
 
-def test_linked_rates_are_those_of_the_circuit(tmp_path):
-    linked = link(Model(sound), CASE, tmp_path)
-    dy = np.zeros(1)
-    linked.rates(0.0, np.array([3.0]), np.zeros(1), np.array([2.0]), dy)
-    assert dy[0] == -6.0
+def leaving_out(t, s, u, p):
+    return Pair(s.x * p.gain), Nothing(0.0)
 
 
-def test_values_take_no_part_in_the_hash(tmp_path):
-    """One compilation serves all values; another shape is another."""
-    a = link(Model(sound), CASE, tmp_path).digest
-    b = link(Model(sound), Case(Level(7.0), Gain(gain=-1.0)), tmp_path).digest
-    assert a == b
+def test_fields_left_to_their_defaults_are_named(tmp_path):
+    with pytest.raises(RunError, match=r"Pair is made without y; write every field out \(.*test_link.py, line \d+\)"):
+        link(Model(leaving_out), Case(Pair(1.0), Gain(gain=2.0)), tmp_path)
+
+
+# Values in and out
+
+
+class Held(NamedTuple):
+    level: Plain
+
+
+class Flow(NamedTuple):
+    flow: Plain
+
+
+class Shown(NamedTuple):
+    row: np.ndarray
+    count: Plain
+
+
+class Command(NamedTuple):
+    held: Held
+    counter: Shown
+    controller: Flow
+
+
+class Row(NamedTuple):
+    level: Plain
+    row: np.ndarray
+
+
+class Pairs(NamedTuple):
+    one: np.ndarray
+    count: Plain
+    other: np.ndarray
+
+
+class Gains(NamedTuple):
+    gains: tuple[float, ...]
+    square: np.ndarray
+    share: Plain
+
+
+def tank(t, s, u, p):
+    return Level(u.controller.flow + u.counter.row[1] + u.counter.count + u.held.level), Flow(3.0 * s.x)
+
+
+def tank_conditions(t, p):
+    return Held(2.0 * p.gain + t)
+
+
+def flow_sensor(t, state, outputs, params):
+    return Flow(outputs.flow + params.gain)
+
+
+def controller(t, memory, reading, settings):
+    return memory, Flow(reading.flow * settings.gains[1] + len(settings.gains) + settings.square[1, 0])
+
+
+def level_sensor(t, state, outputs, params):
+    return Row(state.x, np.array([state.x, 2.0 * t]))
+
+
+def counter(t, memory, reading, settings):
+    found = Pairs(memory.other, memory.count + 1.0, memory.one)  # each array where the other one was
+    return found, Shown(reading.row * settings.share, memory.count)
+
+
+def trigger(t, state, command, params, settings):
+    return 10.0 * t + command.held.level
+
+
+def tank_mark(t, state, command, params):
+    return state.x + command.controller.flow
+
+
+PROGRAMS = {
+    "controller": Program(flow_sensor, controller, Flow(0.0)),
+    "counter": Program(level_sensor, counter, Shown(np.zeros(2), 0.0), trigger=trigger),
+}
+TANK = Model(tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark)
+
+
+def tank_case(length: int = 3) -> Case:
+    rng = np.random.default_rng(length)
+    return Case(
+        state=Level(1.5),
+        params=Gain(gain=0.25),
+        command=Command(Held(0.5), Shown(np.array([1.0, 2.0]), 3.0), Flow(4.0)),
+        memory={"controller": NOTHING, "counter": Pairs(rng.random(length), 5.0, rng.random(length))},
+        settings={
+            "controller": Gains(tuple(rng.random(length)), rng.random((2, length)), 1.0),
+            "counter": Gains((1.0,), np.ones((1, 1)), 0.5),
+        },
+    )
+
+
+@pytest.mark.parametrize("length", [3, 4])
+def test_each_linked_function_does_what_the_plain_one_does(length):
+    case = tank_case(length)
+    linked, (y, u, m, p) = link(TANK, case), vectors(case)
+    c, g, t = u.copy(), np.zeros(2), 0.75
+    linked.events(t, y, u, p, g)
+    assert g.tolist() == [tank_mark(t, case.state, case.command, case.params), 8.0]
+    assert linked.stop(t, u, p) == np.inf
+    assert rates_of(linked, case).tolist() == [9.5]
+    parts = command_parts(case)
+
+    linked.sample(0, t, y, u, m, p, c)
+    assert c[parts["held"]].tolist() == [1.25]
+    linked.sample(1, t, y, u, m, p, c)
+    reading = flow_sensor(t, case.state, tank(t, case.state, case.command, case.params)[1], case.params)
+    assert c[parts["controller"]].tolist() == [controller(t, NOTHING, reading, case.settings["controller"])[1].flow]
+    assert c[parts["counter"]].tolist() == [1.0, 2.0, 3.0]  # none of its business
+
+    before = m.copy()
+    linked.sample(2, t, y, u, m, p, c)
+    assert c[parts["counter"]].tolist() == [0.75, 0.75, 5.0]
+    found, given = as_memory(case, m)["counter"], case.memory["counter"]
+    np.testing.assert_array_equal(found.one, given.other)
+    np.testing.assert_array_equal(found.other, given.one)
+    assert found.count == 6.0
+    assert before[memory_parts(case)["controller"]].tolist() == m[memory_parts(case)["controller"]].tolist()
+    assert u.tolist() == vectors(case).command.tolist()
+
+
+def test_lengths_of_arrays_and_tables_take_no_part_in_the_text():
+    short, long = link(TANK, tank_case(3)), link(TANK, tank_case(40))
+    assert short.digest == long.digest
+    assert case_shape(tank_case(3)) != case_shape(tank_case(40))  # memory: not one batch
+    points = [table(range(n), np.sin(np.arange(n))) for n in (2, 300)]
+    cases = [Case(Level(0.0), Driven(gain=1.0, drive=signal)) for signal in (constant(2.0), *points)]
+    assert len({Hashed(rates_part(Model(driven), case)).part.source for case in cases}) == 1
+    assert len({case_shape(case) for case in cases}) == 1
+
+
+def test_rows_of_different_lengths_go_together():
+    cases = [
+        Case(Level(0.0), Driven(gain=1.0, drive=signal))
+        for signal in (
+            constant(2.0),
+            table((0.0, 1.0, 2.0), (0.0, 5.0, 1.0)),
+            Signal(1.0, (), (), (), (2.0,), (3.0,), (0.0,)),
+        )
+    ]
+    linked, rows = link(Model(driven), cases[0]), params_rows(cases)
+    for case, row in zip(cases, rows, strict=True):
+        found = np.zeros(1)
+        linked.rates(0.3, np.zeros(1), np.zeros(1), row, found)
+        assert found[0] == pytest.approx(signal_value(0.3, case.params.drive) + 1.0, rel=1e-15)
+
+
+def random_signal(rng: np.random.Generator, changes: int, sines: int) -> Signal:
+    starts = np.sort(rng.uniform(0.0, 2.0, changes)).round(2)
+    durations = rng.uniform(0.0, 0.5, changes) * (rng.random(changes) < 0.7)
+    columns = (starts, durations, rng.normal(size=changes), *rng.normal(size=(3, sines)))
+    return Signal(float(rng.normal()), *(tuple(map(float, column)) for column in columns))
+
+
+def test_signals_are_the_plain_ones_to_the_last_bit():
+    """Sines are those of another library: to the last but one."""
+    rng = np.random.default_rng(3)
+    model = Model(driven, stop=driven_stop)
+    linked = link(model, Case(Level(0.0), Driven(gain=0.0, drive=constant(0.0))))
+    assert np.signbit(rates_of(linked, Case(Level(0.0), Driven(gain=-0.0, drive=constant(-0.0))))[0]) == np.False_
+    for number in range(200):
+        signal = random_signal(rng, int(rng.integers(0, 6)), int(rng.integers(0, 3)) if number % 2 else 0)
+        case = Case(Level(0.0), Driven(gain=0.0, drive=signal))
+        params = vectors(case).params
+        for t in (0.0, *signal.start, *rng.uniform(0.0, 3.0, 10)):
+            found, plain = rates_of(linked, case, t)[0], signal_value(t, signal)
+            if signal.amplitude:
+                assert found == pytest.approx(plain, rel=1e-14, abs=1e-14)
+            else:
+                assert found == plain
+            assert linked.stop(t, np.zeros(1), params) == signal_stop(t, signal)
+
+
+def later(t, s, u, p):
+    return Level(signal_value(2.0 * t, p.drive) + signal_value(0.0, p.drive)), Nothing(0.0)
+
+
+def test_a_signal_at_another_time_than_now():
+    case = Case(Level(0.0), Driven(gain=0.0, drive=table((0.0, 1.0, 2.0), (3.0, 5.0, 1.0))))
+    assert rates_of(link(Model(later), case), case, 0.7)[0] == signal_value(1.4, case.params.drive) + 3.0
+
+
+def test_a_signal_that_nobody_asks_for(tmp_path):
+    text = """
+        import numpy as np
+        from test_link import CASE, Driven, Level, link, rates_of, sound
+        from vvdp.base.signal import constant
+        from vvdp.simulation.model import Case, Model
+        case = Case(Level(1.0), Driven(gain=2.0, drive=constant(1.0)))
+        print(rates_of(link(Model(sound), case), case)[0])
+    """
+    assert run_python(text, Path(__file__).parent, tmp_path) == "-2.0\n"
+
+
+# What is compiled again, and what is not
+
+
+def folders(cache: Path) -> set[str]:
+    return {path.name for path in cache.iterdir()}
+
+
+def other_controller(t, memory, reading, settings):
+    return memory, Flow(reading.flow - settings.gains[0])
+
+
+def other_tank(t, s, u, p):
+    return Level(u.controller.flow - s.x), Flow(2.0 * s.x)
+
+
+def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_path, fresh):
+    link(TANK, tank_case(), tmp_path)
+    before, said = folders(tmp_path), []
+    forget()
+    link(TANK, Case(**{**vars(tank_case(5)), "params": Gain(gain=7.0)}), tmp_path, said.append)
+    assert folders(tmp_path) == before
+    assert said == []
+
+    programs = {**PROGRAMS, "controller": Program(flow_sensor, other_controller, Flow(0.0))}
+    link(Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case(), tmp_path, said.append)
+    assert len(folders(tmp_path) - before) == 2  # the step, and what joins the programs
+    assert said == ["compiling the program controller (once for each, a few seconds)"]
+
+    before = folders(tmp_path)
+    link(Model(other_tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark), tank_case(), tmp_path)
+    assert len(folders(tmp_path) - before) == 3  # the circuit, the sensor that reads its flows, and what joins them
+
+
+def test_a_sensor_without_outputs_knows_nothing_of_the_circuit():
+    digests = {Hashed(measure_part(Model(c), PROGRAMS["counter"], tank_case())[0]).digest for c in (tank, other_tank)}
+    assert len(digests) == 1
+    digests = {
+        Hashed(measure_part(Model(c), PROGRAMS["controller"], tank_case())[0]).digest for c in (tank, other_tank)
+    }
+    assert len(digests) == 2
+
+
+class Colour(enum.Enum):
+    RED = 1.0
+
+
+CONSTANTS = """
+    import enum
+    from typing import NamedTuple
+    import numpy as np
+    {inner}
+
+    class Mode(enum.Enum):
+        ONE = {k}
+
+    class Number(enum.IntEnum):
+        ONE = {k}
+
+    class Filled(NamedTuple):
+        y: float = {k}.0
+
+    SCALAR, WHOLE, ROW, NESTED = np.float64({k}), np.int64({k}), np.array([{k}.0]), (1.0, (2.0, {k}.0))
+
+    def defaulted(x, k={k}.0):
+        return k * x
+"""
+USES = {
+    "module": "consts.SCALAR",
+    "module of a module": "outer.consts.WHOLE",
+    "scalar": "SCALAR",
+    "whole scalar": "WHOLE",
+    "array": "ROW[0]",
+    "nested tuple": "NESTED[1][1]",
+    "enum": "Mode.ONE.value",
+    "enum of a module": "consts.Number.ONE",
+    "default of a NamedTuple": "Filled().y",
+    "default of a function": "defaulted(1.0)",
+    "function of a module": "consts.defaulted(1.0)",
+}
+
+
+def circuit_with(k: int, use: str) -> types.FunctionType:
+    """A circuit that uses a constant whose value is `k`."""
+    consts, outer, home = (types.ModuleType(name) for name in ("consts", "outer", "home"))
+    exec(textwrap.dedent(CONSTANTS).format(k=k, inner=""), consts.__dict__)
+    outer.consts = consts  # type: ignore[attr-defined]
+    home.__dict__.update({**vars(consts), "__name__": "home", "consts": consts, "outer": outer, "Level": Level})
+    exec(f"def circuit(t, s, u, p):\n    return Level({use} * p.gain), 0.0", home.__dict__)
+    return home.circuit
+
+
+@pytest.mark.parametrize("use", USES.values(), ids=USES)
+def test_a_changed_constant_is_another_hash(use):
+    one, again, other = (Hashed(rates_part(Model(circuit_with(k, use)), CASE)).digest for k in (1, 1, 2))
+    assert one == again
+    assert one != other
 
 
 def run_python(text: str, folder: Path, cache: Path) -> str:
@@ -203,7 +472,7 @@ def run_python(text: str, folder: Path, cache: Path) -> str:
 
 
 FORMULA = """
-    FACTOR = {factor}
+    import consts
 
     def loss(x, gain):
         return {formula}
@@ -228,19 +497,22 @@ CIRCUIT = """
         return State({called}(s.x, p.gain)), Nothing(0.0)
 """
 PROGRAM = """
+    import numpy as np
     from wiring import State, Values, circuit
+    from vvdp.simulation.layout import vectors
+    from vvdp.simulation.link import link
     from vvdp.simulation.model import Case, Model
-    from vvdp.simulation.run import Stepping, simulate
 
     case = Case(State(0.0), Values(gain=2.0))
-    stepping = Stepping(until=1.0, sample_period=0.1, record_interval=1.0, window_interval=1.0)
-    run = simulate(Model(circuit), case, stepping, say=print)
-    print(repr(float(run.final[0])))
+    linked, (y, u, m, p), dy = link(Model(circuit), case, say=print), vectors(case), np.zeros(1)
+    linked.rates(0.0, y, u, p, dy)
+    print(dy[0])
 """
 
 
 def write(folder: Path, factor: float, formula: str, *, by_module: bool) -> None:
-    (folder / "laws.py").write_text(textwrap.dedent(FORMULA).format(factor=factor, formula=formula))
+    (folder / "consts.py").write_text(f"FACTOR = {factor}\n")
+    (folder / "laws.py").write_text(textwrap.dedent(FORMULA).format(formula=formula))
     imported, called = ("import laws", "laws.loss") if by_module else ("from laws import loss", "loss")
     (folder / "wiring.py").write_text(textwrap.dedent(CIRCUIT).format(imported=imported, called=called))
 
@@ -250,101 +522,139 @@ def test_changed_formula_in_another_file_is_never_served_stale(by_module, tmp_pa
     """x' = loss: a change of the formula, and of a constant that it uses, both show at once; and nothing is compiled
     twice."""
     cache = tmp_path / "cache"
-    write(tmp_path, 3.0, "FACTOR * gain", by_module=by_module)
+    write(tmp_path, 3.0, "consts.FACTOR * gain", by_module=by_module)
     first = run_python(PROGRAM, tmp_path, cache).splitlines()
-    assert float(first[-1]) == pytest.approx(6.0)
+    assert float(first[-1]) == 6.0
     assert any("compiling the circuit" in line for line in first)
 
     again = run_python(PROGRAM, tmp_path, cache).splitlines()
     assert again == [first[-1]]  # no word of compiling, and the same to the last digit
 
-    write(tmp_path, 5.0, "FACTOR * gain", by_module=by_module)
-    assert float(run_python(PROGRAM, tmp_path, cache).splitlines()[-1]) == pytest.approx(10.0)
+    write(tmp_path, 5.0, "consts.FACTOR * gain", by_module=by_module)
+    assert float(run_python(PROGRAM, tmp_path, cache).splitlines()[-1]) == 10.0
 
-    write(tmp_path, 5.0, "FACTOR * gain + 1.0", by_module=by_module)
-    assert float(run_python(PROGRAM, tmp_path, cache).splitlines()[-1]) == pytest.approx(11.0)
-
-    write(tmp_path, 3.0, "FACTOR * gain", by_module=by_module)
-    assert run_python(PROGRAM, tmp_path, cache).splitlines() == [first[-1]]
+    write(tmp_path, 5.0, "consts.FACTOR * gain + 1.0", by_module=by_module)
+    assert float(run_python(PROGRAM, tmp_path, cache).splitlines()[-1]) == 11.0
 
 
-def test_classes_of_the_same_name_from_different_modules(tmp_path):
-    for name, field in (("left", "a"), ("right", "b")):
-        (tmp_path / f"{name}.py").write_text(
-            textwrap.dedent(f"""
-            from typing import Annotated, NamedTuple
-            from vvdp.base.kinds import Kind
-            from vvdp.base.params import Params
-            Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
-            class Values(Params):
-                {field}: Plain
-            class Part(NamedTuple):
-                {field}: Plain
-            """)
-        )
-    (tmp_path / "wiring.py").write_text(
-        textwrap.dedent("""
-        from typing import NamedTuple
-        import left, right
-        from vvdp.base.books import Nothing
-        from vvdp.base.params import Params
-        class Values(Params):
-            left: left.Values
-            right: right.Values
-        class State(NamedTuple):
-            left: left.Part
-            right: right.Part
-        def circuit(t, s, u, p):
-            return State(left.Part(p.left.a), right.Part(p.right.b)), Nothing(0.0)
-        """)
-    )
-    program = """
-        import left, right
-        from wiring import State, Values, circuit
-        from vvdp.simulation.model import Case, Model
-        from vvdp.simulation.run import Stepping, simulate
-        case = Case(State(left.Part(0.0), right.Part(0.0)), Values(left=left.Values(a=2.0), right=right.Values(b=3.0)))
-        stepping = Stepping(until=1.0, sample_period=0.1, record_interval=1.0, window_interval=1.0)
-        print(simulate(Model(circuit), case, stepping).final.round(9).tolist())
-    """
-    assert run_python(program, tmp_path, tmp_path / "cache") == "[2.0, 3.0]\n"
-    assert run_python(program, tmp_path, tmp_path / "cache") == "[2.0, 3.0]\n"
+class Left(Params):
+    a: Plain
 
 
-class Tabled(NamedTuple):
-    table: np.ndarray
+class Right(Params):
+    b: Plain
 
 
-class Remembered(NamedTuple):
-    matrix: np.ndarray
-    count: Plain
+class Both(Params):
+    left: Left
+    right: Right
 
 
-def turned(t: float, memory: Remembered, measured: Level, settings: Tabled) -> tuple[Remembered, Other]:
-    matrix = memory.matrix @ settings.table
-    return Remembered(matrix, memory.count + 1.0), Other(matrix[0, 1])
+Right.__name__ = Right.__qualname__ = "Left"
 
 
-def driven(t: float, s: Level, u: Other, p: Gain) -> tuple[Level, Nothing]:
-    return Level(u.y), Nothing(0.0)
+def two_sided(t, s, u, p):
+    return Level(p.left.a - p.right.b), Nothing(0.0)
 
 
-def test_arrays_in_memory_and_settings():
-    """The n-th power of a quarter turn: (0, 1) entry -1, 0, 1, 0 ... held over 8 samples of 1/8 s sums to 0, and over 6
-    of them, the first held at the start command 0, to -1/8."""
-    quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
-    case = Case(Level(0.0), Gain(gain=1.0), Other(0.0), Remembered(np.eye(2), 0.0), Tabled(quarter))
-    for until, expected in ((1.125, 0.0), (0.75, -1.0 / 8.0)):
-        stepping = Stepping(until=until, sample_period=1.0 / 8.0, record_interval=until, window_interval=until)
-        run = simulate(Model(driven, program=turned), case, stepping)
-        assert run.final[0] == pytest.approx(expected, abs=1e-12)
+def test_classes_of_the_same_name():
+    case = Case(Level(0.0), Both(left=Left(a=2.0), right=Right(b=3.0)))
+    assert rates_of(link(Model(two_sided), case), case).tolist() == [-1.0]
 
 
-def jumping(t: float, s: Level, p: Gain) -> float:
-    return 1e9 * s.x
+# The cache
 
 
-def test_mark_that_jumps_is_refused_instead_of_filling_the_memory():
-    stepping = Stepping(until=1.0, sample_period=0.1, record_interval=1.0, window_interval=1.0)
-    with pytest.raises(RunError, match="marks"):
-        simulate(Model(sound, mark=jumping), CASE, stepping)
+def one_file(cache: Path, ending: str) -> Path:
+    return next(path for path in cache.rglob(f"*{ending}") if "rates" in path.name or ending == ".py")
+
+
+def truncate(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-20])
+
+
+def garble(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    ("ending", "damage"),
+    [(".nbi", truncate), (".nbc", truncate), (".nbc", garble), (".nbc", Path.unlink), (".py", truncate)],
+)
+def test_damaged_compiled_code_is_compiled_anew_and_told(ending, damage, tmp_path, fresh):
+    link(Model(sound), CASE, tmp_path)
+    before, said = folders(tmp_path), []
+    damage(one_file(tmp_path, ending))
+    forget()
+    assert rates_of(link(Model(sound), CASE, tmp_path, said.append), CASE).tolist() == [-2.0]
+    assert [line for line in said if "is damaged; compiling it anew" in line] == said != []
+    assert folders(tmp_path) == before
+    forget()
+    link(Model(sound), CASE, tmp_path, said.append)
+    assert len(said) == 1
+
+
+def test_text_that_somebody_has_changed_is_not_executed(tmp_path, fresh):
+    link(Model(sound), CASE, tmp_path)
+    for path in tmp_path.rglob("linked.py"):
+        path.write_text("raise SystemExit('executed')\n")
+    forget()
+    assert rates_of(link(Model(sound), CASE, tmp_path), CASE).tolist() == [-2.0]
+
+
+def test_cache_that_cannot_be_written_is_told(tmp_path, fresh):
+    place = tmp_path / "file"
+    place.write_text("")
+    with pytest.raises(RunError, match="VVDP_CACHE"):
+        link(Model(sound), CASE, place)
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="files have no owner")
+def test_cache_that_others_may_write_to_is_not_executed(tmp_path, fresh):
+    cache = tmp_path / "cache"
+    link(Model(sound), CASE, cache)
+    forget()
+    cache.chmod(0o777)
+    with pytest.raises(RunError, match=rf"other users may write to {cache}; chmod go-w .* or set VVDP_CACHE"):
+        link(Model(sound), CASE, cache)
+    cache.chmod(0o700)
+    next(cache.iterdir()).chmod(0o777)
+    with pytest.raises(RunError, match="other users may write to"):
+        for folder in cache.iterdir():
+            check_private(folder)
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="files have no owner")
+def test_whose_folders_matter(tmp_path, monkeypatch):
+    cache = tmp_path / "parent" / "cache"
+    cache.mkdir(parents=True)
+    check_private(cache)
+    cache.parent.chmod(0o777)
+    with pytest.raises(RunError, match=rf"other users may write to {cache.parent}"):
+        check_private(cache)
+    cache.parent.chmod(0o1777)  # sticky, as /tmp: nobody but its owner can take the folder away
+    check_private(cache)
+    monkeypatch.setattr(os, "getuid", lambda: cache.stat().st_uid + 1)
+    with pytest.raises(RunError, match="belongs to another user"):
+        check_private(cache)
+
+
+@pytest.fixture
+def many() -> tuple[Model, Any]:
+    """A chain of 32 levels, each with a line of text of its own."""
+    names = [f"x{i}" for i in range(32)]
+    home = types.ModuleType("chain")
+    home.__dict__.update(NamedTuple=NamedTuple, Plain=Plain, Nothing=Nothing, signal_value=signal_value)
+    fields = "".join(f"    {name}: Plain\n" for name in names)
+    rates = ", ".join(f"p.gain * (s.{names[i - 1]} - s.{name}) * abs(s.{name}) ** 0.5" for i, name in enumerate(names))
+    text = f"class Chain(NamedTuple):\n{fields}\ndef chain(t, s, u, p):\n    return Chain({rates}), Nothing(0.0)\n"
+    exec(text, home.__dict__)
+    return Model(home.chain), home.Chain(*(float(i) for i in range(32)))
+
+
+def test_a_network_of_32_states(many):
+    model, state = many
+    case = Case(state, Gain(gain=2.0))
+    np.testing.assert_allclose(rates_of(link(model, case), case), model.circuit(0.0, state, None, case.params)[0])

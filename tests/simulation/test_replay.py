@@ -96,3 +96,37 @@ def test_what_does_not_fit_is_refused(replay):
         replay(START, np.zeros((5, 3)))
     with pytest.raises(RunError, match="memory that differs"):
         Replay(forgetful, START, Sample(1.0, 0.0), SETTINGS)
+
+
+class Weights(NamedTuple):
+    weights: tuple[float, ...]
+
+
+class Window(NamedTuple):
+    last: np.ndarray
+    before: np.ndarray
+
+
+def weighed(memory, sample, settings):
+    total = 0.0
+    for i in range(len(settings.weights)):
+        total = total + settings.weights[i] * memory.last[i]
+    last = np.empty(memory.last.size)
+    last[1:] = memory.last[:-1]
+    last[0] = sample.value
+    return Window(last, memory.last), Shown(total, memory.before[0], 0.0)
+
+
+def test_lengths_of_settings_and_memory_take_no_part_in_the_text():
+    digests = set()
+    for n in (2, 5):
+        start, settings = Window(np.zeros(n), np.ones(n)), Weights(tuple(np.arange(1.0, n + 1.0)))
+        replay = Replay(weighed, start, Sample(1.0, 0.0), settings)
+        found, memory = replay(start, ROWS), start
+        for row, shown in zip(ROWS.tolist(), found.shown, strict=True):
+            memory, plain = weighed(memory, Sample(*row), settings)
+            assert shown.tolist() == pytest.approx(list(plain), rel=1e-14)
+        np.testing.assert_array_equal(found.memory.before, memory.before)
+        assert replay(start, ROWS, Weights(settings.weights[:1])).shown[1, 0] == ROWS[0, 1]
+        digests.add(replay.digest)
+    assert len(digests) == 1

@@ -8,7 +8,7 @@ from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.friction import shaft_friction_torque
 from vvdp.hydraulics.motor import Motor, motor_compression_loss, motor_flow, motor_torque
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
-from vvdp.hydraulics.pump import Pump, pump_flow, pump_friction_power, pump_friction_torque, pump_torque
+from vvdp.hydraulics.pump import Pump, pump_friction_power, pump_friction_torque, tank_displacement
 from vvdp.network.component import Component
 
 
@@ -52,10 +52,10 @@ def pump(inlet: FluidState, outlet: FluidState, shaft: ShaftState, values: Pump)
 
     It displaces D omega (1 + r sin(z theta)), counted at the inlet: over nu there, in tank volumes.
     """
-    displaced = pump_flow(shaft.angle, shaft.speed, outlet.pressure - inlet.pressure, values)
-    q = displaced.ideal / inlet.volume_ratio
-    leak = passage(displaced.leakage, outlet, inlet)
-    torque = pump_torque(shaft.angle, inlet, outlet, values) + pump_friction_torque(shaft.speed, values)
+    displacement = tank_displacement(shaft.angle, inlet, values)
+    q = displacement * shaft.speed
+    leak = passage(values.leakage_conductance * (outlet.pressure - inlet.pressure), outlet, inlet)
+    torque = displacement * (outlet.enthalpy - inlet.enthalpy) + pump_friction_torque(shaft.speed, values)
     return PumpEffect(
         inlet=leak.flow - q,
         outlet=q - leak.flow,

@@ -1,10 +1,8 @@
 """Fixed displacement pump with flow ripple, leakage and friction."""
 
-from typing import NamedTuple
-
 import numpy as np
 
-from vvdp.base.kinds import Conductance, Count, Displacement, Flow, Fraction, Torque
+from vvdp.base.kinds import Conductance, Count, Displacement, Fraction, Torque
 from vvdp.base.params import Params
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
@@ -23,27 +21,18 @@ class Pump(Params):
     friction_torque: Torque
 
 
-class PumpFlow(NamedTuple):
-    """`ideal`: what the pump displaces, in tank volumes per second. `leakage`: actual flow at the outlet pressure."""
+def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> float:
+    """What a pump displaces per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in.
 
-    ideal: Flow
-    leakage: Flow
+    It fills at its inlet's pressure, so what it displaces is counted there and does not depend on the pressure it is
+    pushed against. Times the speed it is the flow, times h_out - h_in the hydraulic torque.
 
-
-def pump_flow(shaft_angle: float, shaft_speed: float, pressure_drop: float, pump: Pump) -> PumpFlow:
-    """Flow that a pump displaces [tank volumes, m^3/s] and what leaks back at the outlet pressure [m^3/s].
-
-    ideal = D omega (1 + r sin(z theta)), leakage = G dp. The pump fills at tank pressure, so what it displaces is
-    counted there and does not depend on the pressure it is pushed against.
-
-    shaft_angle    theta [rad]
-    shaft_speed    omega [rad/s]
-    pressure_drop  outlet less tank [Pa]
+    shaft_angle  theta [rad]
+    inlet        oil where the pump fills
 
     Source  ours, docs/models/components.md
     """
-    ripple = 1.0 + flow_ripple(shaft_angle, pump)
-    return PumpFlow(pump.displacement * shaft_speed * ripple, pump.leakage_conductance * pressure_drop)
+    return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) / inlet.volume_ratio
 
 
 def flow_ripple(shaft_angle: float, pump: Pump) -> float:
@@ -78,36 +67,6 @@ def pump_friction_power(shaft_speed: float, pump: Pump) -> float:
     Source  ours, docs/models/components.md
     """
     return pump.friction_torque * abs(shaft_speed)
-
-
-def shaft_power(ideal_flow: float, shaft_speed: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
-    """Power that the shaft of a pump takes [W]: hydraulic and friction, q (h_out - h_in) + T_f |omega|.
-
-    Leakage costs no extra here: it has been displaced, and loses its power on the way back to the tank.
-
-    ideal_flow   q, displaced [tank volumes, m^3/s]
-    shaft_speed  omega [rad/s]
-    inlet        oil where the pump fills, the tank
-    outlet       oil where it delivers
-
-    Source  ours, docs/models/components.md
-    """
-    return ideal_flow * (outlet.enthalpy - inlet.enthalpy) + pump_friction_power(shaft_speed, pump)
-
-
-def pump_torque(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
-    """Hydraulic torque that a pump takes from its shaft [N m]: D (1 + r sin(z theta)) (h_out - h_in)/nu_in.
-
-    Times the speed it is the power that the displaced oil gains, q (h_out - h_in).
-
-    shaft_angle  theta [rad]
-    inlet        oil where the pump fills
-    outlet       oil where it delivers
-
-    Source  ours, docs/models/components.md
-    """
-    gain = (outlet.enthalpy - inlet.enthalpy) / inlet.volume_ratio
-    return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * gain
 
 
 def pump_friction_torque(shaft_speed: float, pump: Pump) -> float:

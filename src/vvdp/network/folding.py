@@ -38,15 +38,18 @@ def folded(line: str) -> list[str]:
         return [line]
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
-    terms = divided(value, " + ")
-    if len(terms) > 1:
-        inner, opened, closed = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)], "(", ")"
+    terms, begin = divided(value, " + "), value.find("(")
+    is_product = len(terms) == 1 and " * (" in value[: begin + 1]
+    if is_product:
+        terms = divided(value[begin + 1 : -1], " + ")
+    if is_product or len(terms) > 1:
+        inner = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)]
+        opened = value[: begin + 1] if is_product else "("
     else:
-        begin = value.find("(")
         inner = [f"{part}," for part in divided(value[begin + 1 : -1], ", ")]
-        opened, closed = value[: begin + 1], ")"
+        opened = value[: begin + 1]
     parts = [text for part in inner for text in folded(f"{space}    {part}")]
-    return [head + opened, *parts, f"{space}{closed}{tail}"]
+    return [head + opened, *parts, f"{space}){tail}"]
 
 
 def divided(text: str, mark: str) -> list[str]:

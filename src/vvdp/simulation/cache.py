@@ -60,7 +60,7 @@ def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.Mod
             if found:
                 return found
             say(f"compiled code in {folder} is damaged; compiling it anew")
-            shutil.rmtree(folder)
+            shutil.rmtree(folder, ignore_errors=True)
         elif wanted.announcement:
             say(wanted.announcement)
         return _compiled(wanted, folder)
@@ -138,8 +138,9 @@ def _compiled(wanted: Wanted, folder: Path) -> types.ModuleType:
 
 
 def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
-    from numba.core import config
+    from numba.core import config as numba_config
 
+    config: Any = numba_config
     found = types.ModuleType(_module_name(wanted))
     found.__file__ = str(folder / TEXT)
     found.__dict__.update(wanted.known)

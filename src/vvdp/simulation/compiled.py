@@ -7,13 +7,17 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
+from llvmlite import ir
+from numba import extending, njit, types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload, register_jitable
 from numba.np.arrayobj import make_array, populate_array
 
-from vvdp.base.select import select
+from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.base.signal import changes_stop, changes_value, signal_stop, signal_value, sines_value
+
+intrinsic: Any = extending.intrinsic
+overload: Any = extending.overload
+register_jitable: Any = extending.register_jitable
 
 COMPILING: Any = {"error_model": "numpy", "forceinline": True}
 """How formulas are compiled. A call hands over each field of its arguments; without calls a run is a sixth faster."""
@@ -28,9 +32,11 @@ class Signal(NamedTuple):
     changes: float
     sines: float
     parameters: int  # address of the vector in which they are
+    time: float  # at which it was worked out before the circuit, where no test stands in the way of other work
+    value: float  # then
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def address(typing: Any, array: Any) -> Any:
     """The address of the first number of an array."""
 
@@ -41,7 +47,7 @@ def address(typing: Any, array: Any) -> Any:
     return types.intp(array), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def view(typing: Any, place: Any, shape: Any) -> Any:
     """The numbers at an address as an array of `shape` that nobody counts and nobody frees."""
     found = types.Array(types.float64, len(shape), "C")
@@ -60,7 +66,7 @@ def view(typing: Any, place: Any, shape: Any) -> Any:
     return found(types.intp, types.UniTuple(types.intp, len(shape))), generate
 
 
-@register_jitable(**COMPILING)  # type: ignore[untyped-decorator]
+@register_jitable(**COMPILING)
 def vector(place: int) -> Any:
     """The numbers from an address on. Nothing checks the length of a vector in compiled code, so it needs none."""
     return view(place, (ENDLESS,))
@@ -71,7 +77,7 @@ def store(vector: Any, place: int, values: Any) -> int:
     raise NotImplementedError("for compiled code")
 
 
-@overload(store, strict=False, jit_options=COMPILING)  # type: ignore[untyped-decorator]
+@overload(store, strict=False, jit_options=COMPILING)
 def _store_form(vector: Any, place: Any, values: Any) -> Any:
     return _store_tuple if isinstance(values, types.BaseTuple) else _store_array
 
@@ -89,8 +95,45 @@ def _store_tuple(vector: Any, place: int, values: Any) -> int:
     return place + len(values)
 
 
-# Not inlined: most signals are constant, and pass with one test of a number that is at hand.
-@register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
+def apart(function: Callable[..., Any]) -> Any:
+    """`function` of two arguments for compiled code that seldom calls it: it is never copied in, and writes nothing,
+    so that the code around it need not save what it has read."""
+    compiled: Any = njit(error_model="numpy")(function)
+
+    @intrinsic
+    def call(typing: Any, first: Any, second: Any) -> Any:
+        compiled.compile((first, second))
+        found = compiled.overloads[first, second]
+
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            context.add_linking_libs([found.library])
+            return builder.call(_bridge(context, builder.module, found, arguments), arguments)
+
+        return found.signature.return_type(first, second), generate
+
+    return call
+
+
+def _bridge(context: Any, module: Any, found: Any, arguments: Any) -> Any:
+    """A function in `module` that calls the compiled one `found` and says of it what the compiler cannot see."""
+    name = f"apart_{found.fndesc.mangled_name}"
+    if name in module.globals:
+        return module.globals[name]
+    result = context.get_value_type(found.signature.return_type)
+    bridge = ir.Function(module, ir.FunctionType(result, [given.type for given in arguments]), name)
+    bridge.linkage = "internal"
+    for attribute in ("noinline", "cold", "nounwind", "readonly"):
+        bridge.attributes.add(attribute)
+    inside = ir.IRBuilder(bridge.append_basic_block())
+    callee = context.declare_function(module, found.fndesc)
+    kinds = found.signature.return_type, found.signature.args
+    inside.ret(context.call_conv.call_function(inside, callee, *kinds, bridge.args)[1])
+    return bridge
+
+
+# Most signals are constant, and pass with one test of a number that is at hand; copied in, the rest would make the
+# text of a circuit three times as long.
+@apart
 def _moving(t: float, signal: Any) -> Any:
     place, n, m = signal.parameters + 8 * int(signal.place), int(signal.changes), int(signal.sines)
     changed = changes_value(t, view(place, (n,)), view(place + 8 * n, (n,)), view(place + 16 * n, (n,)))
@@ -99,18 +142,39 @@ def _moving(t: float, signal: Any) -> Any:
     return signal.base + changed + swung
 
 
-@register_jitable(error_model="numpy")  # type: ignore[untyped-decorator]
+@apart
 def _corner(t: float, signal: Any) -> Any:
     place, n = signal.parameters + 8 * int(signal.place), int(signal.changes)
     return changes_stop(t, view(place, (n,)), view(place + 8 * n, (n,)))
 
 
+@intrinsic
+def _is_same(typing: Any, one: Any, other: Any) -> Any:
+    """Whether two numbers have the same bits: of a number and itself the compiler knows it, whereas NaN != NaN."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        bits = [builder.bitcast(argument, ir.IntType(64)) for argument in arguments]
+        return builder.icmp_unsigned("==", *bits)
+
+    return types.boolean(types.float64, types.float64), generate
+
+
+@register_jitable(**COMPILING)
+def signal(t: float, base: float, place: float, changes: float, sines: float, parameters: int) -> Any:
+    """The signal of these numbers, worked out at the time `t` [s]."""
+    unknown = Signal(base, place, changes, sines, parameters, t, base)
+    value = _moving(t, unknown) if place > 0.0 else base
+    return Signal(base, place, changes, sines, parameters, t, value)
+
+
 def _record_value(t: float, signal: Any) -> Any:
-    return _moving(t, signal) if signal.place > 0.0 else signal.base + 0.0
+    if _is_same(float(t), signal.time):
+        return signal.value
+    return _moving(float(t), signal) if signal.place > 0.0 else signal.base
 
 
 def _record_stop(t: float, signal: Any) -> Any:
-    return _corner(t, signal) if signal.place > 0.0 else np.inf
+    return _corner(float(t), signal) if signal.place > 0.0 else np.inf
 
 
 def _is_record(signal: Any) -> bool:
@@ -171,3 +235,9 @@ def make_compilable(function: Callable[..., Any], form: Callable[..., Any] | Non
         overload(function, strict=False, jit_options=COMPILING)(eval(f"lambda {arguments}: form", {"form": form}))
     else:
         register_jitable(**COMPILING)(function)
+
+
+# Signals are worked out wherever there are some, also for functions that never ask for one.
+_own: tuple[Any, ...] = (*FORMS, minimum, maximum, clip)
+for _function in _own:
+    make_compilable(_function, None)

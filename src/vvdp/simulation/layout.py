@@ -5,9 +5,9 @@ command  the numbers of the command now in force, `held` and one part for each p
 memory   the memories of all programs, one after the other
 params   a block for the circuit and one for each program, and behind them a tail with everything that has a length
 
-In a block stands a number as it is; a signal as its base, the place of its numbers in the vector (0 where it is constant), and
-how many changes and sines it has; an array or tuple as its place and its shape. What has a length is thus no part of the compiled text:
-a table of 300 points runs with the code of a table of two.
+In a block stands a number as it is; a signal as its base, the place of its numbers in the vector (0 where it is
+constant), and how many changes and sines it has; an array or tuple as its place and its shape. What has a length is
+thus no part of the compiled text: a table of 300 points runs with the code of a table of two.
 
 Then come, in the circuit's block, the shape of each array of the command and where `held` begins in the command; in a
 program's, where its memory and its command begin, and the shape of each array of its memory.
@@ -159,7 +159,7 @@ class Packed:
         """Adds `value` to the block."""
         for _, leaf in members(value, ""):
             if isinstance(leaf, Signal):
-                self.fixed.append(leaf.base)
+                self.fixed.append(leaf.base + 0.0)  # what a constant signal comes to, -0.0 as well
                 if leaf.start or leaf.amplitude:
                     self._place()
                 else:

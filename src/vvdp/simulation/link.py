@@ -126,5 +126,7 @@ def _versions() -> str:
     """What compiled code depends on besides the model."""
     import numba
 
-    own = hashlib.sha256(Path(__file__).with_name("compiled.py").read_bytes()).hexdigest()
-    return f"{platform.python_version()} {np.__version__} {numba.__version__} {own}"
+    here = Path(__file__).parent
+    own = (here / "compiled.py", here.parent / "base" / "signal.py", here.parent / "base" / "select.py")
+    told = hashlib.sha256(b"".join(path.read_bytes() for path in own)).hexdigest()
+    return f"{platform.python_version()} {np.__version__} {numba.__version__} {told}"

@@ -50,7 +50,8 @@ def rates_part(model: Model, case: Case) -> Part:
     lines = [_njit("void", 4, "rates(t, y, u, p, dy)"), *a.lines]
     lines.append(f"    value, outputs = circuit(t, {a.state}, {a.command}, {a.params})")
     write(case.state, "value", "dy", Place(), lines)
-    announcement = f"compiling the circuit {model.circuit.__name__} (once for each, a few seconds)"
+    name = getattr(model.circuit, "__name__", "")
+    announcement = f"compiling the circuit {name} (once for each, a few seconds)"
     return Part(_source(a.classes, lines), {"circuit": model.circuit}, a.classes, announcement)
 
 
@@ -150,8 +151,8 @@ def example_reading(model: Model, program: Program, case: Case) -> Any:
 
 def needs_outputs(measure: Callable[..., Any]) -> bool:
     """Whether a sensor reads the circuit's outputs, its third argument."""
-    code = measure.__code__
-    if code.co_argcount < 3:
+    code = getattr(measure, "__code__", None)
+    if code is None or code.co_argcount < 3:
         return True
     name, found = code.co_varnames[2], False
     for instruction in dis.get_instructions(code):

@@ -41,9 +41,9 @@ def reachable(function: Callable[..., Any], found: Functions) -> Functions:
         reachable(faster, found)
         return found
     for path in sorted(set(_paths(function.__code__))):
-        value = _value(path, function)
+        name, value = _value(path, function)
         if value is not MISSING:
-            constants.append((path, _known(f"{'.'.join(path)} (in {function.__qualname__})", value, found)))
+            constants.append((path, _known(f"{name} (in {function.__qualname__})", value, found)))
     return found
 
 
@@ -94,14 +94,14 @@ def _paths(code: types.CodeType) -> Iterator[tuple[str, ...]]:
             yield from _paths(constant)
 
 
-def _value(path: tuple[str, ...], function: types.FunctionType) -> Any:
-    """What stands at a path, as far as it leads through modules and enums; MISSING where compiling it says so."""
-    value = function.__globals__.get(path[0], MISSING)
+def _value(path: tuple[str, ...], function: types.FunctionType) -> tuple[str, Any]:
+    """The part of a path that leads through modules and enums, and what stands there; MISSING where nothing does."""
+    reached, value = path[0], function.__globals__.get(path[0], MISSING)
     for name in path[1:]:
         if not isinstance(value, types.ModuleType | enum.EnumMeta) or _is_foreign(value):
             break
-        value = getattr(value, name, MISSING)
-    return value
+        reached, value = f"{reached}.{name}", getattr(value, name, MISSING)
+    return reached, value
 
 
 def _is_foreign(value: Any) -> bool:

@@ -79,6 +79,7 @@ def _part(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> P
     lines = [
         "@njit(void(float64[::1], float64[::1], *[float64[:, ::1]] * 2), cache=True, error_model='numpy', nogil=True)",
         "def replay(m, p, rows, out):",
+        "    t = 0.0",
         f"    settings = {parameters(settings, block, classes)}",
     ]
     start = numbers(memory, "m", end, block, lines, classes)

@@ -34,7 +34,7 @@ class Classes:
             "import numpy as np",
             "from numba import float64, int64, intp, njit, types, void",
             "",
-            "from vvdp.simulation.compiled import Signal, address, store, vector, view",
+            "from vvdp.simulation.compiled import address, signal, store, vector, view",
             "",
             *(f"{name} = namedtuple({name!r}, {names(cls)!r})" for name, cls in self.records()),
         ]
@@ -54,7 +54,7 @@ class Place:
 def parameters(value: Any, place: Place, classes: Classes) -> str:
     """Source that makes `value` from its block of the parameters `p`; `place` is moved behind it."""
     if isinstance(value, Signal):
-        return f"Signal({', '.join(_number('p', place) for _ in range(SIGNAL_SLOTS))}, address(p))"
+        return f"signal(t, {', '.join(_number('p', place) for _ in range(SIGNAL_SLOTS))}, address(p))"
     if inner := names(value):
         parts = [parameters(getattr(value, name), place, classes) for name in inner]
         return f"{classes.name(type(value))}({', '.join(parts)})"

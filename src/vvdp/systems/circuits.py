@@ -9,7 +9,8 @@ import types
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.metadata import entry_points
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -39,7 +40,13 @@ class TableSlot:
 
 def circuit_names() -> list[str]:
     """Names of the circuits that installed packages offer."""
-    return sorted({point.name for point in entry_points(group=GROUP)})
+    return sorted({point.name for point in _offered()})
+
+
+@cache
+def _offered() -> tuple[EntryPoint, ...]:
+    """The entry points of all installed packages; reading them takes longer than drawing a circuit."""
+    return tuple(entry_points(group=GROUP))
 
 
 def network_function(name: str, folder: Path) -> NetworkFunction:
@@ -56,7 +63,7 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
             public = [n for n, value in vars(module).items() if inspect.isfunction(value) and not n.startswith("_")]
             raise ParameterError(f"{module_name} has no function {function!r}{nearest(function, public)}")
     else:
-        points = [point for point in entry_points(group=GROUP) if point.name == name]
+        points = [point for point in _offered() if point.name == name]
         if not points:
             message = f"{name!r} is not a circuit; expected {', '.join(circuit_names())}, or module:function"
             raise ParameterError(message)

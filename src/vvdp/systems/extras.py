@@ -47,6 +47,9 @@ class Extras:
     OVERVIEW: tuple[Line, ...] = ()
     """The lines of the overview; where there are none, nodes and components are shown."""
 
+    CLOSED_FORMS: tuple[str, ...] = ()
+    """Keys of the analytic results."""
+
     def __init__(self, system: "System") -> None:
         self.system = system
         self.tables: Mapping[str, Any] = system.tables

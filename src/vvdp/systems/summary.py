@@ -1,12 +1,13 @@
 """What a run comes to: means, losses by component, extremes, balances, in plain numbers by the names of the circuit."""
 
 from collections.abc import Iterator
+from operator import attrgetter
 
 import numpy as np
 
 from vvdp.base.signal import Signal
-from vvdp.network.classes import flow_names
-from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
+from vvdp.network.nodes import HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.paths import flows_of
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
@@ -92,7 +93,7 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, HydraulicNode):
             reference = node.oil.reference_pressure
-            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node.pressure, means, name)
+            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node, run, system, name)
             lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
             mean = bounds[0] if bounds[0] == bounds[1] else means[f"totals.{name}_pressure"]
             found[f"pressure_mean_{name}_Pa"] = mean - reference
@@ -116,11 +117,13 @@ def cavitation_pressure(system: System) -> float:
     return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)
 
 
-def _prescribed(pressure: object, means: dict[str, float], name: str) -> tuple[float, float]:
-    """Bounds of a prescribed pressure [Pa, absolute]; its mean where it is a connection."""
-    if isinstance(pressure, Signal):
-        return pressure.extremes
-    return means[f"totals.{name}_pressure"], means[f"totals.{name}_pressure"]
+def _prescribed(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
+    """Bounds of a prescribed pressure [Pa, absolute], as the case has it; its mean where it is a connection."""
+    if isinstance(node.pressure, Signal):
+        given: Signal = attrgetter(system.circuit.place(node.pressure))(run.case.params)
+        return given.extremes
+    mean = _means(run)[f"totals.{name}_pressure"]
+    return mean, mean
 
 
 def _part_numbers(run: Outcome, system: System) -> Summary:
@@ -135,9 +138,10 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
         elif group == "supplied":
             found[f"power_{name}_W"] = value
     for part in system.circuit.network.parts.values():
-        first, *others = flow_names(part) or [""]
+        first, *others = flows_of(part) or [""]
         if others:
-            found[f"flow_mean_{first.removesuffix('_flow')}_m3_s"] = -sum(means[f"totals.{name}"] for name in others)
+            into_others = (means[f"totals.{part.name}_{name}"] for name in others)
+            found[f"flow_mean_{part.name}_{first.removesuffix('_flow')}_m3_s"] = -sum(into_others)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())

@@ -51,13 +51,18 @@ class RunTable(Params):
         if not self.average_from < self.until:
             raise ParameterError(f"average_from {self.average_from:g} s; expected less than until = {self.until:g} s")
 
+    def stepping(self, method: Method) -> Stepping:
+        """How the run is stepped. Raises ParameterError where that cannot be."""
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "average_from"}
+        return Stepping(**values, method=method)
+
 
 @dataclass(frozen=True)
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from the tables; None where the file draws it itself. `module` is the file that the
-    function stands in, where that lies beside the system's.
+    `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
+    tables of the file. Modules that the file names are looked for in `folder`.
     """
 
     name: str
@@ -68,8 +73,9 @@ class System:
     tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
+    folder: Path = Path()
     function: NetworkFunction | None = None
-    module: Path | None = None
+    redrawn: bool = False
 
     @property
     def model(self) -> Model:
@@ -88,6 +94,11 @@ class System:
         return None if found is None else found(self)
 
     @property
+    def module(self) -> Path | None:
+        """The file of the function, where it lies beside the system's."""
+        return local_module(str(self.content.get("circuit", "")), self.folder)
+
+    @property
     def circuit_name(self) -> str:
         """What the file names as its circuit; where it draws it itself, how many parts it has."""
         network = self.circuit.network
@@ -99,12 +110,30 @@ class System:
         """The values that are merely assumed."""
         return tuple(row for row in self.rows if row.status == "assumed")
 
+    @property
+    def table(self) -> Table:
+        """What it was read from, settings included."""
+        return Table(self.name, self.content, {})
+
+    def read_from(self, table: Table) -> "System":
+        """The system of another text in the same place. Raises ConfigError with all its faults."""
+        return built_system(table, self.name, self.folder)
+
     def with_tables(self, tables: Mapping[str, Any]) -> "System":
         """The same system drawn from other tables."""
         assert self.function is not None
         names = table_slots(self.function)
         network = self.function(**{name: table for name, table in tables.items() if name in names})
-        return replace(self, circuit=build_circuit(network), tables=tables)
+        return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A system travels to other processes as its text: its functions are written anew where it arrives."""
+        return _arrived, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
+
+
+def _arrived(table: Table, name: str, folder: Path, tables: Mapping[str, Any] | None) -> System:
+    found = built_system(table, name, folder)
+    return found if tables is None else found.with_tables(tables)
 
 
 def shipped() -> dict[str, str]:
@@ -198,36 +227,25 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         network, rows = draw_network(content, table, faults)
     if run is not None:
         rows += run[1]
-    circuit = None
-    if network is not None and not faults:
+    circuit = stepping = None
+    if network is not None and run is not None and not faults:
         try:
-            circuit = build_circuit(network)
+            circuit, stepping = build_circuit(network), run[0].stepping(method)
         except (NetworkError, ParameterError) as problem:
             faults.append(Fault(table.place, 0, "", str(problem)))
-    if faults or circuit is None or run is None:
+    if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(faults)
-    r = run[0]
-    stepping = Stepping(
-        until=r.until,
-        relative_tolerance=r.relative_tolerance,
-        sample_period=r.sample_period,
-        record_interval=r.record_interval,
-        window=r.window,
-        window_interval=r.window_interval,
-        longest_step=r.longest_step,
-        method=method,
-    )
     return System(
         name=name,
         title=str(table.content.get("title", name)),
         circuit=circuit,
         stepping=stepping,
-        average_from=r.average_from,
+        average_from=run[0].average_from,
         tables=values,
         rows=tuple(rows),
         content=table.content,
+        folder=folder,
         function=function,
-        module=local_module(str(table.content.get("circuit", "")), folder),
     )
 
 
