@@ -102,7 +102,7 @@ def _library() -> None:
     for name, program in PROGRAMS.items():
         table.add_row(name, *("\n".join(cell) for cell in _program(program)))
     out.print(table)
-    out.print("A value is written with its unit, as in the examples; in brackets: what it is where it is not given.")
+    out.print("A value is written with its unit, as in the examples; the one in brackets holds where none is given.")
     out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
 
 

@@ -26,8 +26,9 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
+from vvdp.network.network import Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
-from vvdp.network.paths import Places, StartValue, averaged_flows, shown
+from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, shown
 from vvdp.simulation.values import names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
@@ -183,6 +184,11 @@ class Classes:
     def empty_books(self) -> Books:
         """Books before a run."""
         return Books(blank(self.supplied), blank(self.spent), 0.0, 0.0, blank(self.totals))
+
+
+def flow_names(part: Part) -> list[str]:
+    """Names of the flows of a part: one through it, into its second port, or one into each of more hydraulic ports."""
+    return [f"{part.name}_{name}" for name in flows_of(part)]
 
 
 def _join(hints: dict[str, Any], whose: str, fresh: dict[str, Any]) -> None:

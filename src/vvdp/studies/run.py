@@ -232,8 +232,9 @@ def _results(
         if done and done.failure:
             failures.append(Failure(case.number, case.settings, done.failure))
         row = done.summary if done else {}
-        if row and closed_forms:
-            row = {**row, **_built(base, case.settings).extras.closed_forms(row)}
+        extras = _built(base, case.settings).extras if row and closed_forms else None
+        if extras is not None:
+            row = {**row, **extras.closed_forms(row)}
         rows.append(row)
     names = list(dict.fromkeys(key for case in planned for key in case.inputs))
     unset = _inputs(base, dict.fromkeys(names, ""))

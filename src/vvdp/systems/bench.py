@@ -369,7 +369,7 @@ class RotaryBench(Extras):
             "spool_missed_edges": float(estimate.missed_edges[-1]),
         }
 
-    def closed_forms(self, found: Summary) -> Summary:
+    def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.
 
         There are none where they do not describe the run: without flow or load, with anything prescribed that changes

@@ -48,7 +48,7 @@ class Extras:
     """The lines of the overview; where there are none, nodes and components are shown."""
 
     CLOSED_FORMS: tuple[str, ...] = ()
-    """Keys of the analytic results."""
+    """Keys of what `closed_forms` gives."""
 
     def __init__(self, system: "System") -> None:
         self.system = system
@@ -62,7 +62,7 @@ class Extras:
         """Further numbers that need the recorded rows."""
         return {}
 
-    def closed_forms(self, found: Summary) -> Summary:  # noqa: ARG002
+    def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:  # noqa: ARG002
         """Analytic results to stand beside the simulated ones in `found`."""
         return {}
 
