@@ -516,7 +516,11 @@ def hose_numbers() -> dict[str, tuple[float, float, float]]:
     settled = brentq(lambda p: consumed(p * BAR + P0, 4e-6) - area, 1.0, 200.0)
     return {
         "frequency of the swing [Hz]": (exact_frequency(level), found, 0.01),
-        "first rise at the right [bar]": (surge(), ran.gauge("right", 0.95 * back + 0.025) - ran.gauge("right", 0.5), 0.05),
+        "first rise at the right [bar]": (
+            surge(),
+            ran.gauge("right", 0.95 * back + 0.025) - ran.gauge("right", 0.5),
+            0.05,
+        ),
         "pressure at the right in the end [bar]": (float(settled), ran.gauge("right", 1.5), 5e-3),
     }
 
@@ -597,14 +601,20 @@ def boost_numbers() -> dict[str, tuple[float, float, float]]:
     numbers = {}
     for duty in (0.1, 0.3, 0.5, 0.7):
         found, _ = done("boost-converter", f"{VALVE}duty_ratio={duty}")
-        numbers[f"load at duty ratio {duty} [bar]"] = (50.0 / (1.0 - duty), found["pressure_mean_load_Pa"] / BAR, math.inf)
+        numbers[f"load at duty ratio {duty} [bar]"] = (
+            50.0 / (1.0 - duty),
+            found["pressure_mean_load_Pa"] / BAR,
+            math.inf,
+        )
     return numbers
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_numbers_are_those_by_hand_and_those_of_the_page(name):
     numbers = NUMBERS[name]()
-    rows: Sequence[tuple[str, str, str]] = re.findall(r"^\| ([^|]+) \| ([\d.]+) \| ([\d.]+) \|$", section(name), re.MULTILINE)
+    rows: Sequence[tuple[str, str, str]] = re.findall(
+        r"^\| ([^|]+) \| ([\d.]+) \| ([\d.]+) \|$", section(name), re.MULTILINE
+    )
     for key, (by_hand, found, within) in numbers.items():
         print(f"| {key} | {by_hand:.6g} | {found:.6g} |")
         if within < math.inf:
