@@ -19,6 +19,7 @@ ENDINGS = {
     "m^3/s": "_m3_s",
     "m^3/s/Pa": "_m3_s_Pa",
     "rad/s": "_rad_s",
+    "m/s": "_m_s",
     "rad": "_rad",
     "rad^2": "_rad2",
     "rad^2/s^3": "_rad2_s3",

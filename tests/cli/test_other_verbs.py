@@ -78,7 +78,7 @@ def test_new_copies_with_comments_and_another_title(vvdp, here):
     source, text = shipped()["prototype"].splitlines(), (here / "mine.toml").read_text().splitlines()
     assert [line for line in text if line not in source] == ['title = "mine"']
     assert len(text) == len(source)
-    assert load_system("mine.toml").case == load_system("prototype").case
+    assert load_system("mine.toml").tables == load_system("prototype").tables
 
 
 def test_new_from_a_file(vvdp, here):

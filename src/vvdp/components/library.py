@@ -21,11 +21,12 @@ from vvdp.components.controlled_valves import (
 from vvdp.components.directional_valves import DIRECTIONAL_VALVE, THROTTLED_DIRECTIONAL_VALVE
 from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.flow_sources import FLOW_SOURCE
-from vvdp.components.lines import LINE
+from vvdp.components.lines import COLUMN, LINE
 from vvdp.components.machines import MOTOR, PUMP
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_FRICTION, SPRING, WEIGHT
+from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.components.self_acting_valves import (
     CHECK_VALVE,
     FLOW_CONTROL_VALVE,
@@ -72,6 +73,7 @@ def _by_name(*components: Component | Assembly) -> Mapping[str, Component | Asse
 
 COMPONENTS = _by_name(
     CHECK_VALVE,
+    COLUMN,
     CYLINDER,
     DIRECTIONAL_VALVE,
     DRIVE_COUPLING,
@@ -99,6 +101,7 @@ COMPONENTS = _by_name(
     REDUCING_VALVE,
     RELIEF_VALVE,
     ROD_FRICTION,
+    ROTARY_VALVE,
     ROTOR,
     SERIES_THROTTLES,
     SHAFT_FRICTION,

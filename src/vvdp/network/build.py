@@ -5,12 +5,15 @@ import linecache
 import sys
 import types
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.books import NOTHING, Books, Stored
 from vvdp.base.errors import NetworkError
+from vvdp.base.params import Params
+from vvdp.base.signal import Signal
 from vvdp.network.classes import Classes
 from vvdp.network.functions import Functions
 from vvdp.network.network import Network
@@ -30,6 +33,25 @@ class Circuit:
     model: Model
     case: Case
     text: str
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of what circuits share that differ in numbers only: the text, what its words mean, and the calls."""
+        words = sorted(
+            f"{name}={getattr(value, '__module__', '')}.{getattr(value, '__qualname__', value)}"
+            for name, value in self.model.circuit.__globals__.items()
+            if not name.startswith("__") and name in self.text
+        )
+        calls = [(name, p.period, p.phase, p.latency) for name, p in self.model.programs.items()]
+        return hashlib.sha256(repr((self.text, words, calls)).encode()).hexdigest()
+
+    @cached_property
+    def _places(self) -> Places:
+        return Places(self.network)
+
+    def place(self, value: Params | Signal) -> str:
+        """Where a value of the network stands in the parameters, such as `operation.pump_speed`."""
+        return self._places.path(value).removeprefix("p.")
 
     def case_of(self, params: Any) -> Case:
         """The case of other parameters of the same classes."""
