@@ -38,19 +38,29 @@ def folded(line: str) -> list[str]:
         return [line]
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
-    terms, begin = divided(value, (" + ", " - ")), value.find("(")
-    inside, is_whole = value[begin + 1 : -1], begin >= 0 and len(divided(value[begin:], (" ",))) == 1
-    if len(terms) > 1:
-        inner, opened = [term.lstrip() for term in terms], "("
-    elif is_whole and (begin == 0 or value[:begin].endswith(" * ")):
-        inner, opened = [term.lstrip() for term in divided(inside, (" + ", " - "))], value[: begin + 1]
-    elif is_whole:
-        inner = [f"{part.removeprefix(', ')}," for part in divided(inside, (", ",))]
-        opened = value[: begin + 1]
-    else:
+    terms, (begin, end) = divided(value, (" + ", " - ")), first_bracket(value)
+    opened, closed = "(", ")"
+    if len(terms) == 1 and end:
+        inside, opened, closed = value[begin + 1 : end], value[: begin + 1], value[end:]
+        is_call = begin > 0 and (value[begin - 1].isalnum() or value[begin - 1] == "_")
+        terms = [] if is_call else divided(inside, (" + ", " - "))
+        if is_call:
+            terms = [f"{part.removeprefix(', ')}," for part in divided(inside, (", ",))]
+    if len(terms) < 2:
         return [line]
-    folds = [text for part in inner for text in folded(f"{space}    {part}")]
-    return [head + opened, *folds, f"{space}){tail}"]
+    folds = [text for term in terms for text in folded(f"{space}    {term.lstrip()}")]
+    return [head + opened, *folds, f"{space}{closed}{tail}"]
+
+
+def first_bracket(text: str) -> tuple[int, int]:
+    """Where the first bracket of a text opens and closes; 0 and 0 without one."""
+    depth = 0
+    begin = text.find("(")
+    for place in range(max(begin, 0), len(text)):
+        depth += (text[place] == "(") - (text[place] == ")")
+        if depth == 0 and begin >= 0:
+            return begin, place
+    return 0, 0
 
 
 def divided(text: str, marks: tuple[str, ...]) -> list[str]:
