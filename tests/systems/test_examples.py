@@ -235,7 +235,16 @@ def test_minimal_buck_converter_is_the_shipped_one(tmp_path):
     exec(code, made)
     circuit = build(made["net"])
     run = simulate(circuit.model, circuit.case, load_system("buck-converter").stepping)
-    assert run.final == pytest.approx(done("buck-converter").run.final, rel=1e-9, abs=1e-12)
+    # The numbers are typed in another unit, so they differ by rounding, and the steps by a little more.
+    mine, its = run.state.books, done("buck-converter").run.state.books
+    assert mine.totals.tube_flow[-1] == pytest.approx(its.totals.tube_flow[-1], rel=1e-7)
+    assert mine.supplied == pytest.approx(np.array(its.supplied), rel=1e-7, abs=1e-6)
+
+
+def test_the_oil_in_the_tube_costs_what_the_page_says():
+    tube = ("type=pipe", "hose_compliance=0 1/Pa", "start=100 bar")
+    _, efficiency = converter(0.3, *(f"components.tube.{setting}" for setting in tube))
+    assert f"{efficiency:.3f} in place of {converter(0.3)[1]:.3f}" in section("buck-converter")
 
 
 STIFF_OIL = UsualOil(air_fraction=0.0, liquid_bulk_modulus=1e11)
@@ -317,6 +326,9 @@ def test_converters_become_ideal_as_their_losses_vanish(kind, duty, ideal):
     missing = [1.0 - ratio / ideal for ratio in ratios]
     assert missing[0] > 5.0 * missing[1] > 5.0 * missing[2] > 0.0
     assert missing[2] < 1e-3
+    told = re.search(r"within ([\d.]+) %", section(f"{kind}-converter").replace("\n", " "))
+    assert told
+    assert 0.5 * float(told[1]) < 100.0 * missing[2] < float(told[1])
     assert 0.65 * missing[0] < 1.0 - by_hand[0] / ideal < missing[0]
 
 
@@ -517,7 +529,7 @@ def hose_numbers() -> dict[str, tuple[float, float, float]]:
     found, level = swing(ran.run)
     settled = brentq(lambda p: consumed(p * BAR + P0, 4e-6) - 20.0 * LPM, 1.0, 200.0)
     return {
-        "frequency of the swing [Hz]": (exact_frequency(level), found, 0.01),
+        "frequency of the swing [Hz]": (exact_frequency(level), found, 1e-3),
         "first rise at the right [bar]": (surge(), rise(ran.run), 0.03),
         "pressure at the right in the end [bar]": (float(settled), ran.gauge("right", 2.0), 5e-3),
     }
@@ -532,6 +544,7 @@ def test_lumped_line_would_swing_a_quarter_too_fast(tmp_path):
     found, level = swing(done(str(tmp_path / "lumped.toml")).run)
     assert found == pytest.approx(lumped_frequency(level), rel=0.01)
     assert f"at {found:.0f} Hz" in section("long-hose")
+    assert f"after {1e3 * 2.0 * HOSE_LENGTH / wave_speed(22.0):.0f} ms" in section("long-hose")
     assert found / exact_frequency(level) == pytest.approx(1.25, abs=0.01)
 
 
@@ -634,6 +647,7 @@ def boosted(duty: float) -> float:
 
 def boost_numbers() -> dict[str, tuple[float, float, float]]:
     numbers = {}
+    assert ", ".join(f"{50.0 / (1.0 - duty):.1f}" for duty in (0.1, 0.3)) in section("boost-converter")
     for duty in (0.1, 0.3, 0.5):
         found, _ = done("boost-converter", f"{VALVE}duty_ratio={duty}")
         numbers[f"load at duty ratio {duty} [bar]"] = (boosted(duty), found["pressure_mean_load_Pa"] / BAR, 0.07)
