@@ -192,7 +192,7 @@ def test_a_file_that_may_not_be_read(here, refused, monkeypatch):
         ("=3 cc", "expected table.key"),
         ("inlet.volume=", "expected table.key"),
         ("volume=3 cc", "expected table.key"),
-        ("a.b.c=3 cc", "expected table.key"),
+        ("a.b.c=3 cc", "--set: a: unknown table"),
         ("inlet.volum=3 cc", "did you mean 'volume'"),
         ("inlets.volume=3 cc", "unknown table"),
         ("inlet.volume=3 bar", "is not a volume"),

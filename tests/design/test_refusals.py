@@ -142,7 +142,7 @@ def test_no_equilibrium_speed_over_a_cycle():
 def test_parameter_class_refuses_what_cannot_be_made(prototype):
     import dataclasses
 
-    valve = prototype.case.params.supply.valve
+    valve = prototype.tables["valve"]
     with pytest.raises(ParameterError, match="lap_ratio must be greater than zero"):
         dataclasses.replace(valve, lap_ratio=0.0)
 

@@ -17,7 +17,7 @@ from vvdp.valve.rotary import RotaryValve
 
 @pytest.fixture(scope="session")
 def built_valve() -> RotaryValve:
-    return load_system("prototype", ()).case.params.supply.valve
+    return load_system("prototype", ()).tables["valve"]
 
 
 @pytest.fixture(scope="session")

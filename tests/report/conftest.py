@@ -4,8 +4,9 @@ import pytest
 
 from vvdp.simulation.results import result_directory, write_results
 from vvdp.simulation.run import simulate
+from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
-from vvdp.systems.system import load_system, resolved_text
+from vvdp.systems.system import load_system
 
 SHORT = ['run.window="0.1 s"']
 STANDING = [

@@ -9,14 +9,13 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.report.figures import figures
 from vvdp.report.reading import reading
-from vvdp.report.report import write_report
-from vvdp.report.verdict import badges, notices
+from vvdp.report.report import contents, write_report
 from vvdp.simulation.results import result_directory, write_results
 from vvdp.simulation.run import simulate
+from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
-from vvdp.systems.system import load_system, resolved_text
+from vvdp.systems.system import load_system
 
 FIGURES = {"cycle-time", "cycle-angle", "run", "speed", "losses", "spectrum"}
 VOID = {"meta", "br", "wbr", "img", "hr", "input", "link"}
@@ -111,7 +110,7 @@ def test_numbers_are_in_the_units_people_use(whole, written):
     found = json.loads((whole / "summary.json").read_text())
     said = words(written)
     assert f"{found['mean_load_flow_m3_s'] * 6e4:.2f} lpm" in said
-    assert f"{found['mean_load_pressure_Pa'] / 1e5:.1f} bar" in said
+    assert f"{found['pressure_mean_load_line_Pa'] / 1e5:.1f} bar" in said
     assert f"{found['efficiency'] * 100:.1f} %" in said
     assert "prototype" in said and "2 January 2026" in said
 
@@ -132,7 +131,7 @@ def test_a_run_that_does_not_balance_is_marked(orifice):
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"cavitation": True, "inlet_pressure_min_Pa": -0.9e5}, "0.113 bar absolute"),
+        ({"cavitation": True, "pressure_min_inlet_Pa": -0.9e5}, "0.113 bar absolute"),
         ({"motor_overloaded": True, "input_power_W": 6000.0}, "6.00 kW on average"),
         ({"settled": False}, "Not settled"),
         ({"stiff_method": True}, "stiff method"),
@@ -140,8 +139,8 @@ def test_a_run_that_does_not_balance_is_marked(orifice):
 )
 def test_what_lies_outside_its_bounds_is_said_with_numbers(orifice, changes, expected):
     edit(orifice / "summary.json", **changes)
-    read = reading(orifice)
-    said = [f"{n.title} {n.found} {n.remedy}" for n in notices(read)] + [b.words for b in badges(read)]
+    shown = contents(reading(orifice))
+    said = [f"{n.title} {n.found} {n.remedy}" for n in shown.notices()] + [b.words for b in shown.badges()]
     assert expected in " ".join(said)
 
 
@@ -158,7 +157,7 @@ def test_text_of_a_user_cannot_become_markup(orifice):
 def test_a_pressure_source_takes_the_spectrum_of_the_inlet(constant):
     said = words(page(constant))
     assert "Amplitudes of the inlet pressure" in said
-    assert "Pressure source" in said and "Load orifice" not in said
+    assert "Nodes" in said and "load_line" in said and "area:" not in said
 
 
 def test_a_run_without_marks_still_gives_a_report(standing):
@@ -181,7 +180,7 @@ def test_few_periods_are_shown_as_they_are(tmp_path, window, expected):
     run = simulate(system.model, system.case, system.stepping)
     with result_directory(tmp_path / "run") as folder:
         write_results(folder, run, system=resolved_text(system), summary=summary(system, run), more={})
-    first = next(iter(figures(reading(tmp_path / "run"))))
+    first = next(iter(contents(reading(tmp_path / "run")).course()))
     assert expected in first.caption
 
 

@@ -28,7 +28,7 @@ def point(duty=0.5, load=101.01325e5, override=0.0, leakage=0.0):
 )
 def test_same_as_over_whole_arrays(source_stand, duty, load, override, lap):
     """At the same angles: bisection over arrays of angles against closed form and regula falsi at each angle."""
-    valve = source_stand.changed("valve", lap_ratio=lap).tables["valve"]
+    valve = source_stand.changed(valve={"lap_ratio": lap}).bench.valve
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(cycle, "ANGLES", 60)
         patched.setattr(flow_map, "ANGLES", 60)
@@ -43,7 +43,7 @@ def test_same_as_over_whole_arrays(source_stand, duty, load, override, lap):
 
 def test_closed_form_where_it_holds(source_stand):
     """Q d - lost; 2e-4 is what neglecting the centre section's exponent below a* costs, docs/models/rotary-valve.md."""
-    valve = source_stand.tables["valve"]
+    valve = source_stand.bench.valve
     found = cycle_means(point(0.5), valve).load_flow
     assert found == pytest.approx(closed_form_load_flow(0.5, FLOW, 101.01325e5, RELIEF, TANK, RHO, valve), rel=2e-4)
 
@@ -51,7 +51,7 @@ def test_closed_form_where_it_holds(source_stand):
 def test_flows_add_up_with_pump_leakage(source_stand):
     """Load, tank, relief and leakage at the mean inlet pressure: the leak is linear, so its mean is exact."""
     leakage = 2e-12
-    found = cycle_means(point(leakage=leakage, override=10e5), source_stand.tables["valve"])
+    found = cycle_means(point(leakage=leakage, override=10e5), source_stand.bench.valve)
     leak = leakage * (found.inlet_pressure - TANK)
     assert found.load_flow + found.tank_flow + found.relief_flow + leak == pytest.approx(FLOW, rel=1e-9)
 
@@ -60,28 +60,28 @@ def test_resistance_by_hand(source_stand):
     """That of friction, and of the swirl with which oil leaves, rho R_out^2 q: 876 x 0.0127^2 x 6.6667e-4 = 9.4193e-5
     N m s for all of the pump flow, so that times the share of it that passes the ports.
     """
-    valve = source_stand.tables["valve"]
+    valve = source_stand.bench.valve
     found = cycle_means(point(), valve)
     passed = (found.load_flow + found.tank_flow) / FLOW
     assert found.resistance == pytest.approx(friction_coefficient(MU, valve) + 9.4193e-5 * passed, rel=1e-4)
 
 
 def test_pump_leakage_takes_from_the_load(source_stand):
-    valve = source_stand.tables["valve"]
+    valve = source_stand.bench.valve
     tight, leaking = (cycle_means(point(leakage=g), valve).load_flow for g in (0.0, 2e-12))
     assert leaking < tight
 
 
 def test_compiled_is_the_same_text(source_stand):
     points = [point(d, p, o) for d in (0.05, 0.5, 0.93) for p, o in ((20e5, 0.0), (110e5, 5e5))]
-    found = averages(np.array(points), source_stand.tables["valve"], cores=2)
+    found = averages(np.array(points), source_stand.bench.valve, cores=2)
     for row, one in zip(found, points, strict=True):
-        np.testing.assert_allclose(row, cycle_means(one, source_stand.tables["valve"]), rtol=1e-11)
+        np.testing.assert_allclose(row, cycle_means(one, source_stand.bench.valve), rtol=1e-11)
 
 
 def test_number_of_angles_is_enough(source_stand):
     """Doubling the angles changes the mean flow by less than 1e-5 of the pump flow: the midpoint rule at kinks."""
-    valve = source_stand.tables["valve"]
+    valve = source_stand.bench.valve
     coarse = cycle_means(point(0.37, 80e5), valve)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(cycle, "ANGLES", 4 * cycle.ANGLES)
@@ -99,9 +99,9 @@ def test_slowness_tells_a_spool_that_stops(source_stand):
     """Even torque: the time at the balanced speed. Friction fourfold: still turning; twentyfold and more: it stops."""
     even = np.full(50, 0.2)
     assert half_period(even, 0.1 * even, 1e-5, 0.02) == pytest.approx(50 * 0.02 / 10.0, rel=1e-9)
-    area = source_stand.tables["valve"].friction_area
+    area = source_stand.bench.valve.friction_area
     slowness = [
-        cycle_means(point(), source_stand.changed("valve", friction_area=factor * area).tables["valve"]).slowness
+        cycle_means(point(), source_stand.changed(valve={"friction_area": factor * area}).bench.valve).slowness
         for factor in (1.0, 4.0, 20.0, 300.0)
     ]
     assert all(each < 1.5 for each in slowness[:2])

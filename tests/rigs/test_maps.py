@@ -93,7 +93,7 @@ def test_analytic_and_simulated_agree(source_stand, simulated):
 
 def test_shipped_stiff_oil_closes_the_gap(source_stand):
     """Without air, with oil a thousand times stiffer, the simulated point is the averaged one within 0.3 %."""
-    stiff = source_stand.changed("oil", air_fraction=0.0, liquid_bulk_modulus=1.4e11)
+    stiff = source_stand.changed(oil={"air_fraction": 0.0, "liquid_bulk_modulus": 1.4e11})
     one = replace(COARSE, duty_ratios=(0.5,), load_pressures=(ZERO + 80e5,))
     (state,) = steady_states([(stiff, one.points[0])])
     quick = analytic_map(stiff, one)
@@ -108,7 +108,7 @@ def test_efficiency_is_that_of_a_long_run(orifice_stand, with_orifice, place):
     area = with_orifice.columns["load_area_m2"][place]
     case = orifice_stand.case(point, orifice_stand.means(point), float(area))
     run = simulate(orifice_stand.model, case, replace(orifice_stand.stepping, until=2.0))
-    found = simulated_summary(outcome(run, 1.0), replace(orifice_stand.system, case=case))
+    found = simulated_summary(outcome(run, 1.0), orifice_stand.bench.system)
     assert with_orifice.columns["overall_efficiency"][place] == pytest.approx(found["efficiency"], rel=2e-3)
 
 
@@ -119,10 +119,10 @@ def test_motor_of_a_driven_spool_counts(source_stand):
     b omega_m (omega_m - omega_0) / (1 + b) = 82.4 W. A soft one, 0.002: (0.002 x 251.3 + b omega_0) / 0.0033584 = 153.6
     rad/s, 73.3 Hz, and 0.002 x (251.3 - 153.6) x 251.3 = 49.1 W.
     """
-    displacement = source_stand.tables["pump"].displacement
+    displacement = source_stand.bench.pump.displacement
     one = replace(COARSE, duty_ratios=(0.5,), load_pressures=(ZERO + 60e5,), pump_speeds=(10e-3 / 60.0 / displacement,))
     stiff = source_stand.driven(120.0)
-    for held, power, frequency in ((stiff, 82.4, 119.8), (stiff.changed("spool_drive", coupling=0.002), 49.1, 73.3)):
+    for held, power, frequency in ((stiff, 82.4, 119.8), (stiff.changed(spool_drive={"coupling": 0.002}), 49.1, 73.3)):
         quick = {name: values[0] for name, values in analytic_map(held, one).columns.items()}
         assert quick["spool_motor_power_W"] == pytest.approx(power, rel=2e-3)
         assert quick["pwm_frequency_Hz"] == pytest.approx(frequency, rel=1e-3)
@@ -159,9 +159,9 @@ def test_speed_and_temperature_are_axes(source_stand):
 
 
 def test_what_varies_is_held_and_what_watches_is_dropped(orifice_stand):
-    assert "encoder" not in orifice_stand.tables
-    assert orifice_stand.tables["pump"].ripple_amplitude == 0.0
-    assert all(value == constant(value.base) for value in (orifice_stand.tables["operation"].duty_ratio,))
+    assert "encoder" not in orifice_stand.bench.tables
+    assert orifice_stand.bench.pump.ripple_amplitude == 0.0
+    assert all(value == constant(value.base) for value in (orifice_stand.bench.operation.duty_ratio,))
 
 
 @pytest.mark.parametrize(
@@ -192,7 +192,7 @@ STUCK = "with a friction of 0.442 N.m.s .valve.friction_area 0.9 m.2. it stops w
 
 def test_spool_that_cannot_turn_is_refused_at_once(source_stand, tmp_path):
     """The prototype's 1.3347e-3 N m s times 0.9 m^2 over its own area; a run would wait minutes for a mark."""
-    braked = source_stand.changed("valve", friction_area=0.9)
+    braked = source_stand.changed(valve={"friction_area": 0.9})
     for found in (lambda: analytic_map(braked, COARSE), lambda: simulated_map(braked, COARSE, tmp_path / "m")):
         with pytest.raises(ParameterError, match=STUCK + ", at each of 12 points"):
             found()
@@ -268,7 +268,7 @@ def test_finished_points_are_not_run_again(source_stand, simulated, tmp_path, mo
     np.testing.assert_allclose(
         grown.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9, equal_nan=True
     )
-    other = simulated_map(source_stand.changed("relief_valve", cracking_pressure=130e5), COARSE, tmp_path)
+    other = simulated_map(source_stand.changed(relief_valve={"cracking_pressure": 130e5}), COARSE, tmp_path)
     assert other.ran == 12
 
 
@@ -311,7 +311,7 @@ def test_a_map_on_dask_is_the_map_here(source_stand, simulated, tmp_path):
 
 
 def test_a_worker_with_another_program_is_refused(source_stand, tmp_path, monkeypatch):
-    linked = maps.link(source_stand.model, source_stand.bench.case(source_stand.tables))
+    linked = maps.link(source_stand.model, source_stand.bench.case)
     digests = iter(["here", "there"])
     monkeypatch.setattr(maps, "link", lambda *_: linked._replace(digest=next(digests)))
     with pytest.raises(RunError, match="has another vvdp, Python, NumPy or Numba than this machine"):

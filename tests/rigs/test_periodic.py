@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.signal import constant
 from vvdp.rigs.periodic import DISTANCE, LIMIT, periodic_states
 from vvdp.rigs.stand import SetPoint
-from vvdp.rigs.steady import HELD, mean_load_pressure, steady_states
+from vvdp.rigs.steady import HELD, steady_states
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import as_value, flat
@@ -33,8 +34,8 @@ def test_state_comes_back_again_and_again(held, name):
     run = simulate(state.stand.model, case, replace(state.stand.stepping, until=11.0 * state.periodic.period))
     assert run.mark_times.size >= 10
     first = as_value(case.state, run.mark_states[9])
-    assert first.supply.inlet_pressure == pytest.approx(case.state.supply.inlet_pressure, rel=DISTANCE)
-    assert first.supply.spool.speed == pytest.approx(case.state.supply.spool.speed, rel=1e-4)
+    assert first.inlet == pytest.approx(case.state.inlet, rel=DISTANCE)
+    assert first.spool.speed == pytest.approx(case.state.spool.speed, rel=1e-4)
     late = run.mark_times[run.mark_times > 0.5 * state.periodic.period]
     np.testing.assert_allclose(np.diff(late), state.periodic.period, rtol=2e-4)
 
@@ -45,8 +46,8 @@ def test_residual_is_as_stated(held, name):
     assert periodic.residual <= LIMIT
     window = periodic.outcome.window
     moved = as_value(periodic.case.state, window.last - window.first)
-    assert abs(moved.supply.spool.speed) <= LIMIT * (1.0 + abs(periodic.case.state.supply.spool.speed))
-    assert moved.supply.spool.angle == pytest.approx(2.0 * np.pi / 3.0)
+    assert abs(moved.spool.speed) <= LIMIT * (1.0 + abs(periodic.case.state.spool.speed))
+    assert moved.spool.angle == pytest.approx(2.0 * np.pi / 3.0)
 
 
 @pytest.mark.parametrize("name", ["orifice", "driven", "source"])
@@ -54,12 +55,10 @@ def test_same_means_as_a_long_run(held, name):
     """Two simulated seconds from another start, means over the last: efficiency within 0.2 %."""
     state = held[name]
     case = state.periodic.case
-    supply = case.state.supply
-    off = supply._replace(spool=supply.spool._replace(speed=0.93 * supply.spool.speed))
-    shifted = replace(case, state=case.state._replace(supply=off))
+    spool = case.state.spool
+    shifted = replace(case, state=case.state._replace(spool=spool._replace(speed=0.93 * spool.speed)))
     run = simulate(state.stand.model, shifted, replace(state.stand.stepping, until=2.0))
-    system = replace(state.stand.system, tables=state.stand.tables, case=shifted)
-    long, short = simulated_summary(outcome(run, 1.0), system), state.summary
+    long, short = simulated_summary(outcome(run, 1.0), state.stand.bench.system), state.summary
     assert short["efficiency"] == pytest.approx(long["efficiency"], rel=2e-3)
     assert short["pwm_frequency_Hz"] == pytest.approx(long["pwm_frequency_Hz"], rel=5e-4)
     assert short["mean_load_flow_m3_s"] == pytest.approx(long["mean_load_flow_m3_s"], rel=2e-3)
@@ -68,8 +67,8 @@ def test_same_means_as_a_long_run(held, name):
 
 def test_orifice_holds_the_pressure(held):
     for name in ("orifice", "driven"):
-        pressure = mean_load_pressure(held[name].periodic)
-        assert pressure - 101325.0 == pytest.approx(80e5, rel=HELD)
+        pressure = held[name].summary["pressure_mean_load_line_Pa"]
+        assert pressure == pytest.approx(80e5, rel=HELD)
     assert held["orifice"].area > 0.0
     assert np.isnan(held["source"].area)
 
@@ -99,10 +98,8 @@ def test_case_without_a_mark_has_a_reason(source_stand):
     braked = source_stand.driven(70.0)
     here = SetPoint(0.5, LOAD, 188.5, 313.15)
     case = braked.case(here, braked.means(here))
-    operation = replace(case.params.supply.operation, spool_motor_speed=replace(
-        case.params.supply.operation.spool_motor_speed, base=0.0
-    ))  # fmt: skip
-    still = replace(case, params=replace(case.params, supply=replace(case.params.supply, operation=operation)))
+    operation = replace(case.params.operation, spool_motor_speed=constant(0.0))
+    still = replace(case, params=replace(case.params, operation=operation))
     assert flat(still.params).size == flat(case.params).size
     (found,) = periodic_states(braked.model, [still], braked.stepping, [0.001])
     assert found.outcome is None

@@ -41,7 +41,7 @@ def test_sections_add_up_and_loss_is_flow_times_drop(found):
 
 
 def test_flow_law_gives_the_flow_back(source_stand, found):
-    sheet, valve = found.sheets["pressure-drop"], source_stand.tables["valve"]
+    sheet, valve = found.sheets["pressure-drop"], source_stand.bench.valve
     back = branch_flow(sheet["pressure_drop_total_Pa"], sheet["opening"], 876.0, valve).flow
     # The flow law is smoothed: with transition pressure eps it gives q (1 - eps^2/(4 dp^2)) and less.
     shares = (valve.transition_pressure / sheet["pressure_drop_total_Pa"]) ** 2

@@ -231,7 +231,7 @@ def counter(t, memory, reading, settings):
     return found, Shown(reading.row * settings.share, memory.count)
 
 
-def trigger(t, state, command, params):
+def trigger(t, state, command, params, settings):
     return 10.0 * t + command.held.level
 
 

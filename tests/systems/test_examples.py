@@ -238,10 +238,10 @@ def test_minimal_buck_converter_is_the_shipped_one(tmp_path):
     # The numbers are typed in another unit, so they differ by rounding, and the steps by a little more.
     mine, its = run.state.books, done("buck-converter").run.state.books
     assert mine.totals.tube_flow[-1] == pytest.approx(its.totals.tube_flow[-1], rel=1e-7)
-    assert mine.supplied == pytest.approx(np.array(its.supplied), rel=1e-7, abs=1e-6)
+    assert mine.supplied.supply[-1] == pytest.approx(its.supplied.supply[-1], rel=1e-7)
 
 
-def test_the_oil_in_the_tube_costs_what_the_page_says():
+def test_oil_in_the_tube_costs_what_the_page_says():
     tube = ("type=pipe", "hose_compliance=0 1/Pa", "start=100 bar")
     _, efficiency = converter(0.3, *(f"components.tube.{setting}" for setting in tube))
     assert f"{efficiency:.3f} in place of {converter(0.3)[1]:.3f}" in section("buck-converter")
@@ -657,7 +657,9 @@ def boost_numbers() -> dict[str, tuple[float, float, float]]:
 @pytest.mark.parametrize("name", NAMES)
 def test_numbers_are_those_by_hand_and_those_of_the_page(name):
     numbers = NUMBERS[name]()
-    rows: Sequence[tuple[str, str, str]] = re.findall(r"^\| ([^|]+) \| ([\d.]+) \| ([\d.]+) \|$", section(name), re.MULTILINE)
+    rows: Sequence[tuple[str, str, str]] = re.findall(
+        r"^\| ([^|]+) \| ([\d.]+) \| ([\d.]+) \|$", section(name), re.MULTILINE
+    )
     for key, (by_hand, found, within) in numbers.items():
         print(f"| {key} | {by_hand:.6g} | {found:.6g} |")
         if within < math.inf:

@@ -6,6 +6,7 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.base.signal import signal_value
 from vvdp.simulation.run import Method
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system, shipped, source_text
 
 
@@ -36,18 +37,18 @@ def test_file_is_read_as_the_shipped_system_is(name, tmp_path):
 
 
 def test_published_values_arrive_in_si():
-    supply = load_system("prototype").case.params.supply
-    assert supply.valve.nozzle_area == pytest.approx(36.5e-6)
-    assert supply.pump.displacement == pytest.approx(22.2222222e-6 / (2.0 * np.pi))
-    assert supply.relief_valve.cracking_pressure == pytest.approx(120e5 + 101325.0)
-    assert signal_value(0.0, supply.operation.pump_speed) == pytest.approx(60.0 * np.pi)
-    assert signal_value(0.0, supply.operation.oil_temperature) == pytest.approx(313.15)
-    assert signal_value(0.0, supply.operation.axial_position) == pytest.approx(0.5 * 20.32e-3)
+    bench = rotary_bench(load_system("prototype"), "test")
+    assert bench.valve.nozzle_area == pytest.approx(36.5e-6)
+    assert bench.pump.displacement == pytest.approx(22.2222222e-6 / (2.0 * np.pi))
+    assert bench.relief_valve.cracking_pressure == pytest.approx(120e5 + 101325.0)
+    assert signal_value(0.0, bench.operation.pump_speed) == pytest.approx(60.0 * np.pi)
+    assert signal_value(0.0, bench.operation.oil_temperature) == pytest.approx(313.15)
+    assert signal_value(0.0, bench.axial_position) == pytest.approx(0.5 * 20.32e-3)
 
 
 def test_setting_replaces_a_value_and_its_origin():
     system = load_system("prototype", ["pump.ripple_amplitude=0.05", "run.method=stiff"])
-    assert system.case.params.supply.pump.ripple_amplitude == 0.05
+    assert system.case.params.pump.ripple_amplitude == 0.05
     assert next(r for r in system.rows if (r.table, r.key) == ("pump", "ripple_amplitude")).status == "given"
     assert system.stepping.method is Method.STIFF
 
@@ -60,10 +61,11 @@ def test_until_keeps_the_share_of_the_run_that_is_averaged():
 
 def test_duty_ratio_is_an_axial_position():
     """d L = 0.3 times 20.32 mm, whatever its course over time."""
-    by_duty = load_system("prototype", ['operation.duty_ratio={step=["0.3","0.6"],at="0.1 s"}']).case.params.supply
-    L = by_duty.valve.helix_length
+    system = load_system("prototype", ['operation.duty_ratio={step=["0.3","0.6"],at="0.1 s"}'])
+    bench = rotary_bench(system, "test")
+    L = bench.valve.helix_length
     for t, duty in ((0.0, 0.3), (0.0999, 0.3), (0.1, 0.6), (1.0, 0.6)):
-        assert signal_value(t, by_duty.operation.axial_position) == pytest.approx(duty * L)
+        assert signal_value(t, bench.axial_position) == pytest.approx(duty * L)
 
 
 def faults(*args, **kwargs) -> list[str]:
@@ -146,7 +148,9 @@ def test_circuit_that_does_not_exist(tmp_path):
 
 
 def test_axial_position_on_the_command_line_replaces_the_duty_ratio():
-    found = load_system("prototype", ["operation.axial_position=5.08 mm"]).case.params
-    expected = load_system("prototype", ["operation.duty_ratio=0.25"]).case.params  # 0.25 * 20.32 mm
-    position = found.supply.operation.axial_position.base
-    assert position == pytest.approx(expected.supply.operation.axial_position.base, rel=1e-14)
+    placed = load_system("prototype", ["operation.axial_position=5.08 mm"])
+    expected = load_system("prototype", ["operation.duty_ratio=0.25"])  # 0.25 * 20.32 mm
+    found, other = (rotary_bench(system, "test") for system in (placed, expected))
+    assert found.is_placed and not other.is_placed
+    assert found.axial_position.base == pytest.approx(other.axial_position.base, rel=1e-14)
+    assert found.duty_ratio.base == pytest.approx(other.duty_ratio.base, rel=1e-14)

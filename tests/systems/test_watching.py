@@ -4,24 +4,19 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from vvdp.systems.watching import estimate_errors
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
 from vvdp.estimation.event_filter import EventFilterValues, event_filter, event_filter_start, event_filter_step
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import equal_wheel
-from vvdp.simulation.results import shown
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
+from vvdp.systems.spool_encoder import estimate_errors
 from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system, system_table
 
 SECTOR = 2.0 * np.pi / 8.0
-
-
-def estimates(run):
-    return {path: values for path, (values, _) in shown(run).items()}
 
 
 def without(*tables):
@@ -32,8 +27,8 @@ def without(*tables):
 def test_the_loop_takes_the_same_steps_as_plain_python(ran):
     """Rows at the samples show the estimate of the sample before; its readings follow from the rows themselves."""
     _, run = ran("prototype", ["run.window=0 s"], "0.2 s")
-    settings = load_system("prototype").case.settings
-    spool, found = run.state.supply.spool, estimates(run)
+    settings = load_system("prototype").case.settings["encoder"]
+    spool, found = run.state.spool, run.command.encoder._asdict()
     sensor = encoder_start(settings.encoder, 0.0, float(spool.angle[0]), 1.0)
     memory = event_filter_start(settings.filter, 0.0, 0.0, 0.0)
     for k in range(run.times.size - 1):
@@ -50,7 +45,7 @@ def test_watching_changes_nothing_of_what_is_watched():
     alone_run = simulate(alone.model, alone.case, watched.stepping)
     watched_run = simulate(watched.model, watched.case, watched.stepping)
     assert np.array_equal(flat(alone_run.state), flat(watched_run.state))
-    assert not shown(alone_run)
+    assert not alone_run.memory
     assert "spool_angle_error_rms_rad" not in summary(alone, alone_run)
 
 
@@ -60,14 +55,14 @@ def test_angle_and_speed_are_found(ran):
     assert found["spool_angle_error_rms_rad"] < 0.06
     assert found["spool_missed_edges"] == 0.0
     # The speed swings within each PWM period, which eight sectors cannot show: what is left is little more than that.
-    spool, late = run.state.supply.spool, run.times >= 0.75
+    spool, late = run.state.spool, run.times >= 0.75
     swing = np.std(spool.speed[late])
     assert swing < found["spool_speed_error_rms_rad_s"] < 1.3 * swing
 
 
 def test_missed_edges_are_known_and_cost_no_sector(ran):
     found, run = ran("prototype", ["encoder.missed_edges=0.2"], "2 s")
-    spool, edges = run.state.supply.spool, estimates(run)
+    spool, edges = run.state.spool, run.command.encoder._asdict()
     errors = estimate_errors(run.times, spool.angle, spool.speed, edges)[0][run.times > 0.5]
     assert np.max(np.abs(errors)) < 0.5 * SECTOR
     count = (spool.angle[-1] - spool.angle[0]) / SECTOR
@@ -96,7 +91,7 @@ def test_the_filter_of_the_prototype_is_the_usual_one():
 
 @pytest.mark.parametrize("missing", ["encoder", "spool_filter"])
 def test_half_of_the_tables_is_refused(missing):
-    with pytest.raises(ConfigError, match=f"{missing}: missing table"):
+    with pytest.raises(ConfigError, match=f"table '{missing}' is missing"):
         built_system(without(missing), "prototype")
 
 

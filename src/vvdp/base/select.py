@@ -1,6 +1,6 @@
 """The three operations that Python floats, arrays, compiled code and CasADi do not share already.
 
-`vvdp.simulation.link` replaces `select` by a plain conditional in compiled code.
+`vvdp.simulation.compiled` replaces `select` by a plain conditional in compiled code.
 """
 
 from typing import Any, cast

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vvdp.design.proof import Proof
     from vvdp.design.temperature import OverTemperature
     from vvdp.design.tolerance import Tolerance
+    from vvdp.systems.system import System
 
 INTERRUPTED = 130
 
@@ -66,6 +67,16 @@ def design() -> None:
     """
 
 
+def _bench_system(verb: str, name: str, settings: list[str] | None) -> "System":
+    """A system with settings. Raises ConfigError, which names `verb`, where it is no bench of a rotary valve."""
+    from vvdp.systems.bench import rotary_bench
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(name, settings or ())
+    rotary_bench(loaded, f"design {verb}")
+    return loaded
+
+
 @app.command()
 def optimum(
     system: SystemName,
@@ -96,9 +107,8 @@ def optimum(
     from vvdp.design.results import SYSTEM, flat_results, write_design
     from vvdp.report.design_report import write_design_report
     from vvdp.simulation.results import result_directory
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = _bench_system("optimum", system, settings)
     asked = problem(loaded, minimise, subject_to or (), bound or (), cycle)
     if not no_usual_limits:
         asked = with_usual_limits(asked)
@@ -168,10 +178,9 @@ def pareto(
     from vvdp.design.proof import simulated_designs
     from vvdp.report.design_report import write_front_report
     from vvdp.simulation.results import result_directory
-    from vvdp.systems.system import load_system
 
     wanted = study.objectives(minimise or (), maximise or ())
-    loaded = load_system(system, settings or ())
+    loaded = _bench_system("pareto", system, settings)
     beside = [each.quantity for each in wanted]
     asked = problem(loaded, wanted[0].quantity, subject_to or (), bound or (), cycle, beside=beside)
     if not no_usual_limits:
@@ -259,9 +268,8 @@ def tolerance(
     from vvdp.design.results import write_columns, write_numbers
     from vvdp.report.design_report import TOLERANCE, write_tolerance_report
     from vvdp.simulation.results import result_directory
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = _bench_system("tolerance", system, settings)
     taken = study.spreads(loaded, spread or ())
     directory = out if out is not None else default_directory(f"tolerance-{loaded.name}")
     with result_directory(directory, force=force) as folder:
@@ -294,9 +302,8 @@ def temperature(
     from vvdp.design.results import write_columns, write_numbers
     from vvdp.report.design_report import TEMPERATURE, write_temperature_report
     from vvdp.simulation.results import result_directory
-    from vvdp.systems.system import load_system
 
-    loaded = load_system(system, settings or ())
+    loaded = _bench_system("temperature", system, settings)
     low, high = parsed_option("--from", coldest, KIND), parsed_option("--to", hottest, KIND)
     directory = out if out is not None else default_directory(f"temperature-{loaded.name}")
     with result_directory(directory, force=force) as folder:

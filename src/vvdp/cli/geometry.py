@@ -48,6 +48,7 @@ def geometry(
     from vvdp.geometry.shape import given_shape
     from vvdp.report.geometry_product import Order, write_product
     from vvdp.simulation.results import result_directory
+    from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
 
     if step:
@@ -56,14 +57,14 @@ def geometry(
         require_cad()
     own = [text for text in settings or () if text.strip().startswith("geometry.")]
     loaded = load_system(system, [text for text in settings or () if text not in own])
-    supply = loaded.case.params.supply
-    made, rows = given_shape(supply.valve, shape, own)
-    position = float(signal_value(0.0, supply.operation.axial_position))
-    require_within_stroke(position, made, supply.valve)
+    bench = rotary_bench(loaded, "geometry")
+    made, rows = given_shape(bench.valve, shape, own)
+    position = float(signal_value(0.0, bench.axial_position))
+    require_within_stroke(position, made, bench.valve)
     order = Order(
         title=loaded.title,
         name=loaded.name,
-        valve=supply.valve,
+        valve=bench.valve,
         shape=made,
         rows=rows,
         angle=parsed_option("--angle", angle, ANGLE),

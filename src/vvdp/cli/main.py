@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from vvdp.base.errors import ConfigError, ParameterError, VvdpError
+from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
 from vvdp.cli import check, compare, design, estimate, geometry, listing, new, report, rig, run, show, study, valve
 from vvdp.cli import map as maps
 
@@ -65,7 +65,7 @@ def main(arguments: list[str] | None = None) -> None:
         app(arguments, prog_name="vvdp")
     except VvdpError as problem:
         typer.echo(str(problem), err=True)
-        sys.exit(BAD_INPUT if isinstance(problem, ConfigError | ParameterError) else FAILED)
+        sys.exit(BAD_INPUT if isinstance(problem, ConfigError | NetworkError | ParameterError) else FAILED)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
     except OSError as problem:

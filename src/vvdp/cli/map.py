@@ -78,10 +78,11 @@ def map(  # noqa: A001 - the name of the verb
     from vvdp.rigs.maps import NOT_RUN, analytic_map, map_directory, simulated_map
     from vvdp.rigs.result import write_rig
     from vvdp.rigs.stand import stand
-    from vvdp.systems.system import load_system, resolved_text
+    from vvdp.systems.resolved import resolved_text
+    from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or ())
-    held = stand(loaded)
+    held = stand(loaded, "map")
     axes = chosen_axes(held, duty, pressure, speed, temperature)
     directory = out if out is not None else Path("results", f"{'analytic-' if analytic else ''}map-{loaded.name}")
     engine = chosen_engine(on, workers, cores, sbatch, directory)

@@ -1,9 +1,21 @@
 """`vvdp report`."""
 
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
+COMPARISON = ("comparison", "write_comparison_report")
+WRITERS = {
+    "rig.json": ("rig_report", "write_rig_report"),
+    "design.json": ("design_report", "write_design_report"),
+    "front.json": ("design_report", "write_front_report"),
+    "tolerance.json": ("design_report", "write_tolerance_report"),
+    "temperature.json": ("design_report", "write_temperature_report"),
+}
+"""What writes the report of a directory in which a file stands: module and function."""
 
 
 def report(
@@ -15,28 +27,17 @@ def report(
     from vvdp.base.errors import unusable
     from vvdp.comparison.results import is_comparison
     from vvdp.logs.kept import is_estimate
-    from vvdp.report import design_report
-    from vvdp.report.comparison import write_comparison_report
-    from vvdp.report.log_report import write_log_report
-    from vvdp.report.report import write_report
-    from vvdp.report.rig_report import write_rig_report
 
     if (directory / "geometry.toml").is_file():
         raise unusable(directory, "its report.html shows the solids themselves; run the command again for another")
-    writers = {
-        "rig.json": write_rig_report,
-        "design.json": design_report.write_design_report,
-        "front.json": design_report.write_front_report,
-        "tolerance.json": design_report.write_tolerance_report,
-        "temperature.json": design_report.write_temperature_report,
-    }
-    write = next((writer for name, writer in writers.items() if (directory / name).is_file()), write_report)
+    writer = next((writer for name, writer in WRITERS.items() if (directory / name).is_file()), RUN)
     if is_estimate(directory):
-        write = write_log_report
+        writer = LOG
     elif is_comparison(directory):
-        write = write_comparison_report
+        writer = COMPARISON
+    module, name = writer
     try:
-        page = write(directory)
+        page = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
     except (KeyError, TypeError) as problem:
         raise unusable(directory, f"is damaged or not complete: {problem!r}") from None
     typer.echo(str(page))

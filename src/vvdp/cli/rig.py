@@ -120,10 +120,11 @@ def pump(
     from vvdp.rigs.pump import pump_axes
     from vvdp.rigs.result import write_rig
     from vvdp.rigs.stand import stand
-    from vvdp.systems.system import load_system, resolved_text
+    from vvdp.systems.resolved import resolved_text
+    from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or ())
-    held = stand(loaded)
+    held = stand(loaded, "rig pump")
     axes = chosen_axes(held, duty, pressure, speed, temperature, pump_axes(held))
     directory = out if out is not None else Path("results", f"pump-{loaded.name}")
     with map_directory(directory, "pump"):
@@ -171,10 +172,11 @@ def _run(
     from vvdp.rigs.result import write_rig
     from vvdp.rigs.stand import stand
     from vvdp.simulation.results import result_directory
-    from vvdp.systems.system import load_system, resolved_text
+    from vvdp.systems.resolved import resolved_text
+    from vvdp.systems.system import load_system
 
     loaded: System = load_system(system, settings or ())
-    held = stand(loaded)
+    held = stand(loaded, f"rig {name}")
     directory = out if out is not None else default_directory(f"{name}-{loaded.name}")
     with result_directory(directory, force=force) as folder:
         try:

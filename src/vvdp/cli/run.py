@@ -1,7 +1,7 @@
 """`vvdp run`."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,7 +10,10 @@ import typer
 from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from vvdp.simulation.run import Run
+    from vvdp.systems.extras import Line
     from vvdp.systems.system import System
 
 NOT_TRUSTED = 3
@@ -39,8 +42,9 @@ def run(
     from vvdp.cli.screen import plain, print_json, say
     from vvdp.simulation.results import result_directory, write_results
     from vvdp.simulation.run import simulate
+    from vvdp.systems.resolved import resolved_text
     from vvdp.systems.summary import summary
-    from vvdp.systems.system import load_system, resolved_text
+    from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or (), until)
     directory = out if out is not None else default_directory(loaded.name)
@@ -54,6 +58,7 @@ def run(
             say(f"interrupted at t = {done.end:.6g} s; writing what was reached")
         found = summary(loaded, done)
         more = _origin(loaded, found, settings or [])
+        _copy_module(loaded, folder)
         write_results(folder, done, system=resolved_text(loaded), summary=plain(found), more=plain(more))
     if json:
         print_json({"system": loaded.name, **found, "out": str(directory)})
@@ -74,12 +79,21 @@ def run(
         raise typer.Exit(NOT_TRUSTED)
 
 
+def _copy_module(system: "System", folder: Path) -> None:
+    """Puts a module that lies beside the system file into the results as well, which can then be read alone."""
+    if system.module is not None:
+        name = str(system.content["circuit"]).partition(":")[0]
+        copy = folder / f"{name.replace('.', '/')}.py"
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(system.module.read_bytes())
+
+
 def _origin(system: "System", found: dict[str, Any], settings: list[str]) -> dict[str, Any]:
     """What meta.json says of a run besides what the simulation knows."""
     return {
         "system": system.name,
         "title": system.title,
-        "circuit": system.circuit,
+        "circuit": system.circuit_name,
         "settings": settings,
         "assumed_values": len(system.assumed),
         "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
@@ -87,77 +101,79 @@ def _origin(system: "System", found: dict[str, Any], settings: list[str]) -> dic
     }
 
 
-VALVE_LOSS = ("loss_full_open_W", "loss_transition_W")
-
-# What a person is shown: label, keys that are added up, those of the closed form, name of the unit.
-SHOWN = (
-    ("PWM frequency", ("pwm_frequency_Hz",), ("analytic_pwm_frequency_Hz",), "Hz"),
-    ("pump flow", ("mean_pump_flow_m3_s",), (), "lpm"),
-    ("flow to the load", ("mean_load_flow_m3_s",), ("analytic_load_flow_m3_s",), "lpm"),
-    ("flow to the tank", ("mean_tank_flow_m3_s",), (), "lpm"),
-    ("flow over the relief valve", ("mean_relief_flow_m3_s",), (), "lpm"),
-    ("leakage of the valve", ("mean_leakage_flow_m3_s",), (), "lpm"),
-    ("inlet pressure, mean", ("mean_inlet_pressure_Pa",), (), "bar"),
-    ("inlet pressure, lowest", ("inlet_pressure_min_Pa",), (), "bar"),
-    ("inlet pressure, highest", ("inlet_pressure_max_Pa",), (), "bar"),
-    ("load pressure, mean", ("mean_load_pressure_Pa",), (), "bar"),
-    ("load pressure, lowest", ("load_pressure_min_Pa",), (), "bar"),
-    ("load pressure, highest", ("load_pressure_max_Pa",), (), "bar"),
-    ("spool angle, error of the estimate", ("spool_angle_error_rms_rad",), (), "rad"),
-    ("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), (), "rad/s"),
-    ("input power, pump shaft", ("input_power_W",), (), "W"),
-    ("input power, spool motor", ("spool_motor_power_W",), (), "W"),
-    ("load power", ("load_power_W",), (), "W"),
-    ("efficiency", ("efficiency",), (), ""),
-    ("loss, valve and relief valve", VALVE_LOSS, tuple(f"analytic_{key}" for key in VALVE_LOSS), "W"),
-    ("loss, compressibility", (), ("analytic_loss_compressibility_W",), "W"),
-    ("loss, leakage of the valve", ("loss_valve_leakage_W",), ("analytic_loss_leakage_W",), "W"),
-    ("taken into store", ("stored_power_W",), (), "W"),
-    ("input less load", ("loss_total_W",), ("analytic_loss_total_W",), "W"),
-)
-
-
 def _print(system: "System", done: "Run", found: dict[str, Any]) -> None:
-    from vvdp.cli.screen import amount, console, grid, warn
+    from vvdp.cli.screen import console, warn
     from vvdp.simulation.balance import LIMIT
+    from vvdp.systems.overview import period, warnings
 
     out = console()
     out.print(system.title, soft_wrap=True)
-    begin, end = found["averaged_from_s"], found["averaged_to_s"]
-    out.print(f"means over {found['averaged_periods']:g} PWM periods, {begin:.4g} s to {end:.4g} s; pressures gauge")
-    table = grid("quantity", "simulated", "closed form", "unit", right=("simulated", "closed form"))
-    for label, simulated, analytic, unit in SHOWN:
-        cells = [
-            amount(sum(found[key] for key in keys), unit) if keys and found.keys() >= set(keys) else ""
-            for keys in (simulated, analytic)
-        ]
-        if any(cells):
-            table.add_row(label, *cells, unit)
-    out.print(table)
+    begin, end, periods = found["averaged_from_s"], found["averaged_to_s"], found["averaged_periods"]
+    over = f"{periods:g} {period(system)}s, " if periods else ""
+    out.print(f"means over {over}{begin:.4g} s to {end:.4g} s; pressures gauge")
+    for table in _tables(system, found):
+        out.print(table)
     if "trusted" in found:
         out.print(
             f"balances: energy {found['energy_residual']:.1e}, oil {found['mass_residual']:.1e} of the throughput "
             f"(limit {LIMIT:.0e})"
         )
     out.print(f"{done.steps} steps in {done.seconds:.2f} s; {len(system.assumed)} values of the system are assumed")
-    for text in _warnings(found):
+    for text in done.remarks:
+        out.print(f"remark: {text}", soft_wrap=True)
+    for text in warnings(system, found):
         warn(text)
 
 
-def _warnings(found: dict[str, Any]) -> Iterator[str]:
-    if not found.get("trusted", True):
-        yield "not trusted: the balances are above the limit; try a tenth of run.relative_tolerance"
-    if not found["finished"]:
-        yield f"the run was interrupted at {found['duration_s']:.6g} s"
-    if found["averaged_periods"] < 1:
-        yield "no whole PWM period lies in the averaging window: the means are over plain time"
-    elif not found["settled"]:
-        if found["steady"]:
-            yield "the PWM frequency has not settled within the averaging window: run longer"
-        else:
-            yield "what is prescribed changes over time: the means are those of the averaging window, no steady state"
-    if found["cavitation"]:
-        yield "the inlet pressure falls below the cavitation limit"
-    if found["motor_overloaded"]:
-        power, rated = found["input_power_W"], found["motor_rated_power_W"]
-        yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
+def _tables(system: "System", found: dict[str, Any]) -> Iterator["Table"]:
+    """The overview that the system brings along; else nodes and components."""
+    if system.extras is not None and system.extras.OVERVIEW:
+        yield _overview(system.extras.OVERVIEW, found)
+        return
+    yield _nodes(system, found)
+    yield _components(system, found)
+
+
+def _overview(lines: "Sequence[Line]", found: dict[str, Any]) -> "Table":
+    from vvdp.cli.screen import amount, grid
+
+    table = grid("quantity", "simulated", "closed form", "unit", right=("simulated", "closed form"))
+    for line in lines:
+        cells = [
+            amount(sum(found[key] for key in keys), line.unit) if keys and found.keys() >= set(keys) else ""
+            for keys in (line.keys, line.closed_form)
+        ]
+        if any(cells):
+            table.add_row(line.label, *cells, line.unit)
+    return table
+
+
+def _nodes(system: "System", found: dict[str, Any]) -> "Table":
+    from vvdp.cli.screen import amount, grid
+    from vvdp.systems.overview import node_lines
+
+    table = grid("node", "quantity", "mean", "lowest", "highest", "unit", right=("mean", "lowest", "highest"))
+    for line in node_lines(system, found):
+        values = ("" if value is None else amount(value, line.unit) for value in (line.mean, line.low, line.high))
+        table.add_row(line.name, line.quantity, *values, line.unit)
+    return table
+
+
+def _components(system: "System", found: dict[str, Any]) -> "Table":
+    """Mean flows, losses and powers from outside."""
+    from vvdp.cli.screen import amount, grid
+    from vvdp.systems.overview import flow_lines, loss_lines, power_lines
+
+    table = grid("component or node", "quantity", "mean", "unit", right=("mean",))
+    for line in flow_lines(system, found):
+        quantity = f"flow into {line.port}" if line.port else "flow"
+        table.add_row(line.component, quantity, amount(line.flow, "lpm"), "lpm")
+    for loss in loss_lines(system, found):
+        table.add_row(loss.component, "loss", amount(loss.loss, "W"), "W")
+        for name, power in loss.parts:
+            table.add_row("", f"of it, {name.replace('_', ' ')}", amount(power, "W"), "W")
+    for name, power in power_lines(system, found):
+        table.add_row(name, "power given", amount(power, "W"), "W")
+    if "stored_power_W" in found:
+        table.add_row("", "taken into store", amount(found["stored_power_W"], "W"), "W")
+    return table

@@ -70,6 +70,7 @@ def amount(value: float, unit: str) -> str:
     from vvdp.base.units import in_unit
 
     converted = {"bar": kinds.PRESSURE_DIFFERENCE, "lpm": kinds.FLOW, "rpm": kinds.SPEED, "degC": kinds.TEMPERATURE}
+    converted["mm"] = kinds.POSITION
     if not math.isfinite(value):
         return "-"
     return f"{in_unit(value, converted[unit], unit) if unit in converted else value:.5g}"

@@ -1,24 +1,37 @@
 """`vvdp show`."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from vvdp.cli.options import AsJson, Settings, SystemName
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.table import Table
+
     from vvdp.base.tables import Sourced
     from vvdp.systems.system import System
 
 
-def show(system: SystemName, settings: Settings = None, json: AsJson = False) -> None:
-    """Show all values of a system, with status and source.
+def show(
+    system: SystemName,
+    settings: Settings = None,
+    json: AsJson = False,
+    text: Annotated[bool, typer.Option("--text", help="Print the circuit as it is written out and simulated.")] = False,
+) -> None:
+    """Show nodes, components and values of a system.
 
-    Pressure levels are shown gauge and absolute.
+    Each value has its status and source; pressure levels are shown gauge and absolute.
     """
     from vvdp.cli.screen import print_json
     from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or ())
-    if json:
+    if text:
+        typer.echo(loaded.circuit.text, nl=False)
+    elif json:
         print_json(_content(loaded))
     else:
         _print(loaded)
@@ -30,7 +43,7 @@ def _content(system: "System") -> dict[str, Any]:
     return {
         "system": system.name,
         "title": system.title,
-        "circuit": system.circuit,
+        "circuit": system.circuit_name,
         "assumed": assumed,
         "parameters": parameters,
     }
@@ -38,12 +51,18 @@ def _content(system: "System") -> dict[str, Any]:
 
 def _entry(row: "Sourced") -> dict[str, Any]:
     """A value as a program reads it: SI, a pressure level absolute; `value` is null where it changes over time."""
-    if isinstance(row.value, float):
-        low = high = row.value
-    else:
+    from vvdp.base.signal import Signal
+
+    value: Any = row.value
+    if isinstance(row.value, tuple):
+        low, high = min(row.value), max(row.value)
+    elif isinstance(row.value, Signal):
         low, high = row.value.extremes
+        value = low if low == high else None
+    else:
+        low = high = row.value
     return {
-        "value": low if low == high else None,
+        "value": value,
         "low": low,
         "high": high,
         "unit": row.kind.unit,
@@ -60,7 +79,10 @@ def _print(system: "System") -> None:
     from vvdp.cli.screen import console, grid
 
     out = console()
-    out.print(f"{system.title}\n{system.name}, circuit {system.circuit}\n")
+    out.print(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
+    for table in (_nodes(system), _components(system), _programs(system)):
+        if table.row_count:
+            out.print(table)
     tables = dict.fromkeys(row.table for row in system.rows)
     for name in tables:
         table = grid("key", "value", "status", "source", "note", title=f"[{name}]")
@@ -72,3 +94,62 @@ def _print(system: "System") -> None:
     assumed = system.assumed
     out.print(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")
     out.print(", ".join(f"{row.table}.{row.key}" for row in assumed) or "none", soft_wrap=True)
+
+
+def _nodes(system: "System") -> "Table":
+    from vvdp.cli.screen import grid
+    from vvdp.network.nodes import kind_of_node
+    from vvdp.systems.overview import inside
+
+    network = system.circuit.network
+    hidden = inside(network)
+    table = grid("node", "what it is", "joined by", title="Nodes")
+    for name, node in network.nodes.items():
+        if name not in hidden:
+            ports = ", ".join(f"{part}.{port}" for part, port, where in _joints(system) if where == name)
+            table.add_row(name, kind_of_node(node), ports)
+    return table
+
+
+def _joints(system: "System") -> "Iterator[tuple[str, str, str]]":
+    """Component, port and node of every joint."""
+    from vvdp.systems.overview import inside
+
+    network = system.circuit.network
+    hidden = inside(network)
+    whole = {name: part.nodes for name, part in network.parts.items() if name not in hidden}
+    whole |= {name: group.ports for name, group in network.groups.items()}
+    for name, nodes in whole.items():
+        for port, node in nodes.items():
+            yield name, port, node
+
+
+def _components(system: "System") -> "Table":
+    from vvdp.cli.screen import grid
+    from vvdp.report.circuit import source_words
+    from vvdp.systems.overview import inside
+
+    network = system.circuit.network
+    hidden = inside(network)
+    types = {name: part.component.name for name, part in network.parts.items() if name not in hidden}
+    types |= {name: group.assembly.name for name, group in network.groups.items()}
+    joints = list(_joints(system))
+    table = grid("component", "type", "ports", "inputs", title="Components")
+    for name, kind in types.items():
+        ports = ", ".join(f"{port}: {node}" for part, port, node in joints if part == name)
+        part = network.parts.get(name)
+        inputs = {a.name: a.kind for a in part.component.inputs} if part else {}
+        given = [f"{key} = {source_words(part.inputs[key], kind)}" for key, kind in inputs.items()] if part else []
+        table.add_row(name, kind.replace("_", "-"), ports, ", ".join(given))
+    return table
+
+
+def _programs(system: "System") -> "Table":
+    from vvdp.cli.screen import grid
+
+    table = grid("program", "reads", "called", title="Programs")
+    for name, program in system.circuit.network.programs.items():
+        period = program.period or system.stepping.sample_period
+        called = "at events" if program.type.level else f"every {1e3 * period:g} ms"
+        table.add_row(name, ", ".join(f"{key}: {path}" for key, path in program.reads.items()), called)
+    return table

@@ -9,7 +9,7 @@ from vvdp.cli.options import AsJson, Settings, SystemName
 
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
-    from vvdp.systems.system import System
+    from vvdp.systems.bench import RotaryBench
 
 Row = dict[str, Any]
 
@@ -36,23 +36,24 @@ def valve(
     from vvdp.base.kinds import FLOW, TEMPERATURE
     from vvdp.base.signal import signal_value
     from vvdp.cli.screen import print_json
+    from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or ())
-    supply = loaded.case.params.supply
-    pump_flow = supply.pump.displacement * signal_value(0.0, supply.operation.pump_speed)
-    oil_temperature = float(signal_value(0.0, supply.operation.oil_temperature))
-    flows = _flows(flow, FLOW, float(pump_flow))
-    temperatures = _values("--temperature", temperature, TEMPERATURE) or [oil_temperature]
-    rows = [_row(loaded, q, t) for q, t in product(flows, temperatures)]
+    bench = rotary_bench(loaded, "valve")
+    flows = _flows(flow, FLOW, bench.nominal_flow)
+    temperatures = _values("--temperature", temperature, TEMPERATURE) or [
+        float(signal_value(0.0, bench.operation.oil_temperature))
+    ]
+    rows = [_row(bench, q, t) for q, t in product(flows, temperatures)]
     if json:
         rows = [{**row, "warnings": "; ".join(row["warnings"])} for row in rows]
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
         print_json({"system": loaded.name, **columns})
     elif len(rows) == 1:
-        _print_one(loaded, rows[0])
+        _print_one(bench, rows[0])
     else:
-        _print_several(loaded, rows)
+        _print_several(bench, rows)
 
 
 def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
@@ -87,32 +88,19 @@ def _flows(texts: list[str] | None, kind: "Kind", pump_flow: float) -> list[floa
     return flows or [pump_flow]
 
 
-def load_pressure(system: "System") -> tuple[float, str]:
-    """The load pressure [Pa, absolute] that closed forms are evaluated at, and which one it is."""
-    from vvdp.systems.benches import load_pressure_at
-
-    prescribed = load_pressure_at(system.case, 0.0)
-    if prescribed is not None:
-        return prescribed, "prescribed"
-    return float(system.case.state.load_pressure), "the initial one; the load makes its own"
-
-
-def _row(system: "System", flow: float, temperature: float) -> Row:
+def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
     """Everything that docs/keys.md describes for `vvdp valve`."""
     from vvdp.base.errors import ParameterError
     from vvdp.base.signal import signal_value
     from vvdp.valve.operating_point import operating_point
 
-    supply = system.case.params.supply
-    reference, load = supply.oil.reference_pressure, load_pressure(system)[0]
-    duty_ratio = float(signal_value(0.0, supply.operation.axial_position) / supply.valve.helix_length)
-    relief = supply.relief_valve.cracking_pressure
+    reference, load = bench.reference, bench.load_pressure
+    duty_ratio = float(signal_value(0.0, bench.duty_ratio))
+    relief = bench.relief_valve.cracking_pressure
     try:
-        point = operating_point(
-            flow, temperature, duty_ratio, load, relief, supply.inlet.volume, supply.oil, supply.valve
-        )
+        point = operating_point(flow, temperature, duty_ratio, load, relief, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
-        raise ParameterError(f"{system.name}: the closed forms have no value here ({problem})") from None
+        raise ParameterError(f"{bench.system.name}: the closed forms have no value here ({problem})") from None
     numbers = {
         "flow_m3_s": flow,
         "temperature_K": temperature,
@@ -182,22 +170,22 @@ COLUMNS = (
 )
 
 
-def _head(system: "System", row: Row) -> str:
+def _head(bench: "RotaryBench", row: Row) -> str:
     from vvdp.cli.screen import amount
 
-    which = load_pressure(system)[1]
+    which = "the initial one; the load makes its own" if bench.makes_pressure else "prescribed"
     return (
-        f"{system.title}\n"
+        f"{bench.system.title}\n"
         f"duty ratio {row['duty_ratio']:.4g}, load pressure {amount(row['load_pressure_Pa'], 'bar')} bar ({which}), "
         f"relief valve {amount(row['relief_pressure_Pa'], 'bar')} bar"
     )
 
 
-def _print_one(system: "System", row: Row) -> None:
+def _print_one(bench: "RotaryBench", row: Row) -> None:
     from vvdp.cli.screen import amount, console, grid, warn
 
     out = console()
-    out.print(_head(system, row), soft_wrap=True)
+    out.print(_head(bench, row), soft_wrap=True)
     out.print(f"flow {amount(row['flow_m3_s'], 'lpm')} lpm, oil {amount(row['temperature_K'], 'degC')} degC")
     table = grid("quantity", "value", "unit", right=("value",))
     for label, key, unit in SHOWN:
@@ -207,11 +195,11 @@ def _print_one(system: "System", row: Row) -> None:
         warn(text)
 
 
-def _print_several(system: "System", rows: list[Row]) -> None:
+def _print_several(bench: "RotaryBench", rows: list[Row]) -> None:
     from vvdp.cli.screen import amount, console, grid, warn
 
     out = console()
-    out.print(_head(system, rows[0]), soft_wrap=True)
+    out.print(_head(bench, rows[0]), soft_wrap=True)
     table = grid(*(label for label, _, _ in COLUMNS), right=tuple(label for label, _, _ in COLUMNS))
     for row in rows:
         table.add_row(*(amount(row[key], unit) for _, key, unit in COLUMNS))

@@ -15,6 +15,7 @@ from vvdp.numerics.tableaus import Array
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, captured
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import TURN, equal_wheel
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import (
@@ -123,8 +124,8 @@ class Drive(NamedTuple):
 @cache
 def drive() -> Drive:
     """The drive of the shipped prototype."""
-    supply = load_system("prototype").case.params.supply
-    return Drive(supply.valve, supply.oil, density(WARM_OIL, supply.oil), dynamic_viscosity(WARM_OIL, supply.oil))
+    bench = rotary_bench(load_system("prototype"), "compare")
+    return Drive(bench.valve, bench.oil, density(WARM_OIL, bench.oil), dynamic_viscosity(WARM_OIL, bench.oil))
 
 
 def flow_step(at: float) -> Motion:

@@ -26,6 +26,7 @@ from vvdp.components.machines import MOTOR, PUMP
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_FRICTION, SPRING, WEIGHT
+from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.components.self_acting_valves import (
     CHECK_VALVE,
     FLOW_CONTROL_VALVE,
@@ -100,6 +101,7 @@ COMPONENTS = _by_name(
     REDUCING_VALVE,
     RELIEF_VALVE,
     ROD_FRICTION,
+    ROTARY_VALVE,
     ROTOR,
     SERIES_THROTTLES,
     SHAFT_FRICTION,

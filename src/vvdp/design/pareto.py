@@ -21,7 +21,7 @@ from vvdp.design.quantities import KINDS, Quantities, key
 from vvdp.design.results import write_columns, write_numbers
 from vvdp.design.variables import VARIABLES, redesigned
 from vvdp.numerics.tableaus import Array
-from vvdp.systems.system import resolved_text
+from vvdp.systems.resolved import resolved_text
 
 NUMBERS_OF_FRONT = "front.json"
 GENERATIONS = 60

@@ -13,8 +13,9 @@ from vvdp.base.kinds import PRESSURE_LEVEL, Kind
 from vvdp.base.tables import nearest, read_table, with_settings
 from vvdp.base.units import ATMOSPHERE, in_unit, parsed
 from vvdp.design.quantities import KINDS, Quantities, Setup, quantities, setup
-from vvdp.design.variables import VARIABLES, Variable, changed, table_of, value_in
-from vvdp.systems.system import System, built_system
+from vvdp.design.variables import VARIABLES, Variable, changed, value_in
+from vvdp.systems.bench import rotary_bench
+from vvdp.systems.system import System
 
 _STATEMENT = re.compile(r"\s*(\w+)\s*(>=|<=|=|≥|≤)\s*(.+?)\s*\Z")
 _SIGNS = {"≥": ">=", "≤": "<="}
@@ -198,7 +199,7 @@ def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
     if front and "relief_margin" not in named:
         more.append(Limit("relief_margin", True, 0.0, usual=True))
     if front and "input_power" not in named:
-        rated = asked.system.tables["motor"].rated_power
+        rated = rotary_bench(asked.system, "design").motor.rated_power
         now = max(float(q.input_power) for q in before)
         more.append(Limit("input_power", False, max(rated, now), usual=True))
     return replace(asked, limits=(*asked.limits, *more))
@@ -223,8 +224,7 @@ def require_flow(system: System) -> None:
 
 def _check_variables(system: System, bounds: Sequence[Bound], faults: list[Fault]) -> None:
     names = {bound.variable.name for bound in bounds}
-    operation = system.content.get("operation")
-    if "helix_length" in names and isinstance(operation, Mapping) and "axial_position" in operation:
+    if "helix_length" in names and rotary_bench(system, "design").is_placed:
         message = "would change the duty ratio: give operation.duty_ratio instead of operation.axial_position"
         faults.append(Fault("--bound", 0, "helix_length", message))
 
@@ -343,7 +343,7 @@ def _points(path: Path, system: System, faults: list[Fault]) -> tuple[Point, ...
             else:
                 settings.append(f"{key}={value}")
         try:
-            there = built_system(with_settings(table_of(system), settings), system.name)
+            there = system.read_from(with_settings(system.table, settings))
         except ConfigError as problem:
             faults += [Fault(place, 0, fault.key, fault.message) for fault in problem.faults]
             continue

@@ -13,7 +13,8 @@ from vvdp.geometry.shape import given_shape
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import simulate
-from vvdp.systems.summary import analytic_point, simulated_summary, summary
+from vvdp.systems.bench import rotary_bench
+from vvdp.systems.summary import simulated_summary, summary
 from vvdp.systems.system import System
 
 SIMULATED = (
@@ -30,7 +31,7 @@ SIMULATED = (
     "analytic_loss_total_W",
     "mean_load_flow_m3_s",
     "analytic_load_flow_m3_s",
-    "mean_load_pressure_Pa",
+    "pressure_mean_load_line_Pa",
     "spool_motor_power_W",
     "efficiency",
     "settled",
@@ -106,12 +107,12 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
     found: list[str] = []
     for point in problem.points:
         system = optimum_system(problem, values, point.system)
-        at = analytic_point(system, point.setup.load_pressure)
+        at = rotary_bench(system, "design").operating_point(point.setup.load_pressure)
         if not at.averaged_pwm_frequency > 0.0 and not point.setup.coupling > 0.0:
             message = f"no equilibrium speed: over a cycle the torques balance at {at.averaged_pwm_frequency:.4g} Hz"
             raise ConfigError([Fault(system.name, 0, "valve", message)])
         found += [text for text in at.warnings if text not in found]
-    rated = problem.system.tables["motor"].rated_power
+    rated = rotary_bench(problem.system, "design").motor.rated_power
     needed = max(q.input_power for q in problem.found(values))
     if needed > rated:
         found.append(f"the pump takes in {needed:.4g} W, more than the {rated:.4g} W of its motor")
@@ -121,7 +122,7 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
 def _unmade(problem: Problem, values: Mapping[str, float]) -> list[str]:
     """What keeps the optimum from being built as a solid with the usual lengths of its shape."""
     try:
-        given_shape(optimum_system(problem, values).case.params.supply.valve, None, ())
+        given_shape(rotary_bench(optimum_system(problem, values), "design").valve, None, ())
     except ConfigError as raised:
         lines = "; ".join(line for fault in raised.faults for line in fault.message.splitlines())
         told = "the usual lengths of the shape do not fit this valve, vvdp geometry needs others"

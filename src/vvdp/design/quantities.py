@@ -23,7 +23,7 @@ from vvdp.base.params import field_kinds
 from vvdp.base.signal import signal_value
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.simulation.values import names
-from vvdp.systems.benches import load_pressure_at
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.leakage import leakage_conductance
@@ -116,22 +116,20 @@ def key(name: str, kind: Kind) -> str:
 
 def setup(system: System) -> Setup:
     """The start of a run of `system`. The load pressure is the prescribed one, or the initial one of a load that makes
-    its own."""
-    supply = system.case.params.supply
-    operation = supply.operation
-    load = load_pressure_at(system.case, 0.0)
+    its own. Raises ConfigError where it is no bench of a rotary valve."""
+    bench = rotary_bench(system, "design")
     return Setup(
-        float(supply.pump.displacement * signal_value(0.0, operation.pump_speed)),
-        float(signal_value(0.0, operation.oil_temperature)),
-        float(signal_value(0.0, operation.axial_position)) / supply.valve.helix_length,
-        float(system.case.state.load_pressure) if load is None else load,
-        float(signal_value(0.0, operation.tank_pressure)),
-        supply.relief_valve.cracking_pressure,
-        supply.inlet.volume,
-        float(signal_value(0.0, operation.spool_motor_speed)),
-        supply.spool_drive.coupling,
-        supply.oil,
-        supply.valve,
+        bench.nominal_flow,
+        float(signal_value(0.0, bench.operation.oil_temperature)),
+        float(signal_value(0.0, bench.duty_ratio)),
+        bench.load_pressure,
+        bench.tank_pressure,
+        bench.relief_valve.cracking_pressure,
+        bench.inlet_volume,
+        float(signal_value(0.0, bench.operation.spool_motor_speed)),
+        bench.spool_drive.coupling,
+        bench.oil,
+        bench.valve,
     )
 
 

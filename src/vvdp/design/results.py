@@ -14,7 +14,7 @@ from vvdp.design.problem import Problem
 from vvdp.design.proof import Proof, optimum_system, simulated_means, simulation_doubts
 from vvdp.design.quantities import KINDS, Quantities, key
 from vvdp.design.variables import VARIABLES, value_in
-from vvdp.systems.system import resolved_text
+from vvdp.systems.resolved import resolved_text
 
 SYSTEM = "optimum.toml"
 NUMBERS = "design.json"

@@ -15,6 +15,7 @@ from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.numerics.tableaus import Array
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.bearing import bearing_eccentricity, bearing_force, radial_jet_force
 from vvdp.valve.flow_map import averaged_spool_speed
@@ -141,17 +142,17 @@ def over_temperature(
     limits = limits or RangeLimits()
     steps = int(np.ceil((hottest - coldest) / step - 1e-9))
     temperatures: Array = np.linspace(coldest, hottest, steps + 1)
-    at, tables = setup(system), system.tables
+    at, bench = setup(system), rotary_bench(system, "design")
     rows: list[dict[str, float]] = []
     for temperature in temperatures:
-        row = _row(at._replace(temperature=float(temperature)), limits, tables["limits"].cavitation_pressure)
+        row = _row(at._replace(temperature=float(temperature)), limits, bench.limits.cavitation_pressure)
         rows.append(row)
         if progress:
             progress(len(rows), len(temperatures))
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     kinds = {name: KINDS.get(name, _EXTRA.get(name, _NUMBER)) for name in columns}
     return OverTemperature(
-        system, temperatures, columns, kinds, _checks(columns, limits, tables["motor"].rated_power, at), limits
+        system, temperatures, columns, kinds, _checks(columns, limits, bench.motor.rated_power, at), limits
     )
 
 

@@ -6,16 +6,17 @@ from typing import Any
 
 from vvdp.base.kinds import COUNT, PRESSURE_LEVEL, SPEED, VOLUME, Kind
 from vvdp.base.params import field_kinds
-from vvdp.base.tables import Table
+from vvdp.base.tables import Table, copied
 from vvdp.base.units import in_unit
 from vvdp.design.quantities import Setup, unchecked
-from vvdp.systems.system import System, built_system
+from vvdp.systems.bench import rotary_bench
+from vvdp.systems.system import System
 from vvdp.valve.rotary import RotaryValve
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A value of a system that a design may change.
+    """A value of a system that a design may change; `setting` is its table and key.
 
     Unless said otherwise it lies between `lowest` and `highest` times what it was. It is free where `usual`, or where
     somebody gives a bound.
@@ -23,12 +24,16 @@ class Variable:
 
     name: str
     words: str
-    table: str
-    key: str
+    setting: str
     kind: Kind
     lowest: float
     highest: float
     usual: bool = False
+
+    @property
+    def of_valve(self) -> bool:
+        """Whether it is one of the valve itself."""
+        return self.setting.startswith("valve.")
 
     @property
     def whole(self) -> bool:
@@ -39,7 +44,7 @@ class Variable:
 def _of_valve(name: str, words: str, lowest: float, highest: float, usual: bool = False) -> Variable:
     kind = field_kinds(RotaryValve)[name]
     assert kind
-    return Variable(name, words, "valve", name, kind, lowest, highest, usual)
+    return Variable(name, words, f"valve.{name}", kind, lowest, highest, usual)
 
 
 VARIABLES: Mapping[str, Variable] = {
@@ -52,16 +57,16 @@ VARIABLES: Mapping[str, Variable] = {
         _of_valve("helix_length", "helix length", 0.5, 2.0),
         _of_valve("lap_ratio", "lap ratio", 1.0, 2.0),
         _of_valve("sections", "nozzle count", 0.6, 2.0),
-        Variable("relief_pressure", "relief setting", "relief_valve", "cracking_pressure", PRESSURE_LEVEL, 0.8, 2.0),
-        Variable("inlet_volume", "inlet volume", "inlet", "volume", VOLUME, 0.25, 2.0),
-        Variable("spool_motor_speed", "speed of the spool's motor", "operation", "spool_motor_speed", SPEED, 0.25, 4.0),
+        Variable("relief_pressure", "relief setting", "relief_valve.cracking_pressure", PRESSURE_LEVEL, 0.8, 2.0),
+        Variable("inlet_volume", "inlet volume", "inlet.volume", VOLUME, 0.25, 2.0),
+        Variable("spool_motor_speed", "speed of the spool's motor", "operation.spool_motor_speed", SPEED, 0.25, 4.0),
     )
 }
 
 
 def value_in(at: Setup, name: str) -> float:
     """The value of a variable [SI]."""
-    return float(getattr(at.valve if VARIABLES[name].table == "valve" else at, name))
+    return float(getattr(at.valve if VARIABLES[name].of_valve else at, name))
 
 
 def changed(at: Setup, values: Mapping[str, Any]) -> Setup:
@@ -72,11 +77,11 @@ def changed(at: Setup, values: Mapping[str, Any]) -> Setup:
     """
     valve = unchecked(at.valve)
     for name, value in values.items():
-        if VARIABLES[name].table == "valve":
+        if VARIABLES[name].of_valve:
             setattr(valve, name, value)
     for name, value in _followers(at.valve, values):
         setattr(valve, name, value)
-    around = {name: value for name, value in values.items() if VARIABLES[name].table != "valve"}
+    around = {name: value for name, value in values.items() if not VARIABLES[name].of_valve}
     return at._replace(valve=valve, **around)
 
 
@@ -99,27 +104,22 @@ FOLLOWS = {
 }
 
 
-def table_of(system: System) -> Table:
-    """What `system` was read from, settings included, to be varied and read again."""
-    return Table(system.name, {"title": system.title, "circuit": system.circuit, **system.content}, {})
-
-
 def redesigned(system: System, values: Mapping[str, float], note: str, title: str) -> System:
     """`system` with the variables at `values` [SI] and what follows from them; `note` says where they come from.
 
     Raises ConfigError where the values cannot be made.
     """
-    table = table_of(system)
-    content = {name: dict(part) if isinstance(part, Mapping) else part for name, part in table.content.items()}
+    content = copied(system.content)
     for name, value in values.items():
         variable = VARIABLES[name]
-        content[variable.table][variable.key] = _entry(written(value, variable.kind), note)
+        table, _, key = variable.setting.partition(".")
+        content[table][key] = _entry(written(value, variable.kind), note)
     kinds = field_kinds(RotaryValve)
-    for name, value in _followers(system.case.params.supply.valve, values):
+    for name, value in _followers(rotary_bench(system, "design").valve, values):
         kind = kinds[name]
         assert kind
         content["valve"][name] = _entry(written(float(value), kind), FOLLOWS[name])
-    return built_system(Table(table.place, {**content, "title": title}, {}), system.name)
+    return system.read_from(Table(system.name, {**content, "title": title}, {}))
 
 
 def _entry(value: str, note: str) -> dict[str, str]:

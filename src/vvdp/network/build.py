@@ -5,17 +5,22 @@ import linecache
 import sys
 import types
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.books import NOTHING, Books, Stored
 from vvdp.base.errors import NetworkError
+from vvdp.base.params import Params
+from vvdp.base.signal import Signal
 from vvdp.network.classes import Classes
 from vvdp.network.functions import Functions
 from vvdp.network.network import Network
+from vvdp.network.nodes import Rod, Shaft
 from vvdp.network.paths import Places
 from vvdp.network.text import Text
+from vvdp.network.trial import check_law
 from vvdp.network.written_program import WrittenProgram
 from vvdp.simulation.model import Case, Model, no_mark, started_case
 
@@ -29,6 +34,25 @@ class Circuit:
     case: Case
     text: str
 
+    @cached_property
+    def digest(self) -> str:
+        """Hash of what circuits share that differ in numbers only: the text, what its words mean, and the calls."""
+        words = sorted(
+            f"{name}={getattr(value, '__module__', '')}.{getattr(value, '__qualname__', value)}"
+            for name, value in self.model.circuit.__globals__.items()
+            if not name.startswith("__") and name in self.text
+        )
+        calls = [(name, p.period, p.phase, p.latency) for name, p in self.model.programs.items()]
+        return hashlib.sha256(repr((self.text, words, calls)).encode()).hexdigest()
+
+    @cached_property
+    def _places(self) -> Places:
+        return Places(self.network)
+
+    def place(self, value: Params | Signal) -> str:
+        """Where a value of the network stands in the parameters, such as `operation.pump_speed`."""
+        return self._places.path(value).removeprefix("p.")
+
     def case_of(self, params: Any) -> Case:
         """The case of other parameters of the same classes."""
         return started_case(self.model, type(self.case.command), params, self.case.settings)
@@ -38,6 +62,8 @@ def build(network: Network) -> Circuit:
     """The circuit of a network. Raises NetworkError where its parts do not fit together."""
     if not network.parts:
         raise NetworkError("a network needs at least one component")
+    for part in network.parts.values():
+        check_law(part.component, part.values, network.oil)
     places = Places(network)
     classes = Classes(places)
     text = Text(places, classes)
@@ -57,7 +83,17 @@ def build(network: Network) -> Circuit:
         stop=module.stop,
     )
     settings = {program.name: program.settings for program in written}
-    return Circuit(network, model, started_case(model, classes.command, classes.values, settings), whole)
+    case = started_case(model, classes.command, classes.values, settings)
+    _check_inertias(network, case)
+    return Circuit(network, model, case, whole)
+
+
+def _check_inertias(network: Network, case: Case) -> None:
+    """Refuse what moves without a mass."""
+    for name, node in network.nodes.items():
+        if isinstance(node, Shaft | Rod) and not getattr(case.command.held, f"{name}_inertia") > 0.0:
+            what = "inertia" if isinstance(node, Shaft) else "mass"
+            raise NetworkError(f"{name} has no {what}; give it one, or join a component that has")
 
 
 def _classes_by_name(classes: Classes) -> dict[str, Any]:

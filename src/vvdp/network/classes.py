@@ -8,17 +8,14 @@ from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import (
     EXCHANGED_ENERGY,
     FLOW,
-    FORCE,
     FRACTION,
     POWER,
     PRESSURE_LEVEL,
     RATIO,
-    TORQUE,
     Angle,
     Duration,
     Energy,
     ExchangedEnergy,
-    Flow,
     Inertia,
     Kind,
     Mass,
@@ -26,12 +23,12 @@ from vvdp.base.kinds import (
     PressureTime,
     TankVolume,
 )
-from vvdp.base.params import Params, field_kinds
+from vvdp.base.params import Params
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
-from vvdp.network.component import Role
+from vvdp.network.network import Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
-from vvdp.network.paths import Places, StartValue
+from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, shown
 from vvdp.simulation.values import names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
@@ -76,11 +73,12 @@ class Classes:
         hints: dict[str, Any] = {}
         for name, node in self.network.nodes.items():
             if isinstance(node, HydraulicNode):
-                hints[f"{name}_pressure"] = PressureTime
+                _join(hints, name, {f"{name}_pressure": PressureTime})
         for part in self.network.parts.values():
-            flows = flow_names(part)
-            hints |= dict.fromkeys(flows[1:] if len(flows) > 1 else flows, TankVolume)
-            hints |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
+            flows = [f"{part.name}_{n}" for n in averaged_flows(part)]
+            fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume)
+            fresh |= {f"{part.name}_{n}": _integral(part.component.outputs[n]) for n in part.component.averages}
+            _join(hints, part.name, fresh)
         return named_tuple("Totals", hints)
 
     @cached_property
@@ -108,21 +106,12 @@ class Classes:
             if isinstance(node, Tank | PressureSource):
                 hints[f"{name}_pressure"] = Pressure
         for part in self.network.parts.values():
-            component = part.component
-            fresh: dict[str, Any] = dict.fromkeys(flow_names(part), Flow)
-            fresh |= {f"{part.name}_{name}": Annotated[float, kind] for name, kind in component.outputs.items()}
-            for port, role in component.ports.items():
-                if role is not Role.PORT and port in names(component.result):
-                    fresh[f"{part.name}_{port}"] = Annotated[float, FORCE if role is Role.ROD else TORQUE]
-            for name in fresh:
-                if name in hints:
-                    raise NetworkError(f"two results would be called {name!r}; rename {part.name!r}")
-            hints |= fresh
-        for read in self.program_reads:
-            program, _, field = read.partition(".")
-            hints[read.replace(".", "_")] = Annotated[
-                float, field_kinds(type(self.network.programs[program].type.command))[field]
-            ]
+            _join(
+                hints, part.name, {f"{part.name}_{n}": Annotated[float, kind] for n, (_, kind) in shown(part).items()}
+            )
+        for path in self.program_reads:
+            kind = self.places.quantity(path, path).kind
+            _join(hints, path, {path.replace(".", "_"): Annotated[float, kind]})
         return named_tuple("Outputs", hints)
 
     @cached_property
@@ -147,14 +136,14 @@ class Classes:
         for name, node in self.network.nodes.items():
             match node:
                 case Tank():
-                    hints[name] = FluidState
+                    _join(hints, name, {name: FluidState})
                 case Shaft():
-                    hints[f"{name}_inertia"] = Inertia
+                    _join(hints, name, {f"{name}_inertia": Inertia})
                 case Rod():
-                    hints[f"{name}_inertia"] = Mass
+                    _join(hints, name, {f"{name}_inertia": Mass})
         for part in self.network.parts.values():
             if part.component.held:
-                hints[part.name] = get_type_hints(part.component.held)["return"]
+                _join(hints, part.name, {part.name: get_type_hints(part.component.held)["return"]})
         return named_tuple("Held", hints)
 
     @cached_property
@@ -166,7 +155,10 @@ class Classes:
     @cached_property
     def start(self) -> type[Params]:
         """The start values."""
-        return params_class("Start", {value.name: Annotated[float, value.kind] for value in self.own_starts})
+        hints: dict[str, Any] = {}
+        for value in self.own_starts:
+            _join(hints, value.name, {value.name: Annotated[float, value.kind]})
+        return params_class("Start", hints)
 
     @property
     def own_starts(self) -> tuple[StartValue, ...]:
@@ -194,12 +186,16 @@ class Classes:
         return Books(blank(self.supplied), blank(self.spent), 0.0, 0.0, blank(self.totals))
 
 
-def flow_names(part: Any) -> list[str]:
+def flow_names(part: Part) -> list[str]:
     """Names of the flows of a part: one through it, into its second port, or one into each of more hydraulic ports."""
-    ports = part.component.hydraulic_ports
-    if len(ports) == 2:
-        return [f"{part.name}_flow"]
-    return [f"{part.name}_{port}_flow" for port in ports if port in names(part.component.result)]
+    return [f"{part.name}_{name}" for name in flows_of(part)]
+
+
+def _join(hints: dict[str, Any], whose: str, fresh: dict[str, Any]) -> None:
+    """Add fields. Raises NetworkError where one is there already."""
+    if twice := hints.keys() & fresh.keys():
+        raise NetworkError(f"two results would be called {min(twice)!r}; rename {whose!r}")
+    hints |= fresh
 
 
 def named_tuple(name: str, hints: dict[str, Any]) -> type:

@@ -42,6 +42,7 @@ class Role(Enum):
 PORTS = {FluidState: Role.PORT, ShaftState: Role.SHAFT, ShaftSpeed: Role.SHAFT_SPEED, RodState: Role.ROD}
 OTHERS = {Medium: Role.MEDIUM, Oil: Role.OIL}
 PORT_ROLES = frozenset(PORTS.values())
+MECHANICAL = PORT_ROLES - {Role.PORT}
 
 
 @dataclass(frozen=True)
@@ -71,9 +72,9 @@ class Component:
     start    start(params) -> its state before a run; without one, all zero
     stored   stored(...) -> Stored, what it holds itself, of state, ports, Params, Medium
     walls    walls(...) -> NamedTuple of Wall for ports whose volume it moves, of mechanical ports and Params
-    inertia  inertia(...) -> moment of inertia or mass that it adds to its mechanical port, of Params and held
+    inertia  inertia(...) -> moment of inertia or mass that it adds to its one mechanical port, of Params
     stop     stop(t, ...) -> next time at which its law jumps, of Params and inputs
-    mark     mark(...) -> a period ends wherever its floor changes, of state, mechanical ports and Params
+    mark     mark(...) -> a period ends wherever its floor changes, of state, angles, positions and Params
     averages names of outputs that are averaged over a run beside the flows
     """
 
@@ -158,6 +159,16 @@ class Component:
         """The arguments that a signal, a connection or a command has to give."""
         return tuple(a for a in self.arguments if a.role is Role.INPUT)
 
+    @cached_property
+    def wall_ports(self) -> tuple[str, ...]:
+        """Names of the ports whose volume it takes part in."""
+        return () if self.walls is None else names(get_type_hints(self.walls).get("return", ()))
+
+    @cached_property
+    def moves_walls(self) -> bool:
+        """Whether a shaft or rod moves walls of it, so that oil is swept without a flow through it."""
+        return self.walls is not None and any(a.role in MECHANICAL for a in self.arguments_of(self.walls))
+
     @property
     def params(self) -> tuple[type[Params], ...]:
         """The classes of its values."""
@@ -185,23 +196,84 @@ class Component:
         return {name: kind for name, kind in shown.items() if kind}
 
 
+ALLOWED = {
+    "held": {Role.MEDIUM, Role.OIL, Role.PARAMS},
+    "start": {Role.PARAMS},
+    "stored": {Role.STATE, Role.PORT, Role.SHAFT, Role.SHAFT_SPEED, Role.ROD, Role.MEDIUM, Role.OIL, Role.PARAMS},
+    "walls": {Role.SHAFT, Role.ROD, Role.PARAMS},
+    "inertia": {Role.PARAMS},
+    "stop": {Role.TIME, Role.INPUT, Role.PARAMS},
+    "mark": {Role.STATE, Role.SHAFT, Role.ROD, Role.PARAMS},
+}
+"""What the functions of a component beside its law are given."""
+GIVEN_UNITS = {Role.PORT: "m^3/s", Role.SHAFT: "N*m", Role.SHAFT_SPEED: "N*m", Role.ROD: "N"}
+"""Units of what a component gives to a node."""
+
+
 def check_component(component: Component) -> None:
     """Refuse, with a NetworkError that names it, a component whose functions do not fit together."""
-    ports, fields = component.ports, set(names(component.result))
+    name, ports, fields = component.name, component.ports, set(names(component.result))
     if not ports:
+        raise NetworkError(f"{name} has no port; annotate at least one argument as FluidState, or a shaft or rod")
+    hydraulic = component.hydraulic_ports
+    if "flow" in fields and len(hydraulic) != 2:
+        returned = "a Passage" if component.result is Passage else "a field 'flow'"
         raise NetworkError(
-            f"{component.name} has no port; annotate at least one argument as FluidState, or a shaft or rod"
+            f"{name} returns {returned} and has {len(hydraulic)} hydraulic ports; expected two, or a field each"
         )
-    if component.result is Passage and len(component.hydraulic_ports) != 2:
-        count = len(component.hydraulic_ports)
-        raise NetworkError(f"{component.name} returns a Passage and has {count} hydraulic ports; expected two")
+    if component.is_passage and (twice := fields & set(hydraulic)):
+        raise NetworkError(
+            f"{name} returns both 'flow' and {min(twice)!r}; the one or the other, else oil counts twice"
+        )
     if not component.is_passage and not fields & set(ports):
         raise NetworkError(
-            f"{component.name} gives nothing to a port; its result needs a field named as one of {', '.join(ports)}"
+            f"{name} gives nothing to a port; its result needs a field named as one of {', '.join(ports)}"
         )
-    for name in component.averages:
-        if name not in component.outputs:
-            raise NetworkError(f"{component.name}: averages {name!r}, which is none of its outputs")
+    _check_units(component)
+    _check_functions(component)
+    for average in component.averages:
+        if average not in component.outputs:
+            raise NetworkError(f"{name}: averages {average!r}, which is none of its outputs")
+    assert component.arguments is not None and component.outputs is not None
+
+
+def _check_units(component: Component) -> None:
+    """Refuse a result whose fields are not in the units that the nodes and the books count in."""
+    kinds = field_kinds(component.result)
+    units = {port: GIVEN_UNITS[role] for port, role in component.ports.items() if port in kinds}
+    units |= {name: "m^3/s" for name in ("flow",) if name in kinds}
+    units |= {name: "W" for name in ("loss", "supplied") if name in kinds}
+    found = [(name, kinds[name], unit) for name, unit in units.items()]
+    if "" not in component.losses:
+        found += [(f"losses.{name}", kind, "W") for name, kind in component.losses.items()]
+    for name, kind, unit in found:
+        if kind is None or kind.unit != unit:
+            what = "has no kind" if kind is None else f"is {kind.named} [{kind.unit}]"
+            raise NetworkError(f"{component.name}: {name!r} of its result {what}; expected one in {unit}")
+    if component.state is not None:
+        without = [name for name, kind in field_kinds(component.state).items() if kind is None]
+        if without and not hasattr(get_type_hints(component.state)[without[0]], "_fields"):
+            raise NetworkError(
+                f"{component.name}: {without[0]!r} of its state has no kind; annotate it, as with Pressure"
+            )
+
+
+def _check_functions(component: Component) -> None:
+    """Refuse functions beside the law that take what they cannot be given, or return what nobody reads."""
+    for word, allowed in ALLOWED.items():
+        function = getattr(component, word)
+        for argument in () if function is None else component.arguments_of(function):
+            if argument.role not in allowed:
+                what = argument.role.name.lower().replace("_", " ")
+                raise NetworkError(
+                    f"{component.name}: its {word}, {function.__name__}, takes {argument.name!r} ({what}), "
+                    "which it cannot be given"
+                )
     if component.stored and get_type_hints(component.stored).get("return") is not Stored:
         raise NetworkError(f"{component.name}: what it stores needs the annotation Stored")
-    assert component.arguments is not None and component.outputs is not None
+    for wall in component.wall_ports:
+        if wall not in component.hydraulic_ports:
+            raise NetworkError(f"{component.name}: its walls name {wall!r}, which is none of its hydraulic ports")
+    mechanical = len(component.ports) - len(component.hydraulic_ports)
+    if component.inertia and mechanical != 1:
+        raise NetworkError(f"{component.name} has an inertia and {mechanical} shafts and rods; expected one")

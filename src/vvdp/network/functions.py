@@ -28,6 +28,7 @@ from vvdp.network.nodes import (
     Shaft,
     Tank,
 )
+from vvdp.network.paths import averaged_flows, paths_of, shown, signals_of, sources_of, takes_surplus
 from vvdp.network.text import PRESCRIBED, Text
 from vvdp.simulation.values import names
 
@@ -45,18 +46,21 @@ class Functions:
 
     def circuit(self) -> list[str]:
         """The function `circuit`."""
-        lines = ["h = u.held", *self.text.node_lines(self.network.nodes)]
+        lines = ["h = u.held", *self.text.node_lines(self.places.early)]
         lines += [
             f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in self.places.order if p.component.walls
         ]
-        surplus: set[str] = set()
-        for part in self.places.order:
-            if any(a.role is Role.SURPLUS for a in part.component.arguments):
+        done: set[str] = set()
+        for name in self.places.late:
+            part = self.network.parts.get(name)
+            if part is None:
+                lines += self.text.node_lines([name])
+                continue
+            if takes_surplus(part):  # what those before it give: of several such valves, the first has the first choice
                 node = part.nodes[part.component.hydraulic_ports[0]]
-                if node not in surplus:
-                    lines.append(f"surplus_{node} = {self.text.given(node, without=part)}")
-                    surplus.add(node)
-            lines.append(f"{part.name} = {self.text.call(part, part.component.law)}")
+                lines.append(f"surplus_{node} = {self.text.given(node, only=done)}")
+            lines.append(f"{name} = {self.text.call(part, part.component.law)}")
+            done.add(name)
         lines += [*self._exchange(), "rates = State("]
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
@@ -127,11 +131,22 @@ class Functions:
         found = {}
         for name, node in self.network.nodes.items():
             if isinstance(node, PRESCRIBED):
-                found[name] = f"-{name}.enthalpy * into_{name}"
+                found[name] = f"-{name}.enthalpy * into_{name}{self._pushed(name, node)}"
             elif isinstance(node, DrivenShaft):
                 found[name] = f"-{name}.speed * ({self.text.given(name)})"
         parts = (part for part in self.network.parts.values() if "supplied" in names(part.component.result))
         return found | {part.name: f"{part.name}.supplied" for part in parts}
+
+    def _pushed(self, name: str, node: Tank | PressureSource) -> str:
+        """What a prescribed pressure gives to the walls that move in it."""
+        moving = [
+            f"{m.part.name}_walls.{m.port}.rate"
+            for m in self.places.attached(name)
+            if m.part.component.moves_walls and m.port in m.part.component.wall_ports
+        ]
+        if not moving:
+            return ""
+        return f" + ({name}.pressure - {self.places.path(node.oil)}.reference_pressure) * ({' + '.join(moving)})"
 
     def _spent(self) -> dict[str, str]:
         found = {}
@@ -152,42 +167,22 @@ class Functions:
             if isinstance(node, HydraulicNode)
         }
         for part in self.network.parts.values():
-            # What goes into the first of more than two ports is what comes out of the others.
-            flows = list(self._flows(part))
-            found |= dict(flows[1:] if len(flows) > 1 else flows)
+            found |= {f"{part.name}_{name}": text for name, text in averaged_flows(part).items()}
             found |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.averages}
         return found
-
-    @staticmethod
-    def _flows(part: Part) -> Iterator[tuple[str, str]]:
-        ports = part.component.hydraulic_ports
-        if len(ports) == 2:
-            yield f"{part.name}_flow", f"{part.name}.{'flow' if part.component.is_passage else ports[1]}"
-            return
-        for port in ports:
-            if port in names(part.component.result):
-                yield f"{part.name}_{port}_flow", f"{part.name}.{port}"
 
     def _outputs(self) -> Iterator[tuple[str, str]]:
         texts = {
             f"{n}_pressure": f"{n}.pressure" for n, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)
         }
         for part in self.network.parts.values():
-            texts |= dict(self._flows(part))
-            texts |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.outputs}
-            for port, role in part.component.ports.items():
-                if role is not Role.PORT and port in names(part.component.result):
-                    texts[f"{part.name}_{port}"] = f"{part.name}.{port}"
+            texts |= {f"{part.name}_{name}": text for name, (text, _) in shown(part).items()}
         texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}
         yield from texts.items()
 
     def conditions(self) -> list[str]:
         """The function `conditions`."""
-        lines = [
-            f"celsius = {self.text.use(signal_value)}(t, {self.places.path(self.network.temperature)})".replace(
-                "celsius", "temperature"
-            )
-        ]
+        lines = [f"temperature = {self.text.use(signal_value)}(t, {self.places.path(self.network.temperature)})"]
         fields = {}
         for name, oil in self.oils().items():
             path = self.places.path(oil)
@@ -196,7 +191,8 @@ class Functions:
                 f"{self.text.use(dynamic_viscosity)}(temperature, {path}))"
             )
             fields[name] = name
-        lines.append(f"h = {self.text.use(self.classes.medium)}({', '.join(fields)})")
+        if any(part.component.held for part in self.network.parts.values()):
+            lines.append(f"h = {self.text.use(self.classes.medium)}({', '.join(fields)})")
         for name, node in self.network.nodes.items():
             if isinstance(node, Tank):
                 pressure, oil = self.text.source(node.pressure, name), self.places.path(node.oil)
@@ -231,7 +227,7 @@ class Functions:
 
     def stored(self) -> list[str]:
         """The function `stored`."""
-        lines, energies, volumes = [], [], []
+        lines, energies, held = list[str](), list[str](), list[str]()
         used = [p for p in self.network.parts.values() if p.component.walls or p.component.stored]
         joined = {
             p.nodes[a.name]
@@ -241,27 +237,43 @@ class Functions:
             for a in p.component.arguments_of(f)
             if a.name in p.nodes
         }
-        if any(
-            a.role is Role.MEDIUM
-            for p in used
-            if p.component.stored
-            for a in p.component.arguments_of(p.component.stored)
-        ):
+        own = [p for p in used if p.component.stored]
+        for part in own:
+            self._check_stored(part)
+        stores = [(p.component, p.component.stored) for p in own if p.component.stored]
+        if any(a.role is Role.MEDIUM for component, store in stores for a in component.arguments_of(store)):
             lines.append("h = conditions(0.0, p)")
-        lines += list(self.text.node_lines(n for n in self.network.nodes if n in joined))
+        lines += list(self.text.node_lines((n for n in self.network.nodes if n in joined), at_rest=True))
         lines += [f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in used if p.component.walls]
         for name, node in self.network.nodes.items():
             if isinstance(node, OilVolume):
                 lines.append(f"in_{name} = {self._content(name, node)}")
+                held.append(f"in_{name}")
             elif isinstance(node, Shaft | Rod):
                 speed = "speed" if isinstance(node, Shaft) else "velocity"
                 energies.append(f"0.5 * ({self._inertia(name, node)}) * s.{name}.{speed} ** 2")
-        lines += [f"in_{p.name} = {self.text.call(p, p.component.stored)}" for p in used if p.component.stored]
-        held = [line.partition(" = ")[0] for line in lines if line.startswith("in_")]
+        lines += [f"in_{p.name} = {self.text.call(p, p.component.stored)}" for p in own]
+        held += [f"in_{p.name}" for p in own]
         energies, volumes = [f"{name}.energy" for name in held] + energies, [f"{name}.volume" for name in held]
         lines.append(f"energy = {' + '.join(energies) or '0.0'}")
         lines.append(f"return Stored(energy, {' + '.join(volumes) or '0.0'})")
         return ["def stored(s, p):", *indented(lines)]
+
+    def _check_stored(self, part: Part) -> None:
+        arguments = part.component.arguments_of(part.component.stored) if part.component.stored else ()
+        for argument in arguments:
+            if argument.role is Role.PORT and isinstance(self.network.nodes[part.nodes[argument.name]], PRESCRIBED):
+                node = part.nodes[argument.name]
+                raise NetworkError(
+                    f"{part.name}: what it stores depends on the pressure at {node}, which is prescribed; "
+                    "put a volume between"
+                )
+            if argument.role is Role.SHAFT_SPEED:
+                node = part.nodes[argument.name]
+                if isinstance(self.network.nodes[node], DrivenShaft):
+                    raise NetworkError(
+                        f"{part.name}: what it stores depends on the speed of {node}, which is prescribed"
+                    )
 
     def _content(self, name: str, node: OilVolume) -> str:
         oil, values, swept = self.places.path(node.oil), self.places.path(node.values), self.text.walls(name, "volume")
@@ -305,20 +317,28 @@ class Functions:
         calls = [f"{self.text.use(signal_stop)}(t, {path})" for path in self._signal_paths()]
         for part in self.network.parts.values():
             if part.component.stop:
+                self._check_stop(part)
                 calls.append(self.text.call(part, part.component.stop))
         lines = ["next_stop = np.inf", *(f"next_stop = {self.text.use(minimum)}(next_stop, {call})" for call in calls)]
         return ["def stop(t, u, p):", *indented(lines), "    return next_stop"]
 
+    def _check_stop(self, part: Part) -> None:
+        assert part.component.stop is not None
+        for argument in part.component.arguments_of(part.component.stop):
+            for path in paths_of(part.inputs[argument.name]) if argument.role is Role.INPUT else ():
+                if path.partition(".")[0] not in self.network.programs:
+                    raise NetworkError(
+                        f"{part.name}.{argument.name}: {path!r} changes all the time, so that nobody knows when the "
+                        "part jumps next; expected a signal or a program's command"
+                    )
+
     def _signal_paths(self) -> list[str]:
         net = self.network
         sources: list[Any] = [net.temperature]
-        for node in net.nodes.values():
-            sources += [
-                getattr(node, key)
-                for key in ("pressure", "speed")
-                if isinstance(node, Tank | PressureSource | DrivenShaft) and hasattr(node, key)
-            ]
-        sources += [source for part in net.parts.values() for source in part.inputs.values()]
+        sources += [source for node in net.nodes.values() for source in sources_of(node)]
+        for part in net.parts.values():
+            sources += part.inputs.values()
+            sources += [signal for value in part.values for _, signal in signals_of(value)]
         inner = [x for source in sources for x in (source.sources if isinstance(source, Connection) else (source,))]
         return list(dict.fromkeys(self.places.path(x) for x in inner if isinstance(x, Signal)))
 
@@ -331,7 +351,7 @@ class Functions:
                 ]
                 return [
                     "def mark(t, s, u, p):",
-                    *indented(list(self.text.node_lines(nodes))),
+                    *indented(list(self.text.node_lines(nodes, at_rest=True))),
                     f"    return {self.text.call(part, part.component.mark)}",
                 ]
         return []

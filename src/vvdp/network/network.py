@@ -4,6 +4,7 @@ import keyword
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import NoneType
 from typing import Any
 
 from vvdp.base.errors import NetworkError
@@ -35,31 +36,19 @@ from vvdp.network.nodes import (
 )
 from vvdp.network.program import ProgramType
 from vvdp.sensing.instrument import Instrument
-from vvdp.simulation.values import names
+from vvdp.simulation.values import leaves, names
 
 ROOM_TEMPERATURE = constant(313.15)
 """Temperature of the oil where none is given: 40 degC, at which data sheets give the density."""
 RESERVED = frozenset(
     (
-        "t",
-        "s",
-        "u",
-        "p",
-        "h",
-        "m",
-        "r",
-        "z",
-        "rates",
-        "books",
-        "start",
-        "held",
-        "medium",
-        "temperature",
-        "energy",
-        "oil",
+        *("t", "s", "u", "p", "h", "m", "r", "z", "rates", "books", "start", "held", "medium", "temperature", "energy"),
+        *("oil", "state", "outputs", "params", "command", "values", "total", "transition", "full_open", "time"),
+        *("next_stop", "taken_in", "check"),
     )
-    + ("state", "outputs", "params", "command", "values", "total", "transition", "full_open", "time", "next_stop", "check")
 )
+NEARLY_VACUUM = 1e3
+"""A pressure below this [Pa, absolute] was meant in another unit."""
 JOINS = {
     Role.PORT: (OilVolume, Tank, PressureSource),
     Role.SHAFT: (Shaft, DrivenShaft),
@@ -104,8 +93,10 @@ class Network:
     """
 
     def __init__(self, oil: Oil, *, temperature: Signal = ROOM_TEMPERATURE, **values: Params) -> None:
+        if reserved := RESERVED & values.keys():
+            raise NetworkError(f"{min(reserved)!r} is reserved; call the values otherwise")
         self.oil = oil
-        self.temperature = temperature
+        self.temperature = _prescribed("temperature", temperature)
         self.values: dict[str, Params] = {"oil": oil, **values}
         self.nodes: dict[str, Node] = {}
         self.parts: dict[str, Part] = {}
@@ -116,28 +107,36 @@ class Network:
 
     def volume(self, name: str, values: Chamber | Vessel, *, start: Start, oil: Oil | None = None) -> None:
         """Add oil under one pressure, at first `start` [Pa, absolute]."""
-        _check_pressure(name, self.start_value(start))
+        _check_values(name, values, Chamber, Vessel)
+        _check_pressure(name, "start", self.start_value(start))
         self._add_node(OilVolume(name, values, start, oil or self.oil))
 
     def tank(self, name: str, pressure: Signal | None = None, oil: Oil | None = None) -> None:
         """Add a tank, at the oil's reference pressure or another [Pa, absolute]."""
         medium = oil or self.oil
-        self._add_node(Tank(name, pressure or constant(medium.reference_pressure), medium))
+        held = constant(medium.reference_pressure) if pressure is None else _prescribed(name, pressure)
+        _check_pressure(name, "pressure", *held.extremes)
+        self._add_node(Tank(name, held, medium))
 
     def pressure_source(self, name: str, pressure: Source, oil: Oil | None = None) -> None:
         """Add a source or sink that holds its pressure [Pa, absolute]."""
-        self._add_node(PressureSource(name, _signal(pressure), oil or self.oil))
+        source = _signal(name, pressure)
+        if isinstance(source, Signal):
+            _check_pressure(name, "pressure", *source.extremes)
+        self._add_node(PressureSource(name, source, oil or self.oil))
 
     def shaft(self, name: str, values: Rotor | None = None, *, angle: Start = 0.0, speed: Start = 0.0) -> None:
         """Add a shaft that turns freely, at first at `angle` [rad] with `speed` [rad/s]."""
+        _check_values(name, values, Rotor, NoneType)
         self._add_node(Shaft(name, values, angle, speed))
 
     def driven_shaft(self, name: str, speed: Source) -> None:
         """Add a shaft whose speed [rad/s] is prescribed or commanded."""
-        self._add_node(DrivenShaft(name, _signal(speed)))
+        self._add_node(DrivenShaft(name, _signal(name, speed)))
 
     def rod(self, name: str, values: Load | None = None, *, position: Start = 0.0, velocity: Start = 0.0) -> None:
         """Add a mass that moves along a line, at first at `position` [m] with `velocity` [m/s]."""
+        _check_values(name, values, Load, NoneType)
         self._add_node(Rod(name, values, position, velocity))
 
     def add(self, name: str, component: Component, *values: Params, start: Any = None, **joints: Source) -> None:
@@ -165,6 +164,7 @@ class Network:
                 + nearest(next(iter(joints)), known)
             )
         self._check_oils(name, component, nodes)
+        _check_start(name, component, start)
         self.parts[name] = Part(name, component, values, nodes, inputs, start)
 
     def add_chain(
@@ -178,6 +178,9 @@ class Network:
     ) -> None:
         """Add a pipe as a chain: volumes `name_1` ..., columns between them, and at the ends the first component."""
         self._check_name(name)
+        _check_pressure(name, "start", self.start_value(start))
+        if self.values.get(name, pipe) is not pipe:
+            raise NetworkError(f"{name}: the network has other values of this name")
         self.values[name] = pipe
         ends = [self._node_at(name, port, Role.PORT, nodes.get(port)) for port in assembly.ports]
         node = self.nodes[ends[0]]
@@ -280,10 +283,9 @@ class Network:
         if source is None:
             example = f", such as {kind.example!r}," if kind else ""
             raise NetworkError(f"{name}: input {key!r} is not connected; give a signal{example} or a path")
-        if isinstance(source, str | Connection):
-            return source
-        signal = _signal(source)
-        assert isinstance(signal, Signal)
+        signal = _signal(f"{name}.{key}", source)
+        if not isinstance(signal, Signal):
+            return signal
         for value in signal.extremes:
             if kind and (fault := kind.fault(value)):
                 raise NetworkError(f"{name}.{key}: {fault}")
@@ -291,22 +293,70 @@ class Network:
 
     def _check_oils(self, name: str, component: Component, nodes: Mapping[str, str]) -> None:
         found = [(port, self.nodes[nodes[port]]) for port in component.hydraulic_ports]
-        oils = {id(node.oil) for _, node in found if isinstance(node, HydraulicNode)}
-        if len(oils) > 1 and component.walls is None:
-            ends = ", ".join(f"{port} at {node.name}" for port, node in found)
+        oils = {id(node.oil): node.oil for _, node in found if isinstance(node, HydraulicNode)}
+        if len(oils) == 1 or not oils:
+            return
+        ends = ", ".join(f"{port} at {node.name}" for port, node in found)
+        if not component.moves_walls:
             raise NetworkError(f"{name} joins nodes of different oils: {ends}")
+        if len({oil.reference_pressure for oil in oils.values()}) > 1:
+            raise NetworkError(f"{name} joins oils of different reference pressures: {ends}")
 
 
-def _signal(source: object) -> Source:
+def _signal(name: str, source: object) -> Source:
     if isinstance(source, int | float):
         return constant(float(source))
+    if isinstance(source, Connection):
+        _check_connection(name, source)
     if isinstance(source, Signal | str | Connection):
         return source
-    raise NetworkError(f"{source!r} is no source; expected a number in SI, a Signal, a path or a Connection")
+    raise NetworkError(f"{name}: {source!r} is no source; expected a number in SI, a Signal, a path or a Connection")
 
 
-def _check_pressure(name: str, start: float) -> None:
-    if fault := PRESSURE_LEVEL.fault(start):
-        raise NetworkError(f"{name}: start {fault}")
-    if start < 1e3:
-        raise NetworkError(f"{name}: start {start:g} Pa absolute is nearly a vacuum; pressures are in Pa, not in bar")
+def _prescribed(name: str, source: object) -> Signal:
+    found = _signal(name, source)
+    if not isinstance(found, Signal):
+        raise NetworkError(f"{name}: {source!r} is worked out once per sample; expected a number in SI or a Signal")
+    return found
+
+
+def _check_connection(name: str, connection: Connection) -> None:
+    function = connection.function
+    if not callable(function) or not hasattr(function, "__name__"):
+        raise NetworkError(f"{name}: {function!r} cannot be connected; write a plain function")
+    for source in connection.sources:
+        if not isinstance(source, Signal | Params | str):
+            raise NetworkError(
+                f"{name}: {source!r} cannot be an argument of {function.__name__}; expected a Signal (constant(...) "
+                "for a number), a path, or a parameter class"
+            )
+
+
+def _check_values(name: str, values: object, *classes: type) -> None:
+    if not isinstance(values, classes):
+        expected = " or ".join(cls.__name__ for cls in classes if cls is not NoneType)
+        raise NetworkError(f"{name}: its values are {values!r}; expected {expected}")
+
+
+def _check_start(name: str, component: Component, start: object) -> None:
+    if start is None:
+        return
+    if component.state is None:
+        raise NetworkError(f"{name}: {component.name} has no state, and nothing to start")
+    if not isinstance(start, component.state):
+        raise NetworkError(f"{name}: starts from {start!r}; expected {component.state.__name__}")
+    for path, value, kind in leaves(start):
+        if not isinstance(value, int | float):
+            raise NetworkError(f"{name}: {path!r} of its start is {value!r}; expected a number in SI")
+        if kind and (fault := kind.fault(float(value))):
+            raise NetworkError(f"{name}: start of {path!r}: {fault}")
+
+
+def _check_pressure(name: str, what: str, *pressures: float) -> None:
+    for pressure in pressures:
+        if fault := PRESSURE_LEVEL.fault(pressure):
+            raise NetworkError(f"{name}: {what} {fault}")
+        if pressure < NEARLY_VACUUM:
+            raise NetworkError(
+                f"{name}: {what} {pressure:g} Pa absolute is nearly a vacuum; pressures are in Pa, not in bar"
+            )

@@ -6,13 +6,39 @@ from functools import cached_property
 from typing import Annotated, Any
 
 from vvdp.base.errors import NetworkError
-from vvdp.base.kinds import ANGLE, POSITION, PRESSURE_LEVEL, SPEED, TEMPERATURE, VELOCITY, Kind
+from vvdp.base.kinds import (
+    ANGLE,
+    FLOW,
+    FORCE,
+    NUMBER,
+    POSITION,
+    PRESSURE_LEVEL,
+    SPEED,
+    TEMPERATURE,
+    TORQUE,
+    VELOCITY,
+    Kind,
+)
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.base.tables import nearest
+from vvdp.fluid.mixture import FluidState
+from vvdp.hydraulics.ports import RodState, ShaftState
 from vvdp.network.component import Role
 from vvdp.network.network import Network, Part
-from vvdp.network.nodes import Connection, DrivenShaft, HydraulicNode, OilVolume, Rod, Shaft, Source, Start
+from vvdp.network.nodes import (
+    Connection,
+    DrivenShaft,
+    HydraulicNode,
+    Node,
+    OilVolume,
+    PressureSource,
+    Rod,
+    Shaft,
+    Source,
+    Start,
+    Tank,
+)
 from vvdp.simulation.values import leaves, names
 
 
@@ -41,14 +67,33 @@ class Places:
         self.network = network
 
     @cached_property
+    def early(self) -> tuple[str, ...]:
+        """The nodes that need no result of a part, each behind those that it needs."""
+        late = set(self.late)
+        return tuple(name for name in self._sequence if name in self.network.nodes and name not in late)
+
+    @cached_property
+    def late(self) -> tuple[str, ...]:
+        """The parts, and the nodes that follow results of theirs, each behind what it needs."""
+        found: list[str] = []
+        for name in self._sequence:
+            if name in self.network.parts or any(needed in found for needed in self._needs(name)):
+                found.append(name)
+        return tuple(found)
+
+    @cached_property
     def order(self) -> tuple[Part, ...]:
         """The parts in an order in which each finds what it needs. Raises NetworkError where there is none."""
-        done: dict[str, Part] = {}
-        for name in self.network.parts:
-            self._place(name, done, [])
-        return tuple(done.values())
+        return tuple(self.network.parts[name] for name in self.late if name in self.network.parts)
 
-    def _place(self, name: str, done: dict[str, Part], above: list[str]) -> None:
+    @cached_property
+    def _sequence(self) -> tuple[str, ...]:
+        done: dict[str, None] = {}
+        for name in (*self.network.nodes, *self.network.parts):
+            self._place(name, done, [])
+        return tuple(done)
+
+    def _place(self, name: str, done: dict[str, None], above: list[str]) -> None:
         if name in done:
             return
         if name in above:
@@ -56,18 +101,22 @@ class Places:
             raise NetworkError(
                 f"each of these needs the other's result at the same instant: {loop}; put a state between"
             )
-        for needed in self._needs(self.network.parts[name]):
+        for needed in self._needs(name):
             self._place(needed, done, [*above, name])
-        done[name] = self.network.parts[name]
+        done[name] = None
 
-    def _needs(self, part: Part) -> Iterator[str]:
-        parts = list(self.network.parts)
-        for source in part.inputs.values():
+    def _needs(self, name: str) -> Iterator[str]:
+        """The nodes and parts that have to be worked out before one."""
+        part = self.network.parts.get(name)
+        for source in sources_of(self.network.nodes[name]) if part is None else part.inputs.values():
             for path in paths_of(source):
-                other, _, what = path.partition(".")
-                if other in parts and not self._is_state(self.network.parts[other], what):
-                    yield other
-        if any(a.role is Role.SURPLUS for a in part.component.arguments):
+                if (found := self.quantity(path, name)).needs:
+                    yield found.needs
+        if part is None:
+            return
+        yield from part.nodes.values()
+        if takes_surplus(part):
+            parts = list(self.network.parts)
             node = part.nodes[part.component.hydraulic_ports[0]]
             for met in self.attached(node):
                 later = met.part.name in parts[parts.index(part.name) :]
@@ -75,14 +124,8 @@ class Places:
                     yield met.part.name
 
     @staticmethod
-    def _is_state(part: Part, name: str) -> bool:
-        state = part.component.state
-        return state is not None and name in names(state) and name not in part.component.outputs
-
-    @staticmethod
     def _takes_surplus_of(part: Part, node: str) -> bool:
-        takes = any(a.role is Role.SURPLUS for a in part.component.arguments)
-        return takes and part.nodes[part.component.hydraulic_ports[0]] == node
+        return takes_surplus(part) and part.nodes[part.component.hydraulic_ports[0]] == node
 
     def attached(self, node: str) -> tuple[Attachment, ...]:
         """The ports that meet at a node, in the order of the parts."""
@@ -102,7 +145,9 @@ class Places:
             for port, role in part.component.ports.items()
             if role is Role.SHAFT
         }
-        sources = [path for part in self.network.parts.values() for s in part.inputs.values() for path in paths_of(s)]
+        given = [source for part in self.network.parts.values() for source in part.inputs.values()]
+        given += [source for node in self.network.nodes.values() for source in sources_of(node)]
+        sources = [path for source in given for path in paths_of(source)]
         reads = [path for program in self.network.programs.values() for path in program.reads.values()]
         asked = {path.partition(".")[0] for path in (*sources, *reads) if path.endswith(".angle")}
         return frozenset(name for name, node in self.network.nodes.items() if isinstance(node, DrivenShaft)) & (
@@ -148,7 +193,7 @@ class Places:
         elif isinstance(source, Connection):
             for number, inner in enumerate(source.sources):
                 if isinstance(inner, Signal | Params):
-                    hint = Annotated[Signal, kind] if isinstance(inner, Signal) else type(inner)
+                    hint = Annotated[Signal, NUMBER] if isinstance(inner, Signal) else type(inner)
                     yield (name if number == 0 else f"{name}_{number}"), (hint, inner)
 
     @cached_property
@@ -191,10 +236,124 @@ class Places:
         path = f"p.{start}" if isinstance(start, str) else f"p.start.{name}"
         return StartValue(name, self.network.start_value(start), kind, path)
 
-    def unknown(self, where: str, path: str) -> NetworkError:
-        """The error about a path that leads nowhere."""
-        known = [*self.network.nodes, *self.network.parts, *self.network.programs]
-        return NetworkError(f"{where}: {path!r} leads nowhere{nearest(path.partition('.')[0], known)}")
+    def quantity(self, path: str, where: str) -> "Quantity":
+        """What a path leads to. Raises NetworkError, which names `where` it is asked for, if that is nothing."""
+        name, _, what = path.partition(".")
+        net = self.network
+        found: dict[str, Quantity] = {}
+        if node := net.nodes.get(name):
+            found = self._node_quantities(name, node)
+        elif part := net.parts.get(name):
+            found = _part_quantities(part)
+        elif program := net.programs.get(name):
+            recorded = {key: f"outputs.{name}_{key}" for key in names(program.type.command)}
+            kinds = field_kinds(type(program.type.command))
+            found = {key: Quantity(f"u.{name}.{key}", kinds[key] or NUMBER, "", text) for key, text in recorded.items()}
+        if what in found:
+            return found[what]
+        if found:
+            raise NetworkError(f"{where}: {name!r} has no {what!r}{nearest(what, list(found))}")
+        known = [*net.nodes, *net.parts, *net.programs]
+        text = (
+            "" if "." in path else f" (a text is the path of a quantity, such as {known[0]!r} and a point and its name)"
+        )
+        raise NetworkError(f"{where}: {path!r} leads nowhere{text}{nearest(name, known)}")
+
+    def _node_quantities(self, name: str, node: Node) -> "dict[str, Quantity]":
+        match node:
+            case Shaft():
+                recorded = {key: f"s.{name}.{key}" for key in names(ShaftState)}
+            case Rod():
+                recorded = {key: f"s.{name}.{key}" for key in names(RodState)}
+            case DrivenShaft():
+                recorded = {"angle": f"s.{name}"}
+            case OilVolume():
+                recorded = {"pressure": f"s.{name}"}
+            case _:
+                recorded = {"pressure": f"outputs.{name}_pressure"}
+        cls: type = RodState if isinstance(node, Rod) else ShaftState
+        if isinstance(node, HydraulicNode):
+            cls = FluidState
+        kinds = field_kinds(cls)
+        return {key: Quantity(f"{name}.{key}", kinds[key] or NUMBER, name, recorded.get(key, "")) for key in kinds}
+
+
+def flows_of(part: Part) -> dict[str, str]:
+    """Names and texts of the flows of a part: one through it, into its second port, or one into each of more ports."""
+    component = part.component
+    ports = component.hydraulic_ports
+    if component.is_passage:
+        return {"flow": f"{part.name}.flow"}
+    given = [port for port in ports if port in names(component.result)]
+    if len(ports) == 2:
+        return {"flow": f"{part.name}.{ports[1]}"} if ports[1] in given else {}
+    return {f"{port}_flow": f"{part.name}.{port}" for port in given}
+
+
+def averaged_flows(part: Part) -> dict[str, str]:
+    """Those flows whose means are kept: what goes into the first of several ports is what comes out of the others."""
+    found = flows_of(part)
+    return dict(list(found.items())[1:]) if len(found) > 1 else found
+
+
+def shown(part: Part) -> dict[str, tuple[str, Kind]]:
+    """Names, texts and kinds of what a part shows: flows, outputs, torques and forces."""
+    found = {name: (text, FLOW) for name, text in flows_of(part).items()}
+    found |= {name: (f"{part.name}.{name}", kind) for name, kind in part.component.outputs.items()}
+    for port, role in part.component.ports.items():
+        if role is not Role.PORT and port in names(part.component.result):
+            found[port] = (f"{part.name}.{port}", FORCE if role is Role.ROD else TORQUE)
+    return found
+
+
+def _part_quantities(part: Part) -> "dict[str, Quantity]":
+    state = part.component.state
+    kinds = {} if state is None else field_kinds(state)
+    found = {
+        key: Quantity(f"s.{part.name}.{key}", kind, "", f"s.{part.name}.{key}") for key, kind in kinds.items() if kind
+    }
+    recorded = {key: f"outputs.{part.name}_{key}" for key in shown(part)}
+    return found | {key: Quantity(text, kind, part.name, recorded[key]) for key, (text, kind) in shown(part).items()}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a path leads to: its text in the circuit, its kind, what has to be worked out before, and where a program
+    finds it; empty where that is nothing and nowhere.
+    """
+
+    text: str
+    kind: Kind
+    needs: str
+    recorded: str
+
+
+def check_unit(where: str, wanted: Kind | None, path: str, found: Kind) -> None:
+    """Refuse, with a NetworkError, what is joined to another unit than its own."""
+    if wanted is None or ANY_UNIT & {wanted.name, found.name} or wanted.unit == found.unit:
+        return
+    raise NetworkError(
+        f"{where} is {wanted.named} [{wanted.unit}], {path!r} is {found.named} [{found.unit}]; a Connection converts it"
+    )
+
+
+ANY_UNIT = {"number", "measured value"}
+"""Kinds that stand for whatever a program counts with."""
+
+
+def takes_surplus(part: Part) -> bool:
+    """Whether a part needs to know what all others give to the volume at its first port."""
+    return any(a.role is Role.SURPLUS for a in part.component.arguments)
+
+
+def sources_of(node: Node) -> tuple[Source, ...]:
+    """What prescribes a node."""
+    match node:
+        case Tank() | PressureSource():
+            return (node.pressure,)
+        case DrivenShaft():
+            return (node.speed,)
+    return ()
 
 
 def signals_of(value: Params) -> Iterator[tuple[str, Signal]]:

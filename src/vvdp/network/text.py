@@ -1,14 +1,18 @@
 """The expressions of a written network: what its parts are called with, what meets at its nodes."""
 
-from collections.abc import Callable, Iterable, Iterator
+import keyword
+import re
+from collections.abc import Callable, Container, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from vvdp.base.errors import NetworkError
+from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
-from vvdp.fluid.mixture import FluidState, fluid_state
-from vvdp.hydraulics.ports import RodState, ShaftSpeed, ShaftState
+from vvdp.fluid.mixture import fluid_state
+from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.network.classes import Classes
 from vvdp.network.component import Argument, Role
 from vvdp.network.folding import added
@@ -17,18 +21,24 @@ from vvdp.network.nodes import (
     Connection,
     DrivenShaft,
     HydraulicNode,
-    Node,
     OilVolume,
     PressureSource,
-    Rod,
-    Shaft,
     Source,
     Tank,
 )
-from vvdp.network.paths import Places
+from vvdp.network.paths import Places, check_unit
 from vvdp.simulation.values import names
 
 PRESCRIBED = (Tank, PressureSource)
+WRITTEN = frozenset(
+    (
+        *("circuit", "conditions", "stored", "start", "stop", "mark", "t", "s", "u", "p", "h", "m", "r", "z", "np"),
+        *("rates", "outputs", "energy", "next_stop", "taken_in", "temperature", "medium", "program", "command"),
+        *("Books", "Stored", "NOTHING", "EMPTY_BOOKS"),
+        *("State", "Outputs", "Supplied", "Spent", "Totals", "Held"),
+    )
+)
+"""What the text calls its own functions, arguments, classes and values."""
 
 
 @dataclass
@@ -43,32 +53,38 @@ class Text:
     def network(self) -> Network:
         return self.places.network
 
-    @cached_property
-    def between(self) -> frozenset[str]:
-        """Names that the text gives to what it works out on the way. Raises NetworkError where a part has one of them."""
-        nodes, parts = self.network.nodes, self.network.parts
-        held = [n for n, node in nodes.items() if isinstance(node, OilVolume)]
-        held += [n for n, part in parts.items() if part.component.stored]
-        found = {"taken_in", "energy", "next_stop", *(f"surplus_{n}" for n in nodes), *(f"in_{n}" for n in held)}
-        found |= {f"into_{n}" for n, node in nodes.items() if isinstance(node, PRESCRIBED)}
-        found |= {f"{n}_walls" for n, part in parts.items() if part.component.walls}
-        if odd := found & {*nodes, *parts, *self.network.programs}:
-            raise NetworkError(f"{min(odd)!r} is needed for what the circuit works out on its way; choose another name")
-        return frozenset(found)
-
     def use(self, value: Any, name: str | None = None) -> str:
         """The name under which the text knows a function or class."""
-        wanted = name or value.__name__
-        taken = {*self.network.nodes, *self.network.parts, *self.network.programs, *self.between}
+        wanted = name or re.sub(r"\W", "", value.__name__)
+        wanted += "_" if keyword.iskeyword(wanted) else ""
+        taken = self._taken
         while wanted in taken or self.names.get(wanted, value) is not value:
             wanted += "_law" if callable(value) and not isinstance(value, type) else "_"
         self.names[wanted] = value
         return wanted
 
-    def source(self, source: Source, where: str) -> str:
-        """The expression of a source in the circuit."""
+    @cached_property
+    def _taken(self) -> frozenset[str]:
+        """Names that the text gives to what is its own. Raises NetworkError where two would be the same."""
+        net = self.network
+        own = {*net.nodes, *net.parts, *net.programs}
+        derived = {f"{word}_{name}" for name in net.nodes for word in ("surplus", "in", "into")}
+        derived |= {text for name in net.parts for text in (f"{name}_walls", f"in_{name}")}
+        if twice := own & derived:
+            raise NetworkError(f"{min(twice)!r} is what another name becomes in the text of the circuit; rename it")
+        found = {f"{name}_oil" for name in net.nodes} | {f"medium_{name}" for name in net.values}
+        found |= {f"medium_{name}_oil" for name in net.nodes}
+        for name, program in net.programs.items():
+            found |= {f"{word}_{name}" for word in ("measure", "trigger", "step", "begin")}
+            found |= {field for read in program.sensors for field in (read, f"{read}_sensor")}
+        return frozenset({*WRITTEN, *own, *derived, *found})
+
+    def source(self, source: Source, where: str, kind: Kind | None = None) -> str:
+        """The expression of a source in the circuit, for what is of a `kind`."""
         if isinstance(source, str):
-            return self.read(source, where)
+            found = self.places.quantity(source, where)
+            check_unit(where, kind, source, found.kind)
+            return found.text
         if isinstance(source, Connection):
             inner = ", ".join(
                 self.places.path(x) if isinstance(x, Params) else self.source(x, where) for x in source.sources
@@ -76,22 +92,6 @@ class Text:
             return f"{self.use(source.function)}({inner})"
         assert isinstance(source, Signal)
         return f"{self.use(signal_value)}(t, {self.places.path(source)})"
-
-    def read(self, path: str, where: str) -> str:
-        """The expression of a path in the circuit: a node's quantity, an output, a state, a command."""
-        name, _, what = path.partition(".")
-        net = self.network
-        if name in net.nodes and what in _quantities(net.nodes[name]):
-            return path
-        if name in net.parts:
-            component = net.parts[name].component
-            if what in component.outputs or (what == "flow" and component.is_passage):
-                return path
-            if component.state is not None and what in names(component.state):
-                return f"s.{path}"
-        if name in net.programs and what in type(net.programs[name].type.command)._fields:
-            return f"u.{path}"
-        raise self.places.unknown(where, path)
 
     def arguments(self, part: Part, function: Callable[..., Any]) -> str:
         """The arguments with which a function of a part is called."""
@@ -118,13 +118,25 @@ class Text:
                 walls = self.walls(node, "rate")
                 return f"{node}.volume_ratio * surplus_{node}" + (f" - ({walls})" if walls else "")
             case Role.INPUT:
-                return self.source(part.inputs[argument.name], f"{part.name}.{argument.name}")
+                return self.source(part.inputs[argument.name], f"{part.name}.{argument.name}", argument.kind)
         return "t"
 
     @staticmethod
     def _value(part: Part, argument: Argument) -> Params:
-        found: Params = next(value for value in part.values if isinstance(value, argument.type))
-        return found
+        """The value of an argument: that of the same name in the law, else the only one of its class."""
+        law = [a for a in part.component.arguments if a.role is Role.PARAMS]
+        pairs = list(zip(law, part.values, strict=True))
+        for test in (
+            [value for own, value in pairs if own.name == argument.name and own.type is argument.type],
+            [value for own, value in pairs if own.type is argument.type],
+            [value for value in part.values if isinstance(value, argument.type)],
+        ):
+            if len(test) == 1:
+                return test[0]
+        raise NetworkError(
+            f"{part.name}: which values {argument.name!r} of {part.component.name} means cannot be told; "
+            "name the argument as in its law"
+        )
 
     def oil(self, part: Part) -> Any:
         """The oil of a part: that of its first hydraulic port."""
@@ -144,16 +156,16 @@ class Text:
         found = [
             f"{m.part.name}_walls.{m.port}.{what}"
             for m in self.places.attached(node)
-            if m.part.component.walls and m.port in m.part.component.hydraulic_ports
+            if m.port in m.part.component.wall_ports
         ]
         return " + ".join(found)
 
-    def given(self, node: str, *, without: Part | None = None) -> str:
-        """The sum of what the parts at a node give to it: flows, torques or forces."""
+    def given(self, node: str, *, only: Container[str] | None = None) -> str:
+        """The sum of what the parts at a node, or some of them, give to it: flows, torques or forces."""
         terms = []
         for met in self.places.attached(node):
             component = met.part.component
-            if met.part is without:
+            if only is not None and met.part.name not in only:
                 continue
             if component.is_passage and met.port in component.hydraulic_ports:
                 sign = "-" if met.port == component.hydraulic_ports[0] else "+"
@@ -162,8 +174,8 @@ class Text:
                 terms.append(("+", f"{met.part.name}.{met.port}"))
         return added(terms)
 
-    def node_lines(self, nodes: Iterable[str]) -> Iterator[str]:
-        """Lines that say what is at nodes."""
+    def node_lines(self, nodes: Iterable[str], *, at_rest: bool = False) -> Iterator[str]:
+        """Lines that say what is at nodes; `at_rest` where only angle and position of what moves are asked for."""
         for name in nodes:
             node = self.network.nodes[name]
             match node:
@@ -172,10 +184,10 @@ class Text:
                 case Tank():
                     yield f"{name} = h.{name}"
                 case PressureSource():
-                    pressure = self.source(node.pressure, name)
+                    pressure = self.source(node.pressure, name, PRESSURE_LEVEL)
                     yield f"{name} = {self.use(fluid_state)}({pressure}, {self.places.path(node.oil)})"
                 case DrivenShaft():
-                    speed = self.source(node.speed, name)
+                    speed = "0.0" if at_rest else self.source(node.speed, name, SPEED)
                     turning = name in self.places.turning
                     parts = (
                         f"{self.use(ShaftState)}(s.{name}, {speed})" if turning else f"{self.use(ShaftSpeed)}({speed})"
@@ -188,12 +200,3 @@ class Text:
         """A call of one of a part's functions."""
         assert function is not None
         return f"{self.use(function)}({self.arguments(part, function)})"
-
-
-def _quantities(node: Node) -> tuple[str, ...]:
-    match node:
-        case Shaft() | DrivenShaft():
-            return ShaftState._fields
-        case Rod():
-            return RodState._fields
-    return FluidState._fields

@@ -2,13 +2,14 @@
 
 import types
 from functools import cached_property
-from typing import Any, get_type_hints
+from typing import Any
 
 from vvdp.base.books import NOTHING
 from vvdp.base.errors import NetworkError
+from vvdp.base.params import field_kinds
 from vvdp.network.classes import named_tuple, params_class
 from vvdp.network.network import ProgramPart
-from vvdp.network.nodes import DrivenShaft, Node, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.paths import check_unit
 from vvdp.network.text import Text
 from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
 from vvdp.simulation.model import Program
@@ -23,7 +24,7 @@ class WrittenProgram:
     @property
     def blocks(self) -> list[list[str]]:
         """Its functions: `measure_`, `trigger_` if events call it, `step_` and `begin_` where instruments measure."""
-        fields = {name: self._read(path) for name, path in self.part.reads.items()}
+        fields = {name: self._read(name, path) for name, path in self.part.reads.items()}
         reading = f"{self.text.use(self.part.type.reading)}({', '.join(f'{n}={text}' for n, text in fields.items())})"
         found = [[f"def measure_{self.name}(t, s, outputs, p):", f"    return {reading}"]]
         if self.part.type.level:
@@ -82,32 +83,12 @@ class WrittenProgram:
             latency=self.part.latency,
         )
 
-    def _read(self, path: str) -> str:
+    def _read(self, field: str, path: str) -> str:
         """Where a reading comes from: a state, or a result of the circuit."""
-        net = self.text.network
-        name, _, what = path.partition(".")
         if path == "t":
             return "t"
-        node = net.nodes.get(name)
-        if node is not None:
-            return self._at_node(node, name, what)
-        self.text.read(path, self.name)  # refuses a path that leads nowhere
-        part = net.parts.get(name)
-        state = part.component.state if part else None
-        if part and state is not None and what in get_type_hints(state) and what not in part.component.outputs:
-            return f"s.{path}"
-        return f"outputs.{name}_{what}"
-
-    def _at_node(self, node: Node, name: str, what: str) -> str:
-        match node, what:
-            case OilVolume(), "pressure":
-                return f"s.{name}"
-            case ((Tank() | PressureSource()), "pressure"):
-                return f"outputs.{name}_pressure"
-            case Shaft(), ("angle" | "speed"):
-                return f"s.{name}.{what}"
-            case Rod(), ("position" | "velocity"):
-                return f"s.{name}.{what}"
-            case DrivenShaft(), "angle":
-                return f"s.{name}"
-        raise NetworkError(f"{self.name} reads {what!r} at {name!r}, which no sensor measures")
+        found = self.text.places.quantity(path, self.name)
+        if not found.recorded:
+            raise NetworkError(f"{self.name} reads {path!r}, which no sensor measures")
+        check_unit(f"{self.name}.{field}", field_kinds(self.part.type.reading)[field], path, found.kind)
+        return found.recorded

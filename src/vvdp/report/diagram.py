@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from html import escape
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 from vvdp.network.graph import Graph, GraphComponent, NodeKind
 from vvdp.report import symbols as draw
@@ -18,9 +17,6 @@ from vvdp.report.routing import Plan, Rail, Wire, plan
 from vvdp.report.signals import signal_lines
 from vvdp.report.symbol import Side
 from vvdp.report.symbol_set import UNKNOWN_LETTER, entry
-
-if TYPE_CHECKING:
-    from vvdp.report.reading import Reading
 
 NO_VALUES: Mapping[str, Lines] = MappingProxyType({})
 LEAST_WIDTH = 900.0
@@ -65,13 +61,6 @@ def designations(graph: Graph) -> dict[str, str]:
             number += 1
         marks[component.name] = f"{letter}{number}"
     return {component.name: marks[component.name] for component in graph.components}
-
-
-def circuit_diagram(reading: "Reading") -> str:
-    """The diagram of the bench, as long as reports do not draw graphs."""
-    from vvdp.report.bench_diagram import circuit_diagram as of_bench
-
-    return of_bench(reading)
 
 
 def _letter(component: GraphComponent) -> str:

@@ -1,353 +1,168 @@
-"""The figures of a report. Each is drawn from a result directory alone, and drawn again it has the same bytes."""
+"""The figures of any circuit's report. Each is drawn from a result directory alone, again with the same bytes."""
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from vvdp.base.signal import signal_value
-from vvdp.numerics.spectrum import amplitude_spectrum
+from vvdp.network.nodes import DrivenShaft, Rod, Shaft
 from vvdp.numerics.tableaus import Array
-from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
-from vvdp.report.losses import causes, components
-from vvdp.report.reading import BAR, LPM, Detail, Reading, Rows
-from vvdp.report.wording import fixed, number, percent, plain
-from vvdp.systems.watching import SETTLED, estimate_errors
+from vvdp.report.drawing import INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
+from vvdp.report.reading import BAR, LPM, Reading
+from vvdp.report.wording import fixed, percent, plain
+from vvdp.systems.overview import loss_lines, power_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHORTEST_SPECTRUM = 64
-"""Fewest samples from which a spectrum is drawn."""
+RPM = 2.0 * np.pi / 60.0
+COLOURS = (LOAD, INLET, TANK, RELIEF, "#2f7d4f", "#a3180c", "#8a6bbf", "#b9a13c")
+STYLES = ("-", "--", ":")
+MOST_LINES = len(COLOURS) * len(STYLES)
+"""Most lines of one picture."""
 
 
-def figures(reading: Reading) -> Iterator[Drawn]:
-    """All figures that this run gives."""
-    detail = reading.detail()
-    what = _detail_words(reading, detail)
-    yield drawn(
-        "cycle-time", f"Pressures, flows and open areas over time. {what}", 4.45, _cycle(reading, detail, False)
-    )
-    if detail.periods:
-        caption = (
-            f"The same over the spool's angle within a PWM period; the last {_periods(detail.periods)} lie on top of "
-            "each other where the run repeats itself. Load and tank port are open in turn."
-        )
-        yield drawn("cycle-angle", caption, 4.45, _cycle(reading, detail, True))
-    yield drawn("run", _run_caption(reading), 3.2, lambda figure: _run(figure, reading))
-    yield drawn("speed", _speed_caption(reading), _speed_height(reading), lambda figure: _speed(figure, reading))
-    if reading.is_watched:
-        yield drawn("estimate", _estimate_caption(reading), 4.3, lambda figure: _estimate(figure, reading))
-    yield drawn("losses", _loss_caption(reading), 3.0, lambda figure: _losses(figure, reading))
-    ripple = _ripple(reading)
-    if ripple is not None:
-        yield drawn("spectrum", ripple[2], 2.4, lambda figure: _spectrum(figure, reading, ripple[0], ripple[1]))
+class Course(NamedTuple):
+    """A line of a picture: its name and values over the rows of the run."""
+
+    name: str
+    values: Array
 
 
-def _periods(count: int) -> str:
-    return "PWM period" if count == 1 else f"{count} PWM periods"
+def detail(reading: Reading) -> Iterator[Drawn]:
+    """Pressures of the volumes and flows of the components over the last periods or the finely recorded part."""
+    part = reading.detail() if reading.detail().periods else reading.fine()
+    t = 1e3 * reading.results.times[part.rows]
+    panels = _pressures_and_flows(reading, part.rows)
+    if t.size < 2 or not panels:
+        return
+    count = part.periods
+    periods = reading.period if count == 1 else f"{count} {reading.period}s"
+    words = f"The last {periods}" if count else "The end of the run"
+    words += f", recorded every {plain(1e6 * part.interval, 4)} µs: pressures of all volumes, flows of all components."
+    yield drawn("detail", words + _left_out(reading), _height(panels), lambda f: _lines(f, t, "time [ms]", panels))
 
 
-def _detail_words(reading: Reading, detail: Detail) -> str:
-    interval = f"{plain(1e6 * detail.interval, 4)} µs"
-    if detail.periods >= 3:
-        words = "The last three whole PWM periods of the run"
-    elif detail.periods:
-        words = f"Only {_periods(detail.periods)} passed in the finely recorded part of the run; shown is what there is"
-    else:
-        words = "No whole PWM period passed in the finely recorded part of the run; shown is its last piece"
-    coarse = "" if reading.is_fine else "; the run ended before its finely recorded part, so details are missing"
-    return f"{words}, recorded every {interval}{coarse}."
+def whole(reading: Reading) -> Iterator[Drawn]:
+    """The same over the whole run."""
+    t = reading.results.times
+    panels = _pressures_and_flows(reading, np.arange(t.size))
+    if t.size < 2 or not panels:
+        return
+    interval = plain(1e3 * reading.system.stepping.record_interval, 4)
+    words = f"The whole run, recorded every {interval} ms"
+    begin = reading.fine_from()
+    words += f" and finely from {plain(float(t[begin]), 4)} s on" if begin else ""
+    words += "; peaks between the records are not seen here but in the table of nodes."
+    yield drawn("run", words, _height(panels), lambda f: _lines(f, t, "time [s]", panels))
 
 
-def _cycle(reading: Reading, detail: Detail, over_angle: bool) -> Callable[["Figure"], None]:
-    rows = detail.rows
-    pitch = 360.0 / reading.supply.valve.sections
-    x = 1e3 * reading.results.times[rows]
-    breaks: Rows = np.zeros(0, int)
-    if over_angle:
-        x = np.mod(np.degrees(reading.state("supply.spool.angle")[rows]), pitch)
-        breaks = np.flatnonzero(np.abs(np.diff(x)) > 0.5 * pitch) + 1
-
-    def line(axes: "Axes", values: Array, colour: str, style: str, name: str, width: float = 1.3) -> None:
-        apart = np.insert(values[rows], breaks, np.nan)
-        axes.plot(np.insert(x, breaks, np.nan), apart, color=colour, linestyle=style, linewidth=width, label=name)
-
-    def draw(figure: "Figure") -> None:
-        pressures, flows, areas = figure.subplots(3, 1, sharex=True, height_ratios=[1.15, 1.15, 0.8])
-        line(pressures, (reading.state("supply.inlet_pressure") - reading.reference) / BAR, INLET, "-", "inlet")
-        line(pressures, (reading.output("load_pressure") - reading.reference) / BAR, LOAD, "-", "load", 1.7)
-        pressures.set_ylabel("pressure [bar]")
-        pressures.set_ylim(bottom=min(0.0, pressures.get_ylim()[0]))
-        legend(pressures, 2)
-        for name, colour, style, words in (
-            ("pump_flow", FAINT, "-", "pump"),
-            ("load_flow", LOAD, "-", "to load"),
-            ("tank_flow", TANK, "-", "to tank"),
-            ("relief_flow", RELIEF, "--", "relief valve"),
-        ):
-            line(flows, reading.output(name) / LPM, colour, style, words, 2.4 if name == "pump_flow" else 1.3)
-        flows.set_ylabel("flow [lpm]")
-        legend(flows, 4)
-        area = 1e6 * reading.supply.valve.nozzle_area
-        line(areas, area * reading.output("load_opening"), LOAD, "-", "load port")
-        line(areas, area * reading.output("tank_opening"), TANK, "-", "tank port")
-        areas.set_ylabel("open area [mm²]")
-        areas.set_xlabel("spool angle within the PWM period [°]" if over_angle else "time [ms]")
-        legend(areas, 2)
-        if over_angle:
-            areas.set_xlim(0.0, pitch)
-            areas.set_xticks(np.linspace(0.0, pitch, 9))
-        else:
-            areas.set_xlim(x[0], x[-1])
-            for axes in (pressures, flows, areas):
-                for mark in detail.marks:
-                    axes.axvline(1e3 * mark, color="#9aa3ac", linewidth=0.7, linestyle=(0, (1, 2)), zorder=0.5)
-        figure.align_ylabels()
-
-    return draw
+def motion(reading: Reading) -> Iterator[Drawn]:
+    """Shafts, rods and the commands of programs over the whole run."""
+    t = reading.results.times
+    panels = list(_motions(reading))
+    if t.size < 2 or not panels:
+        return
+    words = "Shafts, rods and the commands of programs over the whole run."
+    yield drawn("motion", words, _height(panels), lambda f: _lines(f, t, "time [s]", panels))
 
 
-def _run_caption(reading: Reading) -> str:
-    t, begin = reading.results.times, reading.fine_from()
-    low, high = (fixed(reading.number(f"inlet_pressure_{end}_Pa") / BAR, 1) for end in ("min", "max"))
-    between = "within each PWM period" if reading.results.mark_times.size >= 2 else "within each sixtieth of the run"
-    first = reading.system.stepping.record_interval if begin or not reading.is_fine else reading.fine_interval
-    coarse = f"{plain(1e3 * first, 4)} ms"
-    fine = (
-        f" and every {plain(1e6 * reading.fine_interval, 4)} µs from {plain(float(t[begin]), 4)} s on" if begin else ""
-    )
-    mean = "Load flow: mean of each PWM period." if reading.results.mark_times.size >= 2 else "Load flow: as recorded."
-    return (
-        f"The whole run. Band: smallest and largest recorded inlet pressure {between}. Rows are recorded every "
-        f"{coarse}{fine}, so peaks between them are not in the band; over every step of the run the inlet pressure "
-        f"went from {low} to {high} bar. {mean}"
-    )
+def losses(reading: Reading) -> Iterator[Drawn]:
+    """What each component turns to heat."""
+    found = [(line.component, line.loss) for line in loss_lines(reading.system, reading.results.summary)]
+    parts = sorted((each for each in found if each[1] > 0.0), key=lambda each: each[1])
+    if not parts:
+        return
+    powers = (power for _, power in power_lines(reading.system, reading.results.summary))
+    put_in = sum(power for power in powers if power > 0.0)
+    words = "Mean power turned to heat by each component over the averaging window; shares are of the power put in."
+    yield drawn("losses", words, 0.9 + 0.24 * len(parts), lambda f: _bars(f, parts, put_in))
 
 
-def _run(figure: "Figure", reading: Reading) -> None:
-    pressures, flows = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1.0])
-    t, marks = reading.results.times, reading.results.mark_times
-    middle, low, high = reading.period_extremes((reading.state("supply.inlet_pressure") - reading.reference) / BAR)
-    pressures.fill_between(
-        middle, low, high, facecolor="#f7dcc0", edgecolor="#efbd8c", linewidth=0.8, label="inlet, band"
-    )
-    load = (reading.output("load_pressure") - reading.reference) / BAR
-    if marks.size >= 2:
-        centre = 0.5 * (marks[:-1] + marks[1:])
-        inlet = reading.period_means("books.totals.inlet_pressure") - reading.reference
-        pressures.plot(centre, inlet / BAR, color=INLET, linestyle="--", label="inlet, mean of each period")
-        flows.plot(centre, _delivered(reading) / LPM, color=LOAD, marker=".", markersize=3.0)
-    else:
-        flows.plot(t, reading.output("load_flow") / LPM, color=LOAD)
-    pressures.plot(t, load, color=LOAD, linewidth=1.1, label="load")
-    pressures.set_ylabel("pressure [bar]")
-    pressures.set_ylim(bottom=min(0.0, float(np.min(low))))
-    flows.set_ylabel("load flow [lpm]")
-    bottom, top = flows.get_ylim()
-    flows.set_ylim(min(0.0, bottom), top + 0.12 * (top - min(0.0, bottom)))
-    flows.set_xlabel("time [s]")
-    flows.set_xlim(t[0], t[-1])
-    legend(pressures, 3)
+def _pressures_and_flows(reading: Reading, rows: "np.ndarray[tuple[int], np.dtype[np.intp]]") -> list["Panel"]:
+    pressures = [Course(_said(name), reading.pressure(name)[rows] / BAR) for name in reading.volumes]
+    flows = [Course(_said(name), values[rows] / LPM) for name, values in reading.flows()]
+    flows = [course for course in flows if np.any(course.values != 0.0)]
+    return [Panel(label, courses[:MOST_LINES]) for label, courses in
+            (("pressure [bar]", pressures), ("flow [lpm]", flows)) if courses]  # fmt: skip
+
+
+class Panel(NamedTuple):
+    """One set of axes: its label and lines."""
+
+    label: str
+    courses: Sequence[Course]
+
+
+def _left_out(reading: Reading) -> str:
+    count = max(len(reading.volumes), len(list(reading.flows()))) - MOST_LINES
+    return f" Only the first {MOST_LINES} of each are shown." if count > 0 else ""
+
+
+def _motions(reading: Reading) -> Iterator[Panel]:
+    nodes = reading.network.nodes
+    shafts = [name for name, node in nodes.items() if isinstance(node, Shaft)]
+    rods = [name for name, node in nodes.items() if isinstance(node, Rod)]
+    for label, scale, path, names in (
+        ("speed [rpm]", RPM, "speed", shafts),
+        ("position [mm]", 1e-3, "position", rods),
+        ("velocity [m/s]", 1.0, "velocity", rods),
+    ):
+        if names:
+            yield Panel(label, [Course(_said(name), reading.state(f"{name}.{path}") / scale) for name in names])
+    turned = [name for name, node in nodes.items() if isinstance(node, DrivenShaft) and name in reading.results.states]
+    t = reading.results.times
+    moving = [(name, np.gradient(reading.state(name), t) / RPM) for name in turned if t.size > 2]
+    changing = [Course(_said(n), speed) for n, speed in moving if np.ptp(speed) > 1e-6 * (1.0 + np.max(np.abs(speed)))]
+    if changing:
+        yield Panel("driven speed [rpm]", changing)
+    for program in reading.network.programs:
+        series = {path: each for path, each in reading.results.commands.items() if path.startswith(f"{program}.")}
+        for unit in dict.fromkeys(each.unit for each in series.values()):
+            courses = [
+                Course(_said(path.partition(".")[2]), each.values)
+                for path, each in series.items()
+                if each.unit == unit and each.values.ndim == 1
+            ]
+            if courses:
+                yield Panel(f"{_said(program)} [{unit}]", courses[:MOST_LINES])
+
+
+def _said(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _height(panels: Sequence[Panel]) -> float:
+    rows = sum(-(-len(panel.courses) // 5) for panel in panels)
+    return 0.5 + 1.45 * len(panels) + 0.17 * rows
+
+
+def _lines(figure: "Figure", x: Array, label: str, panels: Sequence[Panel]) -> None:
+    """One set of axes for each panel, one below the other."""
+    several = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+    for axes, panel in zip(several, panels, strict=True):
+        for number, course in enumerate(panel.courses):
+            colour, style = COLOURS[number % len(COLOURS)], STYLES[number // len(COLOURS)]
+            axes.plot(x, course.values, color=colour, linestyle=style, linewidth=1.2, label=course.name)
+        axes.set_ylabel(panel.label)
+        axes.margins(y=0.08)
+        legend(axes, 5)
+    several[-1].set_xlabel(label)
+    several[-1].set_xlim(x[0], x[-1])
     figure.align_ylabels()
 
 
-def _delivered(reading: Reading) -> Array:
-    """Mean flow that the load receives in each PWM period [m^3/s]."""
-    return reading.period_means("books.totals.load_flow")
-
-
-def _speed_caption(reading: Reading) -> str:
-    words = "The spool's speed as PWM frequency (scale on the left) and in rpm (scale on the right)."
-    if "analytic_pwm_frequency_Hz" in reading.results.summary:
-        both = [number(reading.number(f"analytic_pwm_frequency_{end}"), 3) for end in ("full_open_Hz", "Hz")]
-        words += (
-            f" Lines: analytic value of the fully open valve, {both[0]} Hz, and averaged over the period, {both[1]} Hz."
-        )
-        if reading.supply.spool_drive.coupling > 0.0:
-            words += " They are those of a spool that nothing drives but the flow."
-    return words
-
-
-def _speed_height(reading: Reading) -> float:
-    return 2.3 if reading.duty_ratio.is_constant else 2.9
-
-
-def _speed(figure: "Figure", reading: Reading) -> None:
-    steady = reading.duty_ratio.is_constant
-    panels = [figure.subplots(1, 1)] if steady else list(figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0]))
-    axes, t, marks = panels[0], reading.results.times, reading.results.mark_times
-    sections = reading.supply.valve.sections
-    axes.plot(
-        t,
-        reading.state("supply.spool.speed") * sections / (2 * np.pi),
-        color=TANK,
-        linewidth=0.9,
-        label="at each instant",
-    )
-    if marks.size >= 2:
-        axes.plot(
-            0.5 * (marks[:-1] + marks[1:]), 1.0 / np.diff(marks), color=LOAD, linewidth=1.6, label="mean of each period"
-        )
-    for key, style, name in (
-        ("full_open_Hz", (0, (1, 1.5)), "analytic, fully open"),
-        ("Hz", "--", "analytic, averaged"),
-    ):
-        if (value := reading.number(f"analytic_pwm_frequency_{key}")) == value:
-            axes.axhline(value, color=INLET, linestyle=style, linewidth=1.2, label=name)
-    axes.set_ylabel("PWM frequency [Hz]")
-    in_rpm: Any = (lambda f: 60.0 * f / sections, lambda n: n * sections / 60.0)
-    rpm = axes.secondary_yaxis("right", functions=in_rpm)
-    rpm.set_ylabel("spool speed [rpm]")
-    rpm.spines["right"].set_visible(True)
-    legend(axes, 4)
-    if not steady:
-        panels[1].plot(t, _duty_ratios(reading, t), color=INK)
-        panels[1].set_ylabel("duty ratio [1]")
-        panels[1].margins(y=0.15)
-    panels[-1].set_xlabel("time [s]")
-    panels[-1].set_xlim(t[0], t[-1])
-    figure.align_ylabels(panels)
-
-
-def _estimate_caption(reading: Reading) -> str:
-    words = (
-        "The spool as its encoder and the event-based Kalman filter see it. Top: speed, true and estimated. Middle: "
-        "error of the angle, within half a turn; until the index of the code wheel is found the angle is off by whole "
-        "sectors. Bottom: error of the speed. Bands: two standard deviations, as the filter states them; it takes the "
-        "acceleration as noise, so the speed's ripple within each PWM period lies outside."
-    )
-    if "spool_angle_error_rms_rad" in reading.results.summary:
-        angle, speed = (reading.number(f"spool_{what}") for what in ("angle_error_rms_rad", "speed_error_rms_rad_s"))
-        words += f" Root mean square from 0.5 s on: {number(angle, 3)} rad and {number(speed, 3)} rad/s."
-    return words
-
-
-def _estimate(figure: "Figure", reading: Reading) -> None:
-    speeds, angles, errors = figure.subplots(3, 1, sharex=True, height_ratios=[1.3, 1.0, 1.0])
-    t, shown = reading.results.times, {name: series.values for name, series in reading.results.shown.items()}
-    speed = reading.state("supply.spool.speed")
-    angle_error, speed_error = estimate_errors(t, reading.state("supply.spool.angle"), speed, shown)
-    speeds.plot(t, speed, color=TANK, linewidth=0.9, label="true")
-    speeds.plot(t, shown["speed"], color=LOAD, linewidth=1.1, label="estimated")
-    speeds.set_ylabel("speed [rad/s]")
-    settled = t >= min(SETTLED, 0.5 * t[-1])
-    low, high = float(np.min(speed[settled])), float(np.max(speed[settled]))
-    room = max(1.5 * (high - low), 0.02 * abs(high))
-    speeds.set_ylim(low - room, high + room)  # the search at the start would flatten all that follows
-    legend(speeds, 2)
-    for axes, error, deviation, label in (
-        (angles, angle_error, shown["angle_deviation"], "angle error [rad]"),
-        (errors, speed_error, shown["speed_deviation"], "speed error [rad/s]"),
-    ):
-        reach = 1.2 * max(float(np.max(np.abs(error[settled]))), float(np.max(2.0 * deviation[settled])))
-        axes.fill_between(t, -2.0 * deviation, 2.0 * deviation, facecolor="#f7dcc0", edgecolor="none")
-        axes.plot(t, error, color=LOAD, linewidth=0.8)
-        axes.axhline(0.0, color=INK, linewidth=0.6)
-        axes.set_ylabel(label)
-        axes.set_ylim(-2.0 * reach, 2.0 * reach)
-    errors.set_xlabel("time [s]")
-    errors.set_xlim(t[0], t[-1])
-    figure.align_ylabels()
-
-
-def _duty_ratios(reading: Reading, times: Array) -> Array:
-    return np.array([signal_value(float(t), reading.duty_ratio) for t in times])
-
-
-def _loss_caption(reading: Reading) -> str:
-    words = "Mean losses over the averaging window. Left: where the simulated power is lost."
-    if any(np.isfinite(c.analytic) for c in causes(reading)):
-        return words + " Right: by cause, beside the analytic formulas."
-    return words + " Right: by cause; there is no analytic value at this operating point."
-
-
-def _losses(figure: "Figure", reading: Reading) -> None:
-    left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.0])
-    power = reading.number("input_power_W") + reading.number("spool_motor_power_W")
-    parts = sorted((c for c in components(reading) if c.simulated > 0.0), key=lambda c: c.simulated)
-    _bars(left, [c.name for c in parts], [c.simulated for c in parts], [0.0] * len(parts), 0.62, LOAD, "", power)
-    left.set_title("by component, simulated", loc="left")
-    shared = [c for c in causes(reading) if c.simulated > 0.0 or c.analytic > 0.0][::-1]
-    names = [c.name for c in shared]
-    compared = any(np.isfinite(c.analytic) for c in shared)
-    shift = 0.19 if compared else 0.0
-    _bars(right, names, [c.simulated for c in shared], [shift] * len(shared), 0.34, LOAD, "simulated", power)
-    if compared:
-        _bars(right, names, [c.analytic for c in shared], [-shift] * len(shared), 0.34, INLET, "analytic", power)
-    right.set_title("by cause", loc="left")
-    for axes in (left, right):
-        axes.set_xlabel("loss [W]")
-        axes.grid(axis="y", visible=False)
-        axes.tick_params(axis="y", length=0)
-        axes.set_xlim(0.0, 1.42 * max(axes.get_xlim()[1] / 1.05, 1e-3))
-    if compared:
-        right.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, handlelength=1.0, columnspacing=1.2)
-
-
-def _bars(
-    axes: "Axes",
-    names: Sequence[str],
-    powers: Sequence[float],
-    shift: Sequence[float],
-    height: float,
-    colour: str,
-    label: str,
-    whole: float,
-) -> None:
-    places = np.arange(len(names)) + np.asarray(shift)
-    bars = axes.barh(places, np.nan_to_num(powers), height=height, color=colour, label=label)
-    shown = [f"{fixed(p, 0 if p >= 100 else 1)} W" + (f", {percent(p / whole)}" if whole > 0 else "") for p in powers]
-    axes.bar_label(
-        bars,
-        [s if np.isfinite(p) else "" for s, p in zip(shown, powers, strict=True)],
-        padding=3,
-        fontsize=7.0,
-        color=INK,
-    )
-    axes.set_yticks(range(len(names)), names)
-
-
-def _ripple(reading: Reading) -> tuple[Array, Array, str] | None:
-    """Frequencies and amplitudes [Hz, bar] of the load pressure, or the inlet's where the load is held; a caption."""
-    part = reading.fine()
-    if part.rows.size < SHORTEST_SPECTRUM or not reading.is_fine:
-        return None
-    path, name = ("load_pressure", "load") if reading.has_load_line else ("supply.inlet_pressure", "inlet")
-    t = reading.results.times[part.rows]
-    samples = int((t[-1] - t[0]) / part.interval)
-    even = t[0] + part.interval * np.arange(samples)
-    found = amplitude_spectrum(np.interp(even, t, reading.state(path)[part.rows] / BAR), part.interval)
-    over = f"{_periods(part.periods)}" if part.periods else "the finely recorded part"
-    words = (
-        f"Amplitudes of the {name} pressure over {over} ({fixed(1e3 * (t[-1] - t[0]), 0)} ms, Hann window, lines "
-        f"{number(float(found.frequencies[1]), 3)} Hz apart)."
-    )
-    if part.periods:
-        words += (
-            " Dotted: multiples of the PWM frequency; the numbers are the amplitudes there. Lines far below the first"
-        )
-        words += " of them are slow change, not ripple."
-    return found.frequencies, found.amplitudes, words
-
-
-def _spectrum(figure: "Figure", reading: Reading, frequencies: Array, amplitudes: Array) -> None:
-    axes = figure.subplots(1, 1)
-    part = reading.fine()
-    base = part.periods / (part.marks[-1] - part.marks[0]) if part.periods else 0.0
-    highest = min(float(frequencies[-1]), 10.6 * base if base else 1000.0)
-    inside = (frequencies <= highest) & (frequencies > 0.0)
-    top = float(np.max(amplitudes[inside], initial=1e-9))
-    axes.vlines(frequencies[inside], 0.0, amplitudes[inside], color=LOAD, linewidth=1.4)
-    axes.set_ylim(0.0, 1.16 * top)
-    axes.set_xlim(0.0, highest)
-    for k in range(1, int(highest / base) + 1 if base else 0):
-        axes.axvline(k * base, color="#9aa3ac", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.5)
-        size = float(np.max(amplitudes[np.abs(frequencies - k * base) <= 1.5 * frequencies[1]], initial=0.0))
-        axes.annotate(
-            number(size, 2), (k * base, size), (0, 3), textcoords="offset points", ha="center", fontsize=7.0, color=INK,
-            bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"},
-        )  # fmt: skip
-    axes.set_xlabel("frequency [Hz]")
-    axes.set_ylabel("amplitude [bar]")
+def _bars(figure: "Figure", parts: Sequence[tuple[str, float]], whole: float) -> None:
+    axes: Axes = figure.subplots(1, 1)
+    bars = axes.barh(range(len(parts)), [power for _, power in parts], height=0.62, color=LOAD)
+    said = [
+        f"{fixed(power, 0 if power >= 100 else 1)} W" + (f", {percent(power / whole)}" if whole > 0.0 else "")
+        for _, power in parts
+    ]
+    axes.bar_label(bars, said, padding=3, fontsize=7.0, color=INK)
+    axes.set_yticks(range(len(parts)), [_said(name) for name, _ in parts])
+    axes.set_xlabel("loss [W]")
+    axes.grid(axis="y", visible=False)
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlim(0.0, 1.25 * max(power for _, power in parts))

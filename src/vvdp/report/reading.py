@@ -1,24 +1,26 @@
 """A result directory as the report reads it: the numbers, the system they belong to, and the rows worth drawing."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from vvdp.base.signal import Signal, signal_value
+from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, parsed_table
-from vvdp.circuits.supply import Operation, SupplyParams
+from vvdp.network.network import Network
+from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation.results import Results, read_results
-from vvdp.systems.benches import operation
+from vvdp.systems.overview import flow_ports, inside, period
 from vvdp.systems.system import System, built_system
 
 BAR = 1e5
 LPM = 1e-3 / 60.0
 SHOWN_PERIODS = 3
 WITHOUT_MARKS = 0.05
-"""Length of the detailed figures where no PWM period was passed [s]."""
+"""Length of the detailed figures where no period was passed [s]."""
 
 Rows: TypeAlias = np.ndarray[Any, np.dtype[np.intp]]
 
@@ -36,7 +38,7 @@ class Detail:
 
     @property
     def periods(self) -> int:
-        """Whole PWM periods among the rows."""
+        """Whole periods among the rows."""
         return max(self.marks.size - 1, 0)
 
 
@@ -48,30 +50,14 @@ class Reading:
     system: System
 
     @property
-    def supply(self) -> SupplyParams:
-        """Parameters of everything upstream of the load."""
-        found: SupplyParams = self.system.case.params.supply
-        return found
+    def network(self) -> Network:
+        """What was simulated."""
+        return self.system.circuit.network
 
     @property
-    def operation(self) -> Operation:
-        """What was prescribed, with the duty ratio as axial position."""
-        return operation(self.supply.operation, self.supply.valve.helix_length)
-
-    @property
-    def reference(self) -> float:
-        """What gauge pressures count from [Pa]."""
-        return self.supply.oil.reference_pressure
-
-    @property
-    def has_load_line(self) -> bool:
-        """Whether the load makes its own pressure."""
-        return "load_pressure" in self.results.states
-
-    @property
-    def is_watched(self) -> bool:
-        """Whether encoder and filter ran along."""
-        return "speed_deviation" in self.results.shown
+    def period(self) -> str:
+        """What passes between two marks."""
+        return period(self.system)
 
     def number(self, key: str) -> float:
         """A value of the summary; nan where it has none."""
@@ -89,42 +75,44 @@ class Reading:
         """A recorded output over `results.times` [SI]."""
         return self.results.outputs[name].values
 
-    def row(self, table: str, key: str) -> Sourced | None:
-        """A parameter with its origin; None where the system has none of this name."""
-        return next((r for r in self.system.rows if (r.table, r.key) == (table, key)), None)
+    def command(self, path: str) -> Array:
+        """A recorded command, as "program.field", over `results.times` [SI]."""
+        return self.results.commands[path].values
+
+    @property
+    def volumes(self) -> tuple[str, ...]:
+        """Names of the nodes that make their own pressure, but for those inside of a pipe."""
+        hidden = inside(self.network)
+        nodes = self.network.nodes.items()
+        return tuple(name for name, node in nodes if isinstance(node, OilVolume) and name not in hidden)
+
+    def pressure(self, node: str) -> Array:
+        """The gauge pressure of a hydraulic node over `results.times` [Pa]."""
+        found = self.network.nodes[node]
+        assert isinstance(found, HydraulicNode)
+        absolute = self.state(node) if isinstance(found, OilVolume) else self.output(f"{node}_pressure")
+        return absolute - found.oil.reference_pressure
+
+    def flows(self) -> Iterator[tuple[str, Array]]:
+        """Name and course of every recorded flow of a component [tank volumes, m^3/s]."""
+        hidden = inside(self.network)
+        for part in self.network.parts.values():
+            for name, port in flow_ports(part).items() if part.name not in hidden else ():
+                yield f"{part.name}, {port}" if port else part.name, self.output(name)
+        for name, group in self.network.groups.items():
+            yield name, self.output(f"{group.parts[-1]}_flow")
 
     def is_absolute(self, row: Sourced) -> bool:
         """Whether a pressure level was written as an absolute one."""
-        entry = self.system.content.get(row.table, {}).get(row.key, "")
+        entry: Any = self.system.content
+        for key in (*row.table.split("."), row.key):
+            entry = entry.get(key, "") if isinstance(entry, dict) else ""
         return "bara" in str(entry) or "psia" in str(entry)
-
-    @property
-    def duty_ratio(self) -> Signal:
-        """The axial position over the helix length."""
-        x, length = self.operation.axial_position, self.supply.valve.helix_length
-        return Signal(
-            x.base / length,
-            x.start,
-            x.duration,
-            tuple(c / length for c in x.change),
-            tuple(a / length for a in x.amplitude),
-            x.frequency,
-            x.phase,
-        )
 
     @property
     def varies(self) -> bool:
         """Whether anything prescribed changes over time."""
         return any(isinstance(r.value, Signal) and not r.value.is_constant for r in self.system.rows)
-
-    @property
-    def mean_load_pressure(self) -> float:
-        """[Pa, absolute]."""
-        return self.number("mean_load_pressure_Pa") + self.reference
-
-    def start(self, signal: Signal) -> float:
-        """The value that a signal begins with."""
-        return float(signal_value(0.0, signal))
 
     def fine_from(self) -> int:
         """Row from which on the run is recorded finely; 0 where it nowhere is."""
@@ -148,7 +136,7 @@ class Reading:
         return self._between(None)
 
     def detail(self) -> Detail:
-        """The last whole PWM periods of the finely recorded part, three at most; a short piece without two marks."""
+        """The last whole periods of the finely recorded part, three at most; a short piece without two marks."""
         return self._between(SHOWN_PERIODS)
 
     def _between(self, periods: int | None) -> Detail:
@@ -164,7 +152,7 @@ class Reading:
         return Detail(rows, marks, self.fine_interval)
 
     def period_means(self, path: str) -> Array:
-        """Means over each PWM period of what the integral `path` adds up [SI], shape (marks - 1,)."""
+        """Means over each period of what the integral `path` adds up [SI], shape (marks - 1,)."""
         integral = self.results.mark_states[path].values
         means: Array = np.diff(integral) / np.diff(self.results.mark_times)
         return means
@@ -188,4 +176,4 @@ def reading(directory: Path) -> Reading:
     """The content of a result directory. Raises ConfigError where it is none, or the system in it cannot be read."""
     results = read_results(directory)
     table = parsed_table(results.system, str(directory / "system.toml"))
-    return Reading(results, built_system(table, str(results.meta.get("system", ""))))
+    return Reading(results, built_system(table, str(results.meta.get("system", "")), directory))

@@ -1,6 +1,7 @@
 """The bibliography: BibTeX entries and how a reader sees them."""
 
 import re
+import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -88,5 +89,9 @@ def _natural(name: str) -> str:
     return _plain(f"{first} {last}" if comma else last)
 
 
+ACCENTS = {"'": "\u0301", "`": "\u0300", "^": "\u0302", '"': "\u0308", "~": "\u0303"}
+
+
 def _plain(text: str) -> str:
-    return text.replace("{", "").replace("}", "").replace(r"\&", "&").replace("--", "–")
+    text = text.replace("{", "").replace("}", "").replace(r"\&", "&").replace("--", "–")
+    return re.sub(r"\\(['`^\"~])(\w)", lambda match: unicodedata.normalize("NFC", match[2] + ACCENTS[match[1]]), text)

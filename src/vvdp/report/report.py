@@ -5,9 +5,11 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from vvdp.report.diagram import circuit_diagram
+from vvdp.report.bench_contents import BenchContents
+from vvdp.report.circuit import graph_of
+from vvdp.report.contents import Contents
+from vvdp.report.diagram import diagram
 from vvdp.report.drawing import Drawn
-from vvdp.report.figures import figures
 from vvdp.report.html import figure, text
 from vvdp.report.page import opening, write_page
 from vvdp.report.reading import Reading, reading
@@ -15,13 +17,14 @@ from vvdp.report.references import bibliography
 from vvdp.report.tables import (
     assumed_table,
     balances,
-    key_numbers,
-    loss_tables,
+    component_table,
+    node_table,
     parameter_table,
     reference_list,
     share_of_assumed,
 )
-from vvdp.report.verdict import badges, in_words, notices, range_notes
+from vvdp.report.verdict import remarks
+from vvdp.systems.bench import RotaryBench
 
 DIAGRAM = "circuit"
 
@@ -33,46 +36,67 @@ def write_report(directory: Path) -> Path:
     Raises ConfigError where the directory is no result directory or the system in it cannot be read.
     """
     read = reading(directory)
-    diagram, drawn = circuit_diagram(read), tuple(figures(read))
-    return write_page(directory, _page(read, diagram, drawn), drawn, {DIAGRAM: diagram})
+    shown = contents(read)
+    course, losses = tuple(shown.course()), tuple(shown.losses())
+    drawing = diagram(graph_of(read.network, read.system.title), shown.values())
+    return write_page(directory, _page(shown, drawing, course, losses), (*course, *losses), {DIAGRAM: drawing})
 
 
-def _page(read: Reading, diagram: str, drawn: tuple[Drawn, ...]) -> Iterator[str]:
+def contents(read: Reading) -> Contents:
+    """What the page shows of what was simulated."""
+    extras = read.system.extras
+    return BenchContents(read, extras) if isinstance(extras, RotaryBench) else Contents(read)
+
+
+def _page(shown: Contents, drawing: str, course: tuple[Drawn, ...], losses: tuple[Drawn, ...]) -> Iterator[str]:
+    read = shown.reading
     title = text(read.system.title)
     yield opening(title)
-    yield from _head(read, title)
+    yield from _head(shown, title)
     yield "<h2>Circuit</h2>"
-    caption = (
-        "The bench with the values of this run. Pressures are gauge; flows are counted in volumes at tank conditions."
-    )
-    yield figure(diagram, DIAGRAM, 1, caption)
+    yield figure(drawing, DIAGRAM, 1, shown.circuit_caption())
     yield '<section class="together">\n<h2>Key numbers</h2>'
     means = "Means over the averaging window; lowest and highest over every step of the run, its start included."
-    yield f'<p class="small">{means}</p>'
-    yield f"{key_numbers(read)}\n</section>"
-    yield from _course(drawn)
-    yield from _losses(read, drawn)
+    yield f'<p class="small">{means} Pressures are gauge.</p>'
+    yield f"{shown.key_numbers()}\n</section>"
+    yield f"<h3>Nodes</h3>\n{node_table(read)}\n<h3>Components</h3>\n{component_table(read)}"
+    yield from _course(shown, course)
+    yield '<h2 class="page">Losses</h2>'
+    yield from (figure(each.svg, each.name, len(course) + 2, text(each.caption)) for each in losses)
+    yield shown.loss_tables()
     yield "<h2>Computation</h2>\n<p>A residual above the limit marks the run as not to be trusted.</p>"
     yield balances(read)
+    if found := remarks(read):
+        yield f"<h3>Remarks of the run</h3>\n<ul>{''.join(f'<li>{text(remark)}</li>' for remark in found)}</ul>"
     yield from _origin(read)
+    yield from _equations(read)
     yield "</body>\n</html>"
 
 
-def _head(read: Reading, title: str) -> Iterator[str]:
+def _equations(read: Reading) -> Iterator[str]:
+    """The text that the circuit is made into, folded away."""
+    yield "<h2>Equations</h2>\n<p>The network as it is written out and simulated.</p>"
+    words = "Show the text of the circuit"
+    yield f'<details class="code"><summary>{words}</summary>\n<pre>{text(read.system.circuit.text)}</pre></details>'
+
+
+def _head(shown: Contents, title: str) -> Iterator[str]:
+    read = shown.reading
     meta = read.results.meta
     name = f"System <b>{text(read.system.name)}</b>, " if read.system.name else ""
-    circuit = f"circuit {text(read.system.circuit)}"
+    circuit = f"circuit {text(read.system.circuit_name)}"
     facts = [f"{name}{circuit}", _date(meta.get("written")), f"vvdp {text(meta['vvdp'])}"]
     yield f'<h1>{title}</h1>\n<p class="facts">{" &middot; ".join(facts)}</p>'
     marks = "".join(
-        f'<li class="{b.grade}">{text(b.words)}</li>' if b.grade else f"<li>{text(b.words)}</li>" for b in badges(read)
+        f'<li class="{b.grade}">{text(b.words)}</li>' if b.grade else f"<li>{text(b.words)}</li>"
+        for b in shown.badges()
     )
     yield f'<ul class="badges">{marks}</ul>'
-    for notice in notices(read):
+    for notice in shown.notices():
         grade = "notice bad" if notice.grave else "notice"
         words = f"<p>{text(notice.found)}</p><p>{text(notice.remedy)}</p>"
         yield f'<div class="{grade}"><strong>{text(notice.title)}</strong>{words}</div>'
-    yield f'<p class="lead">{text(in_words(read))}</p>'
+    yield f'<p class="lead">{text(shown.in_words())}</p>'
 
 
 def _date(date: Any) -> str:
@@ -86,38 +110,11 @@ def _date(date: Any) -> str:
     return f"run of {when.day} {when:%B %Y, %H:%M}{zone}"
 
 
-def _course(drawn: tuple[Drawn, ...]) -> Iterator[str]:
+def _course(shown: Contents, drawn: tuple[Drawn, ...]) -> Iterator[str]:
     yield '<h2 class="page">Course of the run</h2>'
-    shown = [each for each in drawn if each.name != "losses"]
-    for number, each in enumerate(shown, 2):
+    for number, each in enumerate(drawn, 2):
         yield figure(each.svg, each.name, number, text(each.caption))
-    if not any(each.name == "spectrum" for each in drawn):
-        yield '<p class="small">No spectrum: too few finely recorded rows.</p>'
-
-
-def _losses(read: Reading, drawn: tuple[Drawn, ...]) -> Iterator[str]:
-    yield '<h2 class="page">Losses</h2>'
-    yield from (
-        figure(each.svg, each.name, len(drawn) + 1, text(each.caption)) for each in drawn if each.name == "losses"
-    )
-    yield loss_tables(read)
-    if "analytic_loss_total_W" not in read.results.summary:
-        yield "<p>There are no analytic losses here: they need a running pump and a load pressure above the tank's.</p>"
-        return
-    yield (
-        "<p>The analytic formulas count volumes (the oil keeps its volume under pressure), with ideal conditions: "
-        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of 1 to 2 % are "
-        "to be expected. Their sum is an upper estimate, because part of the compression happens while flow would be "
-        "lost over the relief valve anyway. In the simulation compression shows as throttling, so it is counted within "
-        "the transition.</p>"
-    )
-    if read.varies:
-        yield "<p>Something prescribed changes during this run; the analytic values belong to its start.</p>"
-    if read.supply.spool_drive.coupling > 0.0:
-        yield "<p>The analytic values are those of a spool that nothing drives but the flow.</p>"
-    if notes := range_notes(read):
-        yield '<div class="notice"><strong>The analytic transition loss is in doubt here</strong>'
-        yield "".join(f"<p>{text(note[:1].upper() + note[1:])}.</p>" for note in notes) + "</div>"
+    yield shown.remark_on_course(drawn)
 
 
 def _origin(read: Reading) -> Iterator[str]:

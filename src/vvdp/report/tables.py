@@ -7,103 +7,64 @@ import numpy as np
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced
 from vvdp.report.html import group, row, table, text
-from vvdp.report.losses import causes, components, spool_balance
 from vvdp.report.reading import BAR, LPM, Reading
 from vvdp.report.references import Reference
 from vvdp.report.wording import fixed, number, percent, plain, shown
 from vvdp.simulation.balance import LIMIT
+from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_lines
 
 RPM = 2.0 * np.pi / 60.0
 FORM = ("", "n", "u")
+SHOWN = {"bar": (BAR, 1), "rpm": (RPM, 0), "m/s": (1.0, 3), "mm": (1e-3, 2)}
+"""Scale and decimals of the units in which nodes are shown."""
 
 
-def key_numbers(reading: Reading) -> str:
-    """Flows, pressures, speeds and powers in two columns."""
-    n = reading.number
-
-    def line(name: str, key: str, scale: float, unit: str, decimals: int) -> str:
-        return row([name, fixed(n(key) / scale, decimals), unit], FORM)
-
-    def part(title: str, lines: list[str]) -> str:
-        return f"<div><h3>{title}</h3>\n<table><tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
-
-    flows = [
-        line("Pump flow", "mean_pump_flow_m3_s", LPM, "lpm", 2),
-        line("Load flow", "mean_load_flow_m3_s", LPM, "lpm", 2),
-        line("Tank flow through the valve", "mean_tank_flow_m3_s", LPM, "lpm", 2),
-        line("Relief valve flow", "mean_relief_flow_m3_s", LPM, "lpm", 2),
-        line("Valve leakage", "mean_leakage_flow_m3_s", LPM, "lpm", 2),
-        line("Load flow over pump flow", "load_flow_fraction", 0.01, "%", 1),
-    ]
-    pressures = [
-        line("Load pressure, mean", "mean_load_pressure_Pa", BAR, "bar", 1),
-        *(
-            line(f"Load pressure, {word}", f"load_pressure_{key}_Pa", BAR, "bar", 1)
-            for key, word in (("min", "lowest"), ("max", "highest"))
-            if reading.has_load_line
-        ),
-        line("Inlet pressure, mean", "mean_inlet_pressure_Pa", BAR, "bar", 1),
-        line("Inlet pressure, lowest", "inlet_pressure_min_Pa", BAR, "bar", 1),
-        line("Inlet pressure, highest", "inlet_pressure_max_Pa", BAR, "bar", 1),
-    ]
-    low, high = reading.duty_ratio.extremes
-    duty = fixed(low, 3) if reading.duty_ratio.is_constant else f"{fixed(low, 3)} to {fixed(high, 3)}"
-    valve = [
-        line("PWM frequency, mean", "pwm_frequency_Hz", 1.0, "Hz", 2),
-        line("Spool speed, mean", "spool_speed_mean_rad_s", RPM, "rpm", 0),
-        line("Spool speed, lowest", "spool_speed_min_rad_s", RPM, "rpm", 0),
-        line("Spool speed, highest", "spool_speed_max_rad_s", RPM, "rpm", 0),
-        row(["Duty ratio, set", duty, ""], FORM),
-        line("Load port's open fraction, mean", "mean_load_opening", 1.0, "", 3),
-        line("PWM periods averaged", "averaged_periods", 1.0, "", 0),
-    ]
-    power = [
-        line("Input power, pump shaft", "input_power_W", 1.0, "W", 1),
-        line("Input power, spool motor", "spool_motor_power_W", 1.0, "W", 1),
-        line("Load power", "load_power_W", 1.0, "W", 1),
-        line("Input less load power", "loss_total_W", 1.0, "W", 1),
-        line("Efficiency", "efficiency", 0.01, "%", 1),
-        line("Motor, rated power", "motor_rated_power_W", 1.0, "W", 0),
-    ]
-    parts = [part("Flows, mean", flows), part("Power, mean", power), part("Pressures", pressures), part("Valve", valve)]
-    return '<div class="columns">\n' + "\n".join(parts) + "\n</div>"
+def node_table(reading: Reading) -> str:
+    """Means and extremes of every node."""
+    rows = []
+    for line in node_lines(reading.system, reading.results.summary):
+        scale, decimals = SHOWN[line.unit]
+        cells = (number_or_blank(value, scale, decimals) for value in (line.mean, line.low, line.high))
+        rows.append(row([text(line.name), line.quantity, *cells, line.unit], ("", "", "n", "n", "n", "u")))
+    return table(["Node", "Quantity", "mean", "lowest", "highest", "Unit"], rows, (2, 3, 4))
 
 
-def loss_tables(reading: Reading) -> str:
-    """Losses by component and by cause, the latter beside the analytic ones."""
-    whole = reading.number("input_power_W") + reading.number("spool_motor_power_W")
-    share: Callable[[float], str] = lambda power: fixed(100.0 * power / whole, 2) if whole > 0.0 else "–"  # noqa: E731
-    total = reading.number("loss_total_W")
-    parts, spool = list(components(reading)), spool_balance(reading)
-    stored = total - sum(p.simulated for p in parts) - spool.simulated
-    rows = [row([p.name, fixed(p.simulated, 1), share(p.simulated)], ("", "n", "n")) for p in (*parts, spool)]
-    rows.append(row(["taken into store in oil and spool", fixed(stored, 1), share(stored)], ("", "n", "n")))
-    rows.append(row(["input power less load power", fixed(total, 1), share(total)], ("", "n", "n"), "sum"))
-    by_component = table(["Component, simulated", "W", "% of input"], rows, (1, 2))
-    compared = list(_compared(reading, share))
-    by_cause = table(["Cause", "simulated W", "%", "analytic W", "%", "difference W"], compared, (1, 2, 3, 4, 5))
-    return f"<h3>By component</h3>\n{by_component}\n<h3>By cause</h3>\n{by_cause}"
+def component_table(reading: Reading) -> str:
+    """Mean flows of the components, and the power that comes from outside."""
+    found = reading.results.summary
+    rows = []
+    for line in flow_lines(reading.system, found):
+        what = f"flow into {text(line.port)}" if line.port else "flow"
+        rows.append(row([text(line.component), what, fixed(line.flow / LPM, 3), "lpm"], ("", "", "n", "u")))
+    for name, power in power_lines(reading.system, found):
+        rows.append(row([text(name), "power into the circuit", fixed(power, 1), "W"], ("", "", "n", "u")))
+    return table(["Component or node", "Quantity", "mean", "Unit"], rows, (2,))
 
 
-def _compared(reading: Reading, share: Callable[[float], str]) -> Iterator[str]:
-    n, form = reading.number, ("", "n", "n", "n", "n", "n")
+def number_or_blank(value: float | None, scale: float, decimals: int) -> str:
+    """A value in the unit of `scale`; nothing where there is none."""
+    return "" if value is None else fixed(value / scale, decimals)
 
-    def line(name: str, simulated: float, analytic: float, kind: str = "") -> str:
-        cells = [
-            fixed(simulated, 1),
-            share(simulated),
-            fixed(analytic, 1),
-            share(analytic),
-            fixed(simulated - analytic, 1),
-        ]
-        return row([name, *cells], form, kind)
 
-    for cause in causes(reading):
-        yield line(cause.name.replace("\n", " "), cause.simulated, cause.analytic)
-        if cause.name.startswith("transition"):
-            yield line("&emsp;of it, transition", float("nan"), n("analytic_loss_transition_W"))
-            yield line("&emsp;of it, compression", float("nan"), n("analytic_loss_compressibility_W"))
-    yield line("input power less load power", n("loss_total_W"), n("analytic_loss_total_W"), "sum")
+def loss_table(reading: Reading) -> str:
+    """What the components turn to heat, what is taken into store, and what comes from outside."""
+    found = reading.results.summary
+    powers = [power for _, power in power_lines(reading.system, found)]
+    put_in = sum(power for power in powers if power > 0.0)
+    share: Callable[[float], str] = lambda power: fixed(100.0 * power / put_in, 2) if put_in > 0.0 else "–"  # noqa: E731
+    form = ("", "n", "n")
+    rows = []
+    for line in loss_lines(reading.system, found):
+        rows.append(row([text(line.component), fixed(line.loss, 1), share(line.loss)], form))
+        for name, power in line.parts:
+            words = f"&emsp;of it, {text(name.replace('_', ' '))}"
+            rows.append(row([words, fixed(power, 1), share(power)], form, "part"))
+    stored = reading.number("stored_power_W")
+    rows.append(row(["taken into store", fixed(stored, 1), share(stored)], form))
+    given = -sum(power for power in powers if power < 0.0)
+    rows.append(row(["given to the outside", fixed(given, 1), share(given)], form))
+    rows.append(row(["put in", fixed(put_in, 1), share(put_in)], form, "sum"))
+    return table(["Component", "W", "% of input"], rows, (1, 2))
 
 
 def balances(reading: Reading) -> str:
@@ -180,6 +141,9 @@ def _value(reading: Reading, r: Sourced) -> tuple[str, str]:
     if isinstance(r.value, Signal) and not r.value.is_constant:
         (low, unit), (high, _) = (shown(v, r.kind, absolute=absolute) for v in r.value.extremes)
         return f"{text(low)} to {text(high)}", text(unit) + " (changes)"
+    if isinstance(r.value, tuple):
+        both = [shown(value, r.kind, absolute=absolute) for value in r.value]
+        return text(", ".join(value for value, _ in both)), text(both[0][1] if both else "")
     value, unit = shown(r.value.base if isinstance(r.value, Signal) else r.value, r.kind, absolute=absolute)
     return text(value), text(unit)
 

@@ -4,7 +4,6 @@ import math
 
 from vvdp.base.kinds import PRESSURE_LEVEL, TIME, Kind
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced
 from vvdp.base.units import ATMOSPHERE, in_unit
 
 MINUS = "\u2212"
@@ -89,13 +88,17 @@ def _time(seconds: float) -> tuple[str, str]:
     return (plain(1e3 * seconds), "ms") if seconds >= 1e-3 else (plain(1e6 * seconds), "µs")
 
 
-def brief(row: Sourced, digits: int = 4) -> str:
-    """A parameter as it stands in a drawing: rounded, and with both ends where it changes over time."""
-    if isinstance(row.value, Signal):
-        low, high = row.value.extremes
-        (a, unit), (b, _) = (_rounded(v, row.kind, digits) for v in (low, high))
-        return f"{a} {unit}".strip() if row.value.is_constant else f"{a} to {b} {unit}".strip()
-    return " ".join(_rounded(row.value, row.kind, digits)).strip()
+def rounded_signal(value: Signal, kind: Kind, digits: int = 4) -> str:
+    """A prescribed value as it stands in a drawing: rounded, and with both ends where it changes over time."""
+    if value.is_constant:
+        return rounded(value.base, kind, digits)
+    (a, unit), (b, _) = (_rounded(bound, kind, digits) for bound in value.extremes)
+    return f"{a} to {b} {unit}".strip()
+
+
+def rounded(value: float, kind: Kind, digits: int = 4) -> str:
+    """A parameter as it stands in a drawing: rounded, with its unit."""
+    return " ".join(_rounded(value, kind, digits)).strip()
 
 
 def _rounded(value: float, kind: Kind, digits: int) -> tuple[str, str]:

@@ -140,7 +140,7 @@ def against_throttling(
         for d in duty_ratios
     ]
     states = _solved(steady_states([(stand, p) for p in points], cores=cores, cache=cache, say=say))
-    flow, friction = stand.pump_flow(here), pump_friction_power(here.pump_speed, stand.tables["pump"])
+    flow, friction = stand.pump_flow(here), pump_friction_power(here.pump_speed, stand.bench.pump)
     delivered = np.array([float(state.summary["mean_load_flow_m3_s"]) for state in states])
     load = np.array([state.point.load_pressure - stand.tank_pressure for state in states])
     loss = np.array([float(state.summary["loss_total_W"]) for state in states])
@@ -188,13 +188,13 @@ class Driving:
 
 def self_spinning(stand: Stand) -> Stand:
     """The same stand with nothing that turns the spool but the flow."""
-    return stand.changed("spool_drive", coupling=0.0)
+    return stand.changed(spool_drive={"coupling": 0.0})
 
 
 def driving_point(stand: Stand, flow: float) -> SetPoint:
     """Where drives are compared at a pump flow [m^3/s]."""
     pressure = stand.tank_pressure + DRIVEN_SHARE * (stand.relief_pressure - stand.tank_pressure)
-    speed = float(flow) / stand.tables["pump"].displacement
+    speed = float(flow) / stand.bench.pump.displacement
     return stand.set_point._replace(pump_speed=speed, load_pressure=float(pressure))
 
 
@@ -217,7 +217,7 @@ def self_against_driven(
     Source  wang2017, section 2.1, after tu2011; ours, docs/rigs.md
     """
     if not stand.makes_pressure:
-        raise ParameterError(f"{stand.system.name}: expected a system with a load line, whose pressure can ripple")
+        raise ParameterError(f"{stand.name}: expected a system with a load line, whose pressure can ripple")
     if flows is None:
         flows = [share * stand.pump_flow(stand.set_point) for share in FLOW_SHARES]
     at = [driving_point(stand, q) for q in flows]
@@ -253,7 +253,7 @@ def _driven_row(state: Steady) -> tuple[float, float, float, float, float]:
     s = state.summary
     motor = float(s["spool_motor_power_W"])
     loss = float(s["input_power_W"]) + max(motor, 0.0) - float(s["load_power_W"])
-    swing = float(s["load_pressure_max_Pa"]) - float(s["load_pressure_min_Pa"])
+    swing = float(s["pressure_max_load_line_Pa"]) - float(s["pressure_min_load_line_Pa"])
     return float(s["pwm_frequency_Hz"]), loss, swing, motor, float(s["loss_spool_friction_W"])
 
 
@@ -342,7 +342,7 @@ def claims(
     Source  wang2017, chapters 1, 2 and 5
     """
     if stuck := stand.standstill(stand.set_point.oil_temperature, stand.means(stand.set_point)):
-        raise ParameterError(f"{stand.system.name}: {stuck}")
+        raise ParameterError(f"{stand.name}: {stuck}")
     began = time.perf_counter()
     say("against throttling")
     throttled = against_throttling(stand, cores=cores, cache=cache, say=say)
@@ -393,7 +393,7 @@ def claims(
     sheets["actuation"] = Sheet("Actuation power", _actuation_columns(stand))
     more, words = _actuation_words(stand)
     numbers, findings = numbers | more, findings + words
-    point, valve = stand.set_point, stand.tables["valve"]
+    point, valve = stand.set_point, stand.bench.valve
     said = conditions(stand) | {
         "duty ratio": f"{point.duty_ratio:.4g} unless varied",
         "load pressure": f"{gauge(point.load_pressure)} bar unless varied",
@@ -404,7 +404,7 @@ def claims(
     return RigResult(
         rig="claims",
         title="What is claimed of the rotary PWM valve",
-        system=stand.system.name,
+        system=stand.name,
         manner="Claims of chapters 1, 2 and 5 of the source, each worked out for this system: losses and ripple from "
         "periodic steady states of the PWM-resolved circuit, actuation powers in closed form.",
         references=("wang2017", "tu2011"),
@@ -490,9 +490,9 @@ def redesigned(stand: Stand, d: Driving) -> tuple[float, Array, Array]:
     Factor on its areas, and the open valve's loss at every flow, as it is and with scaled areas [W]. nan where no
     frequency keeps the limit.
     """
-    here, valve = stand.set_point, stand.tables["valve"]
-    rho = float(density(here.oil_temperature, stand.tables["oil"]))
-    mu = float(dynamic_viscosity(here.oil_temperature, stand.tables["oil"]))
+    here, valve = stand.set_point, stand.bench.valve
+    rho = float(density(here.oil_temperature, stand.bench.oil))
+    mu = float(dynamic_viscosity(here.oil_temperature, stand.bench.oil))
     scale = float(area_scale(float(d.flows[0]), float(d.best_frequency[0]), rho, mu, valve))
     losses = [(scaled_open_loss(1.0, q, rho, valve), scaled_open_loss(scale, q, rho, valve)) for q in d.flows.tolist()]
     as_it_is, scaled = np.array(losses).T
@@ -551,7 +551,7 @@ def _driving_words(stand: Stand, d: Driving) -> tuple[dict[str, float], list[str
 
 def _actuation_columns(stand: Stand) -> dict[str, Column]:
     f: Any = np.array(ACTUATION_FREQUENCIES)
-    valve = stand.tables["valve"]
+    valve = stand.bench.valve
     kappa = transition_fraction(valve)
     rotary: Any = rotary_actuation_power(f, valve.sections, spool_friction(stand))
     same: Any = linear_actuation_power(f, valve.spool_mass, same_ports_stroke(valve), kappa)
@@ -566,8 +566,8 @@ def _actuation_columns(stand: Stand) -> dict[str, Column]:
 
 def spool_friction(stand: Stand) -> float:
     """Torque over speed of the spool's viscous friction at the stand's temperature [N m s]."""
-    viscosity = float(dynamic_viscosity(stand.set_point.oil_temperature, stand.tables["oil"]))
-    return friction_coefficient(viscosity, stand.tables["valve"])
+    viscosity = float(dynamic_viscosity(stand.set_point.oil_temperature, stand.bench.oil))
+    return friction_coefficient(viscosity, stand.bench.valve)
 
 
 def _actuation_words(stand: Stand) -> tuple[dict[str, float], list[str]]:
@@ -576,7 +576,7 @@ def _actuation_words(stand: Stand) -> tuple[dict[str, float], list[str]]:
         np.asarray(columns[name].values, float)
         for name in ("pwm_frequency_Hz", "rotary_power_W", "linear_same_power_W")
     )
-    valve, friction = stand.tables["valve"], spool_friction(stand)
+    valve, friction = stand.bench.valve, spool_friction(stand)
     kappa = transition_fraction(valve)
     even = [
         float(equal_power_frequency(valve.sections, friction, mass, stroke, kappa))

@@ -64,7 +64,7 @@ def map_result(found: PumpMap) -> RigResult:
     return RigResult(
         rig="map",
         title=f"Map of the pump, {kind}",
-        system=stand.system.name,
+        system=stand.name,
         manner=f"{MANNER} {SIMULATED if found.simulated else ANALYTIC}",
         references=("iso17559", "iso4409"),
         conditions=said,
@@ -101,7 +101,7 @@ def _numbers(found: PumpMap) -> dict[str, float]:
         "points": float(found.axes.count),
         "points_without_result": float(sum(reason is not None for reason in found.reasons)),
         "points_above_motor_power": float(np.nansum(found.columns["motor_overloaded"])),
-        "motor_rated_power_W": float(found.stand.tables["motor"].rated_power),
+        "motor_rated_power_W": float(found.stand.bench.motor.rated_power),
     }
     if np.isfinite(allowed).any():
         best = int(np.nanargmax(allowed))

@@ -56,21 +56,21 @@ FOUND = (
     "load_power_W",
     "loss_total_W",
     "pwm_frequency_Hz",
-    "mean_load_pressure_Pa",
-    "mean_inlet_pressure_Pa",
+    "pressure_mean_load_line_Pa",
+    "pressure_mean_inlet_Pa",
     "mean_pump_flow_m3_s",
     "mean_tank_flow_m3_s",
-    "mean_relief_flow_m3_s",
+    "flow_mean_relief_valve_m3_s",
     "mean_leakage_flow_m3_s",
     "motor_overloaded",
 )
 ANALYTIC_ONLY = ("loss_compressibility_W",)
 SIMULATED_ONLY = (
     "load_area_m2",
-    "inlet_pressure_min_Pa",
-    "inlet_pressure_max_Pa",
-    "load_pressure_min_Pa",
-    "load_pressure_max_Pa",
+    "pressure_min_inlet_Pa",
+    "pressure_max_inlet_Pa",
+    "pressure_min_load_line_Pa",
+    "pressure_max_load_line_Pa",
     "cavitation",
     "trusted",
     "periodic_residual",
@@ -221,8 +221,8 @@ def analytic_map(
     t, n, p, d = _columns(np.ravel(v) for v in np.meshgrid(
         axes.temperatures, axes.pump_speeds, axes.load_pressures, axes.duty_ratios, indexing="ij"
     ))  # fmt: skip
-    tables, tank = stand.tables, stand.tank_pressure
-    pump, oil, valve = tables["pump"], tables["oil"], tables["valve"]
+    bench, tank = stand.bench, stand.tank_pressure
+    pump, oil, valve = bench.pump, bench.oil, bench.valve
     points = SetPoint(d, p, n, t)
     flow = stand.pump_flow(points)
     rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
@@ -230,7 +230,7 @@ def analytic_map(
     means = CycleMeans(*_columns(averaged.T))
     stuck = _standstills(stand, axes.points, averaged)
     speed: Any = stand.guessed_speed(means)
-    motor: Any = drive_power(tables["operation"].spool_motor_speed.base, speed, tables["spool_drive"])
+    motor: Any = drive_power(bench.operation.spool_motor_speed.base, speed, bench.spool_drive)
     frequency = pwm_frequency(speed, valve)
     leakage = leakage_conductance(dynamic_viscosity(t, oil), valve) * (p - tank)
     delivered = means.load_flow - leakage
@@ -241,14 +241,14 @@ def analytic_map(
         "spool_motor_power_W": motor if stand.is_driven else np.zeros_like(d),
         "load_power_W": delivered * (p - tank),
         "pwm_frequency_Hz": frequency,
-        "mean_load_pressure_Pa": p - stand.reference,
-        "mean_inlet_pressure_Pa": means.inlet_pressure - stand.reference,
+        "pressure_mean_load_line_Pa": p - stand.reference,
+        "pressure_mean_inlet_Pa": means.inlet_pressure - stand.reference,
         "mean_pump_flow_m3_s": flow,
         "mean_tank_flow_m3_s": means.tank_flow,
-        "mean_relief_flow_m3_s": means.relief_flow,
+        "flow_mean_relief_valve_m3_s": means.relief_flow,
         "mean_leakage_flow_m3_s": leakage,
-        "motor_overloaded": (shaft > tables["motor"].rated_power).astype(float),
-        "loss_compressibility_W": frequency * tables["inlet"].volume * compression_energy_per_volume(p, tank, oil),
+        "motor_overloaded": (shaft > bench.motor.rated_power).astype(float),
+        "loss_compressibility_W": frequency * bench.inlet_volume * compression_energy_per_volume(p, tank, oil),
     }
     turns = np.array([reason is None for reason in stuck])
     columns = _judged(stand, axes, {name: np.where(turns, values, np.nan) for name, values in columns.items()})
@@ -264,7 +264,7 @@ def _standstills(stand: Stand, points: Sequence[SetPoint], means: Array) -> list
     rows = zip(points, means.tolist(), strict=True)
     found = [stand.standstill(point.oil_temperature, CycleMeans(*each)) for point, each in rows]
     if found and all(found):
-        raise ParameterError(f"{stand.system.name}: {found[0]}, at each of {len(found)} points")
+        raise ParameterError(f"{stand.name}: {found[0]}, at each of {len(found)} points")
     return found
 
 
@@ -282,7 +282,7 @@ def _judged(stand: Stand, axes: Axes, columns: Mapping[str, Array]) -> dict[str,
     set_["load_pressure_Pa"] = set_["load_pressure_Pa"] - stand.reference
     motor = np.nan_to_num(columns["spool_motor_power_W"])
     power_in = columns["input_power_W"] + motor
-    derived = set_["duty_ratio"] * stand.tables["pump"].displacement * set_["pump_speed_rad_s"]
+    derived = set_["duty_ratio"] * stand.bench.pump.displacement * set_["pump_speed_rad_s"]
     with np.errstate(all="ignore"):
         delivers = columns["delivered_flow_m3_s"] > 0.0
         volumetric = np.where(delivers & (derived > 0.0), columns["delivered_flow_m3_s"] / derived, np.nan)
@@ -337,11 +337,11 @@ def simulated_map(
     """
     began = time.perf_counter()
     rows = np.array([stand.cycle_point(point) for point in axes.points])
-    _standstills(stand, axes.points, averages(rows, stand.tables["valve"], cache=cache, say=say))
+    _standstills(stand, axes.points, averages(rows, stand.bench.valve, cache=cache, say=say))
     store = directory / STORE
-    finished = opened_store(store, {"vvdp": vvdp.__version__, "system": stand.system.name})
+    finished = opened_store(store, {"vvdp": vvdp.__version__, "system": stand.name})
     points = axes.points
-    digest = link(stand.model, stand.bench.case(stand.tables), cache, say).digest
+    digest = link(stand.model, stand.bench.case, cache, say).digest
     wanted = [_Wanted(_key(stand, point, digest), point) for point in points]
     pending = [each for each in wanted if each.key not in finished]
     if len(pending) < len(points):
@@ -367,7 +367,7 @@ class _Wanted(NamedTuple):
 
 def _points_done(stand: Stand, cache: Path | None, batch: Sequence[_Wanted], cores: int) -> list[Finished]:
     """What comes of a batch, where it is run."""
-    digest = link(stand.model, stand.bench.case(stand.tables), cache).digest
+    digest = link(stand.model, stand.bench.case, cache).digest
     check_same(_key(stand, batch[0].point, digest), batch[0].key)
     states = steady_states([(stand, each.point) for each in batch], cores=cores, cache=cache)
     return [_finished(each.key, state) for each, state in zip(batch, states, strict=True)]
@@ -408,9 +408,8 @@ def _key(stand: Stand, point: SetPoint, digest: str) -> str:
     """What a point is known by: everything that its result depends on."""
     tolerance = min(stand.stepping.relative_tolerance, periodic.TOLERANCE)
     solver = (periodic.LIMIT, periodic.DISTANCE, tolerance, steady.HELD, stand.stepping.method)
-    found = hashlib.sha256(repr((vvdp.__version__, digest, stand.system.circuit, solver, tuple(point))).encode())
-    for name in sorted(stand.tables):
-        table = stand.tables[name]
+    found = hashlib.sha256(repr((vvdp.__version__, digest, solver, tuple(point))).encode())
+    for _, table in sorted(stand.bench.tables.items()):
         found.update(repr([path for path, _, _ in leaves(table)]).encode())
         found.update(flat(table).tobytes())
     return found.hexdigest()

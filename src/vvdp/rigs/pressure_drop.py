@@ -51,7 +51,7 @@ def pressure_drop(
     temperatures = tuple(temperatures or (stand.set_point.oil_temperature,))
     points = np.array(list(itertools.product(temperatures, openings, flows)), float)
     t, a, q = _formulas(points.T)
-    oil, valve = stand.tables["oil"], stand.tables["valve"]
+    oil, valve = stand.bench.oil, stand.bench.valve
     rho, mu = density(t, oil), dynamic_viscosity(t, oil)
     drops: Any = turbulent_drops(q, a, rho, valve)
     total: Any = drops.nozzle + drops.centre_section + drops.outlet_turbine
@@ -71,7 +71,7 @@ def pressure_drop(
     return RigResult(
         rig="pressure-drop",
         title="Pressure drop of the valve against flow",
-        system=stand.system.name,
+        system=stand.name,
         manner=MANNER,
         references=("iso4411",),
         conditions={
@@ -96,7 +96,7 @@ def _formulas(columns: Any) -> tuple[Any, ...]:
 def _numbers(stand: Stand, t: Array, a: Array, q: Array, total: Array) -> dict[str, float]:
     """The drop at the pump flow and its parts, and the power law that comes closest to the open valve."""
     here = stand.set_point
-    flow, oil, valve = stand.pump_flow(here), stand.tables["oil"], stand.tables["valve"]
+    flow, oil, valve = stand.pump_flow(here), stand.bench.oil, stand.bench.valve
     drops = turbulent_drops(flow, 1.0, float(density(here.oil_temperature, oil)), valve)
     found = {
         "flow_m3_s": flow,

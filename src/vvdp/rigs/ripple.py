@@ -46,9 +46,19 @@ def line_capacity(pressure: float, stand: Stand) -> float:
 
     Source  ours, docs/rigs.md
     """
-    oil, line = stand.tables["oil"], stand.tables["load_line"]
+    oil, line = stand.bench.oil, load_line(stand)
     rate = pressure_rate(1.0, 0.0, pressure, fluid_state(pressure, oil), line, oil.reference_pressure)
     return float(1.0 / rate)
+
+
+def load_line(stand: Stand) -> Vessel:
+    """The load line of a stand. Raises ParameterError where it has none whose pressure could ripple."""
+    if stand.bench.load_line is None:
+        raise ParameterError(
+            f"{stand.name}: a source holds the load pressure, so it does not ripple; expected a system with a "
+            "load line, such as prototype"
+        )
+    return stand.bench.load_line
 
 
 def estimated_ripple(delivered: float, pump_flow: float, pwm_frequency: float, capacity: float) -> float:
@@ -70,9 +80,9 @@ def with_gas(stand: Stand, size: float) -> Stand:
 
     Where it has none, `NO_ACCUMULATOR` is taken for that, and half the load pressure for a precharge that is missing.
     """
-    line = stand.tables["load_line"]
+    line = load_line(stand)
     gas, precharge = line.gas_volume or NO_ACCUMULATOR, line.precharge_pressure or 0.5 * stand.set_point.load_pressure
-    return stand.changed("load_line", gas_volume=size * gas, precharge_pressure=precharge)
+    return stand.changed(load_line={"gas_volume": size * gas, "precharge_pressure": precharge})
 
 
 def ripple(
@@ -92,11 +102,7 @@ def ripple(
     Source  ours, docs/rigs.md, in the manner of iso10767
     """
     began = time.perf_counter()
-    if not stand.makes_pressure:
-        raise ParameterError(
-            f"{stand.system.name}: a source holds the load pressure, so it does not ripple; expected a system with a "
-            "load line, such as prototype"
-        )
+    load_line(stand)
     here = stand.set_point
     groups: dict[str, list[tuple[Stand, SetPoint]]] = {
         "duty": [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
@@ -120,7 +126,7 @@ def ripple(
             sheets[name] = Sheet(titles[name], _columns(states[part], waves[part]))
     centre, wave = states[-1], waves[-1]
     if wave is None:
-        raise ParameterError(f"{stand.system.name}: no periodic state at the system's own set point: {centre.reason}")
+        raise ParameterError(f"{stand.name}: no periodic state at the system's own set point: {centre.reason}")
     sheets["spectrum"] = Sheet("Harmonics at the system's set point", _spectrum(wave))
     sheets["waveform"] = Sheet("One period at the system's set point", _wave(wave))
     numbers = _numbers(centre, wave, sheets)
@@ -131,7 +137,7 @@ def ripple(
     return RigResult(
         rig="ripple",
         title="Pressure ripple",
-        system=stand.system.name,
+        system=stand.name,
         manner=MANNER,
         references=("iso10767",),
         conditions=said,
@@ -149,7 +155,7 @@ def _columns(states: Sequence[Steady], waves: Sequence[Waveform | None]) -> dict
         "duty_ratio": ("", "duty ratio"),
         "pwm_frequency_Hz": ("Hz", "PWM frequency"),
         "gas_volume_m3": ("m^3", "gas volume"),
-        "mean_load_pressure_Pa": ("Pa gauge", "mean load pressure"),
+        "pressure_mean_load_line_Pa": ("Pa gauge", "mean load pressure"),
         "delivered_flow_m3_s": ("m^3/s", "delivered flow"),
         "load_ripple_Pa": ("Pa", "load, peak to peak"),
         "load_ripple_rms_Pa": ("Pa", "load, rms"),
@@ -163,17 +169,16 @@ def _columns(states: Sequence[Steady], waves: Sequence[Waveform | None]) -> dict
 
 
 def _row(state: Steady, wave: Waveform | None) -> dict[str, float]:
-    line: Vessel = state.stand.tables["load_line"]
-    found = {"duty_ratio": state.point.duty_ratio, "gas_volume_m3": line.gas_volume}
+    found = {"duty_ratio": state.point.duty_ratio, "gas_volume_m3": load_line(state.stand).gas_volume}
     if wave is None:
         return found
     summary = state.summary
     delivered, frequency = float(summary["mean_load_flow_m3_s"]), float(summary["pwm_frequency_Hz"])
-    mean = float(summary["mean_load_pressure_Pa"])
+    mean = float(summary["pressure_mean_load_line_Pa"])
     capacity = line_capacity(mean + state.stand.reference, state.stand)
     return found | {
         "pwm_frequency_Hz": frequency,
-        "mean_load_pressure_Pa": mean,
+        "pressure_mean_load_line_Pa": mean,
         "delivered_flow_m3_s": delivered,
         "load_ripple_Pa": float(np.ptp(wave.load_pressure)),
         "load_ripple_rms_Pa": float(np.std(wave.load_pressure)),

@@ -14,7 +14,6 @@ from vvdp.rigs.periodic import Periodic, periodic_states
 from vvdp.rigs.stand import SetPoint, Stand
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case
-from vvdp.simulation.values import as_value
 from vvdp.systems.summary import Summary, simulated_summary
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency
@@ -41,8 +40,8 @@ class Steady:
         """What the state comes to, as docs/keys.md has it; empty where there is none."""
         if self.periodic is None or self.periodic.outcome is None:
             return {}
-        system = replace(self.stand.system, tables=self.stand.tables, case=self.periodic.case)
-        return simulated_summary(self.periodic.outcome, system)
+        bench = self.stand.at(self.point)
+        return simulated_summary(self.periodic.outcome, replace(bench.system, tables=bench.tables))
 
 
 def steady_states(
@@ -75,7 +74,7 @@ def steady_states(
             found[number] = Steady(stand, point, None, np.nan, "the spool does not turn")
         else:
             case = stand.case(point, means, opened if stand.makes_pressure else None)
-            open_[number] = _Sizing(case, 1.0 / pwm_frequency(speed, stand.tables["valve"]), opened, [])
+            open_[number] = _Sizing(case, 1.0 / pwm_frequency(speed, stand.bench.valve), opened, [])
     for _ in range(MOST_SIZINGS):
         if not open_:
             break
@@ -111,7 +110,7 @@ def _guesses(
     """The quasi-steady averages of every point; points of one valve go together."""
     by_valve: dict[RotaryValve, list[int]] = {}
     for number, (stand, _) in enumerate(points):
-        by_valve.setdefault(stand.tables["valve"], []).append(number)
+        by_valve.setdefault(stand.bench.valve, []).append(number)
     found: dict[int, CycleMeans] = {}
     for valve, numbers in by_valve.items():
         rows = np.array([points[number][0].cycle_point(points[number][1]) for number in numbers], float)
@@ -130,19 +129,11 @@ class _Sizing:
     tried: list[tuple[float, float]]
 
 
-def mean_load_pressure(run: Periodic) -> float:
-    """Mean load pressure over the period of a periodic state, absolute [Pa]; nan without a state."""
-    if run.outcome is None:
-        return np.nan
-    window = run.outcome.window
-    first, last = (as_value(run.case.state, rows) for rows in (window.first, window.last))
-    passed = last.books.totals.load_pressure - first.books.totals.load_pressure
-    return float(passed / (window.end - window.begin))
-
-
 def _above_tank(run: Periodic, stand: Stand, point: SetPoint) -> float:
     """Mean load pressure over its set point, both above the tank's [1]."""
-    return (mean_load_pressure(run) - stand.tank_pressure) / (point.load_pressure - stand.tank_pressure)
+    assert run.outcome is not None
+    mean = stand.bench.mean(run.outcome, stand.bench.LOAD_TOTAL)
+    return (mean - stand.tank_pressure) / (point.load_pressure - stand.tank_pressure)
 
 
 def _is_held(run: Periodic, stand: Stand, point: SetPoint) -> bool:
@@ -159,8 +150,5 @@ def _resized(sizing: _Sizing, run: Periodic, stand: Stand, point: SetPoint) -> _
             slope = float(np.clip((here[1] - before[1]) / (here[0] - before[0]), -4.0, -0.02))
     change = float(np.clip(-here[1] / slope, -np.log(LARGEST_CHANGE), np.log(LARGEST_CHANGE)))
     area = float(np.exp(here[0] + change))
-    case = run.case
-    load = replace(case.params.load, area=constant(area))
-    state = case.state._replace(load_pressure=point.load_pressure)
-    case = replace(case, params=replace(case.params, load=load), state=state)
+    case = stand.bench.with_load(run.case, constant(area), point.load_pressure)
     return _Sizing(case, run.period, area, [*sizing.tried, here])

@@ -4,14 +4,11 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import Signal, sine, step
-from vvdp.fluid.mixture import specific_volume_ratio
-from vvdp.hydraulics.orifice import orifice_flow
 from vvdp.numerics.tableaus import Array
 from vvdp.rigs.conditions import LPM, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
@@ -20,7 +17,8 @@ from vvdp.rigs.stand import Stand
 from vvdp.rigs.steady import Steady, steady_states
 from vvdp.rigs.waveform import whole_run
 from vvdp.simulation.link import quiet
-from vvdp.simulation.run import Run
+from vvdp.simulation.model import Case
+from vvdp.systems.bench import BenchSeries
 
 STEPS = (0.4, 0.6)
 PHASES = 8
@@ -75,46 +73,25 @@ class Steps:
     after: float
 
 
-def delivered_volume(run: Run) -> Array:
-    """Volume delivered to the load since the start, at the recorded times [tank volumes, m^3]."""
-    volume: Array = np.asarray(run.state.books.totals.load_flow, float)
-    return volume
-
-
-def period_mean_flow(run: Run, sections: float) -> Array:
+def period_mean_flow(times: Array, series: BenchSeries, sections: float) -> Array:
     """Delivered flow at the recorded times, averaged over the PWM period that ends there [m^3/s].
 
     nan within the first period.
     """
-    volume, angle = delivered_volume(run), np.asarray(run.state.supply.spool.angle, float)
+    volume, angle = series.delivered_volume, series.spool_angle
     earlier = angle - 2.0 * np.pi / sections
     whole = earlier >= angle[0]
     flow: Array = np.full(angle.shape, np.nan)
     passed = volume[whole] - np.interp(earlier[whole], angle, volume)
-    flow[whole] = passed / (run.times[whole] - np.interp(earlier[whole], angle, run.times))
+    flow[whole] = passed / (times[whole] - np.interp(earlier[whole], angle, times))
     return flow
 
 
-def load_flow_now(run: Run, stand: Stand) -> Array:
-    """Flow through an orifice load at the recorded times [tank volumes, m^3/s]; nan where a source is the load."""
-    if not stand.makes_pressure:
-        return np.full(run.times.shape, np.nan)
-    params, pressure = run.case.params, run.outputs.load_pressure
-    drop, rho = pressure - stand.tank_pressure, run.case.command.conditions.density
-    flow: Any = orifice_flow(params.load.area.base, drop, rho, params.load)
-    found: Array = np.asarray(flow / specific_volume_ratio(pressure, params.supply.oil), float)
-    return found
-
-
-def _with_duty(state: Steady, signal: Signal) -> Any:
+def _with_duty(state: Steady, signal: Signal) -> Case:
     """The case of a periodic state with a duty ratio that changes over time; it starts in that state."""
     assert state.periodic is not None
-    tables = state.stand.at(state.point)
-    tables["operation"] = replace(tables["operation"], duty_ratio=signal)
-    if state.stand.makes_pressure:
-        tables["load"] = replace(tables["load"], area=replace(tables["load"].area, base=state.area))
-    case = state.stand.bench.case(tables)
-    return replace(case, state=state.periodic.case.state)
+    bench = state.stand.at(state.point, state.area).changed(operation={"duty_ratio": signal})
+    return replace(bench.case, state=state.periodic.case.state)
 
 
 def step_response(state: Steady, after: float, *, length: float = SHOWN, cache: Path | None = None) -> Steps:
@@ -124,7 +101,7 @@ def step_response(state: Steady, after: float, *, length: float = SHOWN, cache: 
     """
     assert state.periodic is not None
     stand, period = state.stand, state.periodic.period
-    sections = stand.tables["valve"].sections
+    sections = stand.bench.valve.sections
     times = np.arange(-round(BEFORE / INTERVAL), round(length / INTERVAL) + 1) * INTERVAL
     flows, loads = [], []
     for phase in range(PHASES):
@@ -135,8 +112,9 @@ def step_response(state: Steady, after: float, *, length: float = SHOWN, cache: 
             stand.stepping, until=until, record_interval=INTERVAL, window=until, window_interval=INTERVAL
         )
         run = whole_run(stand.model, case, stepping, cache)
-        flows.append(np.interp(times + begin, run.times, period_mean_flow(run, sections)))
-        loads.append(np.interp(times + begin, run.times, load_flow_now(run, stand)))
+        series = stand.bench.run_series(run)
+        flows.append(np.interp(times + begin, run.times, period_mean_flow(run.times, series, sections)))
+        loads.append(np.interp(times + begin, run.times, series.through_load))
     all_ = np.array(flows)
     late = times > times[-1] - 0.2 * length
     mean = all_.mean(axis=0)
@@ -182,8 +160,9 @@ def frequency_response(
         )
         case = _with_duty(state, sine(state.point.duty_ratio, amplitude, f))
         run = whole_run(stand.model, case, stepping, cache)
-        delivered.append(_of_volume(run.times, delivered_volume(run), start, until, f) / amplitude)
-        load.append(_of_value(run.times, load_flow_now(run, stand), start, until, f) / amplitude)
+        series = stand.bench.run_series(run)
+        delivered.append(_of_volume(run.times, series.delivered_volume, start, until, f) / amplitude)
+        load.append(_of_value(run.times, series.through_load, start, until, f) / amplitude)
     return np.array(delivered), np.array(load)
 
 
@@ -192,7 +171,7 @@ def line_time(state: Steady) -> float:
     if not state.stand.makes_pressure:
         return 0.0
     summary = state.summary
-    pressure = float(summary["mean_load_pressure_Pa"]) + state.stand.reference
+    pressure = float(summary["pressure_mean_load_line_Pa"]) + state.stand.reference
     rise, capacity = pressure - state.stand.tank_pressure, line_capacity(pressure, state.stand)
     return float(2.0 * capacity * rise / summary["mean_load_flow_m3_s"])
 
@@ -305,7 +284,7 @@ def dynamics(
     return RigResult(
         rig="step",
         title="Response of the delivered flow to the duty ratio",
-        system=stand.system.name,
+        system=stand.name,
         manner=MANNER,
         references=("iso17559",),
         conditions=said,

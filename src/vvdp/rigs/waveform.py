@@ -35,15 +35,15 @@ def waveform(state: Steady, *, samples: int = SAMPLES, cache: Path | None = None
         relative_tolerance=min(1e-8, state.stand.stepping.relative_tolerance),
     )  # fmt: skip
     run = whole_run(state.stand.model, state.periodic.case, stepping, cache)
-    outputs = run.outputs
+    series = state.stand.bench.run_series(run)
     even = np.arange(samples) * step
     near = np.array([int(np.argmin(np.abs(run.times - t))) for t in even])
     return Waveform(
         period,
         np.asarray(even, float),
-        run.state.supply.inlet_pressure[near],
-        outputs.load_pressure[near],
-        outputs.load_flow[near],
+        series.inlet_pressure[near],
+        series.load_pressure[near],
+        series.load_flow[near],
     )
 
 

@@ -238,5 +238,6 @@ def make_compilable(function: Callable[..., Any], form: Callable[..., Any] | Non
 
 
 # Signals are worked out wherever there are some, also for functions that never ask for one.
-for _function in (*FORMS, minimum, maximum, clip):
+_own: tuple[Any, ...] = (*FORMS, minimum, maximum, clip)
+for _function in _own:
     make_compilable(_function, None)

@@ -1,7 +1,7 @@
 """Nested values (NamedTuples, parameter classes, signals, arrays) to flat vectors and back."""
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
@@ -53,8 +53,10 @@ def leaves(value: Any, path: str = "", kind: Kind | None = None) -> Iterator[tup
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two nested values are of the same classes and have the same numbers."""
-    if type(one) is not type(other) and (names(one) or names(other)):
+    """Whether two nested values have the same names, of fields and classes, and the same numbers."""
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return list(one) == list(other) and all(same(one[key], other[key]) for key in one)
+    if (names(one) or names(other)) and not (type(one).__name__ == type(other).__name__ and names(one) == names(other)):
         return False
     if inner := names(one):
         return all(same(getattr(one, name), getattr(other, name)) for name in inner)

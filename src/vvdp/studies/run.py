@@ -16,9 +16,9 @@ import numpy as np
 
 import vvdp
 from vvdp.base.errors import ConfigError, Fault, RunError
-from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Table, described, nearest, parsed_table, with_settings
+from vvdp.base.tables import Sourced, Table, copied, nearest, with_settings
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.outcome import Outcome, Window, outcome
@@ -29,8 +29,9 @@ from vvdp.studies.results import Column, Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
 from vvdp.studies.work import check_same, kept_batches
-from vvdp.systems.summary import ANALYTIC, analytic_summary, simulated_summary, summary_unit
-from vvdp.systems.system import System, built_system, lasting, load_system, resolved_text
+from vvdp.systems.resolved import resolved_text
+from vvdp.systems.summary import simulated_summary, summary_unit
+from vvdp.systems.system import System, lasting, load_system
 
 
 def silent(done: int, total: int) -> None:
@@ -105,29 +106,28 @@ def _base(study: Study) -> System:
         return load_system(study.system, study.settings, study.until)
     if not study.settings and study.until is None:
         return study.system
-    table = with_settings(parsed_table(resolved_text(study.system), study.system.name), list(study.settings))
-    return built_system(table if study.until is None else lasting(table, study.until), study.system.name)
+    table = with_settings(study.system.table, list(study.settings))
+    return study.system.read_from(table if study.until is None else lasting(table, study.until))
 
 
-def _table(base: System) -> Table:
-    return Table(base.name, {"title": base.title, "circuit": base.circuit, **base.content}, {})
-
-
-def _built(table: Table, settings: Settings, name: str) -> System:
+def _built(base: System, settings: Settings) -> System:
     """The system of one case."""
     texts = [f"{key}={value}" for key, value in settings.items() if not isinstance(value, Mapping)]
-    varied = with_settings(table, texts)
-    content = dict(varied.content)
+    varied = with_settings(base.table, texts)
+    content = copied(varied.content)
     for key, value in settings.items():
         if isinstance(value, Mapping):
-            part, _, entry = key.partition(".")
-            content[part] = {**content.get(part, {}), entry: dict(value)}
-    return built_system(Table(varied.place, content, varied.lines), name)
+            *tables, entry = key.split(".")
+            inner = content
+            for name in tables:
+                inner = inner.setdefault(name, {})
+            inner[entry] = dict(value)
+    return base.read_from(Table(varied.place, content, varied.lines))
 
 
 def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], None]) -> list[_Planned]:
     """Every case, checked. Raises ConfigError with the faults of all of them, each said once."""
-    table, digests = _table(base), dict[str, str]()
+    digests: dict[str, str] = {}
     planned: list[_Planned] = []
     refused: dict[tuple[str, str], list[int]] = {}
     cases = study.cases
@@ -135,12 +135,12 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
         raise ConfigError([Fault("study", 0, "", "has no cases; expected values to vary")])
     for number, settings in enumerate(cases):
         try:
-            system = _built(table, settings, base.name)
+            system = _built(base, settings)
         except ConfigError as problem:
             for fault in problem.faults:
                 refused.setdefault((fault.key, fault.message), []).append(number)
             continue
-        shape = hashlib.sha256(repr(case_shape(system.case)).encode()).hexdigest()
+        shape = hashlib.sha256(repr((system.circuit.digest, case_shape(system.case))).encode()).hexdigest()
         if shape not in digests:
             try:
                 digests[shape] = link(system.model, system.case, cache, say).digest
@@ -163,9 +163,10 @@ def _places(numbers: list[int]) -> str:
 
 def _key(system: System, digest: str, stepping: tuple[str, ...]) -> str:
     """What a case is known by: every resolved number, and everything else that its results depend on."""
-    found = hashlib.sha256(repr((vvdp.__version__, digest, system.circuit, stepping)).encode())
+    found = hashlib.sha256(repr((vvdp.__version__, digest, system.circuit.digest, stepping)).encode())
     case = system.case
-    for part in (case.state, case.params, case.command, case.memory, case.settings, *system.tables.values()):
+    programs = (*case.memory.values(), *case.settings.values())
+    for part in (case.state, case.params, case.command, *programs, *system.tables.values()):
         found.update(repr([path for path, _, _ in leaves(part)]).encode())
         found.update(flat(part).tobytes())
     return found.hexdigest()
@@ -174,17 +175,14 @@ def _key(system: System, digest: str, stepping: tuple[str, ...]) -> str:
 def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, str]]:
     """Value [SI] and unit of what a case sets; text for a value that changes over time or is none."""
     rows = {f"{row.table}.{row.key}": row for row in system.rows}
-    return {
-        key: _input(rows[key].value, rows[key].kind) if key in rows else (str(value), "1")
-        for key, value in settings.items()
-    }
+    return {key: _input(rows[key]) if key in rows else (str(value), "1") for key, value in settings.items()}
 
 
-def _input(value: float | Signal, kind: Kind) -> tuple[float | str, str]:
-    if isinstance(value, Signal) and not value.is_constant:
-        return described(value, kind), "1"
-    unit = "Pa absolute" if kind is PRESSURE_LEVEL else kind.unit
-    return (value.base if isinstance(value, Signal) else value), unit
+def _input(row: Sourced) -> tuple[float | str, str]:
+    value = row.value.base if isinstance(row.value, Signal) and row.value.is_constant else row.value
+    if isinstance(value, Signal | tuple):
+        return row.displayed, "1"
+    return value, "Pa absolute" if row.kind is PRESSURE_LEVEL else row.kind.unit
 
 
 def _check_outputs(study: Study, base: System) -> None:
@@ -192,7 +190,7 @@ def _check_outputs(study: Study, base: System) -> None:
     state = flat(base.case.state)
     window = Window(0.0, 1.0, state, state, 1, True)
     still = Outcome(base.model, base.case, window, state, state, state, 1.0, 0, 0, 0, False, 0.0, True)
-    known = [*simulated_summary(still, base), *ANALYTIC]
+    known = [*simulated_summary(still, base), *(() if base.extras is None else base.extras.CLOSED_FORMS)]
     unknown = [name for name in study.outputs if name not in known]
     if unknown:
         raise ConfigError([Fault("study", 0, name, f"no such output{nearest(name, known)}") for name in unknown])
@@ -202,8 +200,7 @@ def _finished_batch(
     base: System, cache: Path | None, version: str, batch: Sequence[_Planned], cores: int
 ) -> list[Finished]:
     """What comes of a batch, where it is run."""
-    table = _table(base)
-    systems = [_built(table, case.settings, base.name) for case in batch]
+    systems = [_built(base, case.settings) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]
     run = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=cores, cache=cache)
@@ -227,8 +224,7 @@ def _results(
     ran: int,
     seconds: float,
 ) -> StudyResults:
-    analytic = any(name in ANALYTIC for name in study.outputs)
-    table = _table(base)
+    closed_forms = base.extras is not None and not set(base.extras.CLOSED_FORMS).isdisjoint(study.outputs)
     rows: list[Mapping[str, float | bool]] = []
     failures: list[Failure] = []
     for case in planned:
@@ -236,8 +232,9 @@ def _results(
         if done and done.failure:
             failures.append(Failure(case.number, case.settings, done.failure))
         row = done.summary if done else {}
-        if row and analytic:
-            row = {**row, **analytic_summary(dict(row), _built(table, case.settings, base.name))}
+        extras = _built(base, case.settings).extras if row and closed_forms else None
+        if extras is not None:
+            row = {**row, **extras.closed_forms(row)}
         rows.append(row)
     names = list(dict.fromkeys(key for case in planned for key in case.inputs))
     unset = _inputs(base, dict.fromkeys(names, ""))

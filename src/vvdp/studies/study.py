@@ -207,14 +207,19 @@ class _Faults:
             raise ConfigError(self.found)
 
 
-def _joined(table: Mapping[str, Any]) -> dict[str, Any]:
+VALUES = frozenset(("value", "step", "ramp", "sine", "table", "from", "uniform", "normal"))
+"""Words of which a mapping has one where it is a value, and no table of values."""
+
+
+def _joined(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """`table` with `operation.duty_ratio = ...`, which TOML nests, under the same name as when it is quoted."""
     found: dict[str, Any] = {}
     for key, value in table.items():
-        if "." not in key and isinstance(value, Mapping):
-            found |= {f"{key}.{inner}": content for inner, content in value.items()}
+        path = f"{above}{key}"
+        if "." in key or not isinstance(value, Mapping) or (above and VALUES & set(value)):
+            found[path] = value
         else:
-            found[key] = value
+            found |= _joined(value, f"{path}.")
     return found
 
 
@@ -225,7 +230,7 @@ def _flattened(content: Mapping[str, Any], name: str, faults: _Faults) -> dict[s
         return {}
     found = _joined(table)
     for key in found:
-        if key.count(".") != 1:
+        if "." not in key:
             faults.add(f"{name}.{key}", 'expected a key of the form "table.key"')
     return found
 

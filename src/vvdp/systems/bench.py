@@ -1,13 +1,13 @@
 """What a test bench of the rotary valve brings along beyond other systems, and what verbs about it ask for."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.base.signal import Signal, signal_value
+from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
@@ -19,7 +19,8 @@ from vvdp.simulation.outcome import Outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
-from vvdp.systems.spool_encoder import SETTLED, estimate_errors
+from vvdp.systems.extras import Extras, Line, Summary
+from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.operating_point import OperatingPoint, operating_point
 from vvdp.valve.rotary import RotaryValve
@@ -27,7 +28,8 @@ from vvdp.valve.rotary import RotaryValve
 if TYPE_CHECKING:
     from vvdp.systems.system import System
 
-Summary = dict[str, float | bool]
+WATCHING = ("encoder", "spool_filter")
+"""Tables of a watched spool; a system file has both or neither."""
 
 ANALYTIC = (
     "analytic_pwm_frequency_Hz",
@@ -47,6 +49,7 @@ class BenchSeries:
     """What a bench does over time, each of shape (rows,): pressures absolute [Pa], flows [tank volumes, m^3/s].
 
     `load_flow` and `tank_flow` go through the ports of the valve; its leakage goes from the load to the tank.
+    `through_load` is nan where a source is the load, `delivered_volume` what has come from the valve [m^3].
     """
 
     inlet_pressure: Array
@@ -58,21 +61,55 @@ class BenchSeries:
     tank_flow: Array
     relief_flow: Array
     leakage_flow: Array
+    through_load: Array
+    delivered_volume: Array
     load_opening: Array
     tank_opening: Array
 
 
-class RotaryBench:
+VALVE_LOSS = ("loss_full_open_W", "loss_transition_W")
+
+
+class RotaryBench(Extras):
     """A pump unit with its load, as a system's tables give it."""
+
+    PERIOD = "PWM period"
+    OVERVIEW = (
+        Line("PWM frequency", ("pwm_frequency_Hz",), "Hz", ("analytic_pwm_frequency_Hz",)),
+        Line("pump flow", ("mean_pump_flow_m3_s",), "lpm"),
+        Line("flow to the load", ("mean_load_flow_m3_s",), "lpm", ("analytic_load_flow_m3_s",)),
+        Line("flow to the tank", ("mean_tank_flow_m3_s",), "lpm"),
+        Line("flow over the relief valve", ("flow_mean_relief_valve_m3_s",), "lpm"),
+        Line("leakage of the valve", ("mean_leakage_flow_m3_s",), "lpm"),
+        Line("inlet pressure, mean", ("pressure_mean_inlet_Pa",), "bar"),
+        Line("inlet pressure, lowest", ("pressure_min_inlet_Pa",), "bar"),
+        Line("inlet pressure, highest", ("pressure_max_inlet_Pa",), "bar"),
+        Line("load pressure, mean", ("pressure_mean_load_line_Pa",), "bar"),
+        Line("load pressure, lowest", ("pressure_min_load_line_Pa",), "bar"),
+        Line("load pressure, highest", ("pressure_max_load_line_Pa",), "bar"),
+        Line("spool angle, error of the estimate", ("spool_angle_error_rms_rad",), "rad"),
+        Line("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), "rad/s"),
+        Line("input power, pump shaft", ("input_power_W",), "W"),
+        Line("input power, spool motor", ("spool_motor_power_W",), "W"),
+        Line("load power", ("load_power_W",), "W"),
+        Line("efficiency", ("efficiency",), ""),
+        Line("loss, valve and relief valve", VALVE_LOSS, "W", tuple(f"analytic_{key}" for key in VALVE_LOSS)),
+        Line("loss, compressibility", (), "W", ("analytic_loss_compressibility_W",)),
+        Line("loss, leakage of the valve", ("loss_valve_leakage_W",), "W", ("analytic_loss_leakage_W",)),
+        Line("taken into store", ("stored_power_W",), "W"),
+        Line("input less load", ("loss_total_W",), "W", ("analytic_loss_total_W",)),
+    )
 
     INLET_TOTAL = "books.totals.inlet_pressure"
     LOAD_TOTAL = "books.totals.load_line_pressure"
     LOAD_FLOW_TOTAL = "books.totals.valve_load_flow"
     """Integrals from which means of inlet pressure, load pressure and load flow are taken, by their paths."""
 
-    def __init__(self, system: "System") -> None:
-        self.system = system
-        self.tables: Mapping[str, Any] = system.tables
+    CLOSED_FORMS = ANALYTIC
+
+    def __init__(self, system: "System", tables: Mapping[str, Any] | None = None) -> None:
+        super().__init__(system)
+        self.tables = system.tables if tables is None else tables
 
     @property
     def oil(self) -> Oil:
@@ -144,22 +181,33 @@ class RotaryBench:
         return float(self.tables["inlet"].volume)
 
     @property
+    def tank_pressure(self) -> float:
+        """Pressure at the tank at the start [Pa, absolute]."""
+        return float(signal_value(0.0, self.operation.tank_pressure))
+
+    @property
     def reference(self) -> float:
         """What gauge pressures count from [Pa]."""
         return self.oil.reference_pressure
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether the axial position is prescribed, not the duty ratio."""
+        return isinstance(self.operation, AxialOperation)
 
     @property
     def duty_ratio(self) -> Signal:
         """The duty ratio, or the axial position over the helix length."""
         if isinstance(self.operation, DutyOperation):
             return self.operation.duty_ratio
-        x, length = self.operation.axial_position, self.valve.helix_length
-        return replace(
-            x,
-            base=x.base / length,
-            change=tuple(change / length for change in x.change),
-            amplitude=tuple(amplitude / length for amplitude in x.amplitude),
-        )
+        return _mapped(self.operation.axial_position, lambda x: x / self.valve.helix_length)
+
+    @property
+    def axial_position(self) -> Signal:
+        """The axial position of the spool [m]."""
+        if isinstance(self.operation, DutyOperation):
+            return _mapped(self.operation.duty_ratio, lambda d: d * self.valve.helix_length)
+        return self.operation.axial_position
 
     @property
     def nominal_flow(self) -> float:
@@ -190,12 +238,44 @@ class RotaryBench:
         prescribed = [getattr(part, field.name) for part in parts for field in fields(part)]
         return all(value.is_constant for value in prescribed if isinstance(value, Signal))
 
-    def case(self, tables: Mapping[str, Any]) -> Case:
-        """The case of tables of the same classes, without drawing the network anew."""
+    @property
+    def case(self) -> Case:
+        """The case of its tables, without drawing the network anew."""
         params = self.system.case.params
         known = {field.name for field in fields(params)}
-        given = {name: table for name, table in tables.items() if name in known}
+        given = {name: table for name, table in self.tables.items() if name in known}
         return self.system.circuit.case_of(replace(params, **given))
+
+    def changed(self, **tables: Mapping[str, Any]) -> "RotaryBench":
+        """The same bench with some values of its tables replaced. Raises ParameterError where they contradict."""
+        new = {name: replace(self.tables[name], **values) for name, values in tables.items()}
+        return RotaryBench(self.system, {**self.tables, **new})
+
+    def starting(
+        self, *, inlet_pressure: float, load_pressure: float, spool_speed: float, spool_angle: float
+    ) -> "RotaryBench":
+        """The same bench with another start; pressures absolute, that of the load only where it makes its own."""
+        values = {"inlet_pressure": inlet_pressure, "spool_speed": spool_speed, "spool_angle": spool_angle}
+        if self.makes_pressure:
+            values["load_pressure"] = load_pressure
+        return self.changed(initial=values)
+
+    def held(self) -> "RotaryBench":
+        """The same bench with all that is prescribed held at its first value, the axial position as a duty ratio.
+
+        The pump does not pulsate and nothing watches the spool: only what repeats itself with the valve is left.
+        """
+        tables = {name: _held(table) for name, table in self.tables.items() if name not in WATCHING}
+        operation = tables["operation"]
+        tables["operation"] = DutyOperation(
+            pump_speed=operation.pump_speed,
+            oil_temperature=operation.oil_temperature,
+            duty_ratio=constant(signal_value(0.0, self.duty_ratio)),
+            spool_motor_speed=operation.spool_motor_speed,
+            tank_pressure=operation.tank_pressure,
+        )
+        tables["pump"] = replace(tables["pump"], ripple_amplitude=0.0)
+        return RotaryBench(self.system.with_tables(tables))
 
     def with_load(self, case: Case, area: Signal, pressure: float) -> Case:
         """The case with an orifice load of another `area` [m^2], from a load `pressure` [Pa, absolute]."""
@@ -215,6 +295,8 @@ class RotaryBench:
             tank_flow=output("valve_tank_flow") - leakage,
             relief_flow=output("relief_valve_flow"),
             leakage_flow=leakage,
+            through_load=output("load_flow") if self.makes_pressure else np.full(leakage.shape, np.nan),
+            delivered_volume=state(self.LOAD_FLOW_TOTAL),
             load_opening=output("valve_load_opening"),
             tank_opening=output("valve_tank_opening"),
         )
@@ -224,6 +306,12 @@ class RotaryBench:
         columns = {path: run.states[:, i] for i, (path, _, _) in enumerate(leaves(run.case.state))}
         outputs = run.outputs
         return self.series(columns.__getitem__, lambda name: np.asarray(getattr(outputs, name), float))
+
+    def mean(self, run: Outcome, total: str) -> float:
+        """Mean over the window of what an integral adds up, by its path."""
+        window, paths = run.window, [path for path, _, _ in leaves(run.case.state)]
+        place = paths.index(total)
+        return float((window.last[place] - window.first[place]) / (window.end - window.begin))
 
     def simulated(self, run: Outcome, found: Summary) -> Summary:
         """The numbers of a bench that its simulation gives, beside those that any circuit has."""
@@ -281,7 +369,7 @@ class RotaryBench:
             "spool_missed_edges": float(estimate.missed_edges[-1]),
         }
 
-    def closed_forms(self, found: Summary) -> Summary:
+    def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.
 
         There are none where they do not describe the run: without flow or load, with anything prescribed that changes
@@ -304,6 +392,25 @@ class RotaryBench:
             point.cycle.load_flow,
         )
         return {key: float(value) for key, value in zip(ANALYTIC, values, strict=True)}
+
+    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """What is to be known before the numbers of a bench: is the valve settled, and what does the motor take."""
+        if found["averaged_periods"] < 1:
+            yield "no whole PWM period lies in the averaging window: the means are over plain time"
+        elif not found["settled"]:
+            if found["steady"]:
+                yield "the PWM frequency has not settled within the averaging window: run longer"
+            else:
+                yield (
+                    "what is prescribed changes over time: the means are those of the averaging window, no steady state"
+                )
+        if found["motor_overloaded"]:
+            power, rated = found["input_power_W"], found["motor_rated_power_W"]
+            yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
+
+    def estimate(self, command: Callable[[str], Array]) -> dict[str, Array]:
+        """What is believed of a watched spool, by field of `SpoolEstimate`; `command` gives a series by its path."""
+        return {name: command(f"encoder.{name}") for name in SpoolEstimate._fields}
 
     def operating_point(self, load_pressure: float) -> OperatingPoint:
         """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""
@@ -329,6 +436,17 @@ def rotary_bench(system: "System", verb: str) -> RotaryBench:
         '"orifice-load" or "constant-load"); this circuit has none'
     )
     raise ConfigError([Fault(system.name, 0, "", message)])
+
+
+def _held(table: Any) -> Any:
+    signals = {f.name: value for f in fields(table) if isinstance(value := getattr(table, f.name), Signal)}
+    return replace(table, **{name: constant(signal_value(0.0, value)) for name, value in signals.items()})
+
+
+def _mapped(x: Signal, scaled: Callable[[float], float]) -> Signal:
+    return replace(
+        x, base=scaled(x.base), change=tuple(map(scaled, x.change)), amplitude=tuple(map(scaled, x.amplitude))
+    )
 
 
 def _ratio(a: float, b: float) -> float:

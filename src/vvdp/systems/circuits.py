@@ -1,5 +1,6 @@
 """What a system file may name as its circuit: an entry point, or a function in a module of one's own."""
 
+import hashlib
 import importlib
 import importlib.util
 import inspect
@@ -8,7 +9,8 @@ import types
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.metadata import entry_points
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -16,6 +18,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
 from vvdp.base.tables import nearest
 from vvdp.network.network import Network
+from vvdp.simulation.cache import default_cache
 
 GROUP = "vvdp.systems"
 """Group of the entry points under which packages offer circuits."""
@@ -37,7 +40,13 @@ class TableSlot:
 
 def circuit_names() -> list[str]:
     """Names of the circuits that installed packages offer."""
-    return sorted({point.name for point in entry_points(group=GROUP)})
+    return sorted({point.name for point in _offered()})
+
+
+@cache
+def _offered() -> tuple[EntryPoint, ...]:
+    """The entry points of all installed packages; reading them takes longer than drawing a circuit."""
+    return tuple(entry_points(group=GROUP))
 
 
 def network_function(name: str, folder: Path) -> NetworkFunction:
@@ -54,7 +63,7 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
             public = [n for n, value in vars(module).items() if inspect.isfunction(value) and not n.startswith("_")]
             raise ParameterError(f"{module_name} has no function {function!r}{nearest(function, public)}")
     else:
-        points = [point for point in entry_points(group=GROUP) if point.name == name]
+        points = [point for point in _offered() if point.name == name]
         if not points:
             message = f"{name!r} is not a circuit; expected {', '.join(circuit_names())}, or module:function"
             raise ParameterError(message)
@@ -79,6 +88,7 @@ def _module(name: str, folder: Path) -> types.ModuleType:
             if problem.name and (name == problem.name or name.startswith(f"{problem.name}.")):
                 raise ParameterError(f"no module {name!r}, neither {folder / name}.py nor installed") from None
             raise ParameterError(f"{name} needs the module {problem.name!r}, which is not installed") from None
+    _announce(path)
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
@@ -89,6 +99,20 @@ def _module(name: str, folder: Path) -> types.ModuleType:
         del sys.modules[name]
         raise ParameterError(f"{path} cannot be run: {type(problem).__name__}: {problem}") from problem
     return module
+
+
+def _announce(path: Path) -> None:
+    """Says once for each content of a module, on stderr, that a system file makes it run."""
+    try:
+        content = path.read_bytes()
+        marker = default_cache() / "modules" / hashlib.sha256(content).hexdigest()[:24]
+        if marker.exists():
+            return
+        print(f"{path}: code of your own, which the system file names, is executed (said once)", file=sys.stderr)
+        marker.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        marker.write_text(f"{path.resolve()}\n", encoding="utf-8")
+    except OSError:
+        return  # said again next time
 
 
 def table_slots(function: NetworkFunction) -> dict[str, TableSlot]:

@@ -3,6 +3,7 @@
 import dataclasses
 import inspect
 from collections.abc import Callable, Mapping
+from types import SimpleNamespace
 from typing import Annotated, Any, get_type_hints
 
 from vvdp.base.errors import Fault, NetworkError, ParameterError
@@ -10,6 +11,7 @@ from vvdp.base.kinds import (
     Angle,
     Compliance,
     Inertia,
+    Kind,
     Mass,
     Polytropic,
     Position,
@@ -22,9 +24,10 @@ from vvdp.base.kinds import (
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params
+from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, build, nearest
+from vvdp.base.units import parsed, parsed_difference
 from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
@@ -33,6 +36,7 @@ from vvdp.network.component import Component
 from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import Chamber, Load, Rotor
 from vvdp.network.program import ProgramType
+from vvdp.sensing.instrument import Instrument, ideal_instrument
 
 TABLES = ("oil", "oils", "operation", "nodes", "components", "programs")
 DRAWING_WORDS = ("type", "at", "oil")
@@ -226,7 +230,12 @@ class Drawer:
         self._place(net, name, path, part)
 
     def _values(self, cls: type[Params], path: str, own: Mapping[str, Any]) -> Any:
-        """A table of which a value may also be a connection."""
+        """The values of a node; what a source or a driven shaft prescribes may also be `{ from = "spool.speed" }`."""
+        match own:
+            case {"pressure": {"from": str() as source, **rest}} if cls is SourceTable and not rest:
+                return SimpleNamespace(pressure=source)
+            case {"speed": {"from": str() as source, **rest}} if cls is DrivenShaftTable and not rest:
+                return SimpleNamespace(speed=source)
         return self._table(cls, path, own)
 
     def _place(self, net: Network, name: str, path: str, part: Mapping[str, Any]) -> None:
@@ -317,7 +326,7 @@ class Drawer:
             return
         fields = kind.reading._fields  # type: ignore[attr-defined]
         own = set(_fields(kind.settings)) if kind.settings else set()
-        known = [*fields, *own, "type", "period", "phase", "latency"]
+        known = [*fields, *own, "type", "sensors", "period", "phase", "latency"]
         for key in part:
             if key not in known:
                 self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
@@ -330,13 +339,56 @@ class Drawer:
         if self._has_faults(path):
             return
         reads = {key: part[key] for key in fields}
+        sensors = self._sensors(kind, f"{path}.sensors", part.get("sensors", {}))
+        if self._has_faults(path):
+            return
         period = times.period or None
         self._try(
             path,
             lambda: net.program(
-                name, kind, settings, reads=reads, period=period, phase=times.phase, latency=times.latency
+                name,
+                kind,
+                settings,
+                reads=reads,
+                sensors=sensors,
+                period=period,
+                phase=times.phase,
+                latency=times.latency,
             ),
         )
+
+    def _sensors(self, kind: ProgramType, path: str, given: Any) -> dict[str, Instrument]:
+        """The instruments through which a program reads; each value has the unit of what is read."""
+        kinds, found = field_kinds(kind.reading), {}
+        for name, entries in given.items() if isinstance(given, Mapping) else ():
+            measured, values = kinds.get(name), {}
+            if measured is None or not isinstance(entries, Mapping):
+                self._fault(f"{path}.{name}", f"not read by the program{nearest(name, list(kinds))}")
+                continue
+            for key, entry in entries.items():
+                try:
+                    values[key] = _instrument_value(key, entry, measured)
+                except ParameterError as problem:
+                    self._fault(f"{path}.{name}.{key}", str(problem))
+            try:
+                found[name] = dataclasses.replace(ideal_instrument(measured.low, measured.high), **values)
+            except ParameterError as problem:
+                self._fault(f"{path}.{name}", str(problem))
+        return found
+
+
+def _instrument_value(key: str, entry: object, measured: Kind) -> float:
+    """One value of an instrument for a quantity of a kind [SI]. Raises ParameterError."""
+    own = field_kinds(Instrument)
+    if key not in own:
+        raise ParameterError(f"unknown key{nearest(key, list(own))}")
+    if key in ("range_low", "range_high"):
+        return parsed(entry, measured)
+    if key in ("resolution", "offset", "noise"):
+        return parsed_difference(entry, measured)
+    kind = own[key]
+    assert kind is not None
+    return parsed(entry, kind)
 
 
 def _fields(cls: type[Params]) -> list[str]:

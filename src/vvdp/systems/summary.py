@@ -1,19 +1,19 @@
 """What a run comes to: means, losses by component, extremes, balances, in plain numbers by the names of the circuit."""
 
 from collections.abc import Iterator
+from operator import attrgetter
 
 import numpy as np
 
 from vvdp.base.signal import Signal
-from vvdp.network.classes import flow_names
-from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
+from vvdp.network.nodes import HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.paths import flows_of
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
+from vvdp.systems.extras import Summary as Summary
 from vvdp.systems.system import System
-
-Summary = dict[str, float | bool]
 
 CAVITATION_PRESSURE = 3e4
 """Below which oil is held to cavitate where a system says nothing else [Pa, absolute]."""
@@ -93,9 +93,10 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, HydraulicNode):
             reference = node.oil.reference_pressure
-            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node.pressure, means, name)
+            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node, run, system, name)
             lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
-            found[f"pressure_mean_{name}_Pa"] = means[f"totals.{name}_pressure"] - reference
+            mean = bounds[0] if bounds[0] == bounds[1] else means[f"totals.{name}_pressure"]
+            found[f"pressure_mean_{name}_Pa"] = mean - reference
             found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
             found[f"pressure_max_{name}_Pa"] = bounds[1] - reference
         elif isinstance(node, Shaft | Rod):
@@ -107,24 +108,29 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             if isinstance(node, Rod):
                 found[f"position_min_{name}_m"] = low[f"{name}.position"]
                 found[f"position_max_{name}_m"] = high[f"{name}.position"]
+    return found | {"cavitation": bool(lowest < cavitation_pressure(system))}
+
+
+def cavitation_pressure(system: System) -> float:
+    """Below which the oil of a system is held to cavitate [Pa, absolute]."""
     limits = system.tables.get("limits")
-    bound = CAVITATION_PRESSURE if limits is None else limits.cavitation_pressure
-    return found | {"cavitation": bool(lowest < bound)}
+    return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)
 
 
-def _prescribed(pressure: object, means: dict[str, float], name: str) -> tuple[float, float]:
-    """Bounds of a prescribed pressure [Pa, absolute]; its mean where it is a connection."""
-    if isinstance(pressure, Signal):
-        return pressure.extremes
-    return means[f"totals.{name}_pressure"], means[f"totals.{name}_pressure"]
+def _prescribed(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
+    """Bounds of a prescribed pressure [Pa, absolute], as the case has it; its mean where it is a connection."""
+    if isinstance(node.pressure, Signal):
+        given: Signal = attrgetter(system.circuit.place(node.pressure))(run.case.params)
+        return given.extremes
+    mean = _means(run)[f"totals.{name}_pressure"]
+    return mean, mean
 
 
 def _part_numbers(run: Outcome, system: System) -> Summary:
     """Mean flows, losses and powers by component, and what its sources give."""
     means, found = _means(run), Summary()
-    hydraulic = {
-        f"totals.{n}_pressure" for n, node in system.circuit.network.nodes.items() if isinstance(node, HydraulicNode)
-    }
+    nodes = system.circuit.network.nodes
+    hydraulic = {f"totals.{name}_pressure" for name, node in nodes.items() if isinstance(node, HydraulicNode)}
     for path, value in means.items():
         group, _, name = path.partition(".")
         if group == "totals" and path not in hydraulic and name.endswith("_flow"):
@@ -132,9 +138,10 @@ def _part_numbers(run: Outcome, system: System) -> Summary:
         elif group == "supplied":
             found[f"power_{name}_W"] = value
     for part in system.circuit.network.parts.values():
-        first, *others = flow_names(part) or [""]
+        first, *others = flows_of(part) or [""]
         if others:
-            found[f"flow_mean_{first.removesuffix('_flow')}_m3_s"] = -sum(means[f"totals.{name}"] for name in others)
+            into_others = (means[f"totals.{part.name}_{name}"] for name in others)
+            found[f"flow_mean_{part.name}_{first.removesuffix('_flow')}_m3_s"] = -sum(into_others)
         losses = dict(_losses(part.name, means))
         if losses:
             found[f"loss_{part.name}_W"] = sum(losses.values())

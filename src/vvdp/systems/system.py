@@ -1,9 +1,10 @@
 """Reading a system: from a shipped name or a file to checked values and a circuit that is ready to run."""
 
 import os
+import traceback
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -19,8 +20,16 @@ from vvdp.network.build import build as build_circuit
 from vvdp.network.network import Network
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping
-from vvdp.systems.circuits import NetworkFunction, TableSlot, circuit_names, network_function, table_slots
+from vvdp.systems.circuits import (
+    NetworkFunction,
+    TableSlot,
+    circuit_names,
+    local_module,
+    network_function,
+    table_slots,
+)
 from vvdp.systems.drawn import draw_network
+from vvdp.systems.extras import Extras
 
 HEADINGS = ("title", "circuit")
 DRAWN = ("nodes", "components")
@@ -42,12 +51,18 @@ class RunTable(Params):
         if not self.average_from < self.until:
             raise ParameterError(f"average_from {self.average_from:g} s; expected less than until = {self.until:g} s")
 
+    def stepping(self, method: Method) -> Stepping:
+        """How the run is stepped. Raises ParameterError where that cannot be."""
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "average_from"}
+        return Stepping(**values, method=method)
+
 
 @dataclass(frozen=True)
 class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
-    `function` drew the network from the tables; None where the file draws it itself.
+    `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
+    tables of the file. Modules that the file names are looked for in `folder`.
     """
 
     name: str
@@ -58,7 +73,9 @@ class System:
     tables: Mapping[str, Any]
     rows: tuple[Sourced, ...]
     content: Mapping[str, Any]
+    folder: Path = Path()
     function: NetworkFunction | None = None
+    redrawn: bool = False
 
     @property
     def model(self) -> Model:
@@ -71,22 +88,52 @@ class System:
         return self.circuit.case
 
     @cached_property
-    def extras(self) -> Any:
+    def extras(self) -> Extras | None:
         """What the system brings along beyond others; None where that is nothing."""
         found = self.circuit.network.extras
         return None if found is None else found(self)
+
+    @property
+    def module(self) -> Path | None:
+        """The file of the function, where it lies beside the system's."""
+        return local_module(str(self.content.get("circuit", "")), self.folder)
+
+    @property
+    def circuit_name(self) -> str:
+        """What the file names as its circuit; where it draws it itself, how many parts it has."""
+        network = self.circuit.network
+        count = f"{len(network.nodes)} nodes, {len(network.parts)} components"
+        return str(self.content.get("circuit", f"drawn, {count}"))
 
     @property
     def assumed(self) -> tuple[Sourced, ...]:
         """The values that are merely assumed."""
         return tuple(row for row in self.rows if row.status == "assumed")
 
+    @property
+    def table(self) -> Table:
+        """What it was read from, settings included."""
+        return Table(self.name, self.content, {})
+
+    def read_from(self, table: Table) -> "System":
+        """The system of another text in the same place. Raises ConfigError with all its faults."""
+        return built_system(table, self.name, self.folder)
+
     def with_tables(self, tables: Mapping[str, Any]) -> "System":
         """The same system drawn from other tables."""
         assert self.function is not None
         names = table_slots(self.function)
         network = self.function(**{name: table for name, table in tables.items() if name in names})
-        return replace(self, circuit=build_circuit(network), tables=tables)
+        return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A system travels to other processes as its text: its functions are written anew where it arrives."""
+        return _arrived, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
+
+
+def _arrived(table: Table, name: str, folder: Path, tables: Mapping[str, Any] | None) -> System:
+    found = built_system(table, name, folder)
+    return found if tables is None else found.with_tables(tables)
 
 
 def shipped() -> dict[str, str]:
@@ -154,7 +201,7 @@ def lasting(table: Table, until: str) -> Table:
     if not isinstance(run, Mapping):
         return table
     try:
-        share = parsed(run.get("average_from"), TIME) / parsed(run.get("until"), TIME)
+        share = _duration(run.get("average_from")) / _duration(run.get("until"))
     except (ParameterError, ZeroDivisionError):
         share = 0.5
     lasting = {**run, "until": f"{seconds!r} s", "average_from": f"{share * seconds!r} s"}
@@ -180,34 +227,24 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         network, rows = draw_network(content, table, faults)
     if run is not None:
         rows += run[1]
-    circuit = None
-    if network is not None and not faults:
+    circuit = stepping = None
+    if network is not None and run is not None and not faults:
         try:
-            circuit = build_circuit(network)
+            circuit, stepping = build_circuit(network), run[0].stepping(method)
         except (NetworkError, ParameterError) as problem:
             faults.append(Fault(table.place, 0, "", str(problem)))
-    if faults or circuit is None or run is None:
+    if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(faults)
-    r = run[0]
-    stepping = Stepping(
-        until=r.until,
-        relative_tolerance=r.relative_tolerance,
-        sample_period=r.sample_period,
-        record_interval=r.record_interval,
-        window=r.window,
-        window_interval=r.window_interval,
-        longest_step=r.longest_step,
-        method=method,
-    )
     return System(
         name=name,
         title=str(table.content.get("title", name)),
         circuit=circuit,
         stepping=stepping,
-        average_from=r.average_from,
+        average_from=run[0].average_from,
         tables=values,
         rows=tuple(rows),
         content=table.content,
+        folder=folder,
         function=function,
     )
 
@@ -232,6 +269,11 @@ def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunctio
     return function
 
 
+def _duration(entry: Any) -> float:
+    """The time of an entry of [run], with its origin or without [s]. Raises ParameterError."""
+    return parsed(entry.get("value") if isinstance(entry, Mapping) else entry, TIME)
+
+
 def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:
     """The [run] table and its method."""
     if not isinstance(given, Mapping):
@@ -242,8 +284,9 @@ def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[Run
     method = _method(content.pop("method", "automatic"), table, faults)
     if "average_from" not in content and "until" in content:
         with suppress(ParameterError):  # `build` says what is wrong with it
-            content["average_from"] = f"{0.5 * parsed(content['until'], TIME)!r} s"
+            content["average_from"] = f"{0.5 * _duration(content['until'])!r} s"
     found, rows = build(RunTable, content, "run", table, faults)
+    rows = [replace(row, status="given") if row.note == "default" else row for row in rows]  # not on the circuit
     return (None if found is None else (found, rows)), method
 
 
@@ -255,7 +298,8 @@ def _tables(
     for key in content:
         if key not in slots and key not in HEADINGS:
             message = f"unknown table; expected {', '.join((*slots, 'run'))}{_meant(key, slots)}"
-            faults.append(Fault(table.place, table.lines.get(key, 0), key, message))
+            place = table.place if key in table.lines else "--set"
+            faults.append(Fault(place, table.lines.get(key, 0), key, message))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     for key, slot in slots.items():
@@ -267,7 +311,8 @@ def _tables(
             faults.append(Fault(table.place, table.lines.get(key, 0), key, what))
             continue
         cls = _class(slot, key, part, table, faults)
-        values[key], found = build(cls, part, key, table, faults)
+        others = {field for other in slot.classes if other is not cls for field in _fields(other)} - _fields(cls)
+        values[key], found = build(cls, {k: v for k, v in part.items() if k not in others}, key, table, faults)
         rows += found
     return values, rows
 
@@ -275,13 +320,17 @@ def _tables(
 def _class(slot: TableSlot, name: str, part: Mapping[str, Any], table: Table, faults: list[Fault]) -> type[Params]:
     """The class of a table, with a fault where its keys belong to two."""
     cls = slot.choice(part)
-    own = set(cls.__dataclass_fields__)  # type: ignore[attr-defined]
+    own = _fields(cls)
     for other in slot.classes:
-        for key in part.keys() & (set(other.__dataclass_fields__) - own):  # type: ignore[attr-defined]
-            instead = ", ".join(sorted(own - set(other.__dataclass_fields__)))  # type: ignore[attr-defined]
+        for key in part.keys() & (_fields(other) - own):
+            instead = ", ".join(sorted(own - _fields(other)))
             message = f"contradicts {name}.{instead}; give one of the two"
             faults.append(Fault(table.place, table.lines.get(f"{name}.{key}", 0), f"{name}.{key}", message))
     return cls
+
+
+def _fields(cls: type[Params]) -> set[str]:
+    return {field.name for field in fields(cls)}  # type: ignore[arg-type]
 
 
 def _meant(key: str, slots: Mapping[str, TableSlot]) -> str:
@@ -297,6 +346,11 @@ def _drawn_by(
         network = function(**values)
     except (NetworkError, ParameterError) as problem:
         faults.append(Fault(table.place, 0, "", str(problem)))
+        return None
+    except Exception as problem:  # of code that is not ours
+        at = traceback.extract_tb(problem.__traceback__)[-1]
+        what = f"{type(problem).__name__}: {problem} ({at.filename}:{at.lineno})"
+        faults.append(Fault(table.place, table.lines.get("circuit", 0), "circuit", f"cannot be drawn: {what}"))
         return None
     if not isinstance(network, Network):
         name = function.__qualname__

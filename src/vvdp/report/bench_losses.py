@@ -1,4 +1,4 @@
-"""The losses of a run, by component and by cause."""
+"""The losses of a test bench of the rotary valve, by component and by cause."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,0 +1,153 @@
+"""The graph of a network for its diagram: what is joined to what, with the values that a person looks for."""
+
+from collections.abc import Iterator
+
+from vvdp.base.kinds import AREA, DISPLACEMENT, FRACTION, PRESSURE_LEVEL, SPEED, TIME, VOLUME, Kind
+from vvdp.base.params import Params, default_values, field_kinds
+from vvdp.base.signal import Signal
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.assembly import Group
+from vvdp.network.graph import Graph, GraphComponent, GraphNode, GraphProgram, NodeKind
+from vvdp.network.network import Network, Part
+from vvdp.network.nodes import (
+    Connection,
+    DrivenShaft,
+    Node,
+    OilVolume,
+    PressureSource,
+    Rod,
+    Shaft,
+    Source,
+    Tank,
+)
+from vvdp.network.paths import paths_of
+from vvdp.report.wording import rounded, rounded_signal
+from vvdp.systems.overview import inside
+
+Lines = tuple[str, ...]
+MOST_LABELS = 2
+LEAST_INERTIA = 1e-8
+"""A shaft with less has its inertia from what it joins [kg m^2]."""
+FIRST = (DISPLACEMENT, PRESSURE_LEVEL, AREA)
+"""Kinds that say most about a component."""
+UNSAID = (TIME, FRACTION)
+"""Kinds that say little."""
+SIZES = ("m", "m^2")
+"""Units of which a component may well show two values, such as length and diameter."""
+
+
+def graph_of(network: Network, title: str) -> Graph:
+    """The graph of a network, its parts labelled with their main values."""
+    hidden = inside(network)
+    return Graph(
+        title=title,
+        nodes=tuple(_node(network, node) for name, node in network.nodes.items() if name not in hidden),
+        components=(
+            *(_component(network, part) for name, part in network.parts.items() if name not in hidden),
+            *(_group(network, name, group) for name, group in network.groups.items()),
+        ),
+        programs=tuple(_programs(network)),
+    )
+
+
+def _node(network: Network, node: Node) -> GraphNode:
+    kind, labels = _kind_and_labels(node)
+    return GraphNode(node.name, kind, labels, network.positions.get(node.name))
+
+
+def _kind_and_labels(node: Node) -> tuple[NodeKind, Lines]:
+    match node:
+        case OilVolume():
+            if isinstance(node.values, Vessel) and node.values.gas_volume > 0.0:
+                oil, gas = (rounded(volume, VOLUME) for volume in (node.values.oil_volume, node.values.gas_volume))
+                charge = rounded(node.values.precharge_pressure, PRESSURE_LEVEL)
+                return NodeKind.ACCUMULATOR, (oil, f"gas {gas} at {charge}")
+            return NodeKind.VOLUME, main_values(node.values)
+        case Tank():
+            pressure = node.pressure
+            is_usual = pressure.is_constant and pressure.base == node.oil.reference_pressure
+            return NodeKind.TANK, (() if is_usual else (rounded_signal(pressure, PRESSURE_LEVEL),))
+        case PressureSource():
+            return NodeKind.PRESSURE, (source_words(node.pressure, PRESSURE_LEVEL),)
+        case DrivenShaft():
+            return NodeKind.DRIVEN_SHAFT, (source_words(node.speed, SPEED),)
+        case Shaft():
+            is_light = node.values is None or node.values.inertia <= LEAST_INERTIA
+            return NodeKind.SHAFT, (() if is_light else main_values(node.values))
+        case Rod():
+            return NodeKind.ROD, main_values(node.values)
+
+
+def _component(network: Network, part: Part) -> GraphComponent:
+    kinds = {argument.name: argument.kind for argument in part.component.inputs}
+    defaults = {argument.name: argument.default for argument in part.component.inputs}
+    return GraphComponent(
+        name=part.name,
+        symbol=part.component.symbol,
+        ports=dict(part.nodes),
+        connections={
+            name.replace("_", " "): source_words(source, kinds[name])
+            for name, source in part.inputs.items()
+            if not (isinstance(source, Signal) and source.is_constant and source.base == defaults[name])
+        },
+        labels=tuple(value for values in part.values for value in main_values(values))[:MOST_LABELS],
+        position=network.positions.get(part.name),
+    )
+
+
+def _group(network: Network, name: str, group: Group) -> GraphComponent:
+    """A pipe or the like as one component."""
+    return GraphComponent(
+        name=name,
+        symbol=group.assembly.symbol,
+        ports=dict(group.ports),
+        labels=main_values(group.values),
+        position=network.positions.get(name),
+    )
+
+
+def _programs(network: Network) -> Iterator[GraphProgram]:
+    for program in network.programs.values():
+        commands = [
+            f"{part.name}.{key}"
+            for part in network.parts.values()
+            for key, source in part.inputs.items()
+            if any(path.partition(".")[0] == program.name for path in paths_of(source))
+        ]
+        yield GraphProgram(program.name, tuple(dict.fromkeys(program.reads.values())), tuple(commands))
+
+
+def source_words(source: Source, kind: Kind | None) -> str:
+    """Where an input comes from: a path, a value, or a function of several."""
+    if isinstance(source, str):
+        return source
+    if isinstance(source, Connection):
+        inner = (s if isinstance(s, str) else f"{s.base:.4g}" for s in source.sources if not isinstance(s, Params))
+        return f"{source.function.__name__.replace('_', ' ')} of {', '.join(inner)}"
+    if isinstance(source, Signal):
+        return rounded_signal(source, kind) if kind else f"{source.base:.4g}"
+    return f"{source:.4g}"
+
+
+def main_values(values: Params | None) -> Lines:
+    """The values of a parameter class that say most about it, at most two, each with its unit.
+
+    Left out are zeros, shares, times, what stands at its usual value, what has an unwieldy unit, and a second value in
+    a unit that is not one of size.
+    """
+    if values is None:
+        return ()
+    usual = default_values(type(values))
+    found: list[tuple[Kind, str]] = []
+    units: set[str] = set()
+    for name, kind in field_kinds(type(values)).items():
+        value = getattr(values, name)
+        plain = kind is not None and isinstance(value, float) and value != 0.0 and usual.get(name) != value
+        if kind is None or not plain or kind.unit in ("1", "SI") or kind in UNSAID or "transition" in name:
+            continue
+        if "(" in kind.shown or (kind.unit in units and kind.unit not in SIZES):
+            continue
+        units.add(kind.unit)
+        found.append((kind, rounded(value, kind)))
+    found.sort(key=lambda entry: entry[0] not in FIRST)
+    return tuple(text for _, text in found[:MOST_LABELS])

@@ -1,0 +1,30 @@
+"""Verbs about the rotary valve refuse a system without one by name, and leave nothing behind."""
+
+import pytest
+
+VERBS = [
+    "map", "rig pressure-drop", "rig ripple", "rig step", "rig pump", "rig claims", "design optimum", "design pareto",
+    "design tolerance", "design temperature", "geometry", "valve",
+]  # fmt: skip
+DRAWN = """
+nodes.line = { type = "volume", volume = "1 l", start = "50 bar" }
+nodes.tank = { type = "tank" }
+[components.drain]
+type = "orifice"
+a = "line"
+b = "tank"
+area = "1 mm^2"
+discharge_coefficient = 0.6
+transition_pressure = "0.1 bar"
+[run]
+until = "0.1 s"
+"""
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_a_verb_says_what_it_needs(vvdp, here, verb):
+    (here / "drain.toml").write_text(DRAWN)
+    refused = vvdp(*verb.split(), "drain.toml")
+    assert refused.code == 2
+    assert f"`vvdp {verb}` needs a pump unit with a rotary valve" in " ".join(refused.err.split())
+    assert [path.name for path in here.iterdir()] == ["drain.toml"]
