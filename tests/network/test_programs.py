@@ -175,7 +175,7 @@ def test_event_program_unloads_a_pump(oil, of):
     vessel = Vessel(oil_volume=2e-4, hose_compliance=0.0, gas_volume=2e-4, precharge_pressure=3e6, gas_exponent=1.3)
     net.volume("accumulator", vessel, start=6e6)
     net.add("supply", FLOW_SOURCE, of.source, a="tank", b="pump_line", flow=3e-4)
-    net.add("check", CHECK_VALVE, of.check, a="pump_line", b="accumulator")
+    net.add("check_valve", CHECK_VALVE, of.check, a="pump_line", b="accumulator")
     seat = SeatValve(rated_flow=1e-3, rated_drop=5e5, lag=2e-3)
     net.add("unload", UNLOADING_VALVE, seat, a="pump_line", b="tank", unloaded="switch.unloaded")
     net.add("load", ORIFICE, of.orifice, a="accumulator", b="tank", area=1.5e-6)
