@@ -240,7 +240,8 @@ class Functions:
         own = [p for p in used if p.component.stored]
         for part in own:
             self._check_stored(part)
-        if any(a.role is Role.MEDIUM for p in own for a in p.component.arguments_of(p.component.stored)):
+        asked = [(p.component, p.component.stored) for p in own]
+        if any(a.role is Role.MEDIUM for c, function in asked if function for a in c.arguments_of(function)):
             lines.append("h = conditions(0.0, p)")
         lines += list(self.text.node_lines((n for n in self.network.nodes if n in joined), at_rest=True))
         lines += [f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in used if p.component.walls]
