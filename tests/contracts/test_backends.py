@@ -337,6 +337,8 @@ def components():
     def component(hint: Any, rng: np.random.Generator) -> Any:
         if hint in values:
             return values[hint]
+        if hint is line.RoundLine:
+            return values[line.Line]
         by_class = {
             mixture.FluidState: lambda: mixture.fluid_state(float(rng.uniform(2e5, 2e7)), oil),
             branch.BranchFlow: lambda: branch.branch_flow(float(rng.uniform(-1e6, 1e6)), 0.5, 870.0, valve),
