@@ -240,8 +240,8 @@ class Functions:
         own = [p for p in used if p.component.stored]
         for part in own:
             self._check_stored(part)
-        asked = [(p.component, p.component.stored) for p in own]
-        if any(a.role is Role.MEDIUM for c, function in asked if function for a in c.arguments_of(function)):
+        stores = [(p.component, p.component.stored) for p in own if p.component.stored]
+        if any(a.role is Role.MEDIUM for component, store in stores for a in component.arguments_of(store)):
             lines.append("h = conditions(0.0, p)")
         lines += list(self.text.node_lines((n for n in self.network.nodes if n in joined), at_rest=True))
         lines += [f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in used if p.component.walls]
