@@ -228,7 +228,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         try:
             circuit, stepping = build_circuit(network), run[0].stepping(method)
         except (NetworkError, ParameterError) as problem:
-            faults.append(Fault(table.place, 0, "", str(problem)))
+            faults.append(_fault_of_build(table, str(problem)))
     if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(faults)
     return System(
@@ -244,6 +244,13 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         function=function,
         module=local_module(str(table.content.get("circuit", "")), folder),
     )
+
+
+def _fault_of_build(table: Table, message: str) -> Fault:
+    """What is wrong with a circuit as a whole, with the line of the part that the message begins with."""
+    name = message.partition(":")[0].partition(".")[0]
+    keys = (f"{part}.{name}" for part in ("nodes", "components", "programs"))
+    return Fault(table.place, next((table.lines[key] for key in keys if key in table.lines), 0), "", message)
 
 
 def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
