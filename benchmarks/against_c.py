@@ -3,6 +3,7 @@
 import ctypes
 import subprocess
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -13,26 +14,29 @@ from numba import njit, types
 from benchmarks.bare import ROWS, bare_run
 from benchmarks.measure import HERE, interleaved, machine, ratios, report, spread
 from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
-from vvdp.simulation import loop
+from vvdp.simulation import loop, places
+from vvdp.simulation.layout import members, slots
 from vvdp.simulation.run import Prepared, prepared
-from vvdp.simulation.values import leaves
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System, load_system
 
 UNTIL = 0.5
 DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 
+def unwatched(name: str) -> System:
+    """A bench whose spool nothing watches: the circuit alone."""
+    return rotary_bench(load_system(name), "benchmark").held().system
+
+
 def layout(system: System, ready: Prepared) -> str:
     """The C header with the place of every value in the flat vectors."""
-    parts = {"P": system.case.params, "Y": system.case.state, "U": system.case.command.conditions}
-    lines = [f"#define STATES {ready.state.size}", f"#define ACTIVE {ready.active}"]
-    for prefix, value in parts.items():
-        paths = [(path, np.size(x)) for path, x, _ in leaves(value)]
+    lines = [f"#define STATES {ready.vectors.state.size}", f"#define ACTIVE {ready.active}"]
+    for prefix, value in {"P": system.case.params, "Y": system.case.state, "U": system.case.command.held}.items():
         place = 0
-        for path, size in paths:
-            if size:
-                lines.append(f"#define {prefix}_{path.replace('.', '_')} {place}")
-            place += size
+        for path, part in members(value, prefix):  # of a signal it is the base, which comes first
+            lines.append(f"#define {path.replace('.', '_')} {place}")
+            place += slots(part)
     for name, values in (("TSIT5_A", TSIT5_A), ("TSIT5_C", TSIT5_C), ("TSIT5_E", TSIT5_E)):
         lines.append(f"#define {name} " + repr(values.tolist()).replace("[", "{").replace("]", "}"))
     return "\n".join(lines) + "\n"
@@ -68,20 +72,19 @@ def compiled(folder: Path, header: str, *options: str) -> Any:
 def random_states(ready: Prepared, count: int) -> np.ndarray:
     """States all over the range that a run can reach, shape (count, n)."""
     rng = np.random.default_rng(1)
-    states = rng.uniform(-1.0, 1.0, (count, ready.state.size))
-    for column in (0, 6):  # inlet and load pressure
-        states[:, column] = rng.uniform(2e4, 1.3e7, count)
-    states[:, 1:3] = rng.uniform(0.0, 1.0, (count, 2))
-    states[:, 3:5] = rng.uniform(0.0, 1e3, (count, 2))
-    states[:, 5] = rng.uniform(-50.0, 500.0, count)
+    states = rng.uniform(-1.0, 1.0, (count, ready.vectors.state.size))
+    states[:, :2] = rng.uniform(2e4, 1.3e7, (count, 2))  # of load line and inlet
+    states[:, 2:4] = rng.uniform(0.0, 1e3, (count, 2))  # angles of pump shaft and spool
+    states[:, 4] = rng.uniform(-50.0, 500.0, count)
+    states[:, 5:7] = rng.uniform(0.0, 1.0, (count, 2))  # openings
     return states
 
 
 def c_run(c: Any, ready: Prepared) -> tuple[np.ndarray, np.ndarray]:
     """Final state and counts of the same run in C: attempted steps, refused ones, marks."""
-    y, u, counts = ready.state.copy(), ready.command.copy(), np.zeros(3, ctypes.c_long)
+    y, u, counts = ready.vectors.state.copy(), ready.vectors.command.copy(), np.zeros(3, ctypes.c_long)
     status = c.run(
-        *(y, u, ready.params, ready.atol, ready.rtol, 1e-6, 1e-3, UNTIL),
+        *(y, u, ready.vectors.params, ready.atol, ready.rtol, 1e-6, 1e-3, UNTIL),
         *(ROWS, np.zeros(ROWS), np.zeros((ROWS, y.size)), y.copy(), y.copy(), counts),
     )
     assert status == 0
@@ -102,24 +105,26 @@ def evaluations(rates: Any, states: Any, rounds: Any, u: Any, p: Any, dy: Any) -
 def main() -> None:
     """Compares values, then times."""
     print(machine())
-    system = load_system("prototype")
-    ready = prepared(system.model, system.case, 1e-7)
+    system = unwatched("prototype")
+    ready = prepared(system.model, system.case, system.stepping)
+    command, params = ready.vectors.command, ready.vectors.params
     with tempfile.TemporaryDirectory() as folder:
         header = layout(system, ready)
         c, native = compiled(Path(folder), header), compiled(Path(folder), header, "-march=native")
         states = random_states(ready, 1000)
         ours, theirs = np.zeros_like(states), np.zeros_like(states)
-        command = np.zeros_like(ready.command)
-        c.conditions(ready.params, command)
-        worst_condition = np.max(np.abs(command - ready.command) / np.maximum(np.abs(ready.command), 1e-300))
+        found = np.zeros_like(command)
+        c.conditions(params, found)
+        worst_condition = np.max(np.abs(found - command) / np.maximum(np.abs(command), 1e-300))
         report("conditions, largest relative difference", f"{worst_condition:.1e}", "1e-12", worst_condition <= 1e-12)
         for row, state in enumerate(states):
-            ready.linked.rates(0.1, state, ready.command, ready.params, ours[row])
-            c.rates(0.1, state, ready.command, ready.params, theirs[row])
+            ready.linked.rates(0.1, state, command, params, ours[row])
+            c.rates(0.1, state, command, params, theirs[row])
         worst = np.max(np.abs(ours - theirs) / np.maximum(np.abs(ours).max(axis=0), 1e-300))
         report("rates, largest relative difference", f"{worst:.1e} over 1000 random states", "1e-12", worst <= 1e-12)
         (final, clock, _), (c_final, counts) = bare_run(ready, UNTIL), c_run(c, ready)
-        fine, _, _ = bare_run(prepared(system.model, system.case, 1e-11), UNTIL)
+        finer = replace(system.stepping, relative_tolerance=1e-11)
+        fine, _, _ = bare_run(prepared(system.model, system.case, finer), UNTIL)
         weight = ready.scale + np.abs(fine)
         apart, error, c_error = (
             np.max(np.abs(a - b) / weight) for a, b in ((final, c_final), (final, fine), (c_final, fine))
@@ -127,13 +132,13 @@ def main() -> None:
         report(
             "final states, largest weighted difference", f"{apart:.1e}; to one at 1e-11 {error:.1e}, in C {c_error:.1e}"
         )
-        report("attempted steps", f"{int(clock[loop.STEPS])} and in C {counts[0]}")
+        report("attempted steps", f"{int(clock[places.STEPS])} and in C {counts[0]}")
 
         (_, _, table), dy = bare_run(ready, 0.05, np.arange(0.0, 0.05, 2e-5)), np.zeros_like(final)
-        arguments = (table, len(table), 10, ready.command, ready.params, dy)
+        arguments = (table, len(table), 10, command, params, dy)
         times = interleaved(
             {
-                "vvdp": lambda: evaluations(ready.linked.rates, table, 10, ready.command, ready.params, dy),
+                "vvdp": lambda: evaluations(ready.linked.rates, table, 10, command, params, dy),
                 "C": lambda: c.evaluations(*arguments),
                 "C native": lambda: native.evaluations(*arguments),
             },

@@ -7,6 +7,7 @@ too.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import partial
 from statistics import median
 
@@ -15,9 +16,10 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.bare import bare_run
 from benchmarks.measure import ROUNDS, interleaved, machine, ratios, report, spread
-from vvdp.simulation import loop
+from vvdp.simulation import places
 from vvdp.simulation.run import Prepared, prepared
 from vvdp.simulation.values import leaves
+from vvdp.systems.bench import RotaryBench
 from vvdp.systems.system import System, load_system
 
 CREEPING = 10.0**-6.5
@@ -25,14 +27,15 @@ OVERRIDE = "relief_valve.override_pressure=10 bar"
 UNTIL = 0.2
 TOLERANCE = 1e-7
 TOLERANCES = tuple(10.0**-e for e in np.arange(7.0, 11.1, 0.25).tolist())
-MEANS = ("books.totals.load_flow", "books.totals.inlet_pressure", "books.totals.load_pressure")
+MEANS = (RotaryBench.LOAD_FLOW_TOTAL, RotaryBench.INLET_TOTAL, RotaryBench.LOAD_TOTAL)
 TARGET = 20.0
 
 
 def by_lsoda(ready: Prepared, tolerance: float) -> tuple[np.ndarray, int]:
     """Final state and number of evaluations."""
-    rates, params = ready.linked.rates, ready.params
-    y, command, memory, out = ready.state.copy(), ready.command.copy(), ready.memory.copy(), np.zeros_like(ready.state)
+    rates, params = ready.linked.rates, ready.vectors.params
+    y, command, memory = (part.copy() for part in ready.vectors[:3])
+    out = np.zeros_like(y)
     bounded = np.arange(y.size) < ready.active
     rtol = np.where(ready.rtol > 0.0, tolerance, 1e-12)
     atol = np.where(bounded, tolerance * ready.scale, 1e12)
@@ -48,7 +51,8 @@ def by_lsoda(ready: Prepared, tolerance: float) -> tuple[np.ndarray, int]:
         assert found.success, found.message
         y = found.y[:, -1].copy()
         evaluations += found.nfev
-        ready.linked.sample(t_next, memory, y, ready.settings, command)
+        for which in range(ready.plan.shape[0]):
+            ready.linked.sample(which, t_next, y, command, memory, params, command)
     return y, evaluations
 
 
@@ -64,11 +68,14 @@ def compared(system: System, tolerances: Iterable[float], rounds: int) -> list[f
 
     At the last of them where none does.
     """
-    ready = prepared(system.model, system.case, TOLERANCE)
-    reference, _, _ = bare_run(prepared(system.model, system.case, 1e-11), UNTIL)
+    ready, finer = (
+        prepared(system.model, system.case, replace(system.stepping, relative_tolerance=tolerance))
+        for tolerance in (TOLERANCE, 1e-11)
+    )
+    reference, _, _ = bare_run(finer, UNTIL)
     final, clock, _ = bare_run(ready, UNTIL)
     ours = errors(system, final, reference)
-    report("vvdp at 1e-7, errors of means", f"{_shown(ours)}; {clock[loop.EVALUATIONS]:.0f} evaluations")
+    report("vvdp at 1e-7, errors of means", f"{_shown(ours)}; {clock[places.EVALUATIONS]:.0f} evaluations")
     for tolerance in tolerances:
         final, evaluations = by_lsoda(ready, tolerance)
         found = errors(system, final, reference)

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from vvdp.simulation import loop
-from vvdp.simulation.run import Prepared
+from vvdp.simulation import loop, places
+from vvdp.simulation.prepare import Prepared, started
+from vvdp.simulation.stepping import Method, Stepping
 
 ROWS = 512
 """Room for marks."""
@@ -14,15 +15,16 @@ def bare_run(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Final state, shape (n,), clock, and the states at `record_times` (none by default) of an explicit run."""
     times = np.zeros(0) if record_times is None else record_times
-    n, clock, record = ready.state.size, np.zeros(loop.CLOCK), np.zeros((times.size, ready.state.size))
-    y, u, memory = ready.state.copy(), ready.command.copy(), ready.memory.copy()
-    clock[loop.STEP], clock[loop.METHOD] = 1e-6, loop.EXPLICIT
+    reached = started(ready, Stepping(until=until, method=Method.EXPLICIT))
+    n, y, clock = reached.state.size, reached.state, reached.clock
+    record = np.zeros((times.size, n))
     status = loop.run(
         *ready.linked[:4],
-        *(y, u, memory, ready.params, ready.settings, ready.atol, ready.rtol, ready.scale, clock),
-        *(ready.active, 1e-3, until, 0.0, loop.ONLY_EXPLICIT, 1e300, 1),
-        *(times, record, np.zeros((times.size, u.size))),
+        *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
+        *(ready.atol, ready.rtol, ready.scale, ready.active),
+        *(until, 1e6, 0.0, Method.EXPLICIT.value, 1e300, 1),
+        *(times, record, np.zeros((times.size, reached.command.size)), np.zeros((times.size, reached.memory.size))),
         *(np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),
     )
-    assert status == loop.DONE
+    assert status == places.DONE
     return y, clock, record

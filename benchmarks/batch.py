@@ -7,15 +7,16 @@ import time
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from statistics import median
 
 import numpy as np
 
 from benchmarks.measure import interleaved, machine, ratios, report, spread
+from vvdp.base.signal import constant
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.model import Case
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System, load_system
 
 COUNT = 1000
@@ -24,16 +25,11 @@ TARGET = 1.7
 
 def cases(system: System) -> Iterator[Case]:
     """Duty ratio and relief setting all over their range."""
-    supply = system.case.params.supply
+    bench = rotary_bench(system, "batch")
     rng = np.random.default_rng(1)
     for duty, setting in zip(rng.uniform(0.2, 0.8, COUNT), rng.uniform(1.1e7, 1.4e7, COUNT), strict=True):
-        axial = replace(supply.operation.axial_position, base=float(duty) * supply.valve.helix_length)
-        changed = replace(
-            supply,
-            operation=replace(supply.operation, axial_position=axial),
-            relief_valve=replace(supply.relief_valve, cracking_pressure=float(setting)),
-        )
-        yield replace(system.case, params=replace(system.case.params, supply=changed), settings=changed)
+        operation, relief_valve = {"duty_ratio": constant(duty)}, {"cracking_pressure": float(setting)}
+        yield bench.changed(operation=operation, relief_valve=relief_valve).case
 
 
 def main() -> None:

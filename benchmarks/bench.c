@@ -2,7 +2,7 @@
  *
  * The places of all values in the flat vectors (P_ parameters, Y_ state, U_ command) and the coefficients
  * of the method come from layout.h, which against_c.py writes from the system itself. Everything prescribed is
- * constant here. The formulas are those of vvdp.circuits.bench and vvdp.circuits.supply, the stepper that of
+ * constant here. The formulas are those of the components of the bench, the stepper that of
  * vvdp.simulation.loop; comments there are not repeated. */
 #include <math.h>
 #include <string.h>
@@ -26,8 +26,8 @@ static inline double clip(double x, double lo, double hi) { return least(most(x,
 
 static Fluid fluid_state(double pressure, const double *p)
 {
-    double p0 = P(supply_oil_reference_pressure), n = P(supply_oil_polytropic_exponent);
-    double phi = P(supply_oil_air_fraction), b = P(supply_oil_liquid_bulk_modulus);
+    double p0 = P(oil_reference_pressure), n = P(oil_polytropic_exponent);
+    double phi = P(oil_air_fraction), b = P(oil_liquid_bulk_modulus);
     double pg = most(pressure, RAREFIED * p0), below = pg - pressure, k = (n - 1.0) / n, power, growth;
     if (k > 0.01) {
         power = pow(pg / p0, k);
@@ -66,14 +66,14 @@ static inline double power_near_one(double base, double e)
 
 static Branch law_flow(double dp, double opening, const double *u)
 {
-    double eps = U(branch_transition_pressure), nozzle = U(branch_nozzle);
+    double eps = U(valve_branch_transition_pressure), nozzle = U(valve_branch_nozzle);
     if (opening == 0.0) {
         double full = dp / sqrt(sqrt(dp * dp + eps * eps) * nozzle);
         return (Branch){0.0 * full, full, 1.0, 0.0, 0.0};
     }
-    double e = 0.5 * U(branch_flow_exponent) - 1.0, a2 = opening * opening, x0 = STILL_FLOW * STILL_FLOW;
+    double e = 0.5 * U(valve_branch_flow_exponent) - 1.0, a2 = opening * opening, x0 = STILL_FLOW * STILL_FLOW;
     double smooth = sqrt(dp * dp + eps * eps), s = dp * dp / smooth;
-    double outlet = a2 * U(branch_outlet_turbine), B = a2 * U(branch_centre_section), A = nozzle + outlet;
+    double outlet = a2 * U(valve_branch_outlet_turbine), B = a2 * U(valve_branch_centre_section), A = nozzle + outlet;
     double x_max = s / A, far = B * pow(a2 * x_max + x0, e), ratio = A / (A + far);
     for (int i = 0; i < 2; i++)
         ratio = A / (A + far * power_near_one(ratio, e));
@@ -102,32 +102,32 @@ static inline double jet_section(double a, double s)
 static inline double branch_torque(Branch b, double opening, double speed, double rho, const double *p)
 {
     double q = most(b.full, 0.0), out = most(b.flow, 0.0);
-    double r_in = P(supply_valve_inlet_radius), r_out = P(supply_valve_outlet_radius), r = b.flow < 0.0 ? r_in : r_out;
-    return rho * r_in / P(supply_valve_nozzle_area) * q * q * jet_section(opening, P(supply_valve_jet_exponent))
-         + rho * r_out / P(supply_valve_outlet_effective_area) * out * out - rho * r * r * speed * fabs(b.flow);
+    double r_in = P(valve_inlet_radius), r_out = P(valve_outlet_radius), r = b.flow < 0.0 ? r_in : r_out;
+    return rho * r_in / P(valve_nozzle_area) * q * q * jet_section(opening, P(valve_jet_exponent))
+         + rho * r_out / P(valve_outlet_effective_area) * out * out - rho * r * r * speed * fabs(b.flow);
 }
 
 static inline double relief_opening(double pressure, const double *p)
 {
-    double cracking = P(supply_relief_valve_cracking_pressure), over = P(supply_relief_valve_override_pressure);
+    double cracking = P(relief_valve_cracking_pressure), over = P(relief_valve_override_pressure);
     return most(pressure - cracking, 0.0) / (over > 0.0 ? over : cracking);
 }
 
 static inline double relief_flow(double pressure, double tank, double opening, double surplus, const double *p)
 {
-    double cracking = P(supply_relief_valve_cracking_pressure), over = P(supply_relief_valve_override_pressure);
+    double cracking = P(relief_valve_cracking_pressure), over = P(relief_valve_override_pressure);
     if (over > 0.0) {
-        double y = P(supply_relief_valve_opening_time) > 0.0 ? opening : relief_opening(pressure, p);
+        double y = P(relief_valve_opening_time) > 0.0 ? opening : relief_opening(pressure, p);
         double design = cracking + over - tank;
-        return P(supply_relief_valve_rated_flow) * y * rated_root(pressure - tank, design > 0.0 ? design : cracking);
+        return P(relief_valve_rated_flow) * y * rated_root(pressure - tank, design > 0.0 ? design : cracking);
     }
     return pressure >= cracking ? most(surplus, 0.0) : 0.0;
 }
 
 static inline double check_opening(double drop, const double *p)
 {
-    double cracking = P(supply_check_valve_cracking_pressure), reverse = P(supply_check_valve_reverse_opening);
-    double lift = clip((drop - cracking) / (P(supply_check_valve_rated_drop) - cracking), 0.0, 1.0);
+    double cracking = P(check_valve_cracking_pressure), reverse = P(check_valve_reverse_opening);
+    double lift = clip((drop - cracking) / (P(check_valve_rated_drop) - cracking), 0.0, 1.0);
     return reverse + (1.0 - reverse) * lift;
 }
 
@@ -140,7 +140,7 @@ static double vessel_rate(double net, double pressure, Fluid fluid, const double
     double d = pressure - p0, width = 0.01 * p0 + (p0 > 0.0 ? 0.0 : 1.0), slant = sqrt(d * d + width * width);
     double reach = slant + fabs(d), excess = 0.5 * (d > 0.0 ? reach : width * width / reach);
     double gas = vg0 * pow(1.0 + excess / (p0 > 0.0 ? p0 : 1.0), -1.0 / k);
-    double volume = v0 * (1.0 + compliance * (pressure - P(supply_oil_reference_pressure))) + vg0 - gas;
+    double volume = v0 * (1.0 + compliance * (pressure - P(oil_reference_pressure))) + vg0 - gas;
     double yielding = gas * (0.5 + 0.5 * d / slant) / (k * (p0 + excess));
     return fluid.ratio * net / (volume / fluid.modulus + v0 * compliance + yielding);
 }
@@ -148,112 +148,118 @@ static double vessel_rate(double net, double pressure, Fluid fluid, const double
 void rates(double t, const double *y, const double *u, const double *p, double *dy)
 {
     (void)t;
-    double inlet_pressure = Y(supply_inlet_pressure), load_pressure = Y(load_pressure), speed = Y(supply_spool_speed);
-    double tank_pressure = U(tank_pressure), shaft_speed = P(supply_operation_pump_speed_base);
-    double motor_speed = P(supply_operation_spool_motor_speed_base), rho = U(density);
+    double inlet_pressure = Y(inlet), load_pressure = Y(load_line), speed = Y(spool_speed);
+    double tank_pressure = U(tank_pressure), shaft_speed = P(operation_pump_speed);
+    double motor_speed = P(operation_spool_motor_speed), rho = U(medium_density);
     Fluid tank = {U(tank_volume_ratio), U(tank_bulk_modulus), U(tank_enthalpy)};
     Fluid line = fluid_state(load_pressure, p), inlet = fluid_state(inlet_pressure, p);
 
-    double ripple = P(supply_pump_ripple_amplitude);
-    ripple = ripple == 0.0 ? 1.0 : 1.0 + ripple * sin(P(supply_pump_ripple_count) * Y(supply_shaft_angle));
-    double ideal = P(supply_pump_displacement) * shaft_speed * ripple;
-    Passage pump_leak = passage(P(supply_pump_leakage_conductance) * (inlet_pressure - tank_pressure), inlet, tank);
+    double ripple = P(pump_ripple_amplitude);
+    ripple = ripple == 0.0 ? 1.0 : 1.0 + ripple * sin(P(pump_ripple_count) * Y(pump_shaft));
+    double ideal = P(pump_displacement) * shaft_speed * ripple;
+    Passage pump_leak = passage(P(pump_leakage_conductance) * (inlet_pressure - tank_pressure), inlet, tank);
 
-    double turn = U(ports_sections) * Y(supply_spool_angle) / (2.0 * PI), distance = fabs(turn - floor(turn + 0.5));
-    double half_duty = 0.5 * P(supply_operation_axial_position_base) / U(ports_helix_length);
-    double half_barrier = 0.5 * U(ports_barrier_width), ramp = U(ports_nozzle_width);
-    double load_drop = inlet_pressure - load_pressure, check_time = P(supply_check_valve_opening_time);
-    double check = check_opening(load_drop, p), lift = check_time > 0.0 ? Y(supply_check_opening) : check;
+    double turn = U(valve_ports_sections) * Y(spool_angle) / (2.0 * PI), distance = fabs(turn - floor(turn + 0.5));
+    double half_duty = 0.5 * P(operation_duty_ratio);
+    double half_barrier = 0.5 * U(valve_ports_barrier_width), ramp = U(valve_ports_nozzle_width);
+    double load_drop = inlet_pressure - load_pressure, check_time = P(check_valve_opening_time);
+    double check = check_opening(load_drop, p), lift = check_time > 0.0 ? Y(valve_check_opening) : check;
     double load_open = wedge_opening(distance, half_duty - half_barrier, ramp) * lift;
     double tank_open = 1.0 - wedge_opening(distance, half_duty + half_barrier, ramp);
     Branch load_branch = law_flow(load_drop, load_open, u);
     Branch tank_branch = law_flow(inlet_pressure - tank_pressure, tank_open, u);
     Passage to_load = passage(load_branch.flow, inlet, line), to_tank = passage(tank_branch.flow, inlet, tank);
-    Passage leak = passage(U(leakage_conductance) * (load_pressure - tank_pressure), line, tank);
+    Passage leak = passage(U(valve_leakage_conductance) * (load_pressure - tank_pressure), line, tank);
     double surplus = ideal - pump_leak.flow - to_load.flow - to_tank.flow;
     Passage relief = passage(
-        relief_flow(inlet_pressure, tank_pressure, Y(supply_relief_opening), inlet.ratio * surplus, p), inlet, tank);
+        relief_flow(inlet_pressure, tank_pressure, Y(relief_valve_opening), inlet.ratio * surplus, p), inlet, tank);
 
-    double R = P(supply_valve_spool_radius), coupling = P(supply_spool_drive_coupling);
+    double R = P(valve_spool_radius), coupling = P(spool_drive_coupling);
     double turbine = branch_torque(load_branch, load_open, speed, rho, p) + branch_torque(tank_branch, tank_open, speed, rho, p);
-    double friction = P(supply_valve_friction_area) * U(viscosity) * R * R / P(supply_valve_radial_clearance) * speed;
-    double drive = coupling * (motor_speed - speed), pump_friction = P(supply_pump_friction_torque) * fabs(shaft_speed);
-    double coefficient = P(load_discharge_coefficient) * P(load_area_base) * sqrt(2.0 / rho);
+    double friction = P(valve_friction_area) * U(medium_viscosity) * R * R / P(valve_radial_clearance) * speed;
+    double drive = coupling * (motor_speed - speed), pump_friction = P(pump_friction_torque) * fabs(shaft_speed);
+    double coefficient = P(load_discharge_coefficient) * P(load_area) * sqrt(2.0 / rho);
     double drop = load_pressure - tank_pressure;
     Passage load = passage(coefficient * signed_root(drop, P(load_transition_pressure)), line, tank);
-    double given_out = pump_leak.flow + relief.flow + to_tank.flow + leak.flow + load.flow;
+    double pumped = ideal - pump_leak.flow, back = to_tank.flow + leak.flow;
+    double into_tank = back + relief.flow + load.flow - pumped;
+    double taken_in = most(pumped, 0.0) + most(-back, 0.0) + most(-relief.flow, 0.0) + most(-load.flow, 0.0);
 
 #define RATE(name) dy[Y_##name]
-    RATE(supply_inlet_pressure) = inlet.modulus / P(supply_inlet_volume) * (inlet.ratio * (surplus - relief.flow));
-    RATE(supply_relief_opening) = lag(relief_opening(inlet_pressure, p), Y(supply_relief_opening), P(supply_relief_valve_opening_time));
-    RATE(supply_check_opening) = lag(check, Y(supply_check_opening), check_time);
-    RATE(supply_shaft_angle) = shaft_speed;
-    RATE(supply_spool_angle) = speed;
-    RATE(supply_spool_speed) = (turbine - friction + drive) / U(inertia);
-    RATE(load_pressure) = vessel_rate(to_load.flow - leak.flow - load.flow, load_pressure, line, p);
+    RATE(inlet) = inlet.modulus / P(inlet_volume) * (inlet.ratio * (surplus - relief.flow));
+    RATE(relief_valve_opening) = lag(relief_opening(inlet_pressure, p), Y(relief_valve_opening), P(relief_valve_opening_time));
+    RATE(valve_check_opening) = lag(check, Y(valve_check_opening), check_time);
+    RATE(pump_shaft) = shaft_speed;
+    RATE(spool_angle) = speed;
+    RATE(spool_speed) = (turbine - friction + drive) / U(spool_inertia);
+    RATE(load_line) = vessel_rate(to_load.flow - leak.flow - load.flow, load_pressure, line, p);
     RATE(books_supplied_pump_shaft) = ideal * (inlet.enthalpy - tank.enthalpy) + pump_friction;
     RATE(books_supplied_spool_motor) = drive * motor_speed;
-    RATE(books_supplied_tank_oil) = tank.enthalpy * ideal - tank.enthalpy * given_out;
+    RATE(books_supplied_tank) = -tank.enthalpy * into_tank;
     RATE(books_spent_valve_nozzle) = to_load.loss * load_branch.nozzle + to_tank.loss * tank_branch.nozzle;
     RATE(books_spent_valve_centre_section) = to_load.loss * load_branch.centre + to_tank.loss * tank_branch.centre;
     RATE(books_spent_valve_outlet_turbine) = to_load.loss * load_branch.outlet + to_tank.loss * tank_branch.outlet;
-    RATE(books_spent_valve_relief_valve) = relief.loss;
-    RATE(books_spent_valve_valve_leakage) = leak.loss;
-    RATE(books_spent_valve_pump_leakage) = pump_leak.loss;
-    RATE(books_spent_valve_pump_friction) = pump_friction;
+    RATE(books_spent_relief_valve) = relief.loss;
+    RATE(books_spent_valve_leakage) = leak.loss;
+    RATE(books_spent_pump_leakage) = pump_leak.loss;
+    RATE(books_spent_pump_friction) = pump_friction;
     RATE(books_spent_valve_spool_friction) = friction * speed;
-    RATE(books_spent_valve_coupling) = drive * (motor_speed - speed);
+    RATE(books_spent_coupling) = drive * (motor_speed - speed);
     RATE(books_spent_valve_to_spool) = -turbine * speed;
     RATE(books_spent_load) = load.loss;
-    RATE(books_taken_in) = ideal;
-    RATE(books_given_out) = given_out;
+    RATE(books_taken_in) = taken_in;
+    RATE(books_given_out) = taken_in + into_tank;
     RATE(books_totals_inlet_pressure) = inlet_pressure;
-    RATE(books_totals_load_pressure) = load_pressure;
-    RATE(books_totals_load_flow) = to_load.flow - leak.flow;
-    RATE(books_totals_tank_flow) = to_tank.flow;
-    RATE(books_totals_relief_flow) = relief.flow;
-    RATE(books_totals_leakage_flow) = leak.flow;
-    RATE(books_totals_load_opening) = load_open;
+    RATE(books_totals_load_line_pressure) = load_pressure;
+    RATE(books_totals_valve_load_flow) = to_load.flow - leak.flow;
+    RATE(books_totals_valve_tank_flow) = back;
+    RATE(books_totals_tank_pressure) = tank_pressure;
+    RATE(books_totals_pump_flow) = pumped;
+    RATE(books_totals_pump_leakage_flow) = pump_leak.flow;
+    RATE(books_totals_load_flow) = load.flow;
+    RATE(books_totals_relief_valve_flow) = relief.flow;
+    RATE(books_totals_valve_leakage) = leak.flow;
+    RATE(books_totals_valve_load_opening) = load_open;
 }
 
 /* What depends on oil temperature and tank pressure alone, worked out at every sample. */
 void conditions(const double *p, double *u)
 {
-    double T = P(supply_operation_oil_temperature_base), warm = 313.15, hot = 373.15, *out = u;
-    double rho = P(supply_oil_density) / (1.0 + P(supply_oil_thermal_expansion) * (T - warm));
-    double y40 = log(1e6 * P(supply_oil_viscosity_40) + 0.7), y100 = log(1e6 * P(supply_oil_viscosity_100) + 0.7);
+    double T = P(operation_oil_temperature), warm = 313.15, hot = 373.15, *out = u;
+    double rho = P(oil_density) / (1.0 + P(oil_thermal_expansion) * (T - warm));
+    double y40 = log(1e6 * P(oil_viscosity_40) + 0.7), y100 = log(1e6 * P(oil_viscosity_100) + 0.7);
     double mu = rho * 1e-6 * (exp(y40 * pow(y100 / y40, log(T / warm) / log(hot / warm))) - 0.7);
-    double R = P(supply_valve_spool_radius), N = P(supply_valve_sections), L = P(supply_valve_helix_length);
-    double pitch = 2.0 * PI * R / N, slope = 2.0 * L / pitch, c = P(supply_valve_radial_clearance);
-    double width = sqrt(2.0 * P(supply_valve_nozzle_area) / (N * slope)), lap = P(supply_valve_lap_ratio);
-    double sin2 = slope * slope / (1.0 + slope * slope), eccentricity = P(supply_valve_eccentricity);
+    double R = P(valve_spool_radius), N = P(valve_sections), L = P(valve_helix_length);
+    double pitch = 2.0 * PI * R / N, slope = 2.0 * L / pitch, c = P(valve_radial_clearance);
+    double width = sqrt(2.0 * P(valve_nozzle_area) / (N * slope)), lap = P(valve_lap_ratio);
+    double sin2 = slope * slope / (1.0 + slope * slope), eccentricity = P(valve_eccentricity);
     double barriers = 2.0 * N * L / (lap * width * sin2);
-    double lands = 2.0 * (2.0 * PI * R / P(supply_valve_land_length)) * (1.0 + 1.5 * eccentricity * eccentricity);
-    double nozzle = P(supply_valve_nozzle_discharge_coefficient) * P(supply_valve_nozzle_area);
-    double outlet = P(supply_valve_outlet_discharge_coefficient) * P(supply_valve_outlet_area);
-    Fluid tank = fluid_state(P(supply_operation_tank_pressure_base), p);
-    out[U_density] = rho;
-    out[U_viscosity] = mu;
-    out[U_leakage_conductance] = c * c * c / (12.0 * mu) * (barriers + lands);
-    out[U_inertia] = 0.5 * P(supply_valve_spool_mass) * R * R;
-    out[U_tank_pressure] = P(supply_operation_tank_pressure_base);
+    double lands = 2.0 * (2.0 * PI * R / P(valve_land_length)) * (1.0 + 1.5 * eccentricity * eccentricity);
+    double nozzle = P(valve_nozzle_discharge_coefficient) * P(valve_nozzle_area);
+    double outlet = P(valve_outlet_discharge_coefficient) * P(valve_outlet_area);
+    Fluid tank = fluid_state(P(operation_tank_pressure), p);
+    out[U_medium_density] = rho;
+    out[U_medium_viscosity] = mu;
+    out[U_valve_leakage_conductance] = c * c * c / (12.0 * mu) * (barriers + lands);
+    out[U_spool_inertia] = 0.5 * P(valve_spool_mass) * R * R;
+    out[U_tank_pressure] = P(operation_tank_pressure);
     out[U_tank_volume_ratio] = tank.ratio;
     out[U_tank_bulk_modulus] = tank.modulus;
     out[U_tank_enthalpy] = tank.enthalpy;
-    out[U_branch_nozzle] = 0.5 * rho / (nozzle * nozzle);
-    out[U_branch_centre_section] = 1.0 / (P(supply_valve_centre_coefficient) * pow(2.0 * R, P(supply_valve_centre_diameter_exponent)));
-    out[U_branch_outlet_turbine] = 0.5 * rho / (outlet * outlet) + P(supply_valve_rail_coefficient);
-    out[U_branch_flow_exponent] = P(supply_valve_centre_flow_exponent);
-    out[U_branch_transition_pressure] = P(supply_valve_transition_pressure);
-    out[U_ports_sections] = N;
-    out[U_ports_helix_length] = L;
-    out[U_ports_nozzle_width] = width / pitch;
-    out[U_ports_barrier_width] = lap * (width / pitch);
+    out[U_valve_branch_nozzle] = 0.5 * rho / (nozzle * nozzle);
+    out[U_valve_branch_centre_section] = 1.0 / (P(valve_centre_coefficient) * pow(2.0 * R, P(valve_centre_diameter_exponent)));
+    out[U_valve_branch_outlet_turbine] = 0.5 * rho / (outlet * outlet) + P(valve_rail_coefficient);
+    out[U_valve_branch_flow_exponent] = P(valve_centre_flow_exponent);
+    out[U_valve_branch_transition_pressure] = P(valve_transition_pressure);
+    out[U_valve_ports_sections] = N;
+    out[U_valve_ports_helix_length] = L;
+    out[U_valve_ports_nozzle_width] = width / pitch;
+    out[U_valve_ports_barrier_width] = lap * (width / pitch);
 }
 
 static inline double mark(const double *y, const double *p)
 {
-    return P(supply_valve_sections) * Y(supply_spool_angle) / (2.0 * PI);
+    return P(valve_sections) * Y(spool_angle) / (2.0 * PI);
 }
 
 static const double A[7][6] = TSIT5_A, C[7] = TSIT5_C, E[7] = TSIT5_E;

@@ -14,11 +14,11 @@ from benchmarks.measure import ROUNDS, empty_caches, in_new_process, machine, re
 UNTIL_IT_STARTS = """
 import json, time
 began = {began!r}
-from vvdp.simulation.run import compiled_loop, prepared
+from vvdp.simulation.run import Stepping, compiled_loop, prepared
 from vvdp.systems.system import load_system
 heard = []
 system = load_system("prototype")
-prepared(system.model, system.case, 1e-7, say=heard.append)
+prepared(system.model, system.case, system.stepping, say=heard.append)
 linked = time.time()
 compiled_loop(heard.append)
 print(json.dumps({{"start": time.time() - began, "linked": linked - began, "compiled": len(heard)}}))
@@ -27,11 +27,11 @@ print(json.dumps({{"start": time.time() - began, "linked": linked - began, "comp
 COMPILE_OWN = """
 import json, sys, time
 sys.path.insert(0, {folder!r})
-from vvdp.simulation.run import compiled_loop, prepared
+from vvdp.simulation.run import Stepping, compiled_loop, prepared
 import numba
 from own import case, model
 began = time.perf_counter()
-prepared(model, case, 1e-7)
+prepared(model, case, Stepping(until=1.0))
 print(json.dumps({{"compile": time.perf_counter() - began}}))
 """
 
@@ -69,7 +69,7 @@ def chain(t, s, u, p):
     ), Outputs(s.q{last})
 
 
-oil = load_system("prototype").case.params.supply.oil
+oil = load_system("prototype").tables["oil"]
 model = Model(chain)
 case = Case(State(*[1e6] * {volumes}, *[1e-4] * {volumes}), Values(oil=oil, line=Line(length=1.0, diameter=0.02)))
 """

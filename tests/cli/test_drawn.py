@@ -271,7 +271,7 @@ def test_a_mistake_is_one_line_with_its_place(vvdp, drawn, fault):
         ("def network(", "def netwerk(", "did you mean 'netwerk'"),
         ("import PUMP", "import PMP", "cannot be run: ImportError"),
         ("net.extras = Peak", "net.extras = Pk", "cannot be drawn: NameError"),
-        ('b="tank", area', 'area', "load: port 'b' is open"),
+        ('b="tank", area', "area", "load: port 'b' is open"),
         ("return net", "return 3", "returns no Network"),
         ("rail: Chamber", "rail: float", "the table 'rail' is annotated as"),
         ('"""A pump', '""A pump', "cannot be run: SyntaxError"),

@@ -42,10 +42,10 @@ def test_list_names_shipped_systems_and_those_in_the_folder(vvdp, here):
 def test_show_names_every_value_with_its_origin(vvdp, name):
     shown, system = vvdp("show", name), load_system(name)
     assert shown.code == 0
+    lines = shown.out.splitlines()
     for row in system.rows:
-        line = next(line for line in shown.out.splitlines() if row.displayed in line and line.split()[0] == row.key)
-        assert row.status in line
-        assert row.note in line
+        told = [line for line in lines if row.displayed in line and line.split()[0] == row.key]
+        assert any(row.status in line and row.note in line for line in told), row
     assert f"{len(system.assumed)} of {len(system.rows)} values are assumed" in shown.out
     for row in system.assumed:
         assert f"{row.table}.{row.key}" in shown.out.splitlines()[-1]

@@ -41,7 +41,7 @@ nodes.line.volume = "0.5 l"
 components.drain.area = ["0.5 mm^2", "1 mm^2", { step = ["1 mm^2", "0 mm^2"], at = "50 ms" }]
 "components.drain.discharge_coefficient" = ["0.6", "0.7"]
 """
-OWN = '''
+OWN = """
 from vvdp.base.kinds import Area, Pressure
 from vvdp.base.params import Params
 from vvdp.components.resistances import LAMINAR_GAP, LaminarGap
@@ -60,7 +60,7 @@ def leaking(oil: Oil, line: Chamber, gap: LaminarGap, initial: Start) -> Network
     net.volume("line", line, start="initial.pressure")
     net.add("gap", LAMINAR_GAP, gap, a="line", b="tank")
     return net
-'''
+"""
 OWN_FILE = """
 circuit = "leaking_line:leaking"
 line = { volume = "1 l" }

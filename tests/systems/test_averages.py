@@ -5,10 +5,12 @@ import pytest
 
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system
+
+BENCHES = ("prototype", "prototype-constant-load")
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", BENCHES)
 def test_window_spans_whole_periods_after_the_start_of_averaging(name, ran):
     found, run = ran(name, [])
     begin, end = found["averaged_from_s"], found["averaged_to_s"]
@@ -20,7 +22,7 @@ def test_window_spans_whole_periods_after_the_start_of_averaging(name, ran):
     assert found["settled"]
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", BENCHES)
 def test_parts_of_the_budget_add_up(name, ran):
     """Input less load is the sum of all losses, up to what is stored: over whole periods of a settled run, little."""
     found, _ = ran(name, [])

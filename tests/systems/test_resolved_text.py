@@ -8,6 +8,7 @@ from vvdp.simulation.values import flat
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.system import built_system, load_system, shipped
 
+BENCHES = ("prototype", "prototype-constant-load")
 SETTINGS = [
     'pump.friction_torque="0.5 N*m"',
     'operation.pump_speed={step=["1200 rpm", "1800 rpm"], at="0.1 s"}',
@@ -28,8 +29,7 @@ def same(a, b):
     assert a.circuit.digest == b.circuit.digest
 
 
-@pytest.mark.parametrize("name", shipped())
-@pytest.mark.parametrize("settings", [[], SETTINGS])
+@pytest.mark.parametrize(("name", "settings"), [*((name, []) for name in shipped()), *((n, SETTINGS) for n in BENCHES)])
 def test_it_loads_to_the_same_system(name, settings):
     system = load_system(name, settings, until="0.3 s")
     same(system, again(system))

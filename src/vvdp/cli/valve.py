@@ -98,9 +98,7 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
     duty_ratio = float(signal_value(0.0, bench.duty_ratio))
     relief = bench.relief_valve.cracking_pressure
     try:
-        point = operating_point(
-            flow, temperature, duty_ratio, load, relief, bench.inlet_volume, bench.oil, bench.valve
-        )
+        point = operating_point(flow, temperature, duty_ratio, load, relief, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
         raise ParameterError(f"{bench.system.name}: the closed forms have no value here ({problem})") from None
     numbers = {

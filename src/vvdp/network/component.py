@@ -72,7 +72,7 @@ class Component:
     start    start(params) -> its state before a run; without one, all zero
     stored   stored(...) -> Stored, what it holds itself, of state, ports, Params, Medium
     walls    walls(...) -> NamedTuple of Wall for ports whose volume it moves, of mechanical ports and Params
-    inertia  inertia(...) -> moment of inertia or mass that it adds to its one mechanical port, of Params and held
+    inertia  inertia(...) -> moment of inertia or mass that it adds to its one mechanical port, of Params
     stop     stop(t, ...) -> next time at which its law jumps, of Params and inputs
     mark     mark(...) -> a period ends wherever its floor changes, of state, angles, positions and Params
     averages names of outputs that are averaged over a run beside the flows
@@ -201,7 +201,7 @@ ALLOWED = {
     "start": {Role.PARAMS},
     "stored": {Role.STATE, Role.PORT, Role.SHAFT, Role.SHAFT_SPEED, Role.ROD, Role.MEDIUM, Role.OIL, Role.PARAMS},
     "walls": {Role.SHAFT, Role.ROD, Role.PARAMS},
-    "inertia": {Role.HELD, Role.PARAMS},
+    "inertia": {Role.PARAMS},
     "stop": {Role.TIME, Role.INPUT, Role.PARAMS},
     "mark": {Role.STATE, Role.SHAFT, Role.ROD, Role.PARAMS},
 }

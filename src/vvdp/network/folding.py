@@ -38,26 +38,37 @@ def folded(line: str) -> list[str]:
         return [line]
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
-    terms, begin = divided(value, " + "), value.find("(")
-    is_product = len(terms) == 1 and " * (" in value[: begin + 1]
-    if is_product:
-        terms = divided(value[begin + 1 : -1], " + ")
-    if is_product or len(terms) > 1:
-        inner = [f"{'+ ' if i else ''}{term}" for i, term in enumerate(terms)]
-        opened = value[: begin + 1] if is_product else "("
-    else:
-        inner = [f"{part}," for part in divided(value[begin + 1 : -1], ", ")]
-        opened = value[: begin + 1]
-    parts = [text for part in inner for text in folded(f"{space}    {part}")]
-    return [head + opened, *parts, f"{space}){tail}"]
+    terms, (begin, end) = divided(value, (" + ", " - ")), first_bracket(value)
+    opened, closed = "(", ")"
+    if len(terms) == 1 and end:
+        inside, opened, closed = value[begin + 1 : end], value[: begin + 1], value[end:]
+        is_call = begin > 0 and (value[begin - 1].isalnum() or value[begin - 1] == "_")
+        terms = [] if is_call else divided(inside, (" + ", " - "))
+        if is_call:
+            terms = [f"{part.removeprefix(', ')}," for part in divided(inside, (", ",))]
+    if len(terms) < 2:
+        return [line]
+    folds = [text for term in terms for text in folded(f"{space}    {term.lstrip()}")]
+    return [head + opened, *folds, f"{space}{closed}{tail}"]
 
 
-def divided(text: str, mark: str) -> list[str]:
-    """The parts of a text between the marks that stand in no bracket."""
+def first_bracket(text: str) -> tuple[int, int]:
+    """Where the first bracket of a text opens and closes; 0 and 0 without one."""
+    depth = 0
+    begin = text.find("(")
+    for place in range(max(begin, 0), len(text)):
+        depth += (text[place] == "(") - (text[place] == ")")
+        if depth == 0 and begin >= 0:
+            return begin, place
+    return 0, 0
+
+
+def divided(text: str, marks: tuple[str, ...]) -> list[str]:
+    """The parts of a text before the marks that stand in no bracket; each but the first begins with its mark."""
     parts, depth, begin = [], 0, 0
     for place, letter in enumerate(text):
         depth += (letter in "([") - (letter in ")]")
-        if depth == 0 and text.startswith(mark, place):
+        if depth == 0 and place > begin and text.startswith(marks, place):
             parts.append(text[begin:place])
-            begin = place + len(mark)
+            begin = place
     return [*parts, text[begin:]]

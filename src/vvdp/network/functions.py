@@ -32,8 +32,6 @@ from vvdp.network.paths import averaged_flows, paths_of, shown, signals_of, sour
 from vvdp.network.text import PRESCRIBED, Text
 from vvdp.simulation.values import names
 
-HELD = {Role.MEDIUM, Role.HELD}
-
 
 class Functions:
     """The functions of a network as text."""
@@ -193,7 +191,8 @@ class Functions:
                 f"{self.text.use(dynamic_viscosity)}(temperature, {path}))"
             )
             fields[name] = name
-        lines.append(f"h = {self.text.use(self.classes.medium)}({', '.join(fields)})")
+        if any(part.component.held for part in self.network.parts.values()):
+            lines.append(f"h = {self.text.use(self.classes.medium)}({', '.join(fields)})")
         for name, node in self.network.nodes.items():
             if isinstance(node, Tank):
                 pressure, oil = self.text.source(node.pressure, name), self.places.path(node.oil)
@@ -238,9 +237,11 @@ class Functions:
             for a in p.component.arguments_of(f)
             if a.name in p.nodes
         }
-        for part in used:
+        own = [p for p in used if p.component.stored]
+        for part in own:
             self._check_stored(part)
-        if any(HELD & {a.role for a in p.component.arguments_of(f)} for p, f in self._holding()):
+        stores = [(p.component, p.component.stored) for p in own if p.component.stored]
+        if any(a.role is Role.MEDIUM for component, store in stores for a in component.arguments_of(store)):
             lines.append("h = conditions(0.0, p)")
         lines += list(self.text.node_lines((n for n in self.network.nodes if n in joined), at_rest=True))
         lines += [f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in used if p.component.walls]
@@ -251,20 +252,12 @@ class Functions:
             elif isinstance(node, Shaft | Rod):
                 speed = "speed" if isinstance(node, Shaft) else "velocity"
                 energies.append(f"0.5 * ({self._inertia(name, node)}) * s.{name}.{speed} ** 2")
-        own = [p for p in used if p.component.stored]
         lines += [f"in_{p.name} = {self.text.call(p, p.component.stored)}" for p in own]
         held += [f"in_{p.name}" for p in own]
         energies, volumes = [f"{name}.energy" for name in held] + energies, [f"{name}.volume" for name in held]
         lines.append(f"energy = {' + '.join(energies) or '0.0'}")
         lines.append(f"return Stored(energy, {' + '.join(volumes) or '0.0'})")
         return ["def stored(s, p):", *indented(lines)]
-
-    def _holding(self) -> Iterator[tuple[Part, Callable[..., Any]]]:
-        """The functions that say what parts hold, with their parts."""
-        for part in self.network.parts.values():
-            for function in (part.component.stored, part.component.inertia):
-                if function is not None:
-                    yield part, function
 
     def _check_stored(self, part: Part) -> None:
         arguments = part.component.arguments_of(part.component.stored) if part.component.stored else ()

@@ -53,9 +53,7 @@ def course(reading: Reading, bench: RotaryBench) -> Iterator[Drawn]:
     seen = BenchReading(reading, bench)
     detail = reading.detail()
     what = _detail_words(reading, detail)
-    yield drawn(
-        "cycle-time", f"Pressures, flows and open areas over time. {what}", 4.45, _cycle(seen, detail, False)
-    )
+    yield drawn("cycle-time", f"Pressures, flows and open areas over time. {what}", 4.45, _cycle(seen, detail, False))
     if detail.periods:
         caption = (
             f"The same over the spool's angle within a PWM period; the last {_periods(detail.periods)} lie on top of "

@@ -26,6 +26,8 @@ from vvdp.systems.overview import inside
 
 Lines = tuple[str, ...]
 MOST_LABELS = 2
+LEAST_INERTIA = 1e-8
+"""A shaft with less has its inertia from what it joins [kg m^2]."""
 FIRST = (DISPLACEMENT, PRESSURE_LEVEL, AREA)
 """Kinds that say most about a component."""
 UNSAID = (TIME, FRACTION)
@@ -70,7 +72,8 @@ def _kind_and_labels(node: Node) -> tuple[NodeKind, Lines]:
         case DrivenShaft():
             return NodeKind.DRIVEN_SHAFT, (source_words(node.speed, SPEED),)
         case Shaft():
-            return NodeKind.SHAFT, main_values(node.values)
+            is_light = node.values is None or node.values.inertia <= LEAST_INERTIA
+            return NodeKind.SHAFT, (() if is_light else main_values(node.values))
         case Rod():
             return NodeKind.ROD, main_values(node.values)
 

@@ -39,8 +39,9 @@ class Contents:
         put_in = sum(power for power in powers.values() if power > 0.0)
         taken = -sum(power for power in powers.values() if power < 0.0)
         lost = sorted(loss_lines(self.reading.system, found), key=lambda line: -line.loss)
-        words = f"Over the time from {span} the circuit took in {_power(put_in)} and gave {_power(taken)} to the "
-        words += f"outside; its components turned {_power(sum(line.loss for line in lost))} to heat"
+        words = f"Over the time from {span} the circuit took in {_power(put_in)}"
+        words += f" and gave {_power(taken)} to the outside" if taken > 0.0 else ""
+        words += f"; its components turned {_power(sum(line.loss for line in lost))} to heat"
         if lost and lost[0].loss > 0.0:
             words += f", most of it, {_power(lost[0].loss)}, in {lost[0].component}"
         highest = max((line for line in node_lines(self.reading.system, found) if line.quantity == "pressure"),

@@ -104,9 +104,7 @@ class Stand:
     def driven(self, pwm_frequency: float) -> "Stand":
         """The same stand with a motor that turns the spool so that it switches at `pwm_frequency` [Hz]."""
         speed = 2.0 * np.pi * pwm_frequency / self.bench.valve.sections
-        return self.changed(
-            spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": constant(speed)}
-        )
+        return self.changed(spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": constant(speed)})
 
     def at(self, point: SetPoint, area: float | None = None) -> RotaryBench:
         """The bench at a set point, an orifice load with an `area` [m^2], that of the system unless given."""

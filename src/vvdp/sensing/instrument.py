@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Count, Kind, Time
+from vvdp.base.kinds import Count, Fraction, Kind, Time
 from vvdp.base.params import Params
 from vvdp.numerics.random import Random, normal, random_start
 
@@ -58,12 +58,12 @@ class Instrument(Params):
 class InstrumentMemory(NamedTuple):
     """What an instrument keeps between two samples: `saturated` counts the readings that its range has cut off."""
 
-    started: float
-    time: float
-    value: float
-    followed: float
-    shown: float
-    saturated: float
+    started: Fraction
+    time: Time
+    value: Measured
+    followed: Measured
+    shown: Measured
+    saturated: Count
     random: Random
 
 

@@ -56,9 +56,7 @@ def same(one: Any, other: Any) -> bool:
     """Whether two nested values have the same names, of fields and classes, and the same numbers."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         return list(one) == list(other) and all(same(one[key], other[key]) for key in one)
-    if (names(one) or names(other)) and not (
-        type(one).__name__ == type(other).__name__ and names(one) == names(other)
-    ):
+    if (names(one) or names(other)) and not (type(one).__name__ == type(other).__name__ and names(one) == names(other)):
         return False
     if inner := names(one):
         return all(same(getattr(one, name), getattr(other, name)) for name in inner)

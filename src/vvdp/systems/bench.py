@@ -108,8 +108,8 @@ class RotaryBench(Extras):
     CLOSED_FORMS = ANALYTIC
 
     def __init__(self, system: "System", tables: Mapping[str, Any] | None = None) -> None:
-        self.system = system
-        self.tables: Mapping[str, Any] = system.tables if tables is None else tables
+        super().__init__(system)
+        self.tables = system.tables if tables is None else tables
 
     @property
     def oil(self) -> Oil:

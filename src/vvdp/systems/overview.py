@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from vvdp.network.classes import flow_names
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
+from vvdp.network.paths import flows_of
 from vvdp.systems.system import System
 
 
@@ -73,7 +73,7 @@ def flow_lines(system: System, found: Mapping[str, Any]) -> Iterator[FlowLine]:
 
 def flow_ports(part: Part) -> dict[str, str]:
     """The recorded flows of a component with the port that each enters; no port where it goes through."""
-    return {name: name.removeprefix(part.name).removesuffix("flow").strip("_") for name in flow_names(part)}
+    return {f"{part.name}_{name}": name.removesuffix("flow").strip("_") for name in flows_of(part)}
 
 
 def loss_lines(system: System, found: Mapping[str, Any]) -> Iterator[LossLine]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vvdp.base.tables import ORIGIN, Sourced
+from vvdp.systems.drawn import TABLES
 from vvdp.systems.system import System
 
 
@@ -37,7 +38,9 @@ def _table_lines(path: str, part: Mapping[str, Any], rows: Mapping[str, Sourced]
 
 
 def _is_table(path: str, rows: Mapping[str, Sourced]) -> bool:
-    return any(row.startswith(f"{path}.") for row in rows)
+    """Whether a mapping is a table of its own: nodes, components and the like all are, for they keep their order."""
+    above, _, name = path.partition(".")
+    return (above in TABLES and "." not in name) or any(row.startswith(f"{path}.") for row in rows)
 
 
 def _with_origin(entry: Any, row: Sourced | None) -> Any:

@@ -62,7 +62,7 @@ class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
     `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
-    tables of the file. Modules that the file names are looked for in `folder`; `module` is the file of such a one.
+    tables of the file. Modules that the file names are looked for in `folder`.
     """
 
     name: str
@@ -76,7 +76,6 @@ class System:
     folder: Path = Path()
     function: NetworkFunction | None = None
     redrawn: bool = False
-    module: Path | None = None
 
     @property
     def model(self) -> Model:
@@ -93,6 +92,11 @@ class System:
         """What the system brings along beyond others; None where that is nothing."""
         found = self.circuit.network.extras
         return None if found is None else found(self)
+
+    @property
+    def module(self) -> Path | None:
+        """The file of the function, where it lies beside the system's."""
+        return local_module(str(self.content.get("circuit", "")), self.folder)
 
     @property
     def circuit_name(self) -> str:
@@ -242,7 +246,6 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         content=table.content,
         folder=folder,
         function=function,
-        module=local_module(str(table.content.get("circuit", "")), folder),
     )
 
 
