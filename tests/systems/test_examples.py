@@ -244,6 +244,7 @@ def test_minimal_buck_converter_is_the_shipped_one(tmp_path):
 def test_oil_in_the_tube_costs_what_the_page_says():
     tube = ("type=pipe", "hose_compliance=0 1/Pa", "start=100 bar")
     _, efficiency = converter(0.3, *(f"components.tube.{setting}" for setting in tube))
+    assert f"the {1.5 * 0.25 * math.pi * 0.6**2 * 100.0:.0f} cc of oil" in section("buck-converter")
     assert f"{efficiency:.3f} in place of {converter(0.3)[1]:.3f}" in section("buck-converter")
 
 
