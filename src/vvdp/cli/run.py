@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from vvdp.systems.extras import Line
     from vvdp.systems.system import System
 
+ROUNDING = 1e-9
+"""What is taken into store counts as nothing below this share of the largest power."""
 NOT_TRUSTED = 3
 INTERRUPTED = 130
 
@@ -172,8 +174,11 @@ def _components(system: "System", found: dict[str, Any]) -> "Table":
         table.add_row(loss.component, "loss", amount(loss.loss, "W"), "W")
         for name, power in loss.parts:
             table.add_row("", f"of it, {name.replace('_', ' ')}", amount(power, "W"), "W")
-    for name, power in power_lines(system, found):
+    powers = dict(power_lines(system, found))
+    for name, power in powers.items():
         table.add_row(name, "power given", amount(power, "W"), "W")
     if "stored_power_W" in found:
-        table.add_row("", "taken into store", amount(found["stored_power_W"], "W"), "W")
+        stored = found["stored_power_W"]
+        nothing = abs(stored) < ROUNDING * max(map(abs, powers.values()), default=0.0)
+        table.add_row("", "taken into store", amount(0.0 if nothing else stored, "W"), "W")
     return table

@@ -51,7 +51,7 @@ class ModulatedThreeWayValve(ThreeWayValve, PulseClock):
 class TwoWayValve(SwitchingValve, Orifice):
     """Spool and port of a two-way switching valve; `normally_open` is 1 where a command shuts it, else 0."""
 
-    normally_open: Fraction
+    normally_open: Fraction = 0.0
 
     def check(self) -> None:
         SwitchingValve.check(self)

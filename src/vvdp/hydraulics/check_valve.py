@@ -18,8 +18,8 @@ class CheckPoppet(Params):
 
     cracking_pressure: PressureDifference
     rated_drop: PressureDifference
-    reverse_opening: Fraction
-    opening_time: Time
+    reverse_opening: Fraction = 0.0
+    opening_time: Time = 0.0
 
     def check(self) -> None:
         if self.rated_drop <= self.cracking_pressure:

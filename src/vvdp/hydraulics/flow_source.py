@@ -9,7 +9,7 @@ from vvdp.base.select import select
 class FlowSource(Params):
     """What its flow counts: `counted_at_outlet` 0 tank volumes, as a pump does; 1 volume at the outlet's pressure."""
 
-    counted_at_outlet: Fraction
+    counted_at_outlet: Fraction = 0.0
 
     def check(self) -> None:
         if self.counted_at_outlet not in (0.0, 1.0):

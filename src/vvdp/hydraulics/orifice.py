@@ -9,10 +9,13 @@ from vvdp.hydraulics.flow import signed_root
 
 
 class Orifice(Params):
-    """What an orifice of any area has: the flow turns linear in the drop below about `transition_pressure`."""
+    """What an orifice of any area has: the flow turns linear in the drop below about `transition_pressure`.
 
-    discharge_coefficient: DischargeCoefficient
-    transition_pressure: PressureDifference
+    Source  merritt1967, ch. 3 (a sharp edge, 0.61); the usual transition pressure is assumed
+    """
+
+    discharge_coefficient: DischargeCoefficient = 0.61
+    transition_pressure: PressureDifference = 5e4
 
     def check(self) -> None:
         if self.transition_pressure <= 0.0:

@@ -16,8 +16,8 @@ class Pump(Params):
 
     displacement: Displacement
     leakage_conductance: Conductance
-    ripple_amplitude: Fraction
-    ripple_count: Count
+    ripple_amplitude: Fraction = 0.0
+    ripple_count: Count = 9.0
     friction_torque: Torque
 
 

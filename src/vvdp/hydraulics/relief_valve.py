@@ -19,7 +19,7 @@ class ReliefValve(Params):
     cracking_pressure: Pressure
     override_pressure: PressureDifference
     rated_flow: Flow
-    opening_time: Time
+    opening_time: Time = 0.0
 
     def check(self) -> None:
         if self.cracking_pressure <= 0.0:

@@ -22,9 +22,9 @@ class SwitchingValve(Params):
     """
 
     natural_frequency: Frequency
-    damping_ratio: Ratio
+    damping_ratio: Ratio = 0.7
     stroke: Length
-    lap: Position
+    lap: Position = 0.0
     full_area: Area
 
     def check(self) -> None:

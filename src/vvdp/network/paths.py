@@ -251,6 +251,9 @@ class Places:
             found = {key: Quantity(f"u.{name}.{key}", kinds[key] or NUMBER, "", text) for key, text in recorded.items()}
         if what in found:
             return found[what]
+        if found and not what:
+            known = ", ".join(repr(f"{name}.{key}") for key in found)
+            raise NetworkError(f"{where}: {path!r} is the name of a part, not of a quantity; expected {known}")
         if found:
             raise NetworkError(f"{where}: {name!r} has no {what!r}{nearest(what, list(found))}")
         known = [*net.nodes, *net.parts, *net.programs]

@@ -50,8 +50,8 @@ def rates_part(model: Model, case: Case) -> Part:
     lines = [_njit("void", 4, "rates(t, y, u, p, dy)"), *a.lines]
     lines.append(f"    value, outputs = circuit(t, {a.state}, {a.command}, {a.params})")
     write(case.state, "value", "dy", Place(), lines)
-    name = getattr(model.circuit, "__name__", "")
-    announcement = f"compiling the circuit {name} (once for each, a few seconds)"
+    name = getattr(model.circuit, "__name__", "circuit").removesuffix("circuit").strip("_")
+    announcement = f"compiling the circuit{f' {name}' if name else ''} (once for each, a few seconds)"
     return Part(_source(a.classes, lines), {"circuit": model.circuit}, a.classes, announcement)
 
 

@@ -251,7 +251,8 @@ class Drawer:
         try:
             add()
         except (NetworkError, ParameterError) as problem:
-            self._fault(path, str(problem))
+            name = path.rpartition(".")[2]
+            self._fault(path, str(problem).removeprefix(f"{name}: "))
 
     def _add_component(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
         path = f"components.{name}"
@@ -270,7 +271,8 @@ class Drawer:
         joints = {key: part[key] for key in component.ports if key in part}
         joints |= self._inputs(component, path, {key: part[key] for key in inputs if key in part})
         start = self._start(component, path, part.get("start"))
-        if not self._has_faults(path):
+        ends = [node for node in joints.values() if isinstance(node, str)]
+        if not self._has_faults(path) and not any(self._has_faults(f"nodes.{node}") for node in ends):
             self._try(path, lambda: net.add(name, component, *values, start=start, **joints))
         self._place(net, name, path, part)
 
@@ -285,7 +287,8 @@ class Drawer:
         start = self._table(StartPressure, path, {"start": part["start"]} if "start" in part else {})
         if values is not None and start is not None:
             nodes = {port: part[port] for port in assembly.ports if port in part}
-            self._try(path, lambda: assembly.add(net, name, values, nodes, start.start))
+            if not any(self._has_faults(f"nodes.{node}") for node in nodes.values()):
+                self._try(path, lambda: assembly.add(net, name, values, nodes, start.start))
         self._place(net, name, path, part)
 
     def _has_faults(self, path: str) -> bool:
