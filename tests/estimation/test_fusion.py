@@ -563,9 +563,7 @@ def test_simulated_valve_through_a_loss(fusion_replay, duty, period, most):
     run = simulate(system.model, system.case, system.stepping)
     state = run.state
     t = np.arange(0.05, 1.999, period)
-    angle, speed, pressure = (
-        np.interp(t, run.times, x) for x in (state.spool.angle, state.spool.speed, state.inlet)
-    )
+    angle, speed, pressure = (np.interp(t, run.times, x) for x in (state.spool.angle, state.spool.speed, state.inlet))
     encoder = Encoder(
         wheel=WHEEL,
         spot=LightSpot(width=5e-3, track_radius=10.19e-3, roundness=0.0),
