@@ -252,15 +252,6 @@ class Places:
         if what in found:
             return found[what]
         if found and not what:
-<<<<<<< HEAD
-            quantities = ", ".join(repr(f"{name}.{key}") for key in found)
-            raise NetworkError(f"{where}: {path!r} is the name of a part, not of a quantity; expected {quantities}")
-        if found:
-            raise NetworkError(f"{where}: {name!r} has no {what!r}{nearest(what, list(found))}")
-        known = [*net.nodes, *net.parts, *net.programs]
-        hint = "" if "." in path else f"; a text is the path of a quantity: {known[0]!r}, a point, and its name"
-        raise NetworkError(f"{where}: {path!r} leads nowhere{hint}{nearest(name, known)}")
-=======
             expected = ", ".join(repr(f"{name}.{key}") for key in found)
             raise NetworkError(f"{where}: {path!r} is the name of a part, not of a quantity; expected {expected}")
         if found:
@@ -268,7 +259,6 @@ class Places:
         known = [*net.nodes, *net.parts, *net.programs]
         text = "" if "." in path else " (a text is the path of a quantity, such as 'inlet.pressure')"
         raise NetworkError(f"{where}: {path!r} leads nowhere{text}{nearest(name, known)}")
->>>>>>> nettests
 
     def _node_quantities(self, name: str, node: Node) -> "dict[str, Quantity]":
         match node:
