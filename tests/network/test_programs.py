@@ -305,3 +305,27 @@ def test_settings_of_another_class_are_refused(controlled, of):
     net = controlled()
     with pytest.raises(NetworkError, match="expected Gain"):
         net.program("second", CONTROL, of.orifice, reads={"pressure": "line.pressure"})
+
+
+class ShaftReading(NamedTuple):
+    speed: Speed
+
+
+class SeenSpeed(NamedTuple):
+    speed: Speed
+
+
+def show_speed(t: float, memory: Any, reading: ShaftReading, settings: Any) -> tuple[Any, SeenSpeed]:
+    return memory, SeenSpeed(reading.speed)
+
+
+def test_a_program_reads_the_speed_of_a_driven_shaft(oil, of):
+    net = Network(oil)
+    net.tank("tank")
+    net.volume("line", of.chamber, start=1e6)
+    net.driven_shaft("shaft", 150.0)
+    net.add("pump", PUMP, of.pump, inlet="tank", outlet="line", shaft="shaft")
+    net.add("load", ORIFICE, of.orifice, a="line", b="tank", area=1e-5)
+    net.program("sensor", ProgramType(show_speed, ShaftReading, SeenSpeed(0.0)), reads={"speed": "shaft.speed"})
+    run = simulate(build(net).model, build(net).case, Stepping(until=2e-3))
+    assert np.all(run.command.sensor.speed[1:] == 150.0)

@@ -5,8 +5,9 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.signal import signal_value
-from vvdp.simulation.run import Method
+from vvdp.simulation.run import Method, simulate
 from vvdp.systems.bench import rotary_bench
+from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped, source_text
 
 
@@ -154,3 +155,26 @@ def test_axial_position_on_the_command_line_replaces_the_duty_ratio():
     assert found.is_placed and not other.is_placed
     assert found.axial_position.base == pytest.approx(other.axial_position.base, rel=1e-14)
     assert found.duty_ratio.base == pytest.approx(other.duty_ratio.base, rel=1e-14)
+
+
+FLOODED = """
+[nodes]
+tank = { type = "tank" }
+line = { type = "volume", volume = "1 l", start = "2 bar" }
+[components]
+throttle = { type = "orifice", a = "line", b = "tank", area = "1 mm^2", discharge_coefficient = "0.61", transition_pressure = "0.1 bar" }
+[run]
+until = "2 ms"
+"""  # noqa: E501
+
+
+def test_a_drawn_file_sets_its_own_bound_for_cavitation(tmp_path):
+    """2 bar gauge and falling: below a bound of 5 bar, above the usual one of 0.3 bar absolute."""
+    path, watched = tmp_path / "free.toml", tmp_path / "watched.toml"
+    path.write_text(FLOODED, encoding="utf-8")
+    watched.write_text(FLOODED + '[limits]\ncavitation_pressure = "5 bara"\n', encoding="utf-8")
+    found = []
+    for file in (path, watched):
+        system = load_system(str(file))
+        found.append(summary(system, simulate(system.model, system.case, system.stepping))["cavitation"])
+    assert found == [False, True]

@@ -21,6 +21,7 @@ from vvdp.base.kinds import (
     Mass,
     Pressure,
     PressureTime,
+    Speed,
     TankVolume,
 )
 from vvdp.base.params import Params
@@ -105,6 +106,8 @@ class Classes:
         for name, node in self.network.nodes.items():
             if isinstance(node, Tank | PressureSource):
                 hints[f"{name}_pressure"] = Pressure
+            elif isinstance(node, DrivenShaft):
+                hints[f"{name}_speed"] = Speed
         for part in self.network.parts.values():
             _join(
                 hints, part.name, {f"{part.name}_{n}": Annotated[float, kind] for n, (_, kind) in shown(part).items()}

@@ -172,9 +172,12 @@ class Functions:
         return found
 
     def _outputs(self) -> Iterator[tuple[str, str]]:
-        texts = {
-            f"{n}_pressure": f"{n}.pressure" for n, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)
-        }
+        texts = {}
+        for name, node in self.network.nodes.items():
+            if isinstance(node, PRESCRIBED):
+                texts[f"{name}_pressure"] = f"{name}.pressure"
+            elif isinstance(node, DrivenShaft):
+                texts[f"{name}_speed"] = f"{name}.speed"
         for part in self.network.parts.values():
             texts |= {f"{part.name}_{name}": text for name, (text, _) in shown(part).items()}
         texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}

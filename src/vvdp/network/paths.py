@@ -267,7 +267,7 @@ class Places:
             case Rod():
                 recorded = {key: f"s.{name}.{key}" for key in names(RodState)}
             case DrivenShaft():
-                recorded = {"angle": f"s.{name}"}
+                recorded = {"angle": f"s.{name}", "speed": f"outputs.{name}_speed"}
             case OilVolume():
                 recorded = {"pressure": f"s.{name}"}
             case _:

@@ -4,7 +4,7 @@ import dataclasses
 import inspect
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 from vvdp.base.errors import Fault, NetworkError, ParameterError
 from vvdp.base.kinds import (
@@ -37,8 +37,9 @@ from vvdp.network.network import ROOM_TEMPERATURE, Network
 from vvdp.network.nodes import Chamber, Load, Rotor
 from vvdp.network.program import ProgramType
 from vvdp.sensing.instrument import Instrument, ideal_instrument
+from vvdp.systems.bench_tables import Limits
 
-TABLES = ("oil", "oils", "operation", "nodes", "components", "programs")
+TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits")
 DRAWING_WORDS = ("type", "at", "oil")
 
 
@@ -155,6 +156,14 @@ NODES: Mapping[str, NodeType] = {
 }
 
 
+class Drawing(NamedTuple):
+    """What a file draws: the network, where each value comes from, and tables that are not part of the circuit."""
+
+    network: Network | None
+    rows: list[Sourced]
+    tables: dict[str, Params]
+
+
 class Drawer:
     """Draws one file: what it has found wrong so far, and where each value comes from."""
 
@@ -183,6 +192,12 @@ class Drawer:
         for name, part in self._parts("programs"):
             self._add_program(net, name, part)
         return None if self.faults else net
+
+    def limits(self) -> Limits | None:
+        """What is watched and reported; None where the file says nothing."""
+        given = self.content.get("limits")
+        found: Limits | None = self._table(Limits, "limits", given) if isinstance(given, Mapping) else None
+        return found
 
     def _parts(self, table: str) -> list[tuple[str, Mapping[str, Any]]]:
         found = self.content.get(table, {})
@@ -398,7 +413,8 @@ def _fields(cls: type[Params]) -> list[str]:
     return list(inspect.signature(cls).parameters)
 
 
-def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault]) -> tuple[Network | None, list[Sourced]]:
-    """The network that a file draws, and where each value comes from. Faults are appended to `faults`."""
+def draw_network(content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
+    """What a file draws. Faults are appended to `faults`."""
     drawer = Drawer(content, table, faults)
-    return drawer.network(), drawer.rows
+    limits = drawer.limits()
+    return Drawing(drawer.network(), drawer.rows, {} if limits is None else {"limits": limits})

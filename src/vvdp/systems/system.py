@@ -224,7 +224,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         values, rows = _tables(function, content, table, faults)
         network = None if faults else _drawn_by(function, values, table, faults)
     elif not faults:
-        network, rows = draw_network(content, table, faults)
+        network, rows, values = draw_network(content, table, faults)
     if run is not None:
         rows += run[1]
     circuit = stepping = None
