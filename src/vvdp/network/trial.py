@@ -43,6 +43,8 @@ def check_law(component: Component, values: tuple[Params, ...], oil: Oil) -> Non
     """
     try:
         _tried(component, values, oil)
+    except NetworkError:  # a ValueError as well
+        raise
     except (ArithmeticError, TypeError, ValueError, AttributeError):
         return
 
