@@ -53,3 +53,8 @@ def test_the_first_file_is_short_and_the_comparison_bites(is_shown):
     assert first[1] == "press.toml" and len(first[3].splitlines()) == 12
     assert is_shown("...\nb\n", "a\nb") and is_shown("a\n...\n", "a\nb") and is_shown("a 1.0e-10", "a -2.0e-11")
     assert not is_shown("b", "a\nb") and not is_shown("a", "a\nb") and not is_shown("...\nc", "a\nb")
+
+
+def test_the_readme_shows_the_same_first_file():
+    readme = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
+    assert BLOCK.search(PAGE)[3] in readme

@@ -3,7 +3,6 @@
 import re
 from pathlib import Path
 
-
 from vvdp.base.params import default_values, field_kinds
 from vvdp.base.units import displayed
 from vvdp.components.library import COMPONENTS, PROGRAMS
