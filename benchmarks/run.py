@@ -3,7 +3,18 @@
 import subprocess
 import sys
 
-NAMES = ("real_time", "against_c", "against_lsoda", "start_up", "batch", "memory", "estimators", "maps", "logs")
+NAMES = (
+    "real_time",
+    "against_c",
+    "against_lsoda",
+    "start_up",
+    "batch",
+    "memory",
+    "estimators",
+    "maps",
+    "logs",
+    "networks",
+)
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""docs/first-circuit.md, followed to the letter: each file is written, each command run, each printed block compared."""
+"""docs/first-circuit.md, to the letter: each file is written, each command run, each printed block compared."""
 
 import re
 import shlex

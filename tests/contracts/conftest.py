@@ -50,11 +50,10 @@ def value_classes() -> list[type]:
     """Every parameter class and every NamedTuple of values."""
     from vvdp.base import books
     from vvdp.base.params import Params
-    from vvdp.simulation import run
-    from vvdp.systems import benches, system, watching
+    from vvdp.simulation import stepping
 
-    packages = ("fluid", "valve", "hydraulics", "sensing", "circuits", "geometry", "estimation", "components")
-    modules = [m for p in packages for m in modules_of(p)] + [books, run, system, benches, watching]
+    packages = ("fluid", "valve", "hydraulics", "sensing", "geometry", "estimation", "network", "components", "systems")
+    modules = [m for p in packages for m in modules_of(p)] + [books, stepping]
     return [c for m in modules for c in own_classes(m) if issubclass(c, Params) or hasattr(c, "_fields")]
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from vvdp.base.params import Params
 from vvdp.fluid import mixture
+from vvdp.simulation.layout import vectors
 from vvdp.simulation.link import link
 from vvdp.simulation.reach import compiled_form, reachable
 from vvdp.simulation.values import as_series, flat, leaves, names, rebuilt
@@ -43,54 +44,81 @@ SETTINGS = {
 }
 
 
+RANGES = {
+    "Pa": (1e3, 1.5e7),
+    "rad": (-30.0, 30.0),
+    "rad/s": (-50.0, 300.0),
+    "m": (-0.02, 0.6),
+    "m/s": (-0.5, 0.5),
+    "m^3/s": (-1e-3, 1e-3),
+    "1": (0.0, 1.2),
+}
+
+
 def random_states(case, rng):
     """Rows over the whole range of a run, and beyond: vacuum, reversed flow, relief valve open, port shut."""
-    ranges = {
-        "inlet_pressure": (1e3, 1.5e7),
-        "load_pressure": (1e3, 1.5e7),
-        "relief_opening": (0.0, 1.5),
-        "check_opening": (0.0, 1.0),
-        "angle": (-30.0, 30.0),
-        "shaft_angle": (0.0, 1e4),
-        "speed": (-50.0, 300.0),
-    }
     columns = []
-    for path, _, _ in leaves(case.state):
-        low, high = ranges[path.rpartition(".")[2]] if not path.startswith("books.") else (0.0, 0.0)
+    for path, _, kind in leaves(case.state):
+        low, high = (0.0, 0.0) if path.startswith("books.") else RANGES[kind.unit]
         columns.append(rng.uniform(low, high, COUNT))
     return np.ascontiguousarray(np.transpose(columns))
 
 
-@pytest.mark.parametrize("name", shipped())
-@pytest.mark.parametrize("setting", SETTINGS)
-def test_right_hand_side_is_the_same_in_every_form(name, setting):
-    """Each rate against the largest that occurs of it: sums of flows of either sign cancel."""
+def numbers_of(value):
+    return [leaf for _, leaf, _ in leaves(value)]
+
+
+def agrees(one, other, scale):
+    """Each number against the largest that occurs of it: sums of flows of either sign cancel."""
+    return np.max(np.abs(np.where(one == other, 0.0, other - one)) / scale) < ROUNDING
+
+
+def variants():
+    """Every shipped system, and those with a rotary valve with other settings."""
+    for name in shipped():
+        for setting in SETTINGS if name.startswith("prototype") else ("as shipped",):
+            yield pytest.param(name, setting, id=f"{name}, {setting}")
+
+
+@pytest.mark.parametrize(("name", "setting"), variants())
+def test_whole_circuit_is_the_same_in_every_form(name, setting):
+    """Rates and outputs, what is stored and held between samples: floats, arrays, symbols and compiled code."""
     casadi = pytest.importorskip("casadi")
     system = load_system(name, SETTINGS[setting])
-    circuit, case = system.model.circuit, system.case
+    model, case = system.model, system.case
     rng = np.random.default_rng(20261121)
     rows, times = random_states(case, rng), rng.uniform(0.0, 1.0, COUNT)
+    u, p = case.command, case.params
 
-    plain = np.array([flat(circuit(t, rebuilt(case.state, iter(row.tolist())), case.command, case.params)[0])
-                      for t, row in zip(times.tolist(), rows, strict=True)])  # fmt: skip
+    def forms(t, state):
+        """All that is asked of a circuit at one instant, or at many, or at symbols."""
+        rates, outputs = model.circuit(t, state, u, p)
+        return [*numbers_of(rates), *numbers_of(outputs), *model.stored(state, p), *numbers_of(model.conditions(t, p))]
+
+    states = [rebuilt(case.state, iter(row.tolist())) for row in rows]
+    plain = np.array([forms(t, state) for t, state in zip(times.tolist(), states, strict=True)], float)
     assert np.all(np.isfinite(plain))
     scale = np.max(np.abs(plain), axis=0).clip(1e-300)
-
-    together, _ = circuit(times, as_series(case.state, rows), case.command, case.params)
-    arrays = np.array([np.broadcast_to(value, COUNT) for _, value, _ in leaves(together)]).T
-    assert np.max(np.abs(arrays - plain) / scale) < ROUNDING
-
-    linked, u, p = link(system.model, case), flat(case.command), flat(case.params)
-    compiled = np.zeros_like(rows)
-    for t, row, out in zip(times.tolist(), rows, compiled, strict=True):
-        linked.rates(t, row, u, p, out)
-    assert np.max(np.abs(compiled - plain) / scale) < ROUNDING
+    together = forms(times, as_series(case.state, rows))
+    assert agrees(plain, np.array([np.broadcast_to(value, COUNT) for value in together]).T, scale)
 
     t, y = casadi.SX.sym("t"), casadi.SX.sym("y", rows.shape[1])
-    symbolic, _ = circuit(t, rebuilt(case.state, iter([y[i] for i in range(rows.shape[1])])), case.command, case.params)
-    function = casadi.Function("f", [t, y], [casadi.vertcat(*(value for _, value, _ in leaves(symbolic)))])
-    traced = np.array([np.ravel(function(t, row)) for t, row in zip(times, rows, strict=True)])
-    assert np.max(np.abs(traced - plain) / scale) < ROUNDING
+    symbolic = forms(t, rebuilt(case.state, iter([y[i] for i in range(rows.shape[1])])))
+    function = casadi.Function("f", [t, y], [casadi.vertcat(*symbolic)])
+    assert agrees(plain, np.array([np.ravel(function(t, row)) for t, row in zip(times, rows, strict=True)]), scale)
+
+    linked, flats = link(model, case), vectors(case)
+    compiled = np.zeros_like(rows)
+    held = np.zeros((COUNT, flat(case.command.held).size))
+    for i, (instant, row) in enumerate(zip(times.tolist(), rows, strict=True)):
+        linked.rates(instant, row, flats.command, flats.params, compiled[i])
+        command = flats.command.copy()
+        linked.sample(0, instant, row, flats.command, flats.memory.copy(), flats.params, command)
+        held[i] = command[: held.shape[1]]
+    width = rows.shape[1]
+    assert agrees(plain[:, :width], compiled, scale[:width])
+    assert agrees(plain[:, -held.shape[1] :], held, scale[-held.shape[1] :])
+    assert np.array_equal(flat(model.start(p)), flats.state)
 
 
 # Every formula
@@ -247,12 +275,11 @@ def components():
     values = {}
     for name in shipped():
         case = load_system(name).case
-        for part in (case.params.supply, case.params):
-            for inner in names(part):
-                value = getattr(part, inner)
-                if dataclasses.is_dataclass(value) and not isinstance(value, Signal):
-                    for cls in type(value).__mro__:
-                        values.setdefault(cls, value)
+        for inner in names(case.params):
+            value = getattr(case.params, inner)
+            if dataclasses.is_dataclass(value) and not isinstance(value, Signal):
+                for cls in type(value).__mro__:
+                    values.setdefault(cls, value)
     by_name = {c.__name__: v for c, v in values.items()}
     oil, valve = by_name["Oil"], by_name["RotaryValve"]
     air = {"liquid_bulk_modulus": 1.4e9, "air_fraction": 0.01, "reference_pressure": 101325.0}
@@ -310,6 +337,8 @@ def components():
     def component(hint: Any, rng: np.random.Generator) -> Any:
         if hint in values:
             return values[hint]
+        if hint is line.RoundLine:
+            return values[line.Line]
         by_class = {
             mixture.FluidState: lambda: mixture.fluid_state(float(rng.uniform(2e5, 2e7)), oil),
             branch.BranchFlow: lambda: branch.branch_flow(float(rng.uniform(-1e6, 1e6)), 0.5, 870.0, valve),

@@ -35,11 +35,11 @@ from vvdp.valve.branch import branch_flow
 from vvdp.valve.flow_map import quasi_steady_cycle
 from vvdp.valve.geometry import port_shape
 
-SUPPLY = load_system("prototype-constant-load").case.params.supply
-VALVE = SUPPLY.valve
-FLOW = SUPPLY.pump.displacement * signal_value(0.0, SUPPLY.operation.pump_speed)
-DENSITY = density(signal_value(0.0, SUPPLY.operation.oil_temperature), SUPPLY.oil)
-TANK = signal_value(0.0, SUPPLY.operation.tank_pressure)
+TABLES = load_system("prototype-constant-load").tables
+VALVE, OPERATION, OIL = TABLES["valve"], TABLES["operation"], TABLES["oil"]
+FLOW = TABLES["pump"].displacement * signal_value(0.0, OPERATION.pump_speed)
+DENSITY = density(signal_value(0.0, OPERATION.oil_temperature), OIL)
+TANK = signal_value(0.0, OPERATION.tank_pressure)
 SETTINGS = DutyWave(valve=VALVE, flow=FLOW, density=DENSITY, tank_pressure=TANK)
 NO_EDGE = PressureReading(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -175,9 +175,9 @@ def simulated_waves():
 
 def duties(run, period, replays):
     edges, duty = replays
-    state = run.state.supply
+    state = run.state
     t = np.arange(0.05, 0.999, period)
-    pressure = np.interp(t, run.times, state.inlet_pressure)
+    pressure = np.interp(t, run.times, state.inlet)
     found = edges(pressure_edges_start(t[0], pressure[0]), np.column_stack([t, pressure])).shown
     spool = [np.interp(t, run.times, x) for x in (state.spool.angle, state.spool.speed)]
     shown = duty(duty_start(), np.column_stack([found, *spool])).shown
@@ -200,9 +200,9 @@ def test_simulated_edges_lie_where_the_geometry_has_them(simulated_waves, duty_r
     are late. What is left, 0.006 rad of a pitch of 2.09, is the lag: it is that of a steady ramp, which an edge of a
     quarter of a millisecond, 1.5 time constants long, does not quite reach."""
     run, (edges, _) = simulated_waves[duty], duty_replays
-    state = run.state.supply
+    state = run.state
     t = np.arange(0.05, 0.999, 2e-5)
-    pressure = np.interp(t, run.times, state.inlet_pressure)
+    pressure = np.interp(t, run.times, state.inlet)
     found = edges(pressure_edges_start(t[0], pressure[0]), np.column_stack([t, pressure])).shown
     found = found[(found[:, 1] > 0.0) & (t > 0.6)]
     assert found.shape[0] > 40
@@ -211,7 +211,7 @@ def test_simulated_edges_lie_where_the_geometry_has_them(simulated_waves, duty_r
     for angle, speed, s, level in zip(angles, speeds, found[:, 4], found[:, 5], strict=True):
         drop = level - TANK
         wave = duty + duty_excess(drop, FLOW, DENSITY, VALVE)
-        lag = pressure_lag(drop, FLOW, DENSITY, SUPPLY.inlet.volume, bulk_modulus(level, SUPPLY.oil), VALVE)
+        lag = pressure_lag(drop, FLOW, DENSITY, TABLES["inlet"].volume, bulk_modulus(level, OIL), VALVE)
         place = angle - pressure_edge_angle(0.0, s, wave, 0.0, lag, speed, VALVE.sections)
         left.append((place + 0.5 * pitch) % pitch - 0.5 * pitch)
     assert np.max(np.abs(left)) < 0.006
@@ -223,7 +223,7 @@ def test_a_speed_that_swings_within_the_pulse_does_no_harm(duty_replays):
     chosen = ["operation.duty_ratio=0.7", "run.window=1 s"]
     system = load_system("prototype", chosen, until="1 s")
     run = simulate(system.model, system.case, system.stepping)
-    speed = run.state.supply.spool.speed[run.times > 0.9]
+    speed = run.state.spool.speed[run.times > 0.9]
     assert np.ptp(speed) / speed.mean() > 0.1
     assert duties(run, 2e-5, duty_replays)[:, 0].mean() == pytest.approx(0.7, abs=0.005)
 

@@ -139,7 +139,7 @@ def test_edges_by_hand():
 @given(st.floats(0.31, 0.69), st.integers(-5, 5))
 def test_edges_are_where_the_valve_shuts_one_port_and_opens_the_other(duty, number):
     """At zero lap both ports are shut just there, and the load port opens after an up edge, before a down edge."""
-    valve = load_system("prototype-constant-load").case.params.supply.valve
+    valve = load_system("prototype-constant-load").tables["valve"]
     for s in (1.0, -1.0):
         at = pressure_edge_angle(number, s, duty, 0.0, 0.0, 0.0, valve.sections)
         here, after, before = (
@@ -561,11 +561,9 @@ def test_simulated_valve_through_a_loss(fusion_replay, duty, period, most):
     chosen = [f"operation.duty_ratio={duty}", "run.window=2 s"]
     system = load_system("prototype-constant-load", chosen, until="2 s")
     run = simulate(system.model, system.case, system.stepping)
-    state = run.state.supply
+    state = run.state
     t = np.arange(0.05, 1.999, period)
-    angle, speed, pressure = (
-        np.interp(t, run.times, x) for x in (state.spool.angle, state.spool.speed, state.inlet_pressure)
-    )
+    angle, speed, pressure = (np.interp(t, run.times, x) for x in (state.spool.angle, state.spool.speed, state.inlet))
     encoder = Encoder(
         wheel=WHEEL,
         spot=LightSpot(width=5e-3, track_radius=10.19e-3, roundness=0.0),

@@ -153,9 +153,9 @@ def test_simulated_waves_of_the_prototype_have_two_edges_a_section(pressure_edge
     system = load_system("prototype-constant-load", [*SIMULATED[case], "run.window=1 s"], until="1 s")
     run = simulate(system.model, system.case, system.stepping)
     t = np.arange(0.05, 0.999, period)
-    _, _, polarity, _ = pressure_edges_of(t, np.interp(t, run.times, run.state.supply.inlet_pressure))
+    _, _, polarity, _ = pressure_edges_of(t, np.interp(t, run.times, run.state.inlet))
     # The last edge may still wait for its confirmation.
-    turned = np.diff(np.interp([0.05 + 4.0 * SETTINGS.level_time, t[-1]], run.times, run.state.supply.spool.angle))[0]
+    turned = np.diff(np.interp([0.05 + 4.0 * SETTINGS.level_time, t[-1]], run.times, run.state.spool.angle))[0]
     assert polarity.size == pytest.approx(2.0 * 3.0 * turned / (2.0 * np.pi), abs=1.5)
     np.testing.assert_array_equal(polarity[1:], -polarity[:-1])
 

@@ -338,7 +338,7 @@ def test_threshold_is_found_on_the_simulated_valve(threshold_loop):
     5 %. Three periods of the wave in a turn do not show in a sum that alternates four times in a turn."""
     system = load_system("prototype-constant-load", ["run.window=3 s"], until="3 s")
     run = simulate(system.model, system.case, system.stepping)
-    spool, wheel = run.state.supply.spool, equal_wheel(8, 0.25)
+    spool, wheel = run.state.spool, equal_wheel(8, 0.25)
     encoder = replace(ramp_encoder(), wheel=wheel, noise=0.05)
     usual = threshold_adaptation(event_filter(wheel), RAMP, PERIOD, 2.0 * np.pi * 25.0)
     settings = Loop(encoder=encoder, adaptation=usual)

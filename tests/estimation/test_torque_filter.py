@@ -45,8 +45,8 @@ SEEDS = 200
 
 @pytest.fixture(scope="module")
 def turbine_settings():
-    supply = load_system("prototype-constant-load").case.params.supply
-    return torque_filter(equal_wheel(8), supply.oil, supply.valve)
+    tables = load_system("prototype-constant-load").tables
+    return torque_filter(equal_wheel(8), tables["oil"], tables["valve"])
 
 
 @pytest.fixture(scope="module")

@@ -423,6 +423,32 @@ def opened(a: FluidState, b: FluidState, values: Orifice) -> Opened:
     return Opened(*passage(orifice_flow(1e-6, a.pressure - b.pressure, 870.0, values), a, b), 0.5)
 
 
+def test_periods_are_those_of_the_first_that_marks_them(oil, of):
+    """Also where a shaft with a prescribed speed turns it, whose angle alone counts."""
+    from vvdp.components.rotary_valve import ROTARY_VALVE
+    from vvdp.systems.system import load_system
+
+    tables = load_system("prototype").tables
+    net = Network(oil)
+    net.tank("tank")
+    net.volume("inlet", of.chamber, start=2e6)
+    net.volume("line", of.chamber, start=2e6)
+    net.driven_shaft("drive", Connection(twice, ("gauge.flow",)))
+    net.driven_shaft("other", 10.0)
+    for name, shaft in (("first", "drive"), ("second", "other")):
+        ends = {"inlet": "inlet", "load": "line", "tank": "tank", "spool": shaft}
+        net.add(name, ROTARY_VALVE, tables["valve"], tables["check_valve"], axial_position=5e-3, **ends)
+    net.add("gauge", ORIFICE, of.orifice, a="line", b="tank", area=1e-6)
+    circuit = build(net)
+    case = circuit.case
+    marks = [
+        circuit.model.mark(0.0, case.state._replace(**{shaft: 7.0}), case.command, case.params)
+        for shaft in ("drive", "other")
+    ]
+    assert marks[0] > 1.0 and marks[1] == 0.0
+    assert at(circuit, case.state)[0].drive > 0.0
+
+
 # Values and walls of own components
 
 

@@ -119,12 +119,12 @@ def test_compiled_steps_are_the_same():
 
     from numba import njit
 
-    from vvdp.simulation.link import _make_compilable, reachable
+    from vvdp.simulation.compiled import make_compilable
+    from vvdp.simulation.reach import compiled_form, reachable
 
     settings = changed(noise=0.1, resolution=0.01, lag=0.5, offset=0.1, seed=3.0)
-    found: dict = {}
-    reachable(instrument_step, found)
-    _make_compilable(found)
+    for function, _ in reachable(instrument_step, {}).values():
+        make_compilable(function, compiled_form(function))
     compiled = njit(error_model="numpy")(instrument_step)
     names = [f.name for f in dataclasses.fields(settings)]
     record = namedtuple("Instrument", names)(*(getattr(settings, n) for n in names))

@@ -18,7 +18,7 @@ from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, constant, signal_stop, signal_value, table
 from vvdp.simulation.cache import check_private
-from vvdp.simulation.layout import as_memory, case_shape, command_parts, memory_parts, params_rows, vectors
+from vvdp.simulation.layout import as_memory, case_shape, command_parts, memory_parts, rows, vectors
 from vvdp.simulation.link import Hashed, link
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.parts import measure_part, rates_part
@@ -308,8 +308,8 @@ def test_rows_of_different_lengths_go_together():
             Signal(1.0, (), (), (), (2.0,), (3.0,), (0.0,)),
         )
     ]
-    linked, rows = link(Model(driven), cases[0]), params_rows(cases)
-    for case, row in zip(cases, rows, strict=True):
+    linked, packed = link(Model(driven), cases[0]), rows(cases).params
+    for case, row in zip(cases, packed, strict=True):
         found = np.zeros(1)
         linked.rates(0.3, np.zeros(1), np.zeros(1), row, found)
         assert found[0] == pytest.approx(signal_value(0.3, case.params.drive) + 1.0, rel=1e-15)

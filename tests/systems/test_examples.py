@@ -20,7 +20,7 @@ from vvdp.components.self_acting_valves import CHECK_VALVE
 from vvdp.components.switching_valves import PULSED_TWO_WAY_VALVE, PulsedTwoWayValve
 from vvdp.fluid.mixture import fluid_state, specific_volume_ratio
 from vvdp.hydraulics.check_valve import CheckValve
-from vvdp.hydraulics.line import Line, inertance
+from vvdp.hydraulics.line import Line, inertance, line_friction_drop
 from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.build import build
@@ -29,7 +29,7 @@ from vvdp.network.nodes import Chamber
 from vvdp.simulation.balance import balance
 from vvdp.simulation.run import Run, Stepping, simulate
 from vvdp.systems.summary import Summary, summary
-from vvdp.systems.system import load_system
+from vvdp.systems.system import load_system, source_text
 
 PAGE = (Path(__file__).parents[2] / "docs" / "examples.md").read_text("utf-8")
 NAMES = (
@@ -235,7 +235,17 @@ def test_minimal_buck_converter_is_the_shipped_one(tmp_path):
     exec(code, made)
     circuit = build(made["net"])
     run = simulate(circuit.model, circuit.case, load_system("buck-converter").stepping)
-    assert run.final == pytest.approx(done("buck-converter").run.final, rel=1e-9, abs=1e-12)
+    # The numbers are typed in another unit, so they differ by rounding, and the steps by a little more.
+    mine, its = run.state.books, done("buck-converter").run.state.books
+    assert mine.totals.tube_flow[-1] == pytest.approx(its.totals.tube_flow[-1], rel=1e-7)
+    assert mine.supplied.supply[-1] == pytest.approx(its.supplied.supply[-1], rel=1e-7)
+
+
+def test_oil_in_the_tube_costs_what_the_page_says():
+    tube = ("type=pipe", "hose_compliance=0 1/Pa", "start=100 bar")
+    _, efficiency = converter(0.3, *(f"components.tube.{setting}" for setting in tube))
+    assert f"the {1.5 * 0.25 * math.pi * 0.6**2 * 100.0:.0f} cc of oil" in section("buck-converter")
+    assert f"{efficiency:.3f} in place of {converter(0.3)[1]:.3f}" in section("buck-converter")
 
 
 STIFF_OIL = UsualOil(air_fraction=0.0, liquid_bulk_modulus=1e11)
@@ -317,6 +327,9 @@ def test_converters_become_ideal_as_their_losses_vanish(kind, duty, ideal):
     missing = [1.0 - ratio / ideal for ratio in ratios]
     assert missing[0] > 5.0 * missing[1] > 5.0 * missing[2] > 0.0
     assert missing[2] < 1e-3
+    told = re.search(r"within ([\d.]+) %", section(f"{kind}-converter").replace("\n", " "))
+    assert told
+    assert 0.5 * float(told[1]) < 100.0 * missing[2] < float(told[1])
     assert 0.65 * missing[0] < 1.0 - by_hand[0] / ideal < missing[0]
 
 
@@ -370,8 +383,9 @@ def undershoot(lag: float, pump_line: float = 50e-6) -> float:
 def accumulator_numbers() -> dict[str, tuple[float, float, float]]:
     found, run = done("accumulator-charging")
     times = unloads(run)
-    down = quad(lambda P: capacity(P) / nu(P) / consumed(P), CUT_IN, CUT_OUT)[0]
-    up = quad(lambda P: capacity(P) / nu(P) / (PUMPED - consumed(P)), CUT_IN, CUT_OUT)[0]
+    low, high = CUT_IN - undershoot(5e-3) * BAR, CUT_OUT + overshoot(5e-3) * BAR
+    down = quad(lambda P: capacity(P) / nu(P) / consumed(P), low, high)[0]
+    up = quad(lambda P: capacity(P) / nu(P) / (PUMPED - consumed(P)), low, high)[0]
     return {
         "first charging [s]": ((held(160.0) - held(95.0)) / PUMPED, times[0], 0.005),
         "one cycle [s]": (down + up, float(np.mean(np.diff(times[1:]))), 0.03),
@@ -391,8 +405,8 @@ def test_accumulator_stays_between_cut_in_and_cut_out():
     quick = ("components.unloading_valve.lag=0.05 ms", "nodes.pump_line.volume=5 cc")
     found, _ = done("accumulator-charging", "nodes.accumulator.start=150 bar", *quick)
     assert found["pressure_max_accumulator_Pa"] / BAR == pytest.approx(160.0 + overshoot(5e-5), abs=1e-3)
-    assert lowest_while_cycling(*quick) == pytest.approx(120.0 - undershoot(5e-5, 5e-6), abs=1e-3)
     assert undershoot(5e-5, 5e-6) < 0.01
+    assert 120.0 - undershoot(5e-5, 5e-6) < lowest_while_cycling(*quick) < 120.001
 
 
 def test_accumulator_is_charged_four_times():
@@ -409,7 +423,7 @@ def relieved() -> float:
 
     def excess(P: float) -> float:
         y = (P - 150.0) / 10.0
-        flow = 20.0 * LPM * y * math.sqrt(P / 160.0) * math.sqrt(P / 160.0) ** 0.0
+        flow = 20.0 * LPM * y * math.sqrt(P / 160.0)
         return flow / nu(P * BAR + P0) - 3e-4
 
     return float(brentq(excess, 150.0, 160.0))
@@ -486,9 +500,9 @@ def lumped_frequency(gauge: float) -> float:
 
 
 def swing(run: Run) -> tuple[float, float]:
-    """Frequency [Hz] and mean pressure [bar gauge] of the swing from 0.7 s to 1 s, without the pump's ripple."""
-    chosen = (run.times > 0.7) & (run.times < 1.0)
-    t, left, right = run.times[chosen] - 0.7, run.state.left[chosen] / BAR, run.state.right[chosen] / BAR
+    """Frequency [Hz] and mean pressure [bar gauge] of the swing from 1.2 s to 1.5 s, without the pump's ripple."""
+    chosen = (run.times > 1.2) & (run.times < 1.5)
+    t, left, right = run.times[chosen] - 1.2, run.state.left[chosen] / BAR, run.state.right[chosen] / BAR
 
     def form(t: Any, a: float, b: float, decay: float, f: float, c: float, d: float) -> Any:
         return np.exp(-decay * t) * (a * np.cos(2 * np.pi * f * t) + b * np.sin(2 * np.pi * f * t)) + c + d * t
@@ -498,31 +512,41 @@ def swing(run: Run) -> tuple[float, float]:
 
 
 def surge() -> float:
-    """Rise at the right before the wave returns [bar]: rho c dv, with what the orifice lets pass of it.
-
-    The end's own volume has been filled by then.
-    """
-    Z = OIL.density / nu(20.5e5 + P0) * wave_speed(20.5) / HOSE_AREA
-    flow, level = 20.0 * LPM * nu(20.1e5 + P0), 20.1
+    """Rise at the right before the wave returns [bar]: rho c dv, with what the orifice lets pass of it."""
+    flow, level, middle = 20.0 * LPM * nu(20.0e5 + P0), 20.0, 22.0
+    Z = OIL.density / nu(middle * BAR + P0) * wave_speed(middle) / HOSE_AREA
     through = 0.61 * 4e-6 * math.sqrt(2.0 / 876.0)
     return float(brentq(lambda r: Z * (flow - through * math.sqrt((level + r) * BAR)) / BAR - r, 0.0, 50.0))
+
+
+def rise(run: Run) -> float:
+    """Rise at the right [bar], from when the end's own volume has been filled until the wave returns after 19 ms."""
+    p, t = run.state.right, run.times
+    return float(np.mean(p[(t > 1.009) & (t < 1.018)]) - np.mean(p[(t > 0.95) & (t < 1.0)])) / BAR
 
 
 def hose_numbers() -> dict[str, tuple[float, float, float]]:
     ran = done("long-hose")
     found, level = swing(ran.run)
-    back = 0.5 + 2.0 * HOSE_LENGTH / wave_speed(20.0)
-    area = 20.0 * LPM
-    settled = brentq(lambda p: consumed(p * BAR + P0, 4e-6) - area, 1.0, 200.0)
+    settled = brentq(lambda p: consumed(p * BAR + P0, 4e-6) - 20.0 * LPM, 1.0, 200.0)
     return {
-        "frequency of the swing [Hz]": (exact_frequency(level), found, 0.01),
-        "first rise at the right [bar]": (
-            surge(),
-            ran.gauge("right", 0.95 * back + 0.025) - ran.gauge("right", 0.5),
-            0.05,
-        ),
-        "pressure at the right in the end [bar]": (float(settled), ran.gauge("right", 1.5), 5e-3),
+        "frequency of the swing [Hz]": (exact_frequency(level), found, 1e-3),
+        "first rise at the right [bar]": (surge(), rise(ran.run), 0.03),
+        "pressure at the right in the end [bar]": (float(settled), ran.gauge("right", 2.0), 5e-3),
     }
+
+
+def test_lumped_line_would_swing_a_quarter_too_fast(tmp_path):
+    """The hose as a column, which has inertia alone."""
+    text = source_text("long-hose").replace('type = "pipe"', 'type = "column"')
+    begin = text.index("hose_compliance")
+    end = text.index("[components.relief_valve]")
+    (tmp_path / "lumped.toml").write_text(text[:begin] + "\n" + text[end:])
+    found, level = swing(done(str(tmp_path / "lumped.toml")).run)
+    assert found == pytest.approx(lumped_frequency(level), rel=0.01)
+    assert f"at {found:.0f} Hz" in section("long-hose")
+    assert f"after {1e3 * 2.0 * HOSE_LENGTH / wave_speed(22.0):.0f} ms" in section("long-hose")
+    assert found / exact_frequency(level) == pytest.approx(1.25, abs=0.01)
 
 
 # Transmission
@@ -596,16 +620,38 @@ def buck_numbers() -> dict[str, tuple[float, float, float]]:
     return numbers
 
 
+def boosted(duty: float) -> float:
+    """Pressure of the boosted load [bar gauge]: 1/(1 - d), less the drops, more by the time the node's oil takes.
+
+    After each pulse the node has to be filled before the check valve opens: the tube slows down meanwhile by half of
+    the load's pressure, so the time counts as a part of the pulse.
+    """
+    period, inertia = 0.02, OIL.density * 3.0 / (0.25 * math.pi * 8e-3**2)
+    node = 5e-6 + 0.5 * 3.0 * 0.25 * math.pi * 8e-3**2
+    mu = OIL.viscosity_40 * OIL.density
+
+    def missing(P: float) -> float:
+        out = consumed(P * BAR + P0, 2e-6)
+        filling = 0.0
+        for _ in range(50):
+            flow = out / (1.0 - duty - filling / period)
+            end = flow + 0.5 * duty * period * 50e5 / inertia
+            filling = node * (1.0 / nu(P * BAR + P0) - 1.0) / end
+        over_tube = line_friction_drop(flow, OIL.density, mu, Line(length=3.0, diameter=8e-3))
+        over_valve = 0.5 * OIL.density * (flow / (0.61 * 60e-6)) ** 2
+        over_check = BAR * (flow / (60.0 * LPM)) ** (2.0 / 3.0)
+        high = (1.0 - duty - 0.5 * filling / period) * (P * BAR + over_check)
+        return 50e5 - over_tube - duty * over_valve - high
+
+    return float(brentq(missing, 40.0, 150.0))
+
+
 def boost_numbers() -> dict[str, tuple[float, float, float]]:
-    """Against the energy: what the load gets is what the supply gives, less the drops."""
     numbers = {}
-    for duty in (0.1, 0.3, 0.5, 0.7):
+    assert ", ".join(f"{50.0 / (1.0 - duty):.1f}" for duty in (0.1, 0.3)) in section("boost-converter")
+    for duty in (0.1, 0.3, 0.5):
         found, _ = done("boost-converter", f"{VALVE}duty_ratio={duty}")
-        numbers[f"load at duty ratio {duty} [bar]"] = (
-            50.0 / (1.0 - duty),
-            found["pressure_mean_load_Pa"] / BAR,
-            math.inf,
-        )
+        numbers[f"load at duty ratio {duty} [bar]"] = (boosted(duty), found["pressure_mean_load_Pa"] / BAR, 0.07)
     return numbers
 
 

@@ -89,7 +89,8 @@ class Network:
     `values` are parameter classes that components share, or that hold the signals that are connected to them; they
     appear under their names in the parameters of the circuit. Each method that adds raises `NetworkError` where a
     name is taken or cannot be one, a node is unknown, a port is open or joins the wrong kind of node, or an input is
-    missing. `extras` makes of a system what it brings along beyond others: numbers, figures.
+    missing. `extras` makes of a system what it brings along beyond others: numbers, figures. Where several components
+    mark periods, a period ends by those of the one that was added first.
     """
 
     def __init__(self, oil: Oil, *, temperature: Signal = ROOM_TEMPERATURE, **values: Params) -> None:

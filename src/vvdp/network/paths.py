@@ -252,14 +252,12 @@ class Places:
         if what in found:
             return found[what]
         if found and not what:
-            known = ", ".join(repr(f"{name}.{key}") for key in found)
-            raise NetworkError(f"{where}: {path!r} is the name of a part, not of a quantity; expected {known}")
+            expected = ", ".join(repr(f"{name}.{key}") for key in found)
+            raise NetworkError(f"{where}: {path!r} is the name of a part, not of a quantity; expected {expected}")
         if found:
             raise NetworkError(f"{where}: {name!r} has no {what!r}{nearest(what, list(found))}")
         known = [*net.nodes, *net.parts, *net.programs]
-        text = (
-            "" if "." in path else f" (a text is the path of a quantity, such as {known[0]!r} and a point and its name)"
-        )
+        text = "" if "." in path else " (a text is the path of a quantity, such as 'inlet.pressure')"
         raise NetworkError(f"{where}: {path!r} leads nowhere{text}{nearest(name, known)}")
 
     def _node_quantities(self, name: str, node: Node) -> "dict[str, Quantity]":

@@ -43,7 +43,7 @@ def check_law(component: Component, values: tuple[Params, ...], oil: Oil) -> Non
     """
     try:
         _tried(component, values, oil)
-    except NetworkError:  # a ValueError as well
+    except NetworkError:
         raise
     except (ArithmeticError, TypeError, ValueError, AttributeError):
         return

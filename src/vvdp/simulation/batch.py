@@ -14,8 +14,9 @@ from vvdp.base.errors import ParameterError, RunError
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.check import check_start
+from vvdp.simulation.layout import all_but_state
 from vvdp.simulation.layout import case_shape as case_shape
-from vvdp.simulation.layout import params_rows, vectors
+from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, marked_window
@@ -146,8 +147,11 @@ def simulate_batch(
 def _are_of_one_shape(cases: Sequence[Case]) -> None:
     if not cases:
         raise ParameterError("no cases; expected at least one")
-    shape = case_shape(cases[0])
+    shape, known = case_shape(cases[0]), {all_but_state(cases[0])}
     for number, case in enumerate(cases[1:], 1):
+        if (key := all_but_state(case)) in known:
+            continue
+        known.add(key)
         if difference := _difference(case_shape(case), shape):
             raise ParameterError(
                 f"case {number} is not of the shape of case 0: {difference}; run them in batches apart"
@@ -204,15 +208,14 @@ def _carried(
     with _threads(cores) as threads:
         # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
         order = np.concatenate([np.arange(first, count, threads) for first in range(threads)])
-        given = [cases[row] for row in order]
-        final, command, memory = (np.stack(parts) for parts in list(zip(*map(vectors, given), strict=True))[:3])
+        final, command, memory, params = rows_of([cases[row] for row in order])
         _, _, _, agenda, waiting, clock = started(ready, stepping)
         agendas, waitings, clocks = (np.stack([part] * count) for part in (agenda, waiting, clock))
         low, high, status = np.zeros((count, n)), np.zeros((count, n)), np.zeros(count, np.int64)
         times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
         loop.batch(
             *ready.linked[:4],
-            *(final, command, memory, params_rows(given), ready.plan, agendas, waitings, clocks),
+            *(final, command, memory, params, ready.plan, agendas, waitings, clocks),
             *(ready.atol, ready.rtol, ready.scale, ready.active),
             *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
             *(times, states, low, high, status),

@@ -1,7 +1,6 @@
 """What is wrong with a model and its case, said before they run: the functions are tried in plain Python."""
 
 import difflib
-import dis
 import re
 import traceback
 import types
@@ -16,6 +15,7 @@ from vvdp.base.errors import RunError, VvdpError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
 from vvdp.simulation.model import Case, Model, Program
+from vvdp.simulation.reach import paths
 from vvdp.simulation.values import flat, leaves, names
 
 LOWEST_START = 1e3
@@ -309,10 +309,10 @@ def _globals(function: Any, seen: set[types.FunctionType]) -> Iterator[tuple[Any
     if not isinstance(function, types.FunctionType) or function in seen:
         return
     seen.add(function)
-    for instruction in dis.get_instructions(function.__code__):
-        if instruction.opname == "LOAD_GLOBAL" and instruction.argval in function.__globals__:
-            value = function.__globals__[instruction.argval]
-            yield function, instruction.argval, value
+    for name in dict.fromkeys(path[0] for path in paths(function.__code__)):
+        if name in function.__globals__:
+            value = function.__globals__[name]
+            yield function, name, value
             yield from _globals(value, seen)
 
 

@@ -54,13 +54,24 @@ def vectors(case: Case) -> Vectors:
     )
 
 
-def params_rows(cases: Sequence[Case]) -> Array:
-    """The parameters of many cases, shape (cases, n), the rows of shorter ones filled up with zeros."""
-    rows = [_params(case) for case in cases]
-    filled = np.zeros((len(rows), max((row.size for row in rows), default=0)))
-    for row, numbers in zip(filled, rows, strict=True):
-        row[: numbers.size] = numbers
-    return filled
+def rows(cases: Sequence[Case]) -> Vectors:
+    """The numbers of many cases, a row for each; the parameters of shorter ones are filled up with zeros."""
+    found: dict[tuple[object, ...], Vectors] = {}
+    for case in cases:
+        if (key := all_but_state(case)) not in found:
+            found[key] = vectors(case)
+    each = [found[all_but_state(case)] for case in cases]
+    params = np.zeros((len(cases), max(one.params.size for one in each)))
+    for row, one in zip(params, each, strict=True):
+        row[: one.params.size] = one.params
+    states = np.stack([flat(case.state) for case in cases])
+    return Vectors(states, np.stack([one.command for one in each]), np.stack([one.memory for one in each]), params)
+
+
+def all_but_state(case: Case) -> tuple[object, ...]:
+    """What tells whether two cases at hand share all their values but the numbers of the state."""
+    shared = (case.params, case.command, *case.memory.values(), *case.settings.values())
+    return (type(case.state), *map(id, shared))
 
 
 def command_parts(case: Case) -> dict[str, slice]:

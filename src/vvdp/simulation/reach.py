@@ -4,6 +4,7 @@ import dis
 import enum
 import types
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ def reachable(function: Callable[..., Any], found: Functions) -> Functions:
     if faster := compiled_form(function):
         reachable(faster, found)
         return found
-    for path in sorted(set(_paths(function.__code__))):
+    for path in sorted(set(paths(function.__code__))):
         name, value = _value(path, function)
         if value is not MISSING:
             constants.append((path, _known(f"{name} (in {function.__qualname__})", value, found)))
@@ -75,23 +76,26 @@ def _text(code: types.CodeType) -> str:
     return repr((code.co_code, constants, code.co_names, code.co_varnames))
 
 
-def _paths(code: types.CodeType) -> Iterator[tuple[str, ...]]:
+@cache
+def paths(code: types.CodeType) -> tuple[tuple[str, ...], ...]:
     """Each global name that code reads, with the attributes that it takes of it."""
+    found: list[tuple[str, ...]] = []
     path: tuple[str, ...] = ()
     for instruction in dis.get_instructions(code):
         if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
             if path:
-                yield path
+                found.append(path)
             path = (instruction.argval,)
         elif instruction.opname in ("LOAD_ATTR", "LOAD_METHOD") and path:
             path = (*path, instruction.argval)
         elif instruction.opname not in ("CACHE", "PUSH_NULL", "EXTENDED_ARG", "NOP"):
             if path:
-                yield path
+                found.append(path)
             path = ()
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
-            yield from _paths(constant)
+            found += paths(constant)
+    return tuple(found)
 
 
 def _value(path: tuple[str, ...], function: types.FunctionType) -> tuple[str, Any]:

@@ -232,7 +232,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         try:
             circuit, stepping = build_circuit(network), run[0].stepping(method)
         except (NetworkError, ParameterError) as problem:
-            faults.append(_fault_of_build(table, str(problem)))
+            faults.append(_placed(str(problem), table))
     if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(faults)
     return System(
@@ -249,11 +249,14 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     )
 
 
-def _fault_of_build(table: Table, message: str) -> Fault:
-    """What is wrong with a circuit as a whole, with the line of the part that the message begins with."""
-    name = message.partition(":")[0].partition(".")[0]
-    keys = (f"{part}.{name}" for part in ("nodes", "components", "programs"))
-    return Fault(table.place, next((table.lines[key] for key in keys if key in table.lines), 0), "", message)
+def _placed(message: str, table: Table) -> Fault:
+    """A fault of the whole network at the line of the node, component or program with whose name the message begins."""
+    word, _, key = message.partition(":")[0].partition(" ")[0].partition(".")
+    for group in ("nodes", "components", "programs"):
+        for path in (f"{group}.{word}.{key}", f"{group}.{word}"):
+            if path in table.lines:
+                return Fault(table.place, table.lines[path], path, message)
+    return Fault(table.place, 0, "", message)
 
 
 def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunction | None:
