@@ -1,5 +1,6 @@
 """The command line called in this process: exit code, stdout and stderr."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -35,3 +36,61 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder as the current one."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+VARYING = re.compile(
+    r"\d+ steps in [\d.]+ s|in [\d.]+ s, 0 failed|-?\d\.\de-\d\d|t = [\d.]+ s|\(\d+ times\)|-\d{8}-\d{6}"
+)
+"""What need not come out alike on another machine."""
+
+
+def _lines(text):
+    """Lines without what varies, without the widths that follow from it, and without empty ones."""
+    return [" ".join(VARYING.sub("~", line).split()) for line in text.splitlines() if line.strip()]
+
+
+def _is_shown(shown, said):
+    """Whether the lines of a page are those that were said, in order, with gaps only at "..."."""
+    parts = [part.splitlines() for part in "\n".join(_lines(shown)).split("...")]
+    at, found = 0, _lines(said)
+    for number, part in enumerate(parts):
+        part = [line for line in part if line]
+        places = range(at, len(found)) if number else [0]
+        begin = next((i for i in places if found[i : i + len(part)] == part), None)
+        if begin is None:
+            return False
+        at = begin + len(part)
+    return not parts[-1] or at == len(found)
+
+
+def _changed(text: str, block: str) -> str:
+    """`text` after a block of a page: tables and entries that it has already are replaced, others are added.
+
+    A block of one line is an entry; any other consists of whole tables, or is the whole file.
+    """
+    if "\n" not in block.strip():
+        key = block.partition(" = ")[0]
+        changed, count = re.subn(rf"^{key} = .*$", lambda _: block.strip(), text, flags=re.MULTILINE)
+        assert count == 1, block
+        return changed
+    for table in re.split(r"^(?=\[)", block, flags=re.MULTILINE):
+        header = table.partition("\n")[0]
+        before, found, after = text.partition(f"{header}\n") if header.startswith("[") else ("", "", "")
+        if found:
+            rest = re.search(r"^\[", after, re.MULTILINE)
+            text = f"{before}{table.strip()}\n\n{after[rest.start() :] if rest else ''}"
+        else:
+            text += f"{table.strip()}\n\n"
+    return text
+
+
+@pytest.fixture
+def is_shown() -> Callable[[str, str], bool]:
+    """Whether a block of a page shows what was said, but for what varies, with gaps only at "..."."""
+    return _is_shown
+
+
+@pytest.fixture
+def changed() -> Callable[[str, str], str]:
+    """The text of a file after a block of a page that draws it step by step."""
+    return _changed

@@ -255,7 +255,7 @@ def _placed(message: str, table: Table) -> Fault:
     for group in ("nodes", "components", "programs"):
         for path in (f"{group}.{word}.{key}", f"{group}.{word}"):
             if path in table.lines:
-                return Fault(table.place, table.lines[path], path, message)
+                return Fault(table.place, table.lines[path], path, message.removeprefix(f"{word}: "))
     return Fault(table.place, 0, "", message)
 
 

@@ -1,0 +1,82 @@
+"""docs/components.md: its tables are those of the library, its code runs."""
+
+import re
+from pathlib import Path
+
+from vvdp.base.params import default_values, field_kinds
+from vvdp.base.units import displayed
+from vvdp.components.library import COMPONENTS, PROGRAMS
+from vvdp.network.assembly import Assembly
+from vvdp.network.component import Component, Role
+from vvdp.simulation.values import names
+from vvdp.systems.drawn import NODES
+
+PAGE = (Path(__file__).parents[2] / "docs" / "components.md").read_text("utf-8")
+ENDS = {Role.SHAFT: " (shaft)", Role.SHAFT_SPEED: " (shaft)", Role.ROD: " (rod)"}
+
+
+def values(cls):
+    """Each value with an example, and with the one that holds where none is given."""
+    usual = default_values(cls)
+    for name, kind in field_kinds(cls).items():
+        given = f" ({displayed(usual[name], kind)})" if isinstance(usual.get(name), float) else ""
+        yield f"`{name}` {kind.example}{given}"
+
+
+def state(cls):
+    """The names of a state, at any depth."""
+    if cls is None:
+        return ()
+    kinds = field_kinds(cls)
+    return tuple(name for name in names(cls) if kinds[name]) or names(cls)
+
+
+def told(function):
+    """What a function does: the first sentence of its description."""
+    first = re.split(r"[.;:]( |\n|$)", function.__doc__, maxsplit=1)[0].replace("\n    ", " ").strip()
+    return first.replace("Add a ", "A ")
+
+
+def row(name, component):
+    doc = told(component.add if isinstance(component, Assembly) else component.law)
+    if isinstance(component, Assembly):
+        cells = [component.ports, (), [*values(component.params), "`start` 100 bar"], ("in its pieces",), ()]
+    else:
+        ports = [f"{port}{ENDS.get(role, '')}" for port, role in component.ports.items()]
+        inputs = [
+            f"`{a.name}` {a.kind.example}" + ("" if a.default is None else f" ({displayed(a.default, a.kind)})")
+            for a in component.inputs
+        ]
+        own = [line for cls in component.params for line in values(cls)]
+        cells = [ports, inputs, own, state(component.state), component.outputs]
+    return f"| `{name}` | {doc} | " + " | ".join(", ".join(cell) for cell in cells) + f" | {component.symbol} |"
+
+
+def tables():
+    """The lines of the tables that the library determines: nodes, components, programs."""
+    nodes = [f"| `{name}` | {', '.join(values(node.table))} |" for name, node in NODES.items()]
+    parts = [row(name, component) for name, component in COMPONENTS.items()]
+    programs = [
+        f"| `{name}` | {', '.join(p.reading._fields)} | {', '.join(type(p.command)._fields)} "
+        f"| {', '.join(values(p.settings))} |"
+        for name, p in PROGRAMS.items()
+    ]
+    return [[re.sub(r" +", " ", line) for line in table] for table in (nodes, parts, programs)]
+
+
+def test_the_tables_are_those_of_the_library():
+    found = [table.splitlines() for table in re.findall(r"^\|---.*\n((?:\|.*\n)+)", PAGE, re.MULTILINE)]
+    assert found[1:4] == tables()
+
+
+def test_every_word_of_a_component_is_described():
+    for word in Component.__dataclass_fields__:
+        assert f"`{word}`" in PAGE, word
+
+
+def test_the_code_of_the_page_runs(capsys):
+    left = {}
+    for code, shown in re.findall(r"```python\n(.*?)```\n(?:\n```text\n(.*?)```\n)?", PAGE, re.DOTALL):
+        capsys.readouterr()
+        exec(compile(code, "components.md", "exec"), left)
+        assert capsys.readouterr().out == shown
