@@ -226,7 +226,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     elif not faults:
         network, rows, values = draw_network(content, table, faults)
     if run is not None:
-        rows += run[1]
+        rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
     circuit = stepping = None
     if network is not None and run is not None and not faults:
         try:
