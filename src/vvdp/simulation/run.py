@@ -269,8 +269,8 @@ def remarks(case: Case, low: Array, clock: Array) -> tuple[str, ...]:
     if (jumps := int(clock[places.JUMPS])) >= MANY_JUMPS:
         first = clock[places.JUMP_TIME]
         found.append(
-            f"the rates seem to jump at about t = {first:.6g} s, which no stop names ({jumps} times): a valve that opens "
-            "at once, or an end of a stroke; such a place is passed by trial, less exactly than a named one"
+            f"the rates seem to jump at about t = {first:.6g} s, which no stop names ({jumps} times): a valve that "
+            "opens at once, or an end of a stroke; such a place is passed by trial, less exactly than a named one"
         )
     return tuple(found)
 

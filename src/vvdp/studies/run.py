@@ -189,7 +189,21 @@ def _check_outputs(study: Study, base: System) -> None:
     """Refuses outputs that no summary of `base` has."""
     state = flat(base.case.state)
     window = Window(0.0, 1.0, state, state, 1, True)
-    still = Outcome(base.model, base.case, window, state, state, state, 1.0, 0, 0, 0, False, 0.0, True)
+    still = Outcome(
+        model=base.model,
+        case=base.case,
+        window=window,
+        final=state,
+        low=state,
+        high=state,
+        end=1.0,
+        steps=0,
+        rejected=0,
+        evaluations=0,
+        stiff=False,
+        seconds=0.0,
+        finished=True,
+    )
     known = [*simulated_summary(still, base), *(() if base.extras is None else base.extras.CLOSED_FORMS)]
     unknown = [name for name in study.outputs if name not in known]
     if unknown:

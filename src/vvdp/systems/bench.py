@@ -71,7 +71,7 @@ VALVE_LOSS = ("loss_full_open_W", "loss_transition_W")
 
 
 class RotaryBench(Extras):
-    """A pump unit with its load, as a system's tables give it."""
+    """A pump unit with its load, as a system's tables give it; `load_line` is None where a source is the load."""
 
     PERIOD = "PWM period"
     OVERVIEW = (
@@ -109,66 +109,17 @@ class RotaryBench(Extras):
 
     def __init__(self, system: "System", tables: Mapping[str, Any] | None = None) -> None:
         super().__init__(system)
-        self.tables = system.tables if tables is None else tables
-
-    @property
-    def oil(self) -> Oil:
-        """The oil."""
-        found: Oil = self.tables["oil"]
-        return found
-
-    @property
-    def pump(self) -> Pump:
-        """The pump."""
-        found: Pump = self.tables["pump"]
-        return found
-
-    @property
-    def motor(self) -> DriveMotor:
-        """The motor that turns the pump."""
-        found: DriveMotor = self.tables["motor"]
-        return found
-
-    @property
-    def relief_valve(self) -> ReliefValve:
-        """The relief valve at the inlet."""
-        found: ReliefValve = self.tables["relief_valve"]
-        return found
-
-    @property
-    def valve(self) -> RotaryValve:
-        """The rotary valve."""
-        found: RotaryValve = self.tables["valve"]
-        return found
-
-    @property
-    def spool_drive(self) -> SpoolDrive:
-        """The coupling between the spool and a motor of its own."""
-        found: SpoolDrive = self.tables["spool_drive"]
-        return found
-
-    @property
-    def limits(self) -> Limits:
-        """Bounds that are watched."""
-        found: Limits = self.tables["limits"]
-        return found
-
-    @property
-    def operation(self) -> DutyOperation | AxialOperation:
-        """What is prescribed."""
-        found: DutyOperation | AxialOperation = self.tables["operation"]
-        return found
-
-    @property
-    def load(self) -> OrificeLoad | PressureLoad:
-        """The load."""
-        found: OrificeLoad | PressureLoad = self.tables["load"]
-        return found
-
-    @property
-    def load_line(self) -> Vessel | None:
-        """The line in front of an orifice load; None where a source holds the pressure."""
-        return self.tables.get("load_line")
+        self.tables = given = system.tables if tables is None else tables
+        self.oil: Oil = given["oil"]
+        self.pump: Pump = given["pump"]
+        self.motor: DriveMotor = given["motor"]
+        self.relief_valve: ReliefValve = given["relief_valve"]
+        self.valve: RotaryValve = given["valve"]
+        self.spool_drive: SpoolDrive = given["spool_drive"]
+        self.limits: Limits = given["limits"]
+        self.operation: DutyOperation | AxialOperation = given["operation"]
+        self.load: OrificeLoad | PressureLoad = given["load"]
+        self.load_line: Vessel | None = given.get("load_line")
 
     @property
     def makes_pressure(self) -> bool:
