@@ -3,7 +3,10 @@
 The two functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
 """
 
+from typing import Any
+
 from vvdp.base.errors import ParameterError
+from vvdp.base.params import Params
 from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.rotary_valve import duty_position
@@ -49,28 +52,16 @@ def orifice_load(
     spool_filter: EventFilterValues | None = None,
 ) -> Network:
     """A pump unit that feeds a line with or without accumulator and, from it, an orifice to the tank."""
-    net = Network(
-        oil,
-        temperature=operation.oil_temperature,
-        operation=operation,
-        load=load,
-        initial=initial,
-        spool_drive=spool_drive,
-        check_valve=check_valve,
-    )
-    net.tank("tank", operation.tank_pressure)
-    net.volume("load_line", load_line, start="initial.load_pressure")
-    unit = PumpUnit(
+    unit = _unit(
         pump=pump,
         inlet=inlet,
         relief_valve=relief_valve,
         valve=valve,
         spool_drive=spool_drive,
         check_valve=check_valve,
-        inlet_pressure="initial.inlet_pressure",
-        spool_angle="initial.spool_angle",
-        spool_speed="initial.spool_speed",
     )
+    net = _network(oil, unit, operation, load, initial)
+    net.volume("load_line", load_line, start="initial.load_pressure")
     add_pump_unit(net, unit, joints(operation, valve))
     net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
     _watch(net, encoder, spool_filter, initial)
@@ -94,30 +85,46 @@ def constant_load(
     spool_filter: EventFilterValues | None = None,
 ) -> Network:
     """A pump unit that works against a pressure source, which also feeds the valve's leakage."""
-    net = Network(
-        oil,
-        temperature=operation.oil_temperature,
-        operation=operation,
-        load=load,
-        initial=initial,
-        spool_drive=spool_drive,
-        check_valve=check_valve,
-    )
-    net.tank("tank", operation.tank_pressure)
-    net.pressure_source("load_line", load.pressure)
-    unit = PumpUnit(
+    unit = _unit(
         pump=pump,
         inlet=inlet,
         relief_valve=relief_valve,
         valve=valve,
         spool_drive=spool_drive,
         check_valve=check_valve,
+    )
+    net = _network(oil, unit, operation, load, initial)
+    net.pressure_source("load_line", load.pressure)
+    add_pump_unit(net, unit, joints(operation, valve))
+    _watch(net, encoder, spool_filter, initial)
+    return net
+
+
+def _unit(**parts: Any) -> PumpUnit:
+    """A pump unit that starts where the table [initial] says."""
+    return PumpUnit(
+        **parts,
         inlet_pressure="initial.inlet_pressure",
         spool_angle="initial.spool_angle",
         spool_speed="initial.spool_speed",
     )
-    add_pump_unit(net, unit, joints(operation, valve))
-    _watch(net, encoder, spool_filter, initial)
+
+
+def _network(
+    oil: Oil, unit: PumpUnit, operation: DutyOperation | AxialOperation, load: Params, initial: InitialSupply
+) -> Network:
+    """The network of a bench with its tank, before anything else is drawn."""
+    net = Network(
+        oil,
+        temperature=operation.oil_temperature,
+        operation=operation,
+        load=load,
+        initial=initial,
+        spool_drive=unit.spool_drive,
+        check_valve=unit.check_valve,
+    )
+    net.extras = RotaryBench
+    net.tank("tank", operation.tank_pressure)
     return net
 
 
@@ -139,7 +146,6 @@ def joints(operation: DutyOperation | AxialOperation, valve: RotaryValve) -> Uni
 def _watch(
     net: Network, encoder: EncoderTable | None, spool_filter: EventFilterValues | None, initial: InitialSupply
 ) -> None:
-    net.extras = RotaryBench
     if (encoder is None) != (spool_filter is None):
         missing = "encoder" if encoder is None else "spool_filter"
         raise ParameterError(f"table {missing!r} is missing; a watched spool needs both an encoder and a spool_filter")
