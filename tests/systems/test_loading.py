@@ -178,3 +178,10 @@ def test_a_drawn_file_sets_its_own_bound_for_cavitation(tmp_path):
         system = load_system(str(file))
         found.append(summary(system, simulate(system.model, system.case, system.stepping))["cavitation"])
     assert found == [False, True]
+
+
+def test_faults_of_a_drawing_and_of_its_run_are_told_together(tmp_path):
+    path = tmp_path / "wrong.toml"
+    path.write_text(FLOODED.replace('"1 l"', '"1 bar"').replace('"2 ms"', '"2"'), encoding="utf-8")
+    found = faults(str(path))
+    assert [fault.split(": ")[1] for fault in found] == ["run.until", "nodes.line.volume"]

@@ -223,7 +223,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     if function is not None:
         values, rows = _tables(function, content, table, faults)
         network = None if faults else _drawn_by(function, values, table, faults)
-    elif not faults:
+    elif not set(DRAWN).isdisjoint(content):
         network, rows, values = draw_network(content, table, faults)
     if run is not None:
         rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
