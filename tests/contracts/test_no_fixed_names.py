@@ -37,16 +37,18 @@ class Names(NamedTuple):
 @cache
 def forbidden() -> Names:
     """The names of all shipped systems."""
-    words, paths = {"supply"}, set[str]()
+    words, paths, keys = {"supply"}, set[str](), set[str]()
     for name in shipped():
         system = load_system(name)
         case = system.case
         _, outputs = system.model.circuit(0.0, case.state, case.command, case.params)
         inside = {path for value in (case.state, outputs) for path, _, _ in leaves(value)}
         paths |= inside
+        keys |= {row.key for row in system.rows}
         words |= {*names(case.params), *names(case.command), *case.memory, *system.tables}
         words |= {word for path in inside for word in path.split(".")}
-    found = {path for path in paths if "." in path or path.count("_") > 1}  # one word may mean anything
+    # One word may mean anything, and what a person writes in a file is everybody's.
+    found = {path for path in paths - keys if "." in path or path.count("_") > 1}
     inner = {path.removeprefix("books.") for path in found if path.startswith("books.")}
     return Names(frozenset(words), frozenset(found | {path for path in inner if "." in path}))
 
