@@ -164,7 +164,7 @@ def test_missed_edges_for_ten_minutes(edge_times, filtered, missed, speed):
     """
     rows, angle_error, _, memory, lost = watched(edge_times, filtered, 11, speed, 600.0, missed)
     assert np.max(np.abs(angle_error)) < 0.15
-    assert abs(memory.missed_edges - lost) <= 4.0
+    assert abs(memory.tally.missed_edges - lost) <= 4.0
     counter = np.sum(rows[:, 1]) * SECTOR
     assert speed * rows[-1, 0] - counter > 0.9 * missed * speed * 600.0
 
@@ -228,7 +228,7 @@ def test_sector_is_kept_through_a_dropout(edge_times, filtered, silence):
         shown, memory = filtered(SETTINGS, rows, speed=140.0)
         assert np.max(np.abs(shown[rows[:, 0] > 1.0, 0] - SPEED * rows[rows[:, 0] > 1.0, 0])) < 0.6
         assert abs(shown[-1, 0] - SPEED * rows[-1, 0]) < 0.15
-        assert memory.missed_edges == np.sum(~kept)
+        assert memory.tally.missed_edges == np.sum(~kept)
 
 
 def test_missed_edges_without_threshold_noise(edge_times, filtered):

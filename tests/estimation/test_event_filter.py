@@ -8,6 +8,9 @@ import pytest
 from vvdp.base.errors import ParameterError
 from vvdp.estimation.event_filter import (
     EventFilterMemory,
+    LastEdge,
+    Manoeuvre,
+    Tally,
     edge_angle_variance,
     event_filter,
     event_filter_estimator,
@@ -50,7 +53,7 @@ def test_first_edge_by_hand():
     settings = replace(PUBLISHED, edge_variance=0.01, angle_variance=2.0)
     memory = event_filter_start(settings, 0.0, 0.0, 50.0)
     memory, estimate = event_filter_step(memory, Reading(0.011, 1.0, 0.01, 0.0, -1.0), settings)
-    assert memory.edge == 1.0
+    assert memory.last.number == 1.0
     assert estimate.innovation == pytest.approx(0.285398, abs=1e-6)
     assert estimate.innovation_deviation == pytest.approx(np.sqrt(2.11), rel=1e-6)
     assert memory.belief.angle == pytest.approx(0.5 + 0.995261 * 0.285398, abs=2e-6)
@@ -67,7 +70,7 @@ def test_samples_between_edges_are_predictions(edge_times):
     for row in rows.tolist():
         reading = Reading(*row)
         memory, estimate = event_filter_step(memory, reading, PUBLISHED)
-        belief = propagated(memory.belief, reading.time - memory.time, memory.density)
+        belief = propagated(memory.belief, reading.time - memory.time, memory.manoeuvre.density)
         assert estimate[:4] == pytest.approx(
             (belief.angle, belief.speed, np.sqrt(belief.angle_variance), np.sqrt(belief.speed_variance)), rel=1e-12
         )
@@ -100,7 +103,7 @@ def test_filterpy_gives_the_same(edge_times):
         other.Q = 0.25 * np.array([[h**3 / 3.0, h**2 / 2.0], [h**2 / 2.0, h]])
         other.R = np.array([[edge_angle_variance(before.belief.speed, 1e-3, STEADY)]])
         other.predict()
-        other.update(edge_angle(memory.edge, WHEEL))
+        other.update(edge_angle(memory.last.number, WHEEL))
         b = memory.belief
         np.testing.assert_allclose([b.angle, b.speed], other.x[:, 0], rtol=1e-9)
         np.testing.assert_allclose([b.angle_variance, b.covariance, b.speed_variance], other.P.ravel()[[0, 1, 3]], 1e-9)
@@ -150,7 +153,7 @@ def test_it_is_the_posterior_of_the_whole_record(edge_times, edges):
         memory, estimate = event_filter_step(memory, Reading(*row), STEADY)
         if estimate.innovation_deviation > 0.0:
             times.append(memory.time)
-            angles.append(edge_angle(memory.edge, WHEEL))
+            angles.append(edge_angle(memory.last.number, WHEEL))
             variances.append(edge_angle_variance(before.belief.speed, 1e-3, STEADY))
         if len(times) == edges:
             break
@@ -178,7 +181,7 @@ def test_plain_and_compiled_agree(edge_times, filtered):
         shown, last = filtered(settings, rows, speed=140.0)
         np.testing.assert_allclose(shown, plain, rtol=1e-12, atol=1e-12)
         np.testing.assert_array_equal(last.search.numbers, memory.search.numbers)
-        assert last.edge == memory.edge
+        assert last.last.number == memory.last.number
         assert last.search.found == settings.index_turns / 2.0
 
 
@@ -238,11 +241,16 @@ def test_only_late_edges_make_a_slower_wheel_likely(rise, fall, edge):
     still = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
     belief = AngleSpeed(edge_angle(503.0, WHEEL), 68.5, 1.1e-3, 7e-3, 0.04)
     memory = EventFilterMemory(
-        0.0, belief, 503.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.05, PUBLISHED.acceleration_density, rise, fall, still.search
+        time=0.0,
+        belief=belief,
+        last=LastEdge(503.0, 0.0),
+        tally=Tally(started=1.0, associating=1.0, ignored=0.0, missed_edges=0.0, irregular=0.05),
+        manoeuvre=Manoeuvre(density=PUBLISHED.acceleration_density, rise=rise, fall=fall),
+        search=still.search,
     )
     passed = 4.0 * SECTOR / 68.5
     after, _ = event_filter_step(memory, Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), PUBLISHED)
-    assert after.edge == edge
+    assert after.last.number == edge
 
 
 def test_more_acceleration_than_was_thought_is_the_propagation_with_it():
@@ -261,12 +269,19 @@ def test_between_edges_another_sensor_may_tell_the_angle():
     start = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
     belief = AngleSpeed(edge_angle(503.0, WHEEL) + 5e-3 * 68.5, 68.5, 3e-4, 1e-3, 0.04)
     q = PUBLISHED.acceleration_density
-    memory = EventFilterMemory(5e-3, belief, 503.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.01, q, 0.0, 0.0, start.search)
+    memory = EventFilterMemory(
+        time=5e-3,
+        belief=belief,
+        last=LastEdge(503.0, 0.0),
+        tally=Tally(started=1.0, associating=1.0, ignored=0.0, missed_edges=0.0, irregular=0.01),
+        manoeuvre=Manoeuvre(density=q, rise=0.0, fall=0.0),
+        search=start.search,
+    )
     edge = Reading(7e-3, 1.0, 6.5e-3, 1e-3, 1.0)
     after, estimate = event_filter_step(memory, edge, PUBLISHED)
-    assert (after.edge, after.edge_time, after.time) == (504.0, 6.5e-3, 6.5e-3)
+    assert (*after.last, after.time) == (504.0, 6.5e-3, 6.5e-3)
     assert estimate.innovation == pytest.approx(SECTOR - 6.5e-3 * 68.5, abs=1e-12)
-    assert after.density == PUBLISHED.manoeuvre_density
+    assert after.manoeuvre.density == PUBLISHED.manoeuvre_density
     prior = propagated(belief, 1.5e-3, 0.0)
     R = edge_angle_variance(68.5, 1e-3, PUBLISHED)
     assert estimate.innovation_deviation**2 == pytest.approx(

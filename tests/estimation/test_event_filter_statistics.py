@@ -74,7 +74,7 @@ def test_speeds_and_clock_phases(edge_times, filtered, frequency, clock):
         shown, memory = filtered(PUBLISHED, rows, speed=50.0)
         error = shown[-1, :2] - [start + 2.0 * np.pi * frequency * rows[-1, 0], 2.0 * np.pi * frequency]
         assert abs(error[0]) < 0.1
-        assert memory.missed_edges == 0.0
+        assert memory.tally.missed_edges == 0.0
         scaled.append(error / shown[-1, 2:4])
     commensurate = clock and frequency == 40.0
     assert np.all(np.mean(np.square(scaled), axis=0) < (30.0 if commensurate else 2.0))

@@ -185,7 +185,7 @@ def test_it_is_the_kalman_filter_with_five_states():
             row[5] = 0.0
         if row[5]:
             row[6] = max(row[6], time)
-        associated = memory.filter.associating > 0.0
+        associated = memory.filter.tally.associating > 0.0
         memory, _ = fusion_step(memory, FusionReading(Reading(*row[:5]), *row[5:]), settings)
         if row[1] or (row[5] and associated):
             at = row[2] if row[1] else row[6]

@@ -361,7 +361,7 @@ def test_nothing_is_adapted_before_the_filter_is_associated():
     for row in turning(24.7, 0.3, 0.2).tolist():
         was = memory.adaptation
         memory, shown = loop_step(memory, Shaft(*row), settings)
-        if was.filter.associating == 0.0:
+        if was.filter.tally.associating == 0.0:
             assert shown.threshold == 0.65
         elif began is None and shown.threshold != 0.65:
             began = row[0]

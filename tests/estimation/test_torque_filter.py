@@ -11,9 +11,11 @@ from scipy.integrate import quad
 from scipy.linalg import expm, solve_discrete_are
 
 from vvdp.base.errors import ParameterError
+from vvdp.estimation.event_filter import Tally
 from vvdp.estimation.torque_filter import (
     Spin,
     SpoolBelief,
+    TorqueChange,
     TorqueFilterMemory,
     TorqueReading,
     doubted,
@@ -441,7 +443,7 @@ def test_samples_without_edges_change_nothing(turbine_settings, replayed, sample
     kept[-1] = True
     fewer = replayed(start, rows[kept])
     np.testing.assert_allclose(fewer.memory.belief, every.memory.belief, rtol=1e-8, atol=1e-10)
-    assert every.memory.missed_edges == 0.0
+    assert every.memory.tally.missed_edges == 0.0
 
 
 def test_certainty_in_the_long_run_is_the_riccati_equation(turbine_settings, replayed):
@@ -499,7 +501,7 @@ def test_missed_edges_do_not_count(turbine_settings, replayed, sampled_edges, mi
     replay = replayed(torque_filter_start(turbine_settings, 0.0, 0.0, speed), rows)
     error = (replay.shown[:, 0] - angles)[500:]
     assert np.ptp(error) < np.pi / 8
-    assert abs(replay.memory.missed_edges - lost.sum()) <= 2.0
+    assert abs(replay.memory.tally.missed_edges - lost.sum()) <= 2.0
 
 
 @pytest.mark.parametrize("multiple", [1.0 / 3.0, 1.0, 3.0])
@@ -509,7 +511,7 @@ def test_a_multiple_of_the_speed_is_not_believed(turbine_settings, replayed, sam
     speed, T = speeds_and_lag(turbine_settings, HIGH)
     rows, _, _, _ = spun_up(np.random.default_rng(4), speed, speed, T, sampled_edges, 2.0, flows=(HIGH, HIGH))
     belief = SpoolBelief(0.0, multiple * speed, multiple - 1.0, 1e-3, 0.0, 0.0, 0.1, 0.0, 1e-5)
-    memory = TorqueFilterMemory(0.0, belief, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.01, 0.0, 0.0)
+    memory = TorqueFilterMemory(0.0, belief, 0.0, Tally(1.0, 1.0, 0.0, 0.0, 0.01), TorqueChange(0.0, 0.0, 0.0))
     shown = replayed(memory, rows).shown
     assert np.all(np.abs(shown[500:, 1] - speed) < 4.0 * shown[500:, 3])
     missed = shown[:, 6]
@@ -548,7 +550,7 @@ def test_only_late_edges_make_a_lower_torque_likely(turbine_settings, rise, fall
     speed, _ = speeds_and_lag(turbine_settings, HIGH)
     belief = SpoolBelief(edge_angle(503.0, wheel), speed, 0.0, 1.1e-3, 7e-3, 0.0, 0.04, 0.0, 1e-5)
     passed = np.pi / speed
-    memory = TorqueFilterMemory(0.0, belief, 503.0, -0.1, 1.0, 1.0, 0.0, 0.0, 0.15, rise, fall)
+    memory = TorqueFilterMemory(0.0, belief, 503.0, Tally(1.0, 1.0, 0.0, 0.0, 0.15), TorqueChange(rise, fall, -0.1))
     reading = TorqueReading(Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), HIGH, WARM)
     after, _ = torque_filter_step(memory, reading, turbine_settings)
     assert after.edge == edge

@@ -215,9 +215,24 @@ def _with_torque(settings: TorqueFilter) -> Contender:
 def _with_pressure(events: EventFilter) -> Contender:
     settings = fusion(events)
     memory = fusion_start(settings, 0.0, 0.0, 0.0)
-    reading = FusionReading(READING, 0.0, 0.0, 0.0, 0.0, DUTY_RATIO)
+    reading = FusionReading(
+        encoder=READING,
+        pressure_edges=0.0,
+        pressure_edge_time=0.0,
+        pressure_edge_interval=0.0,
+        pressure_polarity=0.0,
+        duty_ratio=DUTY_RATIO,
+    )
     title = "event filter on encoder and inlet pressure"
-    return Contender("fusion", title, fusion_step, memory, settings, reading, with_pressure)
+    return Contender(
+        name="fusion",
+        title=title,
+        step=fusion_step,
+        memory=memory,
+        settings=settings,
+        reading=reading,
+        rows=with_pressure,
+    )
 
 
 def _smoothing(events: EventFilter) -> Contender:

@@ -169,7 +169,7 @@ def scenarios(sectors: int = SECTORS, rate: float = RATE) -> tuple[Scenario, ...
         return replace(sound, faults=replace(NO_FAULTS, **faults))
 
     def scenario(name: str, title: str, motion: Motion, encoder: Encoder = sound, until: float = 2.5) -> Scenario:
-        return Scenario(name, title, motion, encoder, rate, until)
+        return Scenario(name=name, title=title, motion=motion, encoder=encoder, rate=rate, until=until)
 
     return (
         scenario("constant", "24.7 Hz, the edges fall anywhere between two samples", usual),

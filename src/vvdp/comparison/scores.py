@@ -74,10 +74,10 @@ def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sect
     return Score(
         *_sizes(angle),
         *_sizes(speed),
-        settling_time(truth.time, traces.speed, motion),
-        equivalent_delay(time, traces.speed[part], motion),
-        abs(float(np.round((at_end - at_begin) / sector))),
-        _mean_nis(traces.innovation[part], traces.innovation_deviation[part]),
+        settling=settling_time(truth.time, traces.speed, motion),
+        delay=equivalent_delay(time, traces.speed[part], motion),
+        lost_sectors=abs(float(np.round((at_end - at_begin) / sector))),
+        nis=_mean_nis(traces.innovation[part], traces.innovation_deviation[part]),
     )
 
 

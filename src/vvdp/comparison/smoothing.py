@@ -38,7 +38,7 @@ def used_edge_step(
     after, estimate = event_filter_step(memory, reading, settings)
     variance = edge_angle_variance(after.belief.speed, reading.edge_interval, settings)
     used = 1.0 if estimate.innovation_deviation > 0.0 else 0.0
-    return after, UsedEdge(after.time, edge_angle(after.edge, settings.wheel), variance, used)
+    return after, UsedEdge(after.time, edge_angle(after.last.number, settings.wheel), variance, used)
 
 
 def smoothed_traces(time: Array, shown: Array, settings: EventFilter) -> Traces:

@@ -146,7 +146,9 @@ def compare(
     began = time.perf_counter()
     traced = next((scenario for scenario in scenarios if scenario.motion.changes), scenarios[0])
     by_name = {each.name: each for each in scenarios}
-    plan = _Plan(secrets.token_hex(8), by_name, contenders, traced.name, cache, say)
+    plan = _Plan(
+        name=secrets.token_hex(8), scenarios=by_name, contenders=contenders, traced=traced.name, cache=cache, say=say
+    )
     compiled = _field(plan)
     costs = _costs(compiled, scenarios[0])  # before the runs: these would slow each other, and all is compiled then
     progress(0, len(scenarios) * seeds)

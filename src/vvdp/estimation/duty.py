@@ -161,7 +161,17 @@ def duty_start() -> DutyWaveMemory:
 
     Source  ours, docs/models/pressure-fusion.md
     """
-    return DutyWaveMemory(np.nan, np.nan, np.nan, np.nan, np.nan, 0.0, np.nan, np.nan, np.nan)
+    return DutyWaveMemory(
+        rise_time=np.nan,
+        rise_angle=np.nan,
+        rise_interval=np.nan,
+        rise_level=np.nan,
+        rise_before=np.nan,
+        within_pulse=0.0,
+        duty_ratio=np.nan,
+        wave_duty_ratio=np.nan,
+        deviation=np.nan,
+    )
 
 
 def duty_step(memory: DutyWaveMemory, reading: DutyReading, settings: DutyWave) -> tuple[DutyWaveMemory, DutyEstimate]:
@@ -192,6 +202,16 @@ def duty_step(memory: DutyWaveMemory, reading: DutyReading, settings: DutyWave) 
         duty = corrected_duty_ratio(wave, opening, port_shape(settings.valve))
     within = 0.0 if falling else within
     return (
-        DutyWaveMemory(rise_time, rise_angle, rise_interval, rise_level, rise_before, within, duty, wave, deviation),
+        DutyWaveMemory(
+            rise_time=rise_time,
+            rise_angle=rise_angle,
+            rise_interval=rise_interval,
+            rise_level=rise_level,
+            rise_before=rise_before,
+            within_pulse=within,
+            duty_ratio=duty,
+            wave_duty_ratio=wave,
+            deviation=deviation,
+        ),
         DutyEstimate(duty, wave, deviation),
     )

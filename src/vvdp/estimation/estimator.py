@@ -35,7 +35,15 @@ def believed(belief: AngleSpeed, innovation: float, innovation_deviation: float,
     """The estimate that a belief about the time of the sample makes; arguments as in `Estimate`."""
     b = belief
     angle_deviation, speed_deviation = np.sqrt(b.angle_variance), np.sqrt(b.speed_variance)
-    return Estimate(b.angle, b.speed, angle_deviation, speed_deviation, innovation, innovation_deviation, missed_edges)
+    return Estimate(
+        angle=b.angle,
+        speed=b.speed,
+        angle_deviation=angle_deviation,
+        speed_deviation=speed_deviation,
+        innovation=innovation,
+        innovation_deviation=innovation_deviation,
+        missed_edges=missed_edges,
+    )
 
 
 @dataclass(frozen=True)

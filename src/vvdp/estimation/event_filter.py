@@ -99,27 +99,45 @@ class EventFilter(EventFilterValues):
             )
 
 
-class EventFilterMemory(NamedTuple):
-    """What the filter carries from sample to sample: its belief at `time`, and number and time of the last edge used.
+class LastEdge(NamedTuple):
+    """Number and time of the last edge that was used."""
 
-    The times differ where another sensor tells the angle between edges. `started` is 1 after the first edge,
-    `associating` once edges are told by the belief and no longer counted.
+    number: Number
+    time: Time
+
+
+class Tally(NamedTuple):
+    """How edges are told: `started` is 1 after the first, `associating` once the belief tells them and none counts.
+
     `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored.
-    `density` is that of the acceleration, `rise` and `fall` are the sums of innovations.
     """
 
-    time: Time
-    belief: AngleSpeed
-    edge: Number
-    edge_time: Time
     started: Fraction
     associating: Fraction
     ignored: Count
     missed_edges: Count
     irregular: Fraction
+
+
+class Manoeuvre(NamedTuple):
+    """Density of the acceleration, and the sums of innovations that tell when the speed changes."""
+
     density: AccelerationDensity
     rise: Number
     fall: Number
+
+
+class EventFilterMemory(NamedTuple):
+    """What the filter carries from sample to sample: its belief at `time`, and what it knows of edges and index.
+
+    `time` differs from that of the last edge where another sensor tells the angle between edges.
+    """
+
+    time: Time
+    belief: AngleSpeed
+    last: LastEdge
+    tally: Tally
+    manoeuvre: Manoeuvre
     search: IndexMemory
 
 
@@ -153,7 +171,14 @@ def event_filter_start(settings: EventFilter, time: float, angle: float, speed: 
     belief = AngleSpeed(angle, speed, settings.angle_variance, 0.0, settings.speed_variance)
     q, wheel = settings.acceleration_density, settings.wheel
     edge = edge_below(angle, wheel)
-    return EventFilterMemory(time, belief, edge, time, 0.0, 0.0, 0.0, 0.0, RELIABLE, q, 0.0, 0.0, index_start(wheel))
+    return EventFilterMemory(
+        time=time,
+        belief=belief,
+        last=LastEdge(edge, time),
+        tally=Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE),
+        manoeuvre=Manoeuvre(density=q, rise=0.0, fall=0.0),
+        search=index_start(wheel),
+    )
 
 
 def event_filter_step(
@@ -168,8 +193,8 @@ def event_filter_step(
     innovation, deviation = 0.0, 0.0
     if reading.edges > 0.0:
         memory, innovation, deviation = after_edge(memory, reading, settings)
-    belief = propagated(memory.belief, reading.time - memory.time, memory.density)
-    estimate = believed(belief, innovation, deviation, memory.missed_edges)
+    belief = propagated(memory.belief, reading.time - memory.time, memory.manoeuvre.density)
+    estimate = believed(belief, innovation, deviation, memory.tally.missed_edges)
     return memory, estimate
 
 
@@ -203,27 +228,27 @@ def after_edge(
     """
     wheel, q, q_m = settings.wheel, settings.acceleration_density, settings.manoeuvre_density
     h = reading.edge_time - memory.time
-    prior = propagated(memory.belief, h, memory.density)
-    wide = widened(propagated(memory.belief, h, 0.0), reading.edge_time - memory.edge_time, q_m)
+    prior = propagated(memory.belief, h, memory.manoeuvre.density)
+    wide = widened(propagated(memory.belief, h, 0.0), reading.edge_time - memory.last.time, q_m)
     R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
     seen = seen_edge(memory, reading, prior, wide, R, settings)
-    edges = memory.ignored + reading.edges
+    edges = memory.tally.ignored + reading.edges
     if seen.used == 0.0:
         return ignoring(memory, edges), 0.0, 0.0
 
-    associating = memory.associating
-    if associating > 0.0 and memory.density <= q and vague(prior, wheel) > 0.0:
+    associating = memory.tally.associating
+    if associating > 0.0 and memory.manoeuvre.density <= q and vague(prior, wheel) > 0.0:
         prior, associating = wide, 0.0  # after a long time without edges anything may have happened
     innovation = edge_angle(seen.edge, wheel) - prior.angle
     z = associating * innovation / np.sqrt(prior.angle_variance + R)
-    rise = associating * maximum(memory.rise + z - SLACK, 0.0)
-    fall = associating * maximum(memory.fall - z - SLACK, 0.0)
-    density = maximum(memory.density * (1.0 - 1.0 / settings.manoeuvre_edges), q)
+    rise = associating * maximum(memory.manoeuvre.rise + z - SLACK, 0.0)
+    fall = associating * maximum(memory.manoeuvre.fall - z - SLACK, 0.0)
+    density = maximum(memory.manoeuvre.density * (1.0 - 1.0 / settings.manoeuvre_edges), q)
     if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
         prior, density, rise, fall = wide, q_m, 0.0, 0.0
 
-    skipped = memory.started * maximum(seen.edge - memory.edge - edges, 0.0)
-    irregular = irregular_share(memory.irregular, associating * minimum(skipped, BURST), 1.0)
+    skipped = memory.tally.started * maximum(seen.edge - memory.last.number - edges, 0.0)
+    irregular = irregular_share(memory.tally.irregular, associating * minimum(skipped, BURST), 1.0)
     if irregular > UNBELIEVABLE:
         prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
 
@@ -236,21 +261,14 @@ def after_edge(
         found = index_after_edge(search, number, reading.edge_time, reading.polarity, R, settings.index_turns, wheel)
         number, search = number + found.edges, found.memory
         belief = turned(belief, found.edges * sector(wheel))
-    missed = memory.missed_edges + skipped
+    missed = memory.tally.missed_edges + skipped
     after = EventFilterMemory(
-        reading.edge_time,
-        belief,
-        number,
-        reading.edge_time,
-        1.0,
-        associating,
-        0.0,
-        missed,
-        irregular,
-        density,
-        rise,
-        fall,
-        search,
+        time=reading.edge_time,
+        belief=belief,
+        last=LastEdge(number, reading.edge_time),
+        tally=Tally(started=1.0, associating=associating, ignored=0.0, missed_edges=missed, irregular=irregular),
+        manoeuvre=Manoeuvre(density=density, rise=rise, fall=fall),
+        search=search,
     )
     return after, innovation, np.sqrt(prior.angle_variance + R)
 
@@ -272,15 +290,27 @@ def seen_edge(
     Source  ours, docs/models/event-filter.md
     """
     m, wheel, polarity = memory, settings.wheel, reading.polarity
-    if m.started == 0.0:
+    if m.tally.started == 0.0:
         return Association(first_edge(m.belief.angle, polarity, wheel), 1.0)
-    if m.associating == 0.0:
-        return Association(counted_edge(m.edge, m.ignored + reading.edges, polarity), 1.0)
-    advance = (reading.edge_time - m.edge_time) * prior.speed
-    odds = 2.0 * SLACK * (settings.manoeuvre_gate - m.fall)  # in doubt the next edge by count is behind: slower
+    if m.tally.associating == 0.0:
+        return Association(counted_edge(m.last.number, m.tally.ignored + reading.edges, polarity), 1.0)
+    advance = (reading.edge_time - m.last.time) * prior.speed
+    odds = (
+        2.0 * SLACK * (settings.manoeuvre_gate - m.manoeuvre.fall)
+    )  # in doubt the next edge by count is behind: slower
     S, S_m = prior.angle_variance + variance, wide.angle_variance + variance
-    sighting = Sighting(prior.angle, advance, S, S_m, odds, m.ignored, reading.edges, polarity, m.irregular)
-    return associated_edge(m.edge, sighting, wheel)
+    sighting = Sighting(
+        angle=prior.angle,
+        advance=advance,
+        variance=S,
+        manoeuvre_variance=S_m,
+        manoeuvre_odds=odds,
+        ignored=m.tally.ignored,
+        fresh=reading.edges,
+        polarity=polarity,
+        irregular=m.tally.irregular,
+    )
+    return associated_edge(m.last.number, sighting, wheel)
 
 
 def widened(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
@@ -321,22 +351,16 @@ def turned(belief: AngleSpeed, angle: float) -> AngleSpeed:
 
 def ignoring(memory: EventFilterMemory, edges: float) -> EventFilterMemory:
     """The memory with `edges` ignored since the last used one."""
-    m = memory
-    irregular = irregular_share(m.irregular, edges - m.ignored, 0.0)
+    m, tally = memory, memory.tally
+    told = Tally(
+        started=tally.started,
+        associating=tally.associating,
+        ignored=edges,
+        missed_edges=tally.missed_edges,
+        irregular=irregular_share(tally.irregular, edges - tally.ignored, 0.0),
+    )
     return EventFilterMemory(
-        m.time,
-        m.belief,
-        m.edge,
-        m.edge_time,
-        m.started,
-        m.associating,
-        edges,
-        m.missed_edges,
-        irregular,
-        m.density,
-        m.rise,
-        m.fall,
-        m.search,
+        time=m.time, belief=m.belief, last=m.last, tally=told, manoeuvre=m.manoeuvre, search=m.search
     )
 
 

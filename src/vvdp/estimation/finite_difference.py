@@ -79,7 +79,15 @@ def carried_angle(speed: float, last: LastEdge, time: float, wheel: CodeWheel) -
 
 def plain_estimate(angle: float, speed: float) -> Estimate:
     """An estimate without deviations and without innovation."""
-    return Estimate(angle, speed, np.nan, np.nan, 0.0, 0.0, 0.0)
+    return Estimate(
+        angle=angle,
+        speed=speed,
+        angle_deviation=np.nan,
+        speed_deviation=np.nan,
+        innovation=0.0,
+        innovation_deviation=0.0,
+        missed_edges=0.0,
+    )
 
 
 class FiniteDifference(Params):

@@ -17,6 +17,9 @@ from vvdp.estimation.estimator import Estimate, believed
 from vvdp.estimation.event_filter import (
     EventFilter,
     EventFilterMemory,
+    LastEdge,
+    Manoeuvre,
+    Tally,
     after_edge,
     edge_angle_variance,
     event_filter_start,
@@ -173,7 +176,16 @@ def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> F
     mean, P = np.zeros(5), np.zeros((5, 5))
     _begin_wave(mean, P, settings)
     _believe(mean, P, start.belief)
-    return FusionMemory(start, mean, P, time, time, 0.0, 0.0, 0.0)
+    return FusionMemory(
+        filter=start,
+        mean=mean,
+        covariance=P,
+        encoder_time=time,
+        agreed_time=time,
+        refused=0.0,
+        speed_run=0.0,
+        duty_run=0.0,
+    )
 
 
 def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusionEstimate]:
@@ -190,19 +202,19 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
     # The encoder comes first: a pressure edge may be met at a time before the last edge, an encoder edge may not.
     if encoder.edges > 0.0:
         memory, innovation, deviation = _after_encoder(memory, encoder, settings)
-    if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.associating > 0.0:
+    if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.tally.associating > 0.0:
         memory = _after_pressure_edge(memory, reading, settings)
     last = memory.filter
-    belief = propagated(last.belief, encoder.time - last.time, last.density)
-    estimate = believed(belief, innovation, deviation, last.missed_edges)
+    belief = propagated(last.belief, encoder.time - last.time, last.manoeuvre.density)
+    estimate = believed(belief, innovation, deviation, last.tally.missed_edges)
     shown = FusionEstimate(
-        estimate,
-        memory.mean[2],
-        np.sqrt(memory.covariance[2, 2]),
-        memory.mean[3],
-        np.sqrt(memory.covariance[3, 3]),
-        memory.mean[4],
-        np.sqrt(memory.covariance[4, 4]),
+        estimate=estimate,
+        phase=memory.mean[2],
+        phase_deviation=np.sqrt(memory.covariance[2, 2]),
+        duty_ratio=memory.mean[3],
+        duty_deviation=np.sqrt(memory.covariance[3, 3]),
+        lag=memory.mean[4],
+        lag_deviation=np.sqrt(memory.covariance[4, 4]),
     )
     return memory, shown
 
@@ -280,7 +292,14 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
     if not deviation > 0.0:
         m = memory
         still = FusionMemory(
-            after, m.mean, m.covariance, m.encoder_time, m.agreed_time, m.refused, m.speed_run, m.duty_run
+            filter=after,
+            mean=m.mean,
+            covariance=m.covariance,
+            encoder_time=m.encoder_time,
+            agreed_time=m.agreed_time,
+            refused=m.refused,
+            speed_run=m.speed_run,
+            duty_run=m.duty_run,
         )
         return still, innovation, deviation
     S = deviation * deviation
@@ -296,7 +315,16 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
     # Once the index is found, all angles are counted from another edge than before.
     mean[2] += after.belief.angle - mean[0]
     _believe(mean, P, after.belief)
-    done = FusionMemory(after, mean, P, encoder.time, after.time, memory.refused, 0.0, 0.0)
+    done = FusionMemory(
+        filter=after,
+        mean=mean,
+        covariance=P,
+        encoder_time=encoder.time,
+        agreed_time=after.time,
+        refused=memory.refused,
+        speed_run=0.0,
+        duty_run=0.0,
+    )
     return done, innovation, deviation
 
 
@@ -307,7 +335,7 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     _move(mean, P, h)
     # An edge is confirmed late and met where it happened. What noise came in since is not taken out for it: over these
     # few samples it is small, and could leave less than nothing.
-    _drift(P, maximum(h, 0.0), before.density, settings)
+    _drift(P, maximum(h, 0.0), before.manoeuvre.density, settings)
     if reading.duty_ratio == reading.duty_ratio:
         H = np.array([0.0, 0.0, 0.0, 1.0, 0.0])
         _observe(mean, P, H, reading.duty_ratio - mean[3], settings.duty_sensor_variance)
@@ -323,7 +351,7 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     silent = (reading.encoder.time - memory.encoder_time) * maximum(mean[1], event.lowest_speed) > (
         SILENT_SECTORS * sector(event.wheel)
     )
-    density, speed_run, duty_run = before.density, 0.0, 0.0
+    density, speed_run, duty_run = before.manoeuvre.density, 0.0, 0.0
     if silent:
         z = innovation / np.sqrt(S)
         speed_run, duty_run = run_on(memory.speed_run, z), run_on(memory.duty_run, s * z)
@@ -352,7 +380,16 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     if silent and accepted:
         after = _counted_on(after, event)
     agreed_time = maximum(reading.pressure_edge_time, memory.agreed_time) if accepted else memory.agreed_time
-    return FusionMemory(after, mean, P, memory.encoder_time, agreed_time, refused, speed_run, duty_run)
+    return FusionMemory(
+        filter=after,
+        mean=mean,
+        covariance=P,
+        encoder_time=memory.encoder_time,
+        agreed_time=agreed_time,
+        refused=refused,
+        speed_run=speed_run,
+        duty_run=duty_run,
+    )
 
 
 def run_on(run: float, innovation: float) -> float:
@@ -384,23 +421,18 @@ def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilter
     The encoder's next edge is then no counterpart of one before the loss, nor could a manoeuvre have begun there.
     """
     m, wheel = memory, settings.wheel
-    edge = maximum(edge_below(m.belief.angle - 0.5 * sector(wheel), wheel), m.edge)
+    edge = maximum(edge_below(m.belief.angle - 0.5 * sector(wheel), wheel), m.last.number)
     ago = (m.belief.angle - edge_angle(edge, wheel)) / maximum(m.belief.speed, settings.lowest_speed)
-    missed = m.missed_edges + maximum(edge - m.edge - m.ignored, 0.0)
+    tally = Tally(
+        started=m.tally.started,
+        associating=m.tally.associating,
+        ignored=0.0,
+        missed_edges=m.tally.missed_edges + maximum(edge - m.last.number - m.tally.ignored, 0.0),
+        irregular=m.tally.irregular,
+    )
+    last = LastEdge(edge, maximum(m.time - ago, m.last.time))
     return EventFilterMemory(
-        m.time,
-        m.belief,
-        edge,
-        maximum(m.time - ago, m.edge_time),
-        m.started,
-        m.associating,
-        0.0,
-        missed,
-        m.irregular,
-        m.density,
-        m.rise,
-        m.fall,
-        m.search,
+        time=m.time, belief=m.belief, last=last, tally=tally, manoeuvre=m.manoeuvre, search=m.search
     )
 
 
@@ -410,18 +442,5 @@ def _belief(mean: Array, covariance: Array) -> AngleSpeed:
 
 def _believing(memory: EventFilterMemory, time: float, belief: AngleSpeed, density: float) -> EventFilterMemory:
     m = memory
-    return EventFilterMemory(
-        time,
-        belief,
-        m.edge,
-        m.edge_time,
-        m.started,
-        m.associating,
-        m.ignored,
-        m.missed_edges,
-        m.irregular,
-        density,
-        m.rise,
-        m.fall,
-        m.search,
-    )
+    manoeuvre = Manoeuvre(density=density, rise=m.manoeuvre.rise, fall=m.manoeuvre.fall)
+    return EventFilterMemory(time=time, belief=belief, last=m.last, tally=m.tally, manoeuvre=manoeuvre, search=m.search)

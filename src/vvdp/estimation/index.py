@@ -47,7 +47,15 @@ class Shift(NamedTuple):
 def index_start(wheel: CodeWheel) -> IndexMemory:
     """Memory before the first edge."""
     n = len(wheel.edges)
-    return IndexMemory(np.full(n, -np.inf), np.zeros(n), np.zeros(n), -np.inf, 0.0, 0.0, 0.0)
+    return IndexMemory(
+        numbers=np.full(n, -np.inf),
+        times=np.zeros(n),
+        evidence=np.zeros(n),
+        turn_start=-np.inf,
+        verdict=0.0,
+        turns=0.0,
+        found=0.0,
+    )
 
 
 def shift_of(hypothesis: float, edges: float) -> float:
@@ -103,7 +111,15 @@ def index_after_edge(
     numbers[slot], times[slot] = number, time
     start = memory.turn_start if memory.turn_start > -np.inf else number
     if number - start < n or present < 4.0:
-        waiting = IndexMemory(numbers, times, memory.evidence, start, memory.verdict, memory.turns, memory.found)
+        waiting = IndexMemory(
+            numbers=numbers,
+            times=times,
+            evidence=memory.evidence,
+            turn_start=start,
+            verdict=memory.verdict,
+            turns=memory.turns,
+            found=memory.found,
+        )
         return Shift(waiting, 0.0)
 
     step = 1 if polarity == 0.0 else 2
@@ -133,4 +149,15 @@ def index_after_edge(
         verdict = 0.0
         numbers = numbers + shift
         evidence = np.zeros(n)
-    return Shift(IndexMemory(numbers, times, evidence, number + shift, verdict, turns, found), shift)
+    return Shift(
+        IndexMemory(
+            numbers=numbers,
+            times=times,
+            evidence=evidence,
+            turn_start=number + shift,
+            verdict=verdict,
+            turns=turns,
+            found=found,
+        ),
+        shift,
+    )

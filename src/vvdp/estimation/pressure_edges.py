@@ -103,7 +103,16 @@ def pressure_edges_start(time: float, pressure: float) -> PressureEdgesMemory:
 
     Source  ours, docs/models/pressure-fusion.md
     """
-    return PressureEdgesMemory(time, time, pressure, pressure, pressure, 0.0, time, 0.0)
+    return PressureEdgesMemory(
+        start=time,
+        time=time,
+        pressure=pressure,
+        low=pressure,
+        high=pressure,
+        side=0.0,
+        crossing_time=time,
+        crossing_interval=0.0,
+    )
 
 
 def followed_plateau(plateau: float, value: float, share: float, step: float) -> float:
@@ -165,9 +174,27 @@ def pressure_edges_step(
         now = -1.0
     clear = swing >= settings.least_swing and age >= SETTLING
     edges = 1.0 if clear and now * side < 0.0 else 0.0
-    reading = PressureReading(t, edges, crossing_time, crossing_interval, now, level, low, high)
+    reading = PressureReading(
+        time=t,
+        pressure_edges=edges,
+        pressure_edge_time=crossing_time,
+        pressure_edge_interval=crossing_interval,
+        pressure_polarity=now,
+        level=level,
+        low=low,
+        high=high,
+    )
     if now != side:
         crossing_interval = 0.0
     if not clear:
         now = 0.0
-    return PressureEdgesMemory(memory.start, t, p, low, high, now, crossing_time, crossing_interval), reading
+    return PressureEdgesMemory(
+        start=memory.start,
+        time=t,
+        pressure=p,
+        low=low,
+        high=high,
+        side=now,
+        crossing_time=crossing_time,
+        crossing_interval=crossing_interval,
+    ), reading

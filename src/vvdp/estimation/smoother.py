@@ -138,15 +138,15 @@ def smoothed_step(memory: Reached, row: Forward, walk: SpeedWalk) -> tuple[Reach
         l21 * l21 * a + 2.0 * l21 * l22 * b + l22 * l22 * c + g21 * g21 * n11 + 2.0 * g21 * g22 * n12 + g22 * g22 * n22,
     )
     drawn = Drawn(
-        belief.angle,
-        belief.speed,
-        belief.angle_variance,
-        belief.covariance,
-        belief.speed_variance,
-        g11 * later.angle_variance + g12 * later.covariance,
-        g11 * later.covariance + g12 * later.speed_variance,
-        g21 * later.angle_variance + g22 * later.covariance,
-        g21 * later.covariance + g22 * later.speed_variance,
+        angle=belief.angle,
+        speed=belief.speed,
+        angle_variance=belief.angle_variance,
+        covariance=belief.covariance,
+        speed_variance=belief.speed_variance,
+        angle_angle=g11 * later.angle_variance + g12 * later.covariance,
+        angle_speed=g11 * later.covariance + g12 * later.speed_variance,
+        speed_angle=g21 * later.angle_variance + g22 * later.covariance,
+        speed_speed=g21 * later.covariance + g22 * later.speed_variance,
     )
     return Reached(row.time, belief), drawn
 

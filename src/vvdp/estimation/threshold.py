@@ -199,7 +199,15 @@ def threshold_start(
     speed      expected [rad/s]
     """
     start = event_filter_start(settings.filter, time, angle, speed)
-    return ThresholdMemory(start, threshold, threshold, 0.0, 0.0, np.zeros(PHASES), np.nan)
+    return ThresholdMemory(
+        filter=start,
+        threshold=threshold,
+        comparator_threshold=threshold,
+        edges=0.0,
+        due=0.0,
+        phases=np.zeros(PHASES),
+        blind_band=np.nan,
+    )
 
 
 def threshold_step(
@@ -215,7 +223,7 @@ def threshold_step(
     """
     before, event, w = memory.filter, settings.filter, settings.ramp_slope
     shift = 0.0
-    if before.associating > 0.0:
+    if before.tally.associating > 0.0:
         offset = memory.comparator_threshold - memory.threshold
         shift = reading.polarity * offset * w / maximum(before.belief.speed, event.lowest_speed)
     seen = Reading(reading.time, reading.edges, reading.edge_time - shift, reading.edge_interval, reading.polarity)
@@ -223,23 +231,31 @@ def threshold_step(
 
     threshold, comparator, edges, due = memory.threshold, memory.comparator_threshold, memory.edges, memory.due
     phases, blind = memory.phases, memory.blind_band
-    used = before.associating > 0.0 and estimate.innovation_deviation > 0.0
+    used = before.tally.associating > 0.0 and estimate.innovation_deviation > 0.0
     if used:
-        s = edge_polarity(after.edge)
-        if after.density <= event.acceleration_density:  # not in a manoeuvre
+        s = edge_polarity(after.last.number)
+        if after.manoeuvre.density <= event.acceleration_density:  # not in a manoeuvre
             adapted = adapted_threshold(threshold, estimate.innovation, s, settings.gain, w)
             threshold = clip(adapted, settings.lowest, settings.highest)
         speed = maximum(estimate.speed, event.lowest_speed)
-        expected = reading.time - (estimate.angle - edge_angle(after.edge, event.wheel)) / speed + shift
+        expected = reading.time - (estimate.angle - edge_angle(after.last.number, event.wheel)) / speed + shift
         phases = _remembered(phases, s * _place(expected, reading))
         blind = largest_gap(phases) * speed * reading.edge_interval / w
         edges, due = edges + 1.0, 1.0
-    on_plateau = estimate.angle - edge_angle(after.edge, event.wheel) > 0.5 * sector(event.wheel)
+    on_plateau = estimate.angle - edge_angle(after.last.number, event.wheel) > 0.5 * sector(event.wheel)
     if (due > 0.0 and on_plateau) or (memory.due > 0.0 and used):
         comparator = threshold + settings.dither * ((GOLDEN * edges) % 1.0 - 0.5)
         due = 0.0
     shown = AdaptedThreshold(estimate, threshold, comparator, blind)
-    return ThresholdMemory(after, threshold, comparator, edges, due, phases, blind), shown
+    return ThresholdMemory(
+        filter=after,
+        threshold=threshold,
+        comparator_threshold=comparator,
+        edges=edges,
+        due=due,
+        phases=phases,
+        blind_band=blind,
+    ), shown
 
 
 def _place(expected: float, reading: Reading) -> float:
@@ -321,10 +337,10 @@ def edge_offset_step(
     innovation, deviation = estimate.innovation, estimate.innovation_deviation
     if deviation > 0.0:
         h = after.time - before.time
-        M += settings.offset_drift * h if before.started > 0.0 else 0.0
+        M += settings.offset_drift * h if before.tally.started > 0.0 else 0.0
         R = edge_angle_variance(before.belief.speed, reading.edge_interval, event)
         u1 = v1 + h * v2
-        share = u1 - edge_polarity(after.edge)
+        share = u1 - edge_polarity(after.last.number)
         S = deviation * deviation
         total = S + share * share * M
         gain = share * M / total
@@ -337,13 +353,13 @@ def edge_offset_step(
     angle_share = v1 + (reading.time - after.time) * v2
     shown = OffsetEstimate(
         Estimate(
-            estimate.angle + angle_share * b,
-            estimate.speed + v2 * b,
-            np.sqrt(estimate.angle_deviation**2.0 + angle_share * angle_share * M),
-            np.sqrt(estimate.speed_deviation**2.0 + v2 * v2 * M),
-            innovation,
-            deviation,
-            estimate.missed_edges,
+            angle=estimate.angle + angle_share * b,
+            speed=estimate.speed + v2 * b,
+            angle_deviation=np.sqrt(estimate.angle_deviation**2.0 + angle_share * angle_share * M),
+            speed_deviation=np.sqrt(estimate.speed_deviation**2.0 + v2 * v2 * M),
+            innovation=innovation,
+            innovation_deviation=deviation,
+            missed_edges=estimate.missed_edges,
         ),
         b,
         np.sqrt(M),

@@ -24,7 +24,7 @@ from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
 from vvdp.estimation.estimator import Estimate, Estimator, believed
-from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, edge_angle_variance, event_filter
+from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, Tally, edge_angle_variance, event_filter
 from vvdp.fluid.oil import Oil, density, kinematic_viscosity
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading
@@ -88,26 +88,23 @@ class SpoolBelief(NamedTuple):
     excess_variance: float
 
 
-class TorqueFilterMemory(NamedTuple):
-    """What the filter carries from sample to sample: its belief at the last sample, and the last edge it used.
+class TorqueChange(NamedTuple):
+    """The sums of innovations that tell when the torque changes, and when both were 0 last."""
 
-    `started` is 1 after the first edge, `associating` once edges are told by the belief and no longer counted;
-    `ignored` edges have come since the last used one, `irregular` is the share of edges that were
-    missed or ignored of late. `rise` and `fall` are the sums of innovations, and `calm_time`
-    is when both were 0 last.
-    """
+    rise: float
+    fall: float
+    calm_time: float
+
+
+class TorqueFilterMemory(NamedTuple):
+    """What the filter carries from sample to sample: its belief at the last sample, and the number of the last edge
+    that it used."""
 
     time: float
     belief: SpoolBelief
     edge: float
-    calm_time: float
-    started: float
-    associating: float
-    ignored: float
-    missed_edges: float
-    irregular: float
-    rise: float
-    fall: float
+    tally: Tally
+    change: TorqueChange
 
 
 class Spin(NamedTuple):
@@ -191,7 +188,14 @@ def lag(duration: float, damping: float) -> Lag:
         f2 = (h - f1) / a
         f3 = (0.5 * h * h - f2) / a
         f4 = (h * h * h / 6.0 - f3) / a
-        return Lag(e, f1, f2, f3, (f2 - 0.5 * f1 * f1) / a, (h * f3 - f4 - 0.5 * f2 * f2) / a)
+        return Lag(
+            decay=e,
+            once=f1,
+            twice=f2,
+            thrice=f3,
+            once_squared=(f2 - 0.5 * f1 * f1) / a,
+            twice_squared=(h * f3 - f4 - 0.5 * f2 * f2) / a,
+        )
     # Sums of (-x)^k/(k+3)!, of (2^n - 2) (-x)^(n-2)/((n+1) n!) and of (2^n - 2 n - 2) (-x)^(n-4)/((n+1) n!).
     power, factorial, two = 1.0, 2.0, 4.0
     third, first_squared, second_squared = 0.0, 0.0, 0.0
@@ -207,7 +211,14 @@ def lag(duration: float, damping: float) -> Lag:
     f3 = h * h * h * third
     f2 = 0.5 * h * h - a * f3
     f1 = h - a * f2
-    return Lag(1.0 - a * f1, f1, f2, f3, h * h * h * first_squared, h * h * h * h * h * second_squared)
+    return Lag(
+        decay=1.0 - a * f1,
+        once=f1,
+        twice=f2,
+        thrice=f3,
+        once_squared=h * h * h * first_squared,
+        twice_squared=h * h * h * h * h * second_squared,
+    )
 
 
 def turned(
@@ -233,15 +244,15 @@ def turned(
     r1, r2, r3 = P11 + f1 * P12 + g2 * P13, P12 + f1 * P22 + g2 * P23, P13 + f1 * P23 + g2 * P33
     s2, s3 = E * P22 + g1 * P23, E * P23 + g1 * P33
     return SpoolBelief(
-        x.angle + f1 * x.speed + g2 * (1.0 + x.excess),
-        E * x.speed + g1 * (1.0 + x.excess),
-        x.excess,
-        r1 + f1 * r2 + g2 * r3 + q * f11 + q_e * b * b * f22,
-        E * r2 + g1 * r3 + 0.5 * q * f1 * f1 + 0.5 * q_e * g2 * g2,
-        r3 + q_e * b * f3,
-        E * s2 + g1 * s3 + 0.5 * q * f1 * (1.0 + E) + q_e * b * b * f11,
-        s3 + q_e * g2,
-        P33 + q_e * duration,
+        angle=x.angle + f1 * x.speed + g2 * (1.0 + x.excess),
+        speed=E * x.speed + g1 * (1.0 + x.excess),
+        excess=x.excess,
+        angle_variance=r1 + f1 * r2 + g2 * r3 + q * f11 + q_e * b * b * f22,
+        angle_speed=E * r2 + g1 * r3 + 0.5 * q * f1 * f1 + 0.5 * q_e * g2 * g2,
+        angle_excess=r3 + q_e * b * f3,
+        speed_variance=E * s2 + g1 * s3 + 0.5 * q * f1 * (1.0 + E) + q_e * b * b * f11,
+        speed_excess=s3 + q_e * g2,
+        excess_variance=P33 + q_e * duration,
     )
 
 
@@ -260,15 +271,15 @@ def sighted(belief: SpoolBelief, innovation: float, measurement_variance: float)
     k1, k2, k3 = P11 / S, P12 / S, P13 / S
     left = R / S
     return SpoolBelief(
-        x.angle + k1 * innovation,
-        x.speed + k2 * innovation,
-        x.excess + k3 * innovation,
-        left * P11,
-        left * P12,
-        left * P13,
-        x.speed_variance - k2 * P12,
-        x.speed_excess - k2 * P13,
-        x.excess_variance - k3 * P13,
+        angle=x.angle + k1 * innovation,
+        speed=x.speed + k2 * innovation,
+        excess=x.excess + k3 * innovation,
+        angle_variance=left * P11,
+        angle_speed=left * P12,
+        angle_excess=left * P13,
+        speed_variance=x.speed_variance - k2 * P12,
+        speed_excess=x.speed_excess - k2 * P13,
+        excess_variance=x.excess_variance - k3 * P13,
     )
 
 
@@ -282,15 +293,15 @@ def widened(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: f
     past, x, V = lag(duration, spin.damping), belief, excess_variance
     g1, g2 = spin.drive * past.once, spin.drive * past.twice
     return SpoolBelief(
-        x.angle,
-        x.speed,
-        x.excess,
-        x.angle_variance + V * g2 * g2,
-        x.angle_speed + V * g2 * g1,
-        x.angle_excess + V * g2,
-        x.speed_variance + V * g1 * g1,
-        x.speed_excess + V * g1,
-        x.excess_variance + V,
+        angle=x.angle,
+        speed=x.speed,
+        excess=x.excess,
+        angle_variance=x.angle_variance + V * g2 * g2,
+        angle_speed=x.angle_speed + V * g2 * g1,
+        angle_excess=x.angle_excess + V * g2,
+        speed_variance=x.speed_variance + V * g1 * g1,
+        speed_excess=x.speed_excess + V * g1,
+        excess_variance=x.excess_variance + V,
     )
 
 
@@ -301,15 +312,15 @@ def doubted(belief: SpoolBelief, settings: TorqueFilter) -> SpoolBelief:
     """
     x = belief
     return SpoolBelief(
-        x.angle,
-        x.speed,
-        x.excess,
-        x.angle_variance,
-        x.angle_speed,
-        x.angle_excess,
-        maximum(x.speed * x.speed, settings.speed_variance),
-        x.speed_excess,
-        maximum(x.excess * x.excess, settings.excess_variance),
+        angle=x.angle,
+        speed=x.speed,
+        excess=x.excess,
+        angle_variance=x.angle_variance,
+        angle_speed=x.angle_speed,
+        angle_excess=x.angle_excess,
+        speed_variance=maximum(x.speed * x.speed, settings.speed_variance),
+        speed_excess=x.speed_excess,
+        excess_variance=maximum(x.excess * x.excess, settings.excess_variance),
     )
 
 
@@ -323,9 +334,24 @@ def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed
     Source  ours, docs/models/torque-filter.md
     """
     P, V, W = settings.angle_variance, settings.speed_variance, settings.excess_variance
-    belief = SpoolBelief(angle, speed, 0.0, P, 0.0, 0.0, V, 0.0, W)
-    edge = edge_below(angle, settings.wheel)
-    return TorqueFilterMemory(time, belief, edge, time, 0.0, 0.0, 0.0, 0.0, RELIABLE, 0.0, 0.0)
+    belief = SpoolBelief(
+        angle=angle,
+        speed=speed,
+        excess=0.0,
+        angle_variance=P,
+        angle_speed=0.0,
+        angle_excess=0.0,
+        speed_variance=V,
+        speed_excess=0.0,
+        excess_variance=W,
+    )
+    return TorqueFilterMemory(
+        time=time,
+        belief=belief,
+        edge=edge_below(angle, settings.wheel),
+        tally=Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE),
+        change=TorqueChange(rise=0.0, fall=0.0, calm_time=time),
+    )
 
 
 def torque_filter_step(
@@ -343,22 +369,10 @@ def torque_filter_step(
     q, q_e = settings.acceleration_density, settings.excess_density
     belief = turned(memory.belief, now - memory.time, spin, q, q_e)
     m = memory
-    memory = TorqueFilterMemory(
-        now,
-        belief,
-        m.edge,
-        m.calm_time,
-        m.started,
-        m.associating,
-        m.ignored,
-        m.missed_edges,
-        m.irregular,
-        m.rise,
-        m.fall,
-    )
+    memory = TorqueFilterMemory(time=now, belief=belief, edge=m.edge, tally=m.tally, change=m.change)
     b = belief
     motion = AngleSpeed(b.angle, b.speed, b.angle_variance, b.angle_speed, b.speed_variance)
-    estimate = believed(motion, innovation, deviation, memory.missed_edges)
+    estimate = believed(motion, innovation, deviation, memory.tally.missed_edges)
     return memory, estimate
 
 
@@ -367,71 +381,66 @@ def _after_edge(
 ) -> tuple[TorqueFilterMemory, float, float]:
     wheel, gate, m = settings.wheel, settings.manoeuvre_gate, memory
     prior = turned(m.belief, reading.edge_time - m.time, spin, settings.acceleration_density, settings.excess_density)
-    wide = widened(prior, reading.edge_time - m.calm_time, spin, settings.change_variance)
+    wide = widened(prior, reading.edge_time - m.change.calm_time, spin, settings.change_variance)
     R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
-    edges = m.ignored + reading.edges
-    if m.started == 0.0:
+    edges = m.tally.ignored + reading.edges
+    if m.tally.started == 0.0:
         number = first_edge(m.belief.angle, reading.polarity, wheel)
         edges = number - m.edge
-    elif m.associating == 0.0:
+    elif m.tally.associating == 0.0:
         number = counted_edge(m.edge, edges, reading.polarity)
     else:
         sighting = Sighting(
-            prior.angle,
-            prior.angle - edge_angle(m.edge, wheel),
-            prior.angle_variance + R,
-            wide.angle_variance + R,
-            2.0 * SLACK * (gate - m.fall),  # in doubt the next edge by count is behind: slower
-            m.ignored,
-            reading.edges,
-            reading.polarity,
-            m.irregular,
+            angle=prior.angle,
+            advance=prior.angle - edge_angle(m.edge, wheel),
+            variance=prior.angle_variance + R,
+            manoeuvre_variance=wide.angle_variance + R,
+            manoeuvre_odds=2.0 * SLACK * (gate - m.change.fall),  # in doubt the next edge by count is behind: slower
+            ignored=m.tally.ignored,
+            fresh=reading.edges,
+            polarity=reading.polarity,
+            irregular=m.tally.irregular,
         )
         seen = associated_edge(m.edge, sighting, wheel)
         number = seen.edge
         if seen.used == 0.0:
-            ignoring = TorqueFilterMemory(
-                m.time,
-                m.belief,
-                m.edge,
-                m.calm_time,
-                m.started,
-                m.associating,
-                edges,
-                m.missed_edges,
-                irregular_share(m.irregular, reading.edges, 0.0),
-                m.rise,
-                m.fall,
+            tally = Tally(
+                started=m.tally.started,
+                associating=m.tally.associating,
+                ignored=edges,
+                missed_edges=m.tally.missed_edges,
+                irregular=irregular_share(m.tally.irregular, reading.edges, 0.0),
             )
+            ignoring = TorqueFilterMemory(time=m.time, belief=m.belief, edge=m.edge, tally=tally, change=m.change)
             return ignoring, 0.0, 0.0
 
     innovation = edge_angle(number, wheel) - prior.angle
     rise, fall = 0.0, 0.0
-    if m.associating > 0.0:
+    if m.tally.associating > 0.0:
         z = innovation / np.sqrt(prior.angle_variance + R)
-        rise, fall = maximum(m.rise + z - SLACK, 0.0), maximum(m.fall - z - SLACK, 0.0)
+        rise, fall = maximum(m.change.rise + z - SLACK, 0.0), maximum(m.change.fall - z - SLACK, 0.0)
         if maximum(rise, fall) > gate:
             prior, rise, fall = wide, 0.0, 0.0
     skipped = maximum(number - m.edge - edges, 0.0)
-    associating, irregular = m.associating, irregular_share(m.irregular, m.associating * minimum(skipped, BURST), 1.0)
+    associating, irregular = (
+        m.tally.associating,
+        irregular_share(m.tally.irregular, m.tally.associating * minimum(skipped, BURST), 1.0),
+    )
     if irregular > UNBELIEVABLE:
         prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
     belief = sighted(prior, innovation, R)
     known = 6.0 * np.sqrt(belief.angle_variance) < sector(wheel)
     limit = settings.association_speed_deviation * settings.association_speed_deviation
-    after = TorqueFilterMemory(
-        reading.edge_time,
-        belief,
-        number,
-        reading.edge_time if maximum(rise, fall) == 0.0 else m.calm_time,
-        1.0,
-        1.0 if associating > 0.0 or (known and belief.speed_variance < limit) else 0.0,
-        0.0,
-        m.missed_edges + skipped,
-        irregular,
-        rise,
-        fall,
+    tally = Tally(
+        started=1.0,
+        associating=1.0 if associating > 0.0 or (known and belief.speed_variance < limit) else 0.0,
+        ignored=0.0,
+        missed_edges=m.tally.missed_edges + skipped,
+        irregular=irregular,
     )
+    calm_time = reading.edge_time if maximum(rise, fall) == 0.0 else m.change.calm_time
+    change = TorqueChange(rise=rise, fall=fall, calm_time=calm_time)
+    after = TorqueFilterMemory(time=reading.edge_time, belief=belief, edge=number, tally=tally, change=change)
     return after, innovation, np.sqrt(prior.angle_variance + R)
 
 

@@ -241,8 +241,19 @@ def _estimation(given: _Given) -> Estimation | None:
     if source is None or found is None:
         return None
     return Estimation(
-        source, found, sections, time, time_unit, rate, begin, end, pressure, output_rate, smooth, fit
-    )  # fmt: skip
+        source=source,
+        filter=found,
+        sections=sections,
+        time=time,
+        time_unit=time_unit,
+        sample_rate=rate,
+        begin=begin,
+        end=end,
+        pressure=pressure,
+        output_rate=output_rate,
+        smooth=smooth,
+        fit=fit,
+    )
 
 
 def _source(given: _Given) -> Wave | Counts | Stamps | None:

@@ -470,17 +470,17 @@ def explained(passed: Passed, sectors: int, used: Noise, say: Callable[[str], No
     (nu, S), (mu, S_fitted) = own.surprises(used), own.surprises(fitted.noise)
     density = _careful_density(own, fitted, used) if fitted.at_floor[0] else fitted.noise.acceleration_density
     return Explained(
-        used,
-        Noise(density, fitted.noise.edge_variance + float(np.mean(offsets**2))),
-        plain,
-        wheel,
-        offsets,
-        fitted.log_likelihood - own.logarithm(used),
-        speed_errors(own, used, fitted.noise),
-        speed_errors(own, Noise(density, fitted.noise.edge_variance), fitted.noise),
-        float(np.mean(nu * nu / S)),
-        float(np.mean(mu * mu > FAR * FAR * S_fitted)),
-        likelihood,
+        used=used,
+        advised=Noise(density, fitted.noise.edge_variance + float(np.mean(offsets**2))),
+        plain=plain,
+        wheel=wheel,
+        offsets=offsets,
+        settings_gain=fitted.log_likelihood - own.logarithm(used),
+        used_errors=speed_errors(own, used, fitted.noise),
+        fitted_errors=speed_errors(own, Noise(density, fitted.noise.edge_variance), fitted.noise),
+        nis=float(np.mean(nu * nu / S)),
+        outliers=float(np.mean(mu * mu > FAR * FAR * S_fitted)),
+        likelihood=likelihood,
     )
 
 

@@ -61,11 +61,24 @@ def _add(tree: Tree, path: tuple[str, ...], dataset: Any) -> None:
     unit, clock = text(dataset.attrs.get("units", dataset.attrs.get("unit"))), _own_clock(dataset)
     link = _linked(dataset)
     if dataset.ndim == 1:
-        tree.add(Leaf(path, dataset.shape[0], _scaled(dataset, 0), unit, clock, link))
+        tree.add(
+            Leaf(
+                path=path, samples=dataset.shape[0], values=_scaled(dataset, 0), unit=unit, clock=clock, clock_path=link
+            )
+        )
     else:
         for k in range(dataset.shape[1]):
             column = (*path[:-1], f"{path[-1]}[{k}]")
-            tree.add(Leaf(column, dataset.shape[0], _scaled(dataset, k), unit, clock, link))
+            tree.add(
+                Leaf(
+                    path=column,
+                    samples=dataset.shape[0],
+                    values=_scaled(dataset, k),
+                    unit=unit,
+                    clock=clock,
+                    clock_path=link,
+                )
+            )
 
 
 def unfit(dataset: Any) -> str:

@@ -151,10 +151,28 @@ class Inspection:
         if not (still.any() or back.any() or gap.any()):
             return [Piece(self._piece, times, values)]
         for k in np.flatnonzero(back):
-            self._list(Finding(self.channel, BACKWARDS, float(before[k]), float(times[k]), 1, int(rows[k])))
+            self._list(
+                Finding(
+                    channel=self.channel,
+                    what=BACKWARDS,
+                    begin=float(before[k]),
+                    end=float(times[k]),
+                    count=1,
+                    row=int(rows[k]),
+                )
+            )
         for k in np.flatnonzero(gap):
             missing = max(1, round(float(intervals[k]) / self._usual) - 1)
-            self._list(Finding(self.channel, GAP_FOUND, float(before[k]), float(times[k]), missing, int(rows[k])))
+            self._list(
+                Finding(
+                    channel=self.channel,
+                    what=GAP_FOUND,
+                    begin=float(before[k]),
+                    end=float(times[k]),
+                    count=missing,
+                    row=int(rows[k]),
+                )
+            )
         begins = np.flatnonzero(back | gap)
         found = []
         for begin, end in zip([0, *begins], [*begins, times.size], strict=True):
@@ -187,13 +205,17 @@ class Inspection:
         high, low = self._high, self._low
         if high.count and high.value == -low.value:
             if high.count > 1:
-                yield Finding(self.channel, CONSTANT, high.begin, high.end, high.count, high.row)
+                yield Finding(
+                    channel=self.channel, what=CONSTANT, begin=high.begin, end=high.end, count=high.count, row=high.row
+                )
             return
         if len(self._levels) <= FEW_LEVELS:
             return
         for what, side in ((HIGH, high), (LOW, low)):
             if side.longest >= CLIPPED_RUN and side.count >= CLIPPED_RATIO * max(side.next_count, 1):
-                yield Finding(self.channel, what, side.begin, side.end, side.count, side.row)
+                yield Finding(
+                    channel=self.channel, what=what, begin=side.begin, end=side.end, count=side.count, row=side.row
+                )
 
     def _runs(self, what: str, odd: Any, times: Array, rows: Any) -> None:
         """Runs of odd samples, joined with the one left open by the portion before."""
@@ -209,7 +231,14 @@ class Inspection:
             self._close(what)
             row = int(rows[begins[MOST + 2]])
             self._list(
-                Finding(self.channel, what, float(times[begins[MOST + 2]]), float(times[ends[-1] - 1]), skipped, row)
+                Finding(
+                    channel=self.channel,
+                    what=what,
+                    begin=float(times[begins[MOST + 2]]),
+                    end=float(times[ends[-1] - 1]),
+                    count=skipped,
+                    row=row,
+                )
             )
         elif ends[-1] < odd.size:
             self._close(what)
@@ -228,7 +257,7 @@ class Inspection:
             self._list(self._finding(what, self._open.pop(what)))
 
     def _finding(self, what: str, run: _Run) -> Finding:
-        return Finding(self.channel, what, run.begin, run.end, run.count, run.row)
+        return Finding(channel=self.channel, what=what, begin=run.begin, end=run.end, count=run.count, row=run.row)
 
     def _list(self, finding: Finding) -> None:
         """Lists a finding, or adds it to the last one of its sort where there are many."""
@@ -243,7 +272,7 @@ class Inspection:
 
 def _together(finding: Finding, begin: float, row: int, count: int) -> Finding:
     what = finding.what.removesuffix(FURTHER) + FURTHER
-    return Finding(finding.channel, what, begin, finding.end, count, row)
+    return Finding(channel=finding.channel, what=what, begin=begin, end=finding.end, count=count, row=row)
 
 
 def _follow(side: _Extreme, times: Array, values: Array, rows: Any) -> None:

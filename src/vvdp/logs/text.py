@@ -352,7 +352,14 @@ def _tried(path: Path, raw: Sequence[bytes], texts: Sequence[str], delimiter: st
     columns = tuple(Column(n, u, h) for n, u, h in zip(named, units, held, strict=True))
     rows = lines[first:]
     length = (sum(len(raw[line.number - 1]) + 1 for line in rows)) / len(rows)
-    return Dialect(delimiter, columns, lines[first].begin, lines[first].number, length, tuple(remarks))
+    return Dialect(
+        delimiter=delimiter,
+        columns=columns,
+        begin=lines[first].begin,
+        line=lines[first].number,
+        row_length=length,
+        remarks=tuple(remarks),
+    )
 
 
 def _kind(field: str, comma: bool) -> str:

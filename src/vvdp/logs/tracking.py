@@ -66,21 +66,21 @@ def tracked_step(memory: EventFilterMemory, reading: Reading, settings: EventFil
     Source  wang2017, eqs. 3.5 to 3.10, corrected: docs/errata.md
     """
     memory, estimate = event_filter_step(memory, reading, settings)
-    return memory, shown_with(estimate, memory.edge)
+    return memory, shown_with(estimate, memory.last.number)
 
 
 def shown_with(estimate: Estimate, edge: float) -> Shown:
     """An estimate with the number of the last edge."""
     e = estimate
     return Shown(
-        e.angle,
-        e.speed,
-        e.angle_deviation,
-        e.speed_deviation,
-        e.innovation,
-        e.innovation_deviation,
-        e.missed_edges,
-        edge,
+        angle=e.angle,
+        speed=e.speed,
+        angle_deviation=e.angle_deviation,
+        speed_deviation=e.speed_deviation,
+        innovation=e.innovation,
+        innovation_deviation=e.innovation_deviation,
+        missed_edges=e.missed_edges,
+        edge=edge,
     )
 
 
@@ -100,7 +100,7 @@ def fused_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -
     Source  ours, docs/models/pressure-fusion.md
     """
     memory, f = fusion_step(memory, reading, settings)
-    shown = shown_with(f.estimate, memory.filter.edge)
+    shown = shown_with(f.estimate, memory.filter.last.number)
     return memory, FusedShown(shown, f.phase, f.duty_ratio, f.duty_deviation, f.lag)
 
 
@@ -155,7 +155,14 @@ class Tracker:
             start = event_filter_start(settings, 0.0, 0.0, 0.0)
             self._replay = Replay(tracked_step, start, example, settings, say=say)
         else:
-            both = FusionReading(example, 0.0, 0.0, 0.0, 0.0, 0.0)
+            both = FusionReading(
+                encoder=example,
+                pressure_edges=0.0,
+                pressure_edge_time=0.0,
+                pressure_edge_interval=0.0,
+                pressure_polarity=0.0,
+                duty_ratio=0.0,
+            )
             self._replay = Replay(fused_step, fusion_start(fusion, 0.0, 0.0, 0.0), both, fusion, say=say)
         self._fusion, self._waves = fusion, no_waves()
         self._filter, self.rate, self._sections = settings, rate, sections

@@ -230,7 +230,18 @@ def encoder_start(encoder: Encoder, time: float, angle: float, seed: float) -> E
     elif shown >= crossing_angle(edge + 1.0, 1.0, c, 0.0, encoder):
         edge += 1.0
     random, z = normal(random_start(seed))
-    return EncoderMemory(0.0, time, shown, 0.0, edge, encoder.noise * z, 0.0, 0.0, edge_polarity(edge), random)
+    return EncoderMemory(
+        started=0.0,
+        time=time,
+        angle=shown,
+        speed=0.0,
+        edge=edge,
+        disturbance=encoder.noise * z,
+        last_disturbance=0.0,
+        counter=0.0,
+        polarity=edge_polarity(edge),
+        random=random,
+    )
 
 
 def encoder_step(memory: EncoderMemory, shaft: Shaft, encoder: Encoder) -> tuple[EncoderMemory, Reading]:
@@ -319,7 +330,18 @@ def encoder_reading(
         told, spread = _interpolated(memory, angle, crossed, threshold, told, spread, encoder)
     clock = 1.0 + faults.clock_drift
     reading = Reading(clock * shaft.time, edges, clock * told, clock * spread, polarity)
-    after = EncoderMemory(1.0, shaft.time, angle, speed, edge, disturbance, last, counter, polarity, random)
+    after = EncoderMemory(
+        started=1.0,
+        time=shaft.time,
+        angle=angle,
+        speed=speed,
+        edge=edge,
+        disturbance=disturbance,
+        last_disturbance=last,
+        counter=counter,
+        polarity=polarity,
+        random=random,
+    )
     return after, reading
 
 

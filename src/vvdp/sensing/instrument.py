@@ -77,7 +77,15 @@ def ideal_instrument(low: float, high: float) -> Instrument:
 
 def instrument_start(settings: Instrument) -> InstrumentMemory:
     """Memory before the first sample; equal seeds give equal noise."""
-    return InstrumentMemory(0.0, 0.0, 0.0, 0.0, settings.range_low, 0.0, random_start(settings.seed))
+    return InstrumentMemory(
+        started=0.0,
+        time=0.0,
+        value=0.0,
+        followed=0.0,
+        shown=settings.range_low,
+        saturated=0.0,
+        random=random_start(settings.seed),
+    )
 
 
 def instrument_step(
@@ -107,7 +115,9 @@ def instrument_step(
         reading, saturated = memory.shown, memory.saturated
     if t >= settings.dropout_begin and t < settings.dropout_end:
         reading, saturated = settings.range_low, memory.saturated
-    return InstrumentMemory(1.0, t, value, followed, reading, saturated, random), reading
+    return InstrumentMemory(
+        started=1.0, time=t, value=value, followed=followed, shown=reading, saturated=saturated, random=random
+    ), reading
 
 
 def lagged_value(followed: float, before: float, value: float, interval: float, lag: float) -> float:

@@ -57,7 +57,7 @@ def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
             yield NodeLine(name, rate, shown, *values)
         if isinstance(node, Rod):
             low, high = (float(found[f"position_{which}_{name}_m"]) for which in ("min", "max"))
-            yield NodeLine(name, "position", "mm", None, low, high)
+            yield NodeLine(name=name, quantity="position", unit="mm", mean=None, low=low, high=high)
 
 
 def flow_lines(system: System, found: Mapping[str, Any]) -> Iterator[FlowLine]:
