@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-PACKAGES = ("estimation", "sensing", "numerics", "comparison", "logs", "systems")
+PACKAGES = ("estimation", "sensing", "numerics", "comparison", "logs", "systems", "network", "components", "studies")
 MOST = 5
 RECORDS = {"NamedTuple", "Params"}
 

@@ -74,5 +74,10 @@ def unloading_step(
 
 
 UNLOADING = ProgramType(
-    unloading_step, UnloadingReading, UnloadingCommand(0.0), UnloadingSettings, unloading_start, unloading_level
+    step=unloading_step,
+    reading=UnloadingReading,
+    command=UnloadingCommand(0.0),
+    settings=UnloadingSettings,
+    start=unloading_start,
+    level=unloading_level,
 )

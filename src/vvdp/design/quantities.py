@@ -119,17 +119,17 @@ def setup(system: System) -> Setup:
     its own. Raises ConfigError where it is no bench of a rotary valve."""
     bench = rotary_bench(system, "design")
     return Setup(
-        bench.nominal_flow,
-        float(signal_value(0.0, bench.operation.oil_temperature)),
-        float(signal_value(0.0, bench.duty_ratio)),
-        bench.load_pressure,
-        bench.tank_pressure,
-        bench.relief_valve.cracking_pressure,
-        bench.inlet_volume,
-        float(signal_value(0.0, bench.operation.spool_motor_speed)),
-        bench.spool_drive.coupling,
-        bench.oil,
-        bench.valve,
+        flow=bench.nominal_flow,
+        temperature=float(signal_value(0.0, bench.operation.oil_temperature)),
+        duty_ratio=float(signal_value(0.0, bench.duty_ratio)),
+        load_pressure=bench.load_pressure,
+        tank_pressure=bench.tank_pressure,
+        relief_pressure=bench.relief_valve.cracking_pressure,
+        inlet_volume=bench.inlet_volume,
+        spool_motor_speed=float(signal_value(0.0, bench.operation.spool_motor_speed)),
+        coupling=bench.spool_drive.coupling,
+        oil=bench.oil,
+        valve=bench.valve,
     )
 
 

@@ -166,7 +166,7 @@ class Network:
             )
         self._check_oils(name, component, nodes)
         _check_start(name, component, start)
-        self.parts[name] = Part(name, component, values, nodes, inputs, start)
+        self.parts[name] = Part(name=name, component=component, values=values, nodes=nodes, inputs=inputs, start=start)
 
     def add_chain(
         self,
@@ -231,7 +231,14 @@ class Network:
         if kind.settings is not None and not isinstance(settings, kind.settings):
             raise NetworkError(f"{name}: settings are {settings!r}; expected {kind.settings.__name__}")
         self.programs[name] = ProgramPart(
-            name, kind, settings, dict(reads), dict(sensors or {}), period, phase, latency
+            name=name,
+            type=kind,
+            settings=settings,
+            reads=dict(reads),
+            sensors=dict(sensors or {}),
+            period=period,
+            phase=phase,
+            latency=latency,
         )
 
     def place(self, name: str, x: float, y: float) -> None:

@@ -150,7 +150,15 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
         stepping = (repr(system.stepping), repr(system.average_from))
         group = " ".join((shape, *stepping))
         key = _key(system, digests[shape], stepping)
-        planned.append(_Planned(number, settings, key, group, digests[shape], _inputs(system, settings)))
+        case = _Planned(
+            number=number,
+            settings=settings,
+            key=key,
+            group=group,
+            digest=digests[shape],
+            inputs=_inputs(system, settings),
+        )
+        planned.append(case)
     if refused:
         raise ConfigError([Fault(_places(numbers), 0, *what) for what, numbers in refused.items()])
     return planned
@@ -188,7 +196,7 @@ def _input(row: Sourced) -> tuple[float | str, str]:
 def _check_outputs(study: Study, base: System) -> None:
     """Refuses outputs that no summary of `base` has."""
     state = flat(base.case.state)
-    window = Window(0.0, 1.0, state, state, 1, True)
+    window = Window(begin=0.0, end=1.0, first=state, last=state, periods=1, settled=True)
     still = Outcome(
         model=base.model,
         case=base.case,
