@@ -119,6 +119,11 @@ COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
 NUMBER = Kind("number", "1", -1e300, 1e300, "0")
 """Of whatever a program counts with: the state of a generator, a flag, an evidence."""
 
+MODE = Kind("mode", "1", -1e300, 1e300, "1")
+"""Where a law stands among its modes: the floor is the mode. Taken as an argument it is the mode that holds."""
+KINK = Kind("side of a kink", "1", -1e300, 1e300, "1")
+"""Like a mode that its law need not be told: rates go on over a kink, and only their slopes change."""
+
 Scalar: TypeAlias = float
 """A float in formulas. Arrays of one shape and CasADi symbols pass through the same text."""
 
@@ -172,6 +177,8 @@ Drift = Annotated[float, DRIFT]
 RatioDrift = Annotated[float, RATIO_DRIFT]
 AngularVariance = Annotated[float, ANGULAR_VARIANCE]
 Number = Annotated[float, NUMBER]
+Mode = Annotated[float, MODE]
+Kink = Annotated[float, KINK]
 SpeedVariance = Annotated[float, SPEED_VARIANCE]
 AngleSpeedCovariance = Annotated[float, ANGLE_SPEED_COVARIANCE]
 AccelerationDensity = Annotated[float, ACCELERATION_DENSITY]

@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Power, PressureDifference
+from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Kink, Power, PressureDifference
 from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.characteristic import Characteristic, flow_share
+from vvdp.hydraulics.characteristic import Characteristic, dead_band_side, flow_share
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.proportional_valve import OpeningState, ProportionalValve, opening_rate, proportional_flow
 from vvdp.hydraulics.seat_valve import SeatValve, seat_flow, seat_rate
@@ -43,6 +43,15 @@ class ValvePassage(NamedTuple):
     rates: OpeningState
 
 
+class MeteringPassage(NamedTuple):
+    """What goes through a metering valve, the rate of its opening, and whether it is in its dead band."""
+
+    flow: Flow
+    loss: Power
+    rates: OpeningState
+    side: Kink
+
+
 class SeriesLosses(NamedTuple):
     """What is lost over the first and over the second of two restrictions in series."""
 
@@ -67,11 +76,12 @@ def proportional_valve(
 
 def metering_valve(
     a: FluidState, b: FluidState, command: Fraction, state: OpeningState, values: MeteringValve
-) -> ValvePassage:
+) -> MeteringPassage:
     """Proportional valve with dead band and rangeability; the position of its spool follows `command` [1]."""
     share = flow_share(state.opening, values)
     flow, loss = passage(proportional_flow(a.pressure - b.pressure, share, values), a, b)
-    return ValvePassage(flow, loss, OpeningState(opening_rate(command, state.opening, values)))
+    rates = OpeningState(opening_rate(command, state.opening, values))
+    return MeteringPassage(flow, loss, rates, dead_band_side(state.opening, values))
 
 
 def unloading_valve(

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Power, SignedFraction, Time
+from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Kink, Power, SignedFraction, Time
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.directional_valve import (
@@ -11,6 +11,7 @@ from vvdp.hydraulics.directional_valve import (
     DirectionalValve,
     edge_flow,
     edge_openings,
+    edge_sides,
     position_rate,
 )
 from vvdp.hydraulics.flow import Passage, passage
@@ -52,6 +53,8 @@ class DirectionalFlows(NamedTuple):
     rates: DirectionalState
     forward: Fraction
     backward: Fraction
+    forward_side: Kink
+    backward_side: Kink
 
 
 class ThrottledDirectionalLosses(NamedTuple):
@@ -72,6 +75,8 @@ class ThrottledDirectionalFlows(NamedTuple):
     rates: ThrottledDirectionalState
     forward: Fraction
     backward: Fraction
+    forward_side: Kink
+    backward_side: Kink
 
 
 def directional_valve(
@@ -85,6 +90,7 @@ def directional_valve(
 ) -> DirectionalFlows:
     """4/3 valve: forward it joins pressure to a and b to tank, backward pressure to b and a to tank."""
     forward, backward = edge_openings(state.position, values)
+    sides = edge_sides(state.position, values)
     to_a, to_b = _edge(pressure, a, forward, values), _edge(pressure, b, backward, values)
     from_a, from_b = _edge(a, tank, backward, values), _edge(b, tank, forward, values)
     return DirectionalFlows(
@@ -96,6 +102,8 @@ def directional_valve(
         rates=DirectionalState(position_rate(command, state.position, values)),
         forward=forward,
         backward=backward,
+        forward_side=sides.forward,
+        backward_side=sides.backward,
     )
 
 
@@ -111,6 +119,7 @@ def throttled_directional_valve(
 ) -> ThrottledDirectionalFlows:
     """4/3 valve whose return is throttled by `return_command` [1]: the edge and the throttle are in series."""
     forward, backward = edge_openings(state.position, values)
+    sides = edge_sides(state.position, values)
     throttle = values.return_conductance * clip(state.opening, 0.0, 1.0)
     to_a, to_b = _edge(pressure, a, forward, values), _edge(pressure, b, backward, values)
     from_a, from_b = _return(a, tank, backward, throttle, values), _return(b, tank, forward, throttle, values)
@@ -131,6 +140,8 @@ def throttled_directional_valve(
         ),
         forward=forward,
         backward=backward,
+        forward_side=sides.forward,
+        backward_side=sides.backward,
     )
 
 

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vvdp.base.books import Stored
-from vvdp.base.kinds import Flow, Force, Power
+from vvdp.base.kinds import Flow, Force, Kink, Power
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Cylinder, Plunger, cylinder_force, plunger_force, wall_a, wall_b
@@ -18,6 +18,7 @@ from vvdp.hydraulics.rod import (
     spring_force,
     stop_energy,
     stop_force,
+    stop_sides,
     weight_energy,
     weight_force,
 )
@@ -106,10 +107,19 @@ def plunger_mass(values: Plunger) -> float:
     return values.moving_mass
 
 
-def end_stop(rod: RodState, values: EndStop) -> RodLoss:
+class StopEffect(NamedTuple):
+    """What end stops do to a rod, and whether it touches them."""
+
+    rod: Force
+    loss: Power
+    near: Kink
+    far: Kink
+
+
+def end_stop(rod: RodState, values: EndStop) -> StopEffect:
     """Elastic stops at both ends of a rod's travel; see `stop_force`."""
-    stop = stop_force(rod.position, rod.velocity, values)
-    return RodLoss(stop.force, stop.loss)
+    stop, sides = stop_force(rod.position, rod.velocity, values), stop_sides(rod.position, values)
+    return StopEffect(stop.force, stop.loss, sides.near, sides.far)
 
 
 def end_stop_stored(rod: RodState, values: EndStop) -> Stored:

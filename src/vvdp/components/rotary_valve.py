@@ -2,15 +2,15 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Conductance, ExchangedPower, Flow, Fraction, Inertia, Position, Power, Ratio, Torque
+from vvdp.base.kinds import Conductance, ExchangedPower, Flow, Fraction, Inertia, Kink, Position, Power, Ratio, Torque
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_opening_rate
+from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_opening_rate, check_side
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.ports import Medium, ShaftState
 from vvdp.network.component import Component
 from vvdp.valve.branch import BranchLaw, branch_law, law_flow
-from vvdp.valve.geometry import Openings, PortShape, port_shape, shape_openings
+from vvdp.valve.geometry import Openings, PortShape, port_edges, port_shape, shape_openings
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency, spool_inertia, spool_torque
@@ -54,6 +54,11 @@ class RotaryValveFlow(NamedTuple):
     leakage: Flow
     load_opening: Fraction
     tank_opening: Fraction
+    load_near: Kink
+    load_far: Kink
+    tank_near: Kink
+    tank_far: Kink
+    check: Kink
 
 
 def rotary_valve_held(medium: Medium, valve: RotaryValve) -> RotaryValveHeld:
@@ -92,6 +97,7 @@ def rotary_valve(
     Source  wang2017, ch. 2 and 3; derived in docs/models/rotary-valve.md
     """
     ports = shape_openings(spool.angle, axial_position, held.ports)
+    edges = port_edges(spool.angle, axial_position, held.ports)
     load_drop = inlet.pressure - load.pressure
     lift = select(check.opening_time > 0.0, state.check_opening, check_opening(load_drop, check))
     openings = Openings(ports.load * lift, ports.tank)
@@ -118,6 +124,11 @@ def rotary_valve(
         leakage=leak.flow,
         load_opening=openings.load,
         tank_opening=openings.tank,
+        load_near=edges.load_near,
+        load_far=edges.load_far,
+        tank_near=edges.tank_near,
+        tank_far=edges.tank_far,
+        check=check_side(load_drop, check),
     )
 
 

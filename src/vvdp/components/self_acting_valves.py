@@ -2,21 +2,35 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Flow, Fraction, Power
+from vvdp.base.kinds import Flow, Fraction, Kink, Mode, Power
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.check_valve import CheckState, CheckValve, check_opening, check_opening_rate, poppet_flow
-from vvdp.hydraulics.flow import Passage, passage
-from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow
+from vvdp.hydraulics.check_valve import (
+    CheckState,
+    CheckValve,
+    check_opening,
+    check_opening_rate,
+    check_side,
+    poppet_flow,
+)
+from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.flow_control_valve import FlowControlValve, controlled_flow, controlled_side
 from vvdp.hydraulics.pilot_check_valve import PilotCheckValve, lifting_drop
 from vvdp.hydraulics.ports import Surplus
 from vvdp.hydraulics.proportional_valve import OpeningState
-from vvdp.hydraulics.reducing_valve import ReducingValve, reducing_flow, reducing_opening, reducing_opening_rate
+from vvdp.hydraulics.reducing_valve import (
+    ReducingValve,
+    reducing_flow,
+    reducing_opening,
+    reducing_opening_rate,
+    reducing_side,
+)
 from vvdp.hydraulics.relief_valve import (
     ReliefState,
     ReliefValve,
     ShockValve,
     relief_flow,
+    relief_mode,
     relief_opening_rate,
     throttled_relief_flow,
 )
@@ -24,36 +38,48 @@ from vvdp.network.component import Component
 
 
 class CheckPassage(NamedTuple):
-    """What goes through a check valve, and the rate of its poppet."""
+    """What goes through a check valve, the rate of its poppet, and where that stands."""
 
     flow: Flow
     loss: Power
     rates: CheckState
+    side: Kink
 
 
 class PilotCheckFlows(NamedTuple):
-    """Flows of a pilot-operated check valve into its nodes, its loss, and the rate of its poppet."""
+    """Flows of a pilot-operated check valve into its nodes, its loss, the rate of its poppet, and where that stands."""
 
     a: Flow
     b: Flow
     loss: Power
     rates: CheckState
+    side: Kink
 
 
 class ReliefPassage(NamedTuple):
-    """What goes over a relief valve, and the rate of its opening."""
+    """What goes over a relief valve, the rate of its opening, and whether it is open."""
 
     flow: Flow
     loss: Power
     rates: ReliefState
+    mode: Mode
 
 
 class ReducingPassage(NamedTuple):
-    """What goes through a reducing valve, and the rate of its opening."""
+    """What goes through a reducing valve, the rate of its opening, and where that stands."""
 
     flow: Flow
     loss: Power
     rates: OpeningState
+    side: Kink
+
+
+class FlowControlPassage(NamedTuple):
+    """What goes through a flow control valve, and on which side of the drops that it balances."""
+
+    flow: Flow
+    loss: Power
+    side: Kink
 
 
 def check_valve(a: FluidState, b: FluidState, state: CheckState, values: CheckValve) -> CheckPassage:
@@ -61,7 +87,8 @@ def check_valve(a: FluidState, b: FluidState, state: CheckState, values: CheckVa
     drop = a.pressure - b.pressure
     y = select(values.opening_time > 0.0, state.opening, check_opening(drop, values))
     flow, loss = passage(poppet_flow(drop, y, values), a, b)
-    return CheckPassage(flow, loss, CheckState(check_opening_rate(drop, state.opening, values)))
+    rates = CheckState(check_opening_rate(drop, state.opening, values))
+    return CheckPassage(flow, loss, rates, check_side(drop, values))
 
 
 def check_start(values: CheckValve) -> CheckState:
@@ -80,7 +107,8 @@ def pilot_check_valve(
     lifting = lifting_drop(drop, pilot.pressure - a.pressure, values)
     y = select(values.opening_time > 0.0, state.opening, check_opening(lifting, values))
     flow, loss = passage(poppet_flow(drop, y, values), a, b)
-    return PilotCheckFlows(-flow, flow, loss, CheckState(check_opening_rate(lifting, state.opening, values)))
+    rates = CheckState(check_opening_rate(lifting, state.opening, values))
+    return PilotCheckFlows(-flow, flow, loss, rates, check_side(lifting, values))
 
 
 def pilot_check_start(values: PilotCheckValve) -> CheckState:
@@ -89,32 +117,34 @@ def pilot_check_start(values: PilotCheckValve) -> CheckState:
 
 
 def relief_valve(
-    a: FluidState, b: FluidState, surplus: Surplus, state: ReliefState, values: ReliefValve
+    a: FluidState, b: FluidState, surplus: Surplus, mode: Mode, state: ReliefState, values: ReliefValve
 ) -> ReliefPassage:
     """Relief valve that limits the pressure at a; see `relief_flow` for its three limits.
 
     An ideal one gives nothing to a side that is under a higher pressure.
     """
-    excess = select(a.pressure > b.pressure, surplus, 0.0)
-    flow, loss = passage(relief_flow(a.pressure, b.pressure, state.opening, excess, values), a, b)
-    return ReliefPassage(flow, loss, ReliefState(relief_opening_rate(a.pressure, state.opening, values)))
+    flow, loss = passage(relief_flow(a.pressure, b.pressure, state.opening, surplus, mode, values), a, b)
+    rates = ReliefState(relief_opening_rate(a.pressure, state.opening, mode, values))
+    return ReliefPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, surplus, mode, values))
 
 
-def shock_valve(a: FluidState, b: FluidState, state: ReliefState, values: ShockValve) -> ReliefPassage:
+def shock_valve(a: FluidState, b: FluidState, mode: Mode, state: ReliefState, values: ShockValve) -> ReliefPassage:
     """Relief valve with an override that limits the pressure at a, also where others do at the same volume.
 
     `relief_valve` needs the flows of everything else at its volume, so that two of them, each from one side of a
     motor to the other, would wait for each other.
     """
-    flow, loss = passage(throttled_relief_flow(a.pressure, b.pressure, state.opening, values), a, b)
-    return ReliefPassage(flow, loss, ReliefState(relief_opening_rate(a.pressure, state.opening, values)))
+    flow, loss = passage(throttled_relief_flow(a.pressure, b.pressure, state.opening, mode, values), a, b)
+    rates = ReliefState(relief_opening_rate(a.pressure, state.opening, mode, values))
+    return ReliefPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, 0.0, mode, values))
 
 
 def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> ReducingPassage:
     """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
     y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
     flow, loss = passage(reducing_flow(a.pressure - b.pressure, y, values), a, b)
-    return ReducingPassage(flow, loss, OpeningState(reducing_opening_rate(b.pressure, state.opening, values)))
+    rates = OpeningState(reducing_opening_rate(b.pressure, state.opening, values))
+    return ReducingPassage(flow, loss, rates, reducing_side(b.pressure, values))
 
 
 def reducing_start(values: ReducingValve) -> OpeningState:
@@ -122,9 +152,13 @@ def reducing_start(values: ReducingValve) -> OpeningState:
     return OpeningState(1.0)
 
 
-def flow_control_valve(a: FluidState, b: FluidState, values: FlowControlValve, opening: Fraction = 1.0) -> Passage:
+def flow_control_valve(
+    a: FluidState, b: FluidState, values: FlowControlValve, opening: Fraction = 1.0
+) -> FlowControlPassage:
     """Pressure-compensated flow control valve from a to b whose metering orifice is open by `opening` [1]."""
-    return passage(controlled_flow(a.pressure - b.pressure, opening, values), a, b)
+    drop = a.pressure - b.pressure
+    flow, loss = passage(controlled_flow(drop, opening, values), a, b)
+    return FlowControlPassage(flow, loss, controlled_side(drop, values))
 
 
 CHECK_VALVE = Component(check_valve, symbol="check_valve", start=check_start)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Area, Flow, Fraction, Power
+from vvdp.base.kinds import Area, Flow, Fraction, Kink, Mode, Power
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage
@@ -15,10 +15,12 @@ from vvdp.hydraulics.switching_valve import (
     SpoolState,
     SwitchingValve,
     port_areas,
+    port_sides,
     pulse_edge,
     pulse_stop,
     pulse_train,
     pulse_value,
+    spool_ends,
     spool_rate,
 )
 from vvdp.network.component import Component
@@ -77,7 +79,8 @@ class ModulatedTwoWayValve(TwoWayValve, PulseClock):
 
 
 class ThreeWayFlows(NamedTuple):
-    """Flows of a three-way valve into its nodes, its loss, the rates of its spool and the areas of its ports."""
+    """Flows of a three-way valve into its nodes, its loss, the rates of its spool, the areas and the modes of its ports
+    and of the ends of its stroke."""
 
     pressure: Flow
     first: Flow
@@ -86,15 +89,22 @@ class ThreeWayFlows(NamedTuple):
     rates: SpoolState
     first_area: Area
     second_area: Area
+    first_side: Kink
+    second_side: Kink
+    at_first: Mode
+    at_second: Mode
 
 
 class TwoWayPassage(NamedTuple):
-    """What goes through a two-way valve, the rates of its spool and the area of its port."""
+    """What goes through a two-way valve, the rates of its spool, the area and the modes of its port and of its ends."""
 
     flow: Flow
     loss: Power
     rates: SpoolState
     area: Area
+    side: Kink
+    at_first: Mode
+    at_second: Mode
 
 
 def switching_valve(
@@ -102,12 +112,14 @@ def switching_valve(
     first: FluidState,
     second: FluidState,
     command: Fraction,
+    at_first: Mode,
+    at_second: Mode,
     state: SpoolState,
     medium: Medium,
     values: ThreeWayValve,
 ) -> ThreeWayFlows:
     """3/2 valve that joins pressure to first while `command` is 1, and to second while it is 0."""
-    return _three_way(pressure, first, second, command, state, medium, values)
+    return _three_way(pressure, first, second, command, at_first, at_second, state, medium, values)
 
 
 def pulsed_switching_valve(
@@ -115,12 +127,14 @@ def pulsed_switching_valve(
     pressure: FluidState,
     first: FluidState,
     second: FluidState,
+    at_first: Mode,
+    at_second: Mode,
     state: SpoolState,
     medium: Medium,
     values: PulsedThreeWayValve,
 ) -> ThreeWayFlows:
     """3/2 valve on a pulse train of fixed frequency and duty ratio."""
-    return _three_way(pressure, first, second, pulse_train(t, values), state, medium, values)
+    return _three_way(pressure, first, second, pulse_train(t, values), at_first, at_second, state, medium, values)
 
 
 def modulated_switching_valve(
@@ -129,27 +143,43 @@ def modulated_switching_valve(
     first: FluidState,
     second: FluidState,
     duty_ratio: Fraction,
+    at_first: Mode,
+    at_second: Mode,
     state: SpoolState,
     medium: Medium,
     values: ModulatedThreeWayValve,
 ) -> ThreeWayFlows:
     """3/2 valve on pulses of fixed frequency, whose duty ratio is held between samples."""
     command = pulse_value(t, duty_ratio, values.frequency)
-    return _three_way(pressure, first, second, command, state, medium, values)
+    return _three_way(pressure, first, second, command, at_first, at_second, state, medium, values)
 
 
 def two_way_valve(
-    a: FluidState, b: FluidState, command: Fraction, state: SpoolState, medium: Medium, values: TwoWayValve
+    a: FluidState,
+    b: FluidState,
+    command: Fraction,
+    at_first: Mode,
+    at_second: Mode,
+    state: SpoolState,
+    medium: Medium,
+    values: TwoWayValve,
 ) -> TwoWayPassage:
     """2/2 valve between a and b that `command` 1 opens, or shuts where it is normally open."""
-    return _two_way(a, b, command, state, medium, values)
+    return _two_way(a, b, command, at_first, at_second, state, medium, values)
 
 
 def pulsed_two_way_valve(
-    t: float, a: FluidState, b: FluidState, state: SpoolState, medium: Medium, values: PulsedTwoWayValve
+    t: float,
+    a: FluidState,
+    b: FluidState,
+    at_first: Mode,
+    at_second: Mode,
+    state: SpoolState,
+    medium: Medium,
+    values: PulsedTwoWayValve,
 ) -> TwoWayPassage:
     """2/2 valve on a pulse train of fixed frequency and duty ratio."""
-    return _two_way(a, b, pulse_train(t, values), state, medium, values)
+    return _two_way(a, b, pulse_train(t, values), at_first, at_second, state, medium, values)
 
 
 def modulated_two_way_valve(
@@ -157,12 +187,14 @@ def modulated_two_way_valve(
     a: FluidState,
     b: FluidState,
     duty_ratio: Fraction,
+    at_first: Mode,
+    at_second: Mode,
     state: SpoolState,
     medium: Medium,
     values: ModulatedTwoWayValve,
 ) -> TwoWayPassage:
     """2/2 valve on pulses of fixed frequency, whose duty ratio is held between samples."""
-    return _two_way(a, b, pulse_value(t, duty_ratio, values.frequency), state, medium, values)
+    return _two_way(a, b, pulse_value(t, duty_ratio, values.frequency), at_first, at_second, state, medium, values)
 
 
 def pulsed_switching_stop(t: float, values: PulsedThreeWayValve) -> float:
@@ -190,12 +222,15 @@ def _three_way(
     first: FluidState,
     second: FluidState,
     command: float,
+    at_first: Mode,
+    at_second: Mode,
     state: SpoolState,
     medium: Medium,
     values: ThreeWayValve,
 ) -> ThreeWayFlows:
     """What a three-way valve does at a command."""
-    areas = port_areas(state.position, values)
+    areas, sides = port_areas(state.position, values), port_sides(state.position, values)
+    ends = spool_ends(state, at_first, at_second, values)
     drop_1, drop_2 = pressure.pressure - first.pressure, pressure.pressure - second.pressure
     to_first = passage(orifice_flow(areas.first, drop_1, medium.density, values), pressure, first)
     to_second = passage(orifice_flow(areas.second, drop_2, medium.density, values), pressure, second)
@@ -204,20 +239,34 @@ def _three_way(
         first=to_first.flow,
         second=to_second.flow,
         loss=to_first.loss + to_second.loss,
-        rates=spool_rate(command, state, values),
+        rates=spool_rate(command, state, at_first, at_second, values),
         first_area=areas.first,
         second_area=areas.second,
+        first_side=sides.first,
+        second_side=sides.second,
+        at_first=ends.first,
+        at_second=ends.second,
     )
 
 
 def _two_way(
-    a: FluidState, b: FluidState, command: float, state: SpoolState, medium: Medium, values: TwoWayValve
+    a: FluidState,
+    b: FluidState,
+    command: float,
+    at_first: Mode,
+    at_second: Mode,
+    state: SpoolState,
+    medium: Medium,
+    values: TwoWayValve,
 ) -> TwoWayPassage:
     """What a two-way valve does at a command."""
-    areas = port_areas(state.position, values)
-    area = select(values.normally_open > 0.5, areas.second, areas.first)
+    areas, sides = port_areas(state.position, values), port_sides(state.position, values)
+    opens = values.normally_open > 0.5
+    area, edge = select(opens, areas.second, areas.first), select(opens, sides.second, sides.first)
+    ends = spool_ends(state, at_first, at_second, values)
     flow, loss = passage(orifice_flow(area, a.pressure - b.pressure, medium.density, values), a, b)
-    return TwoWayPassage(flow, loss, spool_rate(command, state, values), area)
+    rates = spool_rate(command, state, at_first, at_second, values)
+    return TwoWayPassage(flow, loss, rates, area, edge, ends.first, ends.second)
 
 
 SWITCHING_VALVE = Component(switching_valve, symbol="switching_valve_3_2")

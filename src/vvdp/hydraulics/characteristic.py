@@ -4,6 +4,7 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Ratio
+from vvdp.base.modes import between
 from vvdp.base.params import Params
 from vvdp.base.select import clip, select
 
@@ -38,6 +39,16 @@ def flow_share(opening: float, characteristic: Characteristic) -> float:
     L = np.log(R)
     share: float = select(R > 1.0, np.expm1(s * L) / select(R > 1.0, np.expm1(L), 1.0), s)
     return share
+
+
+def dead_band_side(opening: float, characteristic: Characteristic) -> float:
+    """Whether a spool is in its dead band, beyond it or at its end [1], see `base.modes.between`.
+
+    opening  position of the spool [1]
+
+    Source  ours, docs/models/components.md
+    """
+    return between((opening - characteristic.dead_band) / (1.0 - characteristic.dead_band))
 
 
 def opening_for(share: float, characteristic: Characteristic) -> float:

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
+from vvdp.base.modes import between
 from vvdp.base.params import Params
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
@@ -59,6 +60,17 @@ def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
         (pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure), 0.0, 1.0
     )
     return check.reverse_opening + (1.0 - check.reverse_opening) * lift
+
+
+def check_side(pressure_drop: float, check: CheckPoppet) -> float:
+    """On which side of its cracking pressure and of its rated drop a check valve stands [1], see `base.modes.between`.
+
+    pressure_drop  in the direction of the valve [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    lift = (pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure)
+    return between(select(check.reverse_opening < 1.0, lift, 0.5))
 
 
 def check_opening_rate(pressure_drop: float, opening: float, check: CheckPoppet) -> float:

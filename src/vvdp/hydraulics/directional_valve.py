@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import FlowCoefficient, Fraction, PressureDifference, SignedFraction, Time
+from vvdp.base.kinds import FlowCoefficient, Fraction, Kink, PressureDifference, SignedFraction, Time
+from vvdp.base.modes import between
 from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import signed_root
@@ -27,6 +28,13 @@ class DirectionalValve(Params):
             raise ParameterError("DirectionalValve.transition_pressure: 0 Pa; the flow law needs one above zero")
         if self.lag <= 0.0:
             raise ParameterError("DirectionalValve.lag: 0 s; expected a time above zero")
+
+
+class EdgeSides(NamedTuple):
+    """Whether the edges are shut, in between or fully open; `base.modes.between`."""
+
+    forward: Kink
+    backward: Kink
 
 
 class DirectionalState(NamedTuple):
@@ -66,6 +74,17 @@ def edge_openings(position: float, valve: DirectionalValve) -> EdgeOpenings:
         clip((position - lap) / (1.0 - lap), 0.0, 1.0),
         clip((-position - lap) / (1.0 - lap), 0.0, 1.0),
     )
+
+
+def edge_sides(position: float, valve: DirectionalValve) -> EdgeSides:
+    """Whether the forward and the backward edges are shut, in between or fully open [1].
+
+    position  y, from -1 to 1 [1]
+
+    Source  ours, docs/models/components.md
+    """
+    lap = valve.overlap
+    return EdgeSides(between((position - lap) / (1.0 - lap)), between((-position - lap) / (1.0 - lap)))
 
 
 def edge_flow(pressure_drop: float, opening: float, valve: DirectionalValve) -> float:

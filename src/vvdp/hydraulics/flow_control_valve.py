@@ -2,6 +2,7 @@
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, PressureDifference
+from vvdp.base.modes import between
 from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.hydraulics.flow import rated_root
@@ -29,6 +30,16 @@ class FlowControlValve(Params):
                 f"FlowControlValve.maximum_drop: {self.maximum_drop:g} Pa does not exceed "
                 f"the minimum drop {self.minimum_drop:g} Pa"
             )
+
+
+def controlled_side(pressure_drop: float, valve: FlowControlValve) -> float:
+    """Whether a flow control valve is below, in or above the drops that it balances [1], see `base.modes.between`.
+
+    pressure_drop  first-named side less the second [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    return between((pressure_drop - valve.minimum_drop) / (valve.maximum_drop - valve.minimum_drop))
 
 
 def controlled_flow(pressure_drop: float, opening: float, valve: FlowControlValve) -> float:

@@ -2,6 +2,7 @@
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
+from vvdp.base.modes import between
 from vvdp.base.params import Params
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
@@ -41,6 +42,16 @@ def reducing_opening(outlet_pressure: float, valve: ReducingValve) -> float:
     """
     opening: float = clip((valve.closing_pressure - outlet_pressure) / valve.override_pressure, 0.0, 1.0)
     return opening
+
+
+def reducing_side(outlet_pressure: float, valve: ReducingValve) -> float:
+    """Whether a reducing valve is shut, in between or fully open [1], see `base.modes.between`.
+
+    outlet_pressure  P, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    return between((valve.closing_pressure - outlet_pressure) / valve.override_pressure)
 
 
 def reducing_opening_rate(outlet_pressure: float, opening: float, valve: ReducingValve) -> float:

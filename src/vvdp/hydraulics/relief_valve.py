@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Ratio, Time
+from vvdp.base.modes import side
 from vvdp.base.params import Params
-from vvdp.base.select import maximum, select
+from vvdp.base.select import minimum, select
 from vvdp.hydraulics.flow import rated_root
 
 
@@ -14,12 +15,14 @@ class ReliefValve(Params):
 
     `opening_time` > 0: the opening follows the pressure with that time constant; 0: at once (static).
     `override_pressure` 0: ideal, holds the cracking pressure whatever the flow.
+    `reseat_drop` > 0: once open it shuts only so far below its cracking pressure.
     """
 
     cracking_pressure: Pressure
     override_pressure: PressureDifference
     rated_flow: Flow
     opening_time: Time = 0.0
+    reseat_drop: PressureDifference = 0.0
 
     def check(self) -> None:
         if self.cracking_pressure <= 0.0:
@@ -30,6 +33,16 @@ class ReliefValve(Params):
             raise ParameterError(
                 f"ReliefValve: override_pressure 0 (ideal) contradicts opening_time {self.opening_time:g} s; "
                 "make the opening time 0 or give an override"
+            )
+        if self.override_pressure <= 0.0 < self.reseat_drop:
+            raise ParameterError(
+                f"ReliefValve: override_pressure 0 (ideal) contradicts reseat_drop {self.reseat_drop:g} Pa; "
+                "make the drop 0 or give an override"
+            )
+        if not self.reseat_drop < self.cracking_pressure:
+            raise ParameterError(
+                f"ReliefValve.reseat_drop: {self.reseat_drop:g} Pa; expected less than the cracking pressure, "
+                f"{self.cracking_pressure:g} Pa"
             )
 
 
@@ -49,27 +62,28 @@ class ReliefState(NamedTuple):
 
 
 def relief_flow(
-    pressure: float, tank_pressure: float, opening: float, surplus_flow: float, relief: ReliefValve
+    pressure: float, tank_pressure: float, opening: float, surplus_flow: float, mode: float, relief: ReliefValve
 ) -> float:
     """Volume flow over a relief valve at the pressure it limits [m^3/s].
 
     Q_r y root(P - P_t) / root(P_cr + override - P_t), y the opening or, for a valve without opening time, its static
-    value. Ideal: the whole surplus, max(surplus, 0), from P_cr on.
+    value. Ideal: the whole surplus while it is open.
 
     pressure       of the volume it protects, absolute [Pa]
     tank_pressure  absolute [Pa]
     opening        y, as a state; read only with an opening time [1]
     surplus_flow   nu sum(q) - dV/dt of that volume without the valve; read only by the ideal one [m^3/s]
+    mode           1 while it is open, 0 while it is shut
 
     Source  ours, docs/models/components.md
     """
-    throttled = throttled_relief_flow(pressure, tank_pressure, opening, relief)
-    flow: float = select(relief.override_pressure > 0.0, throttled, ideal_relief_flow(pressure, surplus_flow, relief))
+    throttled = throttled_relief_flow(pressure, tank_pressure, opening, mode, relief)
+    flow: float = select(relief.override_pressure > 0.0, throttled, mode * surplus_flow)
     return flow
 
 
 def relief_flow_compiled(
-    pressure: float, tank_pressure: float, opening: float, surplus_flow: float, relief: ReliefValve
+    pressure: float, tank_pressure: float, opening: float, surplus_flow: float, mode: float, relief: ReliefValve
 ) -> float:
     """The same as `relief_flow`, which it replaces in compiled code: only the law that counts is worked out.
 
@@ -78,19 +92,22 @@ def relief_flow_compiled(
     Source  ours, docs/models/components.md
     """
     if relief.override_pressure > 0.0:
-        return throttled_relief_flow(pressure, tank_pressure, opening, relief)
-    return ideal_relief_flow(pressure, surplus_flow, relief)
+        return throttled_relief_flow(pressure, tank_pressure, opening, mode, relief)
+    return mode * surplus_flow
 
 
-def throttled_relief_flow(pressure: float, tank_pressure: float, opening: float, relief: ReliefValve) -> float:
+def throttled_relief_flow(
+    pressure: float, tank_pressure: float, opening: float, mode: float, relief: ReliefValve
+) -> float:
     """Volume flow over a relief valve with an override [m^3/s]; see `relief_flow`.
 
     pressure, tank_pressure  absolute [Pa]
     opening                  y, as a state; read only with an opening time [1]
+    mode                     1 while it is open, 0 while it is shut
 
     Source  ours, docs/models/components.md
     """
-    y = select(relief.opening_time > 0.0, opening, relief_opening(pressure, relief))
+    y = select(relief.opening_time > 0.0, opening, relief_opening(pressure, mode, relief))
     design_drop = relief.cracking_pressure + relief.override_pressure - tank_pressure
     # A tank above the setting is a contradiction that only a run can see: stay finite there
     design_drop = select(design_drop > 0.0, design_drop, relief.cracking_pressure)
@@ -98,39 +115,48 @@ def throttled_relief_flow(pressure: float, tank_pressure: float, opening: float,
     return flow
 
 
-def ideal_relief_flow(pressure: float, surplus_flow: float, relief: ReliefValve) -> float:
-    """Volume flow over a relief valve without an override [m^3/s]: the whole surplus from its cracking pressure on.
+def relief_opening(pressure: float, mode: float, relief: ReliefValve) -> float:
+    """Static opening of a relief valve [1]: (P - P_re)/(P_cr + override - P_re) while it is open, else 0.
 
-    pressure      absolute [Pa]
-    surplus_flow  what would otherwise raise the pressure [m^3/s]
-
-    Source  ours, docs/models/components.md
-    """
-    flow: float = select(pressure >= relief.cracking_pressure, maximum(surplus_flow, 0.0), 0.0)
-    return flow
-
-
-def relief_opening(pressure: float, relief: ReliefValve) -> float:
-    """Static opening of a relief valve [1]: max(P - P_cr, 0) / override, 1 at its rated point and not bounded there.
+    P_re is where it shuts; at the rated point the opening is 1, and it is not bounded there.
 
     pressure  absolute [Pa]
+    mode      1 while it is open, 0 while it is shut
 
     Source  ours, docs/models/components.md
     """
-    override: float = select(relief.override_pressure > 0.0, relief.override_pressure, relief.cracking_pressure)
-    excess: float = maximum(pressure - relief.cracking_pressure, 0.0)
-    return excess / override
+    span = relief.override_pressure + relief.reseat_drop
+    above = pressure - (relief.cracking_pressure - relief.reseat_drop)
+    return mode * above / select(span > 0.0, span, relief.cracking_pressure)
 
 
-def relief_opening_rate(pressure: float, opening: float, relief: ReliefValve) -> float:
+def relief_mode(pressure: float, tank_pressure: float, surplus_flow: float, mode: float, relief: ReliefValve) -> float:
+    """Whether a relief valve is open: a mode, 1 or more where it is, see `base.modes.side`.
+
+    It opens at its cracking pressure and shuts at its reseat pressure; an ideal one opens there with the surplus that
+    it will pass, and shuts where that ends, or where the other side is under the higher pressure.
+
+    pressure, tank_pressure, surplus_flow, mode  as in `relief_flow`
+
+    Source  ours, docs/models/components.md
+    """
+    crack, surplus = relief.cracking_pressure, surplus_flow / relief.rated_flow
+    passing = minimum(surplus, (pressure - tank_pressure) / crack)
+    ideal = select(mode > 0.5, passing, minimum(passing, pressure / crack - 1.0))
+    shuts_at = crack - mode * relief.reseat_drop
+    return side(select(relief.override_pressure > 0.0, (pressure - shuts_at) / crack, ideal))
+
+
+def relief_opening_rate(pressure: float, opening: float, mode: float, relief: ReliefValve) -> float:
     """Rate of the opening of a relief valve [1/s]: (y_static(P) - y)/tau, and 0 without an opening time.
 
     pressure  absolute [Pa]
     opening   y [1]
+    mode      1 while it is open, 0 while it is shut
 
     Source  ours, docs/models/components.md
     """
     tau = relief.opening_time
-    lag = (relief_opening(pressure, relief) - opening) / select(tau > 0.0, tau, 1.0)
+    lag = (relief_opening(pressure, mode, relief) - opening) / select(tau > 0.0, tau, 1.0)
     rate: float = select(tau > 0.0, lag, 0.0)
     return rate

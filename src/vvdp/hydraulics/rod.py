@@ -5,7 +5,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Angle, Force, Kind, Mass, Position, Power, Stiffness
+from vvdp.base.kinds import Angle, Force, Kind, Kink, Mass, Position, Power, Stiffness
+from vvdp.base.modes import side
 from vvdp.base.params import Params
 from vvdp.base.select import maximum
 
@@ -88,6 +89,24 @@ def stop_force(position: float, velocity: float, stop: EndStop) -> StopForce:
         k * near * (1.0 + damped_near) - k * far * (1.0 + damped_far),
         k * velocity * (far * damped_far - near * damped_near),
     )
+
+
+class StopSides(NamedTuple):
+    """Whether a rod touches its end stops; `base.modes.side`."""
+
+    near: Kink
+    far: Kink
+
+
+def stop_sides(position: float, stop: EndStop) -> StopSides:
+    """Whether a rod touches its end stops [1].
+
+    position  [m]
+
+    Source  ours, docs/models/components.md
+    """
+    travel = stop.upper_end - stop.lower_end
+    return StopSides(side((stop.lower_end - position) / travel), side((position - stop.upper_end) / travel))
 
 
 def stop_energy(position: float, stop: EndStop) -> float:

@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Area, Fraction, Frequency, Length, Position, Ratio, Velocity
+from vvdp.base.kinds import Area, Fraction, Frequency, Kink, Length, Mode, Position, Ratio, Velocity
+from vvdp.base.modes import between, side
 from vvdp.base.params import Params
-from vvdp.base.select import clip, select
+from vvdp.base.select import clip, minimum, select
 
 STOP_DAMPING = 50.0
 """Rate at which an end stop takes the spool's speed, over the natural angular frequency: an impact without rebound."""
@@ -54,6 +55,20 @@ class PortAreas(NamedTuple):
     second: Area
 
 
+class SpoolEnds(NamedTuple):
+    """Whether the ends of the stroke where the first and the second port are open hold the spool."""
+
+    first: Mode
+    second: Mode
+
+
+class PortSides(NamedTuple):
+    """Whether the ports are shut, in between or fully open; `base.modes.between`."""
+
+    first: Kink
+    second: Kink
+
+
 class PulseClock(Params):
     """Pulses begin at 0, 1/f, 2/f ..."""
 
@@ -70,24 +85,40 @@ class PulseTrain(PulseClock):
     duty_ratio: Fraction
 
 
-def spool_rate(command: float, spool: SpoolState, valve: SwitchingValve) -> SpoolState:
+def spool_rate(
+    command: float, spool: SpoolState, at_first: float, at_second: float, valve: SwitchingValve
+) -> SpoolState:
     """Rates of position [m/s] and velocity [m/s^2] of a switching spool.
 
     x'' = omega^2 (u stroke - x) - 2 zeta omega x'. An end of the stroke holds the position and takes the outward
     velocity within 1/(50 omega), so that the spool does not rebound and leaves as soon as it is called back.
 
-    command  u: 0 to the second port, 1 to the first [1]
-    spool    position and velocity
+    command              u: 0 to the second port, 1 to the first [1]
+    spool                position and velocity
+    at_first, at_second  1 while the end of the stroke where that port is open holds the spool, else 0
 
     Source  ours, docs/models/components.md
     """
     x, v = spool
     omega, zeta = 2.0 * np.pi * valve.natural_frequency, valve.damping_ratio
-    outward = select(x >= valve.stroke, select(v > 0.0, 1.0, 0.0), 0.0) + select(
-        x <= 0.0, select(v < 0.0, 1.0, 0.0), 0.0
-    )
+    held = at_first + at_second
     acceleration = omega**2 * (command * valve.stroke - x) - 2.0 * zeta * omega * v
-    return SpoolState((1.0 - outward) * v, acceleration - outward * STOP_DAMPING * omega * v)
+    return SpoolState((1.0 - held) * v, acceleration - held * STOP_DAMPING * omega * v)
+
+
+def spool_ends(spool: SpoolState, at_first: float, at_second: float, valve: SwitchingValve) -> SpoolEnds:
+    """Whether an end of the stroke holds a switching spool, from when it comes there until it turns back [1].
+
+    spool, at_first, at_second  as in `spool_rate`
+
+    Source  ours, docs/models/components.md
+    """
+    travel = spool.position / valve.stroke
+    outward = spool.velocity / (2.0 * np.pi * valve.natural_frequency * valve.stroke)
+    return SpoolEnds(
+        side(select(at_first > 0.5, outward, minimum(outward, travel - 1.0))),
+        side(select(at_second > 0.5, -outward, minimum(-outward, -travel))),
+    )
 
 
 def port_areas(position: float, valve: SwitchingValve) -> PortAreas:
@@ -97,12 +128,26 @@ def port_areas(position: float, valve: SwitchingValve) -> PortAreas:
 
     Source  ours, docs/models/components.md
     """
-    c, A = 0.5 * valve.stroke, valve.full_area
-    travel = c - valve.lap
-    return PortAreas(
-        A * clip((position - c - valve.lap) / travel, 0.0, 1.0),
-        A * clip((c - position - valve.lap) / travel, 0.0, 1.0),
-    )
+    first, second = _travels(position, valve)
+    return PortAreas(valve.full_area * clip(first, 0.0, 1.0), valve.full_area * clip(second, 0.0, 1.0))
+
+
+def port_sides(position: float, valve: SwitchingValve) -> PortSides:
+    """Whether the two ports are shut, in between or fully open [1].
+
+    position  x [m]
+
+    Source  ours, docs/models/components.md
+    """
+    first, second = _travels(position, valve)
+    return PortSides(between(first), between(second))
+
+
+def _travels(position: float, valve: SwitchingValve) -> tuple[float, float]:
+    """Travels from where each port begins to open, over those to where it is fully open."""
+    centre = 0.5 * valve.stroke
+    travel = centre - valve.lap
+    return (position - centre - valve.lap) / travel, (centre - position - valve.lap) / travel
 
 
 def pulse_train(t: float, train: PulseTrain) -> float:

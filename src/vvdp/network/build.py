@@ -109,6 +109,7 @@ def _classes_by_name(classes: Classes) -> dict[str, Any]:
         "Spent": classes.spent,
         "Totals": classes.totals,
         "Held": classes.held,
+        "Modes": classes.modes,
     }
 
 

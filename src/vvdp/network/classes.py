@@ -3,7 +3,7 @@
 from functools import cached_property
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
-from vvdp.base.books import NOTHING, Books, Nothing
+from vvdp.base.books import Books, Nothing
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import (
     EXCHANGED_ENERGY,
@@ -30,7 +30,7 @@ from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.network import Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
 from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, shown
-from vvdp.simulation.values import names
+from vvdp.simulation.values import blank, names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
 """What the integrals over time of a kind are."""
@@ -150,10 +150,20 @@ class Classes:
         return named_tuple("Held", hints)
 
     @cached_property
+    def modes(self) -> type:
+        """The modes and kinks of all parts."""
+        hints: dict[str, Any] = {}
+        for part in self.network.parts.values():
+            found = {f"{part.name}_{n}": Annotated[float, kind] for n, kind in part.component.modes.items()}
+            _join(hints, part.name, found)
+        return named_tuple("Modes", hints)
+
+    @cached_property
     def command(self) -> type:
-        """What is held between samples: the conditions, and the command of each program."""
+        """What is held between samples: the conditions, the modes, and the command of each program."""
+        modes = {} if self.modes is Nothing else {"modes": self.modes}
         programs = {name: type(program.type.command) for name, program in self.network.programs.items()}
-        return named_tuple("Command", {"held": self.held, **programs})
+        return named_tuple("Command", {"held": self.held, **modes, **programs})
 
     @cached_property
     def start(self) -> type[Params]:
@@ -209,15 +219,6 @@ def named_tuple(name: str, hints: dict[str, Any]) -> type:
 def params_class(name: str, hints: dict[str, Any]) -> type[Params]:
     """A parameter class."""
     return type(name, (Params,), {"__annotations__": hints, "__doc__": "Values of a network."})
-
-
-def blank(cls: type) -> Any:
-    """A NamedTuple of zeros."""
-    if cls is Nothing:
-        return NOTHING
-    hints = get_type_hints(cls)
-    fields = names(cls)
-    return cls(*(blank(hints[name]) if hasattr(hints[name], "_fields") else 0.0 for name in fields))
 
 
 def _title(name: str) -> str:

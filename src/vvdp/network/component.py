@@ -13,7 +13,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from vvdp.base.books import Stored
 from vvdp.base.errors import NetworkError
-from vvdp.base.kinds import Kind
+from vvdp.base.kinds import KINK, MODE, Kind
 from vvdp.base.params import Params, field_kinds
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
@@ -36,6 +36,7 @@ class Role(Enum):
     STATE = auto()
     HELD = auto()
     SURPLUS = auto()
+    MODE = auto()
     INPUT = auto()
 
 
@@ -62,11 +63,13 @@ class Component:
 
     law      what it does at an instant. Arguments, by annotation: FluidState (a hydraulic port), ShaftState,
              ShaftSpeed, RodState (mechanical ports), Medium, Oil, a Params class (its values), the NamedTuples of its
-             state and of what `held` gives, Surplus, `t`; any other float with a kind is an input.
+             state and of what `held` gives, Surplus, `t`, Mode (the floor of the result's field of that name, which
+             holds until a step has ended where it changes); any other float with a kind is an input.
              Result: `Passage` for what lies between two ports, or a NamedTuple in which the fields named as ports are
              what it gives to the nodes there (tank volumes m^3/s into it, torque N m on it, force N on it), `loss`
-             or `losses` are powers turned to heat, `supplied` is power from outside, `rates` those of its state, and
-             all others are outputs that are recorded and can be connected.
+             or `losses` are powers turned to heat, `supplied` is power from outside, `rates` those of its state, a
+             Mode or a Kink is where it stands among its modes, and all others are outputs that are recorded and can
+             be connected.
     symbol   of the diagram
     held     held(...) -> NamedTuple worked out once per sample, of Medium, Oil and Params
     start    start(params) -> its state before a run; without one, all zero
@@ -130,7 +133,7 @@ class Component:
         if name == "t":
             return Role.TIME
         if kind is not None:
-            return Role.SURPLUS if kind is SURPLUS else Role.INPUT
+            return Role.SURPLUS if kind is SURPLUS else Role.MODE if kind is MODE else Role.INPUT
         if role := PORTS.get(plain) or OTHERS.get(plain):
             return role
         if isinstance(plain, type) and issubclass(plain, Params):
@@ -187,9 +190,14 @@ class Component:
         return {"": field_kinds(self.result)["loss"]} if "loss" in names(self.result) else {}
 
     @cached_property
+    def modes(self) -> Mapping[str, Kind]:
+        """Names and kinds of its modes and kinks."""
+        return {name: kind for name, kind in field_kinds(self.result).items() if kind in (MODE, KINK)}
+
+    @cached_property
     def outputs(self) -> Mapping[str, Kind]:
         """Names and kinds of what it shows besides its effect on the nodes."""
-        known = {*self.ports, "loss", "losses", "supplied", "rates", "flow"}
+        known = {*self.ports, *self.modes, "loss", "losses", "supplied", "rates", "flow"}
         shown = {name: kind for name, kind in field_kinds(self.result).items() if name not in known}
         if without := [name for name, kind in shown.items() if kind is None]:
             raise NetworkError(f"{self.name}: output {without[0]!r} has no kind; annotate it, for example with Flow")
@@ -231,6 +239,11 @@ def check_component(component: Component) -> None:
         )
     _check_units(component)
     _check_functions(component)
+    for argument in component.arguments:
+        if argument.role is Role.MODE and component.modes.get(argument.name) is not MODE:
+            raise NetworkError(
+                f"{name} is told its mode {argument.name!r}, but returns none; its result needs `{argument.name}: Mode`"
+            )
     for average in component.averages:
         if average not in component.outputs:
             raise NetworkError(f"{name}: averages {average!r}, which is none of its outputs")

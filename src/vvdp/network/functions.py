@@ -12,7 +12,6 @@ from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.pipe import LinePipe, piece_rate, piece_stored
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored, pressure_rate, stored
-from vvdp.network.classes import blank
 from vvdp.network.component import Role
 from vvdp.network.folding import bracketed, indented, negative
 from vvdp.network.network import Part
@@ -30,7 +29,7 @@ from vvdp.network.nodes import (
 )
 from vvdp.network.paths import averaged_flows, paths_of, shown, signals_of, sources_of, takes_surplus
 from vvdp.network.text import PRESCRIBED, Text
-from vvdp.simulation.values import names
+from vvdp.simulation.values import blank, names
 
 
 class Functions:
@@ -65,7 +64,10 @@ class Functions:
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
         lines += ["outputs = Outputs(", *(f"    {name}={text}," for name, text in self._outputs()), ")"]
-        return ["def circuit(t, s, u, p):", *indented(lines), "    return rates, outputs"]
+        if names(self.classes.modes):
+            lines += ["modes = Modes(", *(f"    {name}={text}," for name, text in self._modes()), ")"]
+        last = "return rates, outputs" + (", modes" if names(self.classes.modes) else "")
+        return ["def circuit(t, s, u, p):", *indented([*lines, last])]
 
     def _rates(self) -> Iterator[tuple[str, str]]:
         for name, node in self.network.nodes.items():
@@ -182,6 +184,10 @@ class Functions:
             texts |= {f"{part.name}_{name}": text for name, (text, _) in shown(part).items()}
         texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}
         yield from texts.items()
+
+    def _modes(self) -> Iterator[tuple[str, str]]:
+        for part in self.network.parts.values():
+            yield from ((f"{part.name}_{name}", f"{part.name}.{name}") for name in part.component.modes)
 
     def conditions(self) -> list[str]:
         """The function `conditions`."""

@@ -44,7 +44,7 @@ RESERVED = frozenset(
     (
         *("t", "s", "u", "p", "h", "m", "r", "z", "rates", "books", "start", "held", "medium", "temperature", "energy"),
         *("oil", "state", "outputs", "params", "command", "values", "total", "transition", "full_open", "time"),
-        *("next_stop", "taken_in", "check"),
+        *("next_stop", "taken_in", "check", "modes"),
     )
 )
 NEARLY_VACUUM = 1e3

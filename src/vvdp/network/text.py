@@ -34,8 +34,8 @@ WRITTEN = frozenset(
     (
         *("circuit", "conditions", "stored", "start", "stop", "mark", "t", "s", "u", "p", "h", "m", "r", "z", "np"),
         *("rates", "outputs", "energy", "next_stop", "taken_in", "temperature", "medium", "program", "command"),
-        *("Books", "Stored", "NOTHING", "EMPTY_BOOKS"),
-        *("State", "Outputs", "Supplied", "Spent", "Totals", "Held"),
+        *("Books", "Stored", "NOTHING", "EMPTY_BOOKS", "modes"),
+        *("State", "Outputs", "Supplied", "Spent", "Totals", "Held", "Modes"),
     )
 )
 """What the text calls its own functions, arguments, classes and values."""
@@ -113,6 +113,8 @@ class Text:
                 return f"s.{part.name}"
             case Role.HELD:
                 return f"h.{part.name}"
+            case Role.MODE:
+                return f"u.modes.{part.name}_{argument.name}"
             case Role.SURPLUS:
                 node = part.nodes[part.component.hydraulic_ports[0]]
                 walls = self.walls(node, "rate")

@@ -23,6 +23,8 @@ PRESSURES = (1.5e5, 2e7)
 TEMPERATURE = 313.15
 STEP = 1e-6
 """Time [s] over which a store is differenced."""
+SETTLINGS = 4
+"""How often the modes of a component may change at an instant."""
 EXACT, DIFFERENCED = 1e-9, 1e-5
 """What may be missing, as a share of the sum of all terms."""
 
@@ -70,8 +72,21 @@ class Trial:
         component = self.component
         values = {a.name: self._random(a, rng) for a in component.arguments}
         state = random_record(component.state, rng) if component.state else None
-        blank = Instant(values, state, None)
-        return replace(blank, held=self.call(component.held, blank)) if component.held else blank
+        instant = Instant(values, state, None)
+        if component.held:
+            instant = replace(instant, held=self.call(component.held, instant))
+        return self._settled(instant)
+
+    def _settled(self, at: Instant) -> Instant:
+        """The same with the modes that hold there, as a run would find them."""
+        told = [a.name for a in self.component.arguments if a.role is Role.MODE]
+        for _ in range(SETTLINGS if told else 0):
+            result = self.call(self.component.law, at)
+            found = {name: float(np.floor(getattr(result, name))) for name in told}
+            if all(at.values[name] == mode for name, mode in found.items()):
+                break
+            at = replace(at, values={**at.values, **found})
+        return at
 
     def _random(self, argument: Argument, rng: np.random.Generator) -> Any:
         match argument.role:
@@ -81,6 +96,8 @@ class Trial:
                 return random_record(argument.type, rng)
             case Role.TIME:
                 return float(rng.uniform(0.0, 1.0))
+            case Role.MODE:
+                return 0.0
             case Role.INPUT | Role.SURPLUS:
                 assert argument.kind is not None
                 return random_value(argument.kind, rng)

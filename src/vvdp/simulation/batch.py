@@ -163,7 +163,7 @@ def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
         check_start(case)
     except RunError as problem:
         return str(problem)
-    return None if status == places.DONE else failure(case, clock[places.TIME], state, status)
+    return None if status == places.DONE else failure(case, clock, state, status)
 
 
 def _counts(part: "_Carried") -> dict[str, npt.NDArray[np.int64]]:
@@ -209,14 +209,14 @@ def _carried(
         # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
         order = np.concatenate([np.arange(first, count, threads) for first in range(threads)])
         final, command, memory, params = rows_of([cases[row] for row in order])
-        _, _, _, agenda, waiting, clock = started(ready, stepping)
-        agendas, waitings, clocks = (np.stack([part] * count) for part in (agenda, waiting, clock))
+        begun = started(ready, stepping)[3:]
+        agendas, waitings, clocks, courses = (np.stack([part] * count) for part in begun)
         low, high, status = np.zeros((count, n)), np.zeros((count, n)), np.zeros(count, np.int64)
         times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
         loop.batch(
             *ready.linked[:4],
-            *(final, command, memory, params, ready.plan, agendas, waitings, clocks),
-            *(ready.atol, ready.rtol, ready.scale, ready.active),
+            *(final, command, memory, params, ready.plan, agendas, waitings, clocks, courses),
+            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern),
             *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
             *(times, states, low, high, status),
         )

@@ -111,17 +111,21 @@ def _circuit_values(model: Model, case: Case) -> tuple[Any, Any]:
     found = _called(
         "the circuit", model.circuit, "t, state, command, params", 0.0, case.state, case.command, case.params
     )
-    if not isinstance(found, tuple) or names(found) or len(found) != 2:
+    has_modes = "modes" in names(case.command)
+    if not isinstance(found, tuple) or names(found) or len(found) != 2 + has_modes:
         what = "nothing" if found is None else "the rates only" if type(found) is type(case.state) else repr(found)
         raise RunError(
             f"the circuit, {name}, returns {what}; expected rates and outputs, `return {state}(...), Outputs(...)`, "
             "with NOTHING for the outputs where there are none"
+            + (", and then the modes, since the command has a field for them" if has_modes else "")
         )
-    rates, outputs = found
+    rates, outputs = found[:2]
     _same_fields(f"the rates that {name} returns", rates, "its state", case.state)
     if not names(outputs):
         raise RunError(f"the outputs that {name} returns are {outputs!r}; expected a NamedTuple, or NOTHING")
     _have_kinds(f"output of {name}", outputs)
+    if has_modes:
+        _same_fields(f"the modes that {name} returns", found[2], "the command's field 'modes'", case.command.modes)
     return rates, outputs
 
 
@@ -136,8 +140,8 @@ def _circuit_is_sound(model: Model, case: Case, rates: Any, outputs: Any) -> Non
             "a program's memory (vvdp.numerics.random)"
         )
     if hasattr(case.state, "books"):
-        blank, _ = _called("the circuit", model.circuit, "", 0.0, blanked(case.state), case.command, case.params)
-        if not _equal(rates, blank):
+        blind = _called("the circuit", model.circuit, "", 0.0, blanked(case.state), case.command, case.params)
+        if not _equal(rates, blind[0]):
             raise RunError("the circuit reads its own books; they may only be written")
 
 
@@ -193,7 +197,7 @@ def _program_is_sound(name: str, program: Program, model: Model, case: Case) -> 
     command, memory, settings = getattr(case.command, name), case.memory[name], case.settings[name]
     _same_fields(f"the first command of {what}", program.command, f"the command's field {name!r}", command)
     state = blanked(case.state)
-    _, outputs = model.circuit(0.0, state, case.command, params)
+    outputs = model.circuit(0.0, state, case.command, params)[1]
     reading = _called(f"measure of {what}", program.measure, "t, state, outputs, params", 0.0, state, outputs, params)
     _reading_is_sound(what, program, reading, case, outputs)
     found = _called(f"step of {what}", program.step, "t, memory, reading, settings", 0.0, memory, reading, settings)

@@ -1,68 +1,74 @@
 """The compiled loop: one for all circuits. Flat vectors in, and pointers to the linked functions.
 
-It is compiled once per installation and cached. What a run has reached is in `clock` and `agenda` (and in the vectors
-that it changes in place), so a run can be handed back at any step and taken up again with the same result to the last
-bit.
+It is compiled once per installation and cached. What a run has reached is in `clock`, `agenda` and `course` (and in the
+vectors that it changes in place), so a run can be handed back at any step and taken up again with the same result to
+the last bit.
 """
 
 import numpy as np
 from numba import float64, int64, njit, prange, types
 
+from vvdp.numerics.sparse import Pattern
+from vvdp.simulation.landing import changed, follow, guess, hold, is_left, lateness, positions, settle, time_left
 from vvdp.simulation.places import (
+    AIMED,
     AUTOMATIC,
     BEGUN,
+    CULPRIT,
     DONE,
     EVALUATIONS,
+    EVENT_TIME,
+    EVENTS,
+    EXPLICIT,
+    FASTEST,
+    FIRST,
     HAIR,
+    HASTY,
     JUMP_TIME,
     JUMPS,
     LANDED,
+    LAST,
     MARK_BEFORE,
     MARKS,
     MARKS_FULL,
     METHOD,
     NOT_FINITE,
-    OTHER_COST,
     PAUSED,
     PERIOD,
     RECORDS,
     REFUSED,
     REJECTED,
-    REVIEW,
+    RESTLESS,
     STEP,
+    STEP_BEFORE,
     STEP_TOO_SMALL,
     STEPS,
     STIFF,
+    STIFF_SIGNS,
     STOP_BEHIND,
     STORED,
     SWITCHES,
     TIME,
     TOO_MANY_WAITING,
-    TRIAL,
-    TRIGGER,
-    WINDOW_COST,
-    WINDOW_TIME,
 )
-from vvdp.simulation.schedule import begin, instant, is_crossed, next_due
-from vvdp.simulation.steps import between, explicit_step, stiff_step, widen
+from vvdp.simulation.schedule import begin, instant, next_due
+from vvdp.simulation.steps import between, explicit_step, widen
+from vvdp.simulation.stiff import stiff_step
 
 VECTOR = float64[::1]
 MATRIX = float64[:, ::1]
 CUBE = float64[:, :, ::1]
+INTS, TABLE = int64[::1], int64[:, ::1]
 RATES = types.FunctionType(types.void(float64, VECTOR, VECTOR, VECTOR, VECTOR))
 SAMPLE = types.FunctionType(types.void(int64, float64, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR))
-EVENTS = types.FunctionType(types.void(float64, VECTOR, VECTOR, VECTOR, VECTOR))
+EVENT_LIST = types.FunctionType(types.void(float64, VECTOR, VECTOR, VECTOR, VECTOR))
 STOP = types.FunctionType(float64(float64, VECTOR, VECTOR))
+PATTERN = types.NamedTuple([INTS] * 5 + [TABLE] + [INTS] * 2 + [TABLE] * 3 + [INTS], Pattern)
 
-# An event is where its crossing is known to this share of the step.
-NEAR = 1e-12
-
-# The automatic choice: an explicit window that costs more than this many evaluations per sample period is worth a
-# trial of the stiff method; a window ends after so many periods or so many evaluations, whichever comes first.
-TRIAL_COST = 900.0
-WINDOW_PERIODS = 20.0
-WINDOW_EVALUATIONS = 40000.0
-REVIEW_WINDOWS = 20.0
+# An explicit step is at the edge of its stability where step times fastest rate is 3.2; twice beyond the first of these
+# the stiff method takes over, and below the second, for each of its evaluations over those of an explicit step, it
+# hands back.
+STIFF_FROM, EXPLICIT_BELOW = 2.2, 0.65
 
 # After so many refusals in a row a step is tried with the explicit method: at a jump of the rates the stiff one's
 # Jacobian by differences is the jump over a hair's breadth, and no step is short enough for it.
@@ -71,42 +77,14 @@ PATIENCE = 6.0
 # So many refusals in a row, away from every landing: a kink takes three or four, a jump more.
 SERIES = 5.0
 
+# Tries to land on one event; where a floor jumps, each halves what is left of the step.
+TRIES = 60
 
-@njit(cache=True, error_model="numpy")
-def chosen_method(t, period, clock):
-    """Reviews the automatic choice of method: tries the other one when the present one is dear, keeps the cheaper."""
-    elapsed, spent = t - clock[WINDOW_TIME], clock[EVALUATIONS] - clock[WINDOW_COST]
-    if elapsed < WINDOW_PERIODS * period and spent < WINDOW_EVALUATIONS:
-        return
-    cost = spent / elapsed * period
-    clock[WINDOW_TIME], clock[WINDOW_COST] = t, clock[EVALUATIONS]
-    if clock[TRIAL] == 1.0:
-        clock[TRIAL] = 0.0
-        clock[REVIEW] = REVIEW_WINDOWS
-        if cost > clock[OTHER_COST]:
-            clock[METHOD] = STIFF - clock[METHOD]
-        else:
-            clock[SWITCHES] += 1.0
-        return
-    clock[REVIEW] -= 1.0
-    if clock[REVIEW] <= 0.0 and (clock[METHOD] == STIFF or cost > TRIAL_COST):
-        clock[TRIAL], clock[OTHER_COST] = 1.0, cost
-        clock[METHOD] = STIFF - clock[METHOD]
+# A step that is to end on an event aims so far behind it, as a share of the step.
+AIM = 5e-7
 
-
-@njit(cache=True, error_model="numpy")
-def first_crossing(events, t, step, y, u, p, trial, k, middle, plan, agenda, g, before, after):
-    """The first crossing of any trigger on the cubic, as a fraction of the step between `before` and `after`."""
-    lo, hi = before, after
-    for _ in range(60):
-        s = 0.5 * (lo + hi)
-        between(s, step, y, trial, k, middle)
-        events(t + s * step, middle, u, p, g)
-        if is_crossed(plan, agenda, g):
-            hi = s
-        else:
-            lo = s
-    return hi
+# So many events, each within this time [s] of the one before: the modes chatter.
+HASTE, MANY = 1e-9, 200.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -124,10 +102,38 @@ def mark_fraction(events, t, step, y, u, p, trial, k, middle, g, goal, upward):
     return hi
 
 
+@njit(cache=True, error_model="numpy")
+def first_change(rates, events, t, step, y, u, p, k, trial, held, before, after, near, middle, rate, x):
+    """Where on its cubic the first floor changes, as a fraction of the step, how far it surely has not, and the cost.
+
+    near  what is near enough, as a fraction of the step
+    """
+    lo, hi, s, same, cost = 0.0, 1.0, 2.0, 0, 0.0
+    low, high = before.copy(), after.copy()
+    for _ in range(TRIES):
+        last, s = s, guess(lo, hi, low, high, held)
+        if abs(s - last) <= near or hi - lo <= near:
+            break
+        if abs(same) > 2:
+            s, same = 0.5 * (lo + hi), 0
+        between(s, step, y, trial, k, middle)
+        if rate.size > y.size:
+            rates(t + s * step, middle, u, p, rate)
+            cost += 1.0
+        positions(events, t + s * step, middle, u, p, rate, x)
+        if is_left(x, held):
+            hi, same = s, max(same, 0) + 1
+            high[:] = x
+        else:
+            lo, same = s, min(same, 0) - 1
+            low[:] = x
+    return s, lo, cost
+
+
 RUN = int64(
-    RATES, SAMPLE, EVENTS, STOP,
-    VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, CUBE, VECTOR, VECTOR, VECTOR, VECTOR,
-    int64, float64, float64, float64, int64, float64, int64,
+    RATES, SAMPLE, EVENT_LIST, STOP,
+    VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, CUBE, VECTOR, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR,
+    PATTERN, float64, float64, float64, int64, float64, int64,
     VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR, VECTOR,
 )  # fmt: skip
 
@@ -135,25 +141,25 @@ RUN = int64(
 @njit(RUN, cache=True, error_model="numpy")
 def run(
     rates, sample, events, stop,
-    y, command, memory, params, plan, agenda, waiting, clock, atol, rtol, scale,
-    active, t_end, longest, marks_from, method, budget, overwrite,
+    y, command, memory, params, plan, agenda, waiting, clock, course, atol, rtol, scale, width,
+    pattern, t_end, longest, marks_from, method, budget, overwrite,
     record_times, record, record_command, record_memory, mark_times, mark_states, low, high,
 ):  # fmt: skip
     """Carries a run on from where `clock` stands, to `t_end` or until `budget` evaluations are spent.
 
     Every step ends at the latest on the next sample, where a command begins to act and on the next time that `stop`
-    names; rates at a step's right end are taken just before that instant. A step in which a trigger's floor changes
-    is taken again until it ends there. States at `record_times` go to `record`, with the command and the memory that
-    hold until then; at each change of the floor of the mark (from `marks_from` on) they go to `mark_states`; when
-    that is full the run is handed back, or with `overwrite` the last row is kept up to date.
+    names; rates at a step's right end are taken just before that instant. A step in which the floor of a trigger, a
+    mode or a kink changes is taken again until it ends there, by less than the share `width` of a step behind it.
+    States at `record_times` go to `record`, with the command and the memory that hold until then; at each change of
+    the floor of the mark (from `marks_from` on) they go to `mark_states`; when that is full the run is handed back, or
+    with `overwrite` the last row is kept up to date.
     """
-    n, period = y.size, plan[0, PERIOD]
-    trial, error, middle, k = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((7, n))
-    jacobian, matrix, pivots = np.zeros((n, active)), np.zeros((active, active)), np.zeros(active)
-    triggers = 0
-    for place in plan[:, TRIGGER]:
-        triggers = max(triggers, int(place))
-    g, reached = np.zeros(1 + triggers), np.zeros(1 + triggers)
+    n, period, active = y.size, plan[0, PERIOD], pattern.group.size
+    modes = int(plan[0, LAST]) - int(plan[0, FIRST])
+    trial, error, lean, middle = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    k, rate = np.zeros((7, n + modes)), np.zeros(n + modes)
+    before, x, g, held = np.zeros(width.size), np.zeros(width.size), np.zeros(width.size), np.zeros(width.size)
+    heaviness = EXPLICIT_BELOW * (pattern.first.size + 6.0) / 6.0
     t, h = clock[TIME], clock[STEP]
     enough = clock[EVALUATIONS] + budget
     if clock[BEGUN] == 0.0:
@@ -162,11 +168,15 @@ def run(
         clock[MARK_BEFORE] = g[0]
         if not begin(sample, events, t, y, command, memory, params, plan, agenda, waiting, g):
             return TOO_MANY_WAITING
-    rates(t, y, command, params, k[0])
+    restless = settle(rates, t, y, command, params, plan, k[0])
+    if restless >= 0:
+        clock[CULPRIT] = restless
+        return RESTLESS
+    positions(events, t, y, command, params, k[0], before)
+    hold(plan, agenda, command, course, held)
     t_stop, t_due = stop(t, command, params), next_due(plan, agenda)
-    # Towards an event: the times between which it lies, the next one to be tried, and how often that was done.
-    before, after, goal, tries = t, np.inf, np.inf, 0
-    spent, taken, refused = clock[EVALUATIONS], clock[STEPS], clock[REJECTED]
+    again, tries = 0.0, 0  # the step to be tried again, where the last one went over an event
+    spent, taken, refused, fastest = clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST]
     while t < t_end - HAIR * abs(t_end):
         if not t_stop > t:
             return STOP_BEHIND
@@ -174,66 +184,68 @@ def run(
         if tries == 0:
             if clock[EVALUATIONS] >= enough:
                 return PAUSED
-            spent, taken, refused = clock[EVALUATIONS], clock[STEPS], clock[REJECTED]
-            before, after = t, np.inf
-            last = t + h * (1.0 + 1e-9) >= t_next
-            step = t_next - t if last else h
-            t_new = t_next if last else t + step
+            spent, taken, refused, fastest = clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST]
+            step, aimed = h, False
+            if clock[AIMED] == 0.0:
+                ahead = time_left(course, before, held, clock[STEP_BEFORE])
+                aimed = ahead <= h
+                step = ahead * (1.0 + AIM) if aimed else 0.5 * ahead if ahead < 2.0 * h else h
         else:
-            last = goal >= t_next
-            t_new, step = goal, goal - t
+            step, aimed = again, True
+        last = t + step * (1.0 + 1e-9) >= t_next
+        step = t_next - t if last else step
+        t_new = t_next if last else t + step
         t_right = np.nextafter(t_new, -np.inf) if last else t_new
-        if clock[METHOD] == STIFF and clock[REFUSED] < PATIENCE:
-            cost = stiff_step(
-                rates, t, step, t_right, y, command, params, active, scale, k, trial, error, jacobian, matrix, pivots
+        stiff = clock[METHOD] == STIFF and clock[REFUSED] < PATIENCE
+        if method == AUTOMATIC and step * clock[FASTEST] < heaviness:
+            stiff = False
+        if stiff:
+            cost, clock[FASTEST] = stiff_step(
+                rates, t, step, t_right, y, command, params, scale, pattern, k, trial, error
             )
             exponent = -0.25
         else:
-            cost = explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error)
+            cost = explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error, lean)
             exponent = -0.2
         clock[EVALUATIONS] += cost
         clock[STEPS] += 1.0
-        size, finite = 0.0, True
+        size, leant, turned, finite = 0.0, 0.0, 0.0, True
         for m in range(active):
-            e = abs(error[m]) / (atol[m] + rtol[m] * max(abs(y[m]), abs(trial[m])))
-            finite = finite and e < 1e300
+            tolerance = 1.0 / (atol[m] + rtol[m] * max(abs(y[m]), abs(trial[m])))
+            e, l, d = error[m] * tolerance, lean[m] * tolerance, (k[6, m] - k[5, m]) * tolerance
+            finite = finite and abs(e) < 1e300
             size += e * e
+            leant += l * l
+            turned += d * d
         size = np.sqrt(size / active)
         if not finite or size > 1.0:
             clock[REJECTED] += 1.0
             clock[REFUSED] += 1.0
             tries = 0
-            h = step * (max(0.2, 0.9 * size**exponent) if finite else 0.1)
+            h = step * (max(0.2, min(0.5 if clock[REFUSED] > 1.0 else 1.0, 0.9 * size**exponent)) if finite else 0.1)
             clock[STEP] = h
             if h < 1e-14 * max(abs(t), period):
                 return STEP_TOO_SMALL if finite else NOT_FINITE
             continue
-        events(t_new, trial, command, params, reached)
-        event = triggers > 0 and is_crossed(plan, agenda, reached)
-        if event or (tries > 0 and goal < after):
-            width = max(NEAR * step, 4.0 * HAIR * abs(t_new))
-            if event:
-                after = t_new
-            else:
-                before = t_new
-            near = 0.5 * (before + after)
-            if after - before > width:
-                s = first_crossing(
-                    events, t, step, y, command, params, trial, k, middle, plan, agenda, g,
-                    (before - t) / step, (after - t) / step,
+        positions(events, t_new, trial, command, params, k[6], x)
+        event = is_left(x, held)
+        if event and step > 4.0 * HAIR * abs(t_new) and tries < TRIES:
+            late, near = lateness(before, x, held, width, step, max(h, step))
+            if late > 1.0:
+                s, sure, evaluations = first_change(
+                    rates, events, t, step, y, command, params, k, trial, held, before, x,
+                    0.2 * near if tries > 0 else max(0.2 * near, 1e-5), middle, rate, g,
                 )  # fmt: skip
-                near = t + s * step
-            if not (event and (after - before <= width or after - near <= width)):
-                tries += 1
-                clock[REJECTED] += 1.0
-                goal = near + 0.5 * width if tries < 12 else 0.5 * (before + after)
-                if not before < goal < after:
-                    goal = after
-                continue
-        change = np.floor(reached[0]) - np.floor(clock[MARK_BEFORE])
+                clock[EVALUATIONS] += evaluations
+                if 1.0 - sure > near:
+                    tries += 1
+                    clock[REJECTED] += 1.0
+                    again = step * min(s + 0.5 * near, 1.0 - 0.1 * near)
+                    continue
+        change = np.floor(x[0]) - np.floor(clock[MARK_BEFORE])
         if overwrite == 0 and clock[STORED] + abs(change) > mark_times.size:
             # The step is taken again when there is room, however many marks it passes.
-            clock[EVALUATIONS], clock[STEPS], clock[REJECTED] = spent, taken, refused
+            clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST] = spent, taken, refused, fastest
             return MARKS_FULL
         mark_before = clock[MARK_BEFORE]
         for i in range(int(abs(change))):
@@ -247,7 +259,7 @@ def run(
                 between(s, step, y, trial, k, mark_states[row])
                 mark_times[row] = t + s * step
                 clock[STORED] = row + 1.0
-        clock[MARK_BEFORE] = reached[0]
+        clock[MARK_BEFORE] = x[0]
         row, ended = int(clock[RECORDS]), t_new >= t_end - HAIR * abs(t_end)
         while row < record_times.size and (record_times[row] <= t_new or ended):
             between(min(1.0, (record_times[row] - t) / step), step, y, trial, k, record[row])
@@ -260,32 +272,56 @@ def run(
             clock[JUMPS] += 1.0
             if clock[JUMPS] == 1.0:
                 clock[JUMP_TIME] = t_new
+        follow(course, before, x, step, clock[STEP_BEFORE])
+        clock[STEP_BEFORE] = step
         t = t_new
         y[:] = trial
         # A step that was refused once stands before a kink: growing at once would only have the next one refused.
         grown = step * min(1.0 if clock[REFUSED] > 0.0 else 5.0, max(0.2, 0.9 * (size + 1e-12) ** exponent))
         landed = last or event
-        h = min(max(h, grown) if landed else grown, longest)
+        cut = landed or step < h
+        h = min(max(h, grown) if cut else grown, longest)
+        if method == AUTOMATIC:
+            if clock[METHOD] == STIFF:
+                if step * clock[FASTEST] < heaviness and not cut:
+                    clock[METHOD] = EXPLICIT
+            else:
+                signs = clock[STIFF_SIGNS] + 1.0 if turned * step * step > STIFF_FROM**2 * leant else 0.0
+                clock[STIFF_SIGNS] = clock[STIFF_SIGNS] if cut else signs
+                if clock[STIFF_SIGNS] >= 2.0:
+                    clock[METHOD], clock[FASTEST] = STIFF, np.inf
+                    clock[STIFF_SIGNS] = 0.0
+                    clock[SWITCHES] += 1.0
         clock[REFUSED], tries = 0.0, 0
         clock[LANDED] = 1.0 if landed else 0.0
+        clock[AIMED] = 1.0 if aimed and not event else 0.0
         if landed:
-            if not instant(sample, events, t, y, command, memory, params, plan, agenda, waiting, reached):
+            if event:
+                clock[EVENTS] += 1.0
+                clock[HASTY] = clock[HASTY] + 1.0 if t - clock[EVENT_TIME] < HASTE else 0.0
+                clock[EVENT_TIME] = t
+            g[:] = x
+            if not instant(sample, events, t, y, command, memory, params, plan, agenda, waiting, g):
                 clock[TIME] = t
                 return TOO_MANY_WAITING
+            restless = settle(rates, t, y, command, params, plan, k[0])
+            if restless >= 0 or clock[HASTY] > MANY:
+                clock[TIME], clock[CULPRIT] = t, restless if restless >= 0 else changed(x, held)
+                return RESTLESS
+            positions(events, t, y, command, params, k[0], before)
+            hold(plan, agenda, command, course, held)
             t_stop, t_due = stop(t, command, params), next_due(plan, agenda)
-            rates(t, y, command, params, k[0])
         else:
             k[0, :] = k[6]
+            before[:] = x
         clock[TIME], clock[STEP] = t, h
-        if method == AUTOMATIC:
-            chosen_method(t, period, clock)
     return DONE
 
 
 BATCH = types.void(
-    RATES, SAMPLE, EVENTS, STOP,
-    MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, float64[:, :, :, ::1], MATRIX, VECTOR, VECTOR, VECTOR,
-    int64, float64, float64, float64, int64,
+    RATES, SAMPLE, EVENT_LIST, STOP,
+    MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, float64[:, :, :, ::1], MATRIX, CUBE, VECTOR, VECTOR, VECTOR, VECTOR,
+    PATTERN, float64, float64, float64, int64,
     MATRIX, CUBE, MATRIX, MATRIX, int64[::1],
 )  # fmt: skip
 
@@ -293,13 +329,13 @@ BATCH = types.void(
 @njit(BATCH, cache=True, error_model="numpy", nogil=True, parallel=True)
 def batch(
     rates, sample, events, stop,
-    y, command, memory, params, plan, agenda, waiting, clocks, atol, rtol, scale,
-    active, t_end, longest, marks_from, method,
+    y, command, memory, params, plan, agenda, waiting, clocks, course, atol, rtol, scale, width,
+    pattern, t_end, longest, marks_from, method,
     mark_times, mark_states, low, high, status,
 ):  # fmt: skip
     """Runs one case per row of `params` and `y` on all cores; of the marks keeps the first and the last.
 
-    `y`, `command`, `memory`, `agenda`, `waiting` and `clocks` are changed in place.
+    `y`, `command`, `memory`, `agenda`, `waiting`, `clocks` and `course` are changed in place.
     """
     for case in prange(params.shape[0]):
         n = y.shape[1]
@@ -308,8 +344,8 @@ def batch(
         status[case] = run(
             rates, sample, events, stop,
             y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],
-            atol, rtol, scale,
-            active, t_end, longest, marks_from, method, 1e300, 1,
+            course[case], atol, rtol, scale, width,
+            pattern, t_end, longest, marks_from, method, 1e300, 1,
             np.zeros(0), np.zeros((0, n)), np.zeros((0, command.shape[1])), np.zeros((0, memory.shape[1])),
             mark_times[case], mark_states[case], low[case], high[case],
         )  # fmt: skip

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.books import NOTHING
-from vvdp.simulation.values import same
+from vvdp.base.params import field_types
+from vvdp.simulation.values import blank, names, same
 
 
 def no_mark(t: float, state: Any, command: Any, params: Any) -> float:
@@ -53,7 +54,7 @@ class Program:
 class Model:
     """Plain functions that say how a system behaves.
 
-    circuit(t, state, command, params) -> (rates, outputs)   rates have the NamedTuple of the state
+    circuit(t, state, command, params) -> (rates, outputs)   rates have the NamedTuple of the state; see below
     stored(state, params) -> Stored                          what the books' balance needs; None leaves it unchecked
     start(params) -> state                                   where a run begins; None: the case has to say it
     conditions(t, params) -> held                            worked out once per sample period and held in between
@@ -61,7 +62,9 @@ class Model:
     stop(t, command, params) -> float                        the next time after t at which the rates jump
 
     The command is a NamedTuple with a field `held` for the conditions, where there are any, and a field for each of
-    the `programs` by its name. It changes at samples only.
+    the `programs` by its name. It changes at samples only. A circuit that jumps or has kinks may have a field `modes`
+    as well, a NamedTuple of Mode and Kink: it returns such a tuple as a third value, steps end wherever the floor of a
+    number in it changes, and the command holds these floors.
     """
 
     circuit: Callable[..., Any]
@@ -102,6 +105,8 @@ def started_case(model: Model, command: type, params: Any, settings: Mapping[str
     assert model.start is not None
     given = dict(settings or {})
     held = {} if model.conditions is None else {"held": model.conditions(0.0, params)}
+    if "modes" in names(command):
+        held["modes"] = blank(field_types(command)["modes"])
     programs = {name: program.command for name, program in model.programs.items()}
     return Case(
         state=model.start(params),

@@ -8,6 +8,7 @@ from typing import Any
 from vvdp.simulation.layout import blocks
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, told, told_size, write
+from vvdp.simulation.values import names
 
 VECTOR = "float64[::1]"
 
@@ -45,11 +46,14 @@ class _Arguments:
 
 
 def rates_part(model: Model, case: Case) -> Part:
-    """rates(t, y, u, p, dy)"""
+    """rates(t, y, u, p, dy), with the modes behind the rates in `dy`."""
     a = _Arguments(case)
     lines = [_njit("void", 4, "rates(t, y, u, p, dy)"), *a.lines]
-    lines.append(f"    value, outputs = circuit(t, {a.state}, {a.command}, {a.params})")
-    write(case.state, "value", "dy", Place(), lines)
+    place = Place()
+    lines.append(f"    {_results(case)} = circuit(t, {a.state}, {a.command}, {a.params})")
+    write(case.state, "value", "dy", place, lines)
+    if "modes" in names(case.command):
+        write(case.command.modes, "modes", "dy", place, lines)
     name = getattr(model.circuit, "__name__", "circuit").removesuffix("circuit").strip("_")
     announcement = f"compiling the circuit{f' {name}' if name else ''} (once for each, a few seconds)"
     return Part(_source(a.classes, lines), {"circuit": model.circuit}, a.classes, announcement)
@@ -97,7 +101,7 @@ def measure_part(model: Model, program: Program, case: Case) -> tuple[Part, int]
     lines += [*a.lines, f"    state, command, params = {a.state}, {a.command}, {a.params}", "    outputs = 0.0"]
     if needs_outputs(program.measure):
         called["circuit"] = model.circuit
-        lines[-1] = "    value, outputs = circuit(t, state, command, params)"
+        lines[-1] = f"    {_results(case)} = circuit(t, state, command, params)"
     lines.append("    reading = measure(t, state, outputs, params)")
     write(reading, "reading", "r", Place(), lines, shapes=True)
     return Part(_source(a.classes, lines), called, a.classes), told_size(reading)
@@ -143,9 +147,13 @@ def sample_part(held: str | None, programs: Sequence[Sampled]) -> Part:
     return Part(_source(classes, lines), {}, classes)
 
 
+def _results(case: Case) -> str:
+    return "value, outputs, modes" if "modes" in names(case.command) else "value, outputs"
+
+
 def example_reading(model: Model, program: Program, case: Case) -> Any:
     """What the program measures at the start."""
-    _, outputs = model.circuit(0.0, case.state, case.command, case.params)
+    outputs = model.circuit(0.0, case.state, case.command, case.params)[1]
     return program.measure(0.0, case.state, outputs, case.params)
 
 

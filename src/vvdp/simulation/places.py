@@ -1,20 +1,21 @@
 """Where what lies in the flat arrays that Python and the compiled loop hand to each other."""
 
 # What `run` returns.
-DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING = range(7)
+DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING, RESTLESS = range(8)
 
 # Places in `clock`.
 TIME, STEP, BEGUN, STEPS, REJECTED, EVALUATIONS, RECORDS, MARKS, STORED, METHOD = range(10)
-WINDOW_TIME, WINDOW_COST, OTHER_COST, TRIAL, REVIEW, SWITCHES, REFUSED = range(10, 17)
-MARK_BEFORE, LANDED, JUMPS, JUMP_TIME = range(17, 21)
-CLOCK = 21
+REFUSED, MARK_BEFORE, LANDED, JUMPS, JUMP_TIME = range(10, 15)
+SWITCHES, STIFF_SIGNS, FASTEST, ERROR_BEFORE, STEP_BEFORE, AIMED = range(15, 21)
+EVENTS, EVENT_TIME, HASTY, CULPRIT = range(21, 25)
+CLOCK = 25
 
 EXPLICIT, STIFF = 0.0, 1.0
 AUTOMATIC, ONLY_EXPLICIT, ONLY_STIFF = 0, 1, 2
 
 # The sampled functions have a row each in `plan` and `agenda`: first the conditions, then the programs. Columns of
 # `plan`: times are phase + n period; TRIGGER is the place among the events, 0 for a program that goes by the clock;
-# its command lies in FIRST to LAST.
+# its command lies in FIRST to LAST; so do the modes, in the row of the conditions.
 PERIOD, PHASE, LATENCY, TRIGGER, FIRST, LAST = range(6)
 PLAN = 6
 

@@ -9,6 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.books import NOTHING
+from vvdp.base.kinds import KINK
+from vvdp.numerics.sparse import Pattern, pattern
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.check import check_model, check_times
@@ -17,6 +20,11 @@ from vvdp.simulation.link import Linked, link, quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.stepping import Method, Stepping
 from vvdp.simulation.values import leaves
+
+LOOP = ("landing", "loop", "schedule", "steps", "stiff")
+"""The modules that the compiled loop is written in."""
+AT_TRIGGER, AT_MODE, AT_KINK = 1e-12, 1e-7, 1e-6
+"""How far behind an event a step may end, as a share of the step: slopes change by far less than rates do."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +37,8 @@ class Prepared:
     atol: Array
     rtol: Array
     scale: Array
-    active: int
+    width: Array  # of the mark, the triggers and the modes: how far behind an event a step may end, as a share of it
+    pattern: Pattern
 
 
 def prepared(
@@ -50,20 +59,28 @@ def prepared(
         atol=stepping.relative_tolerance * scale,
         rtol=stepping.relative_tolerance * bounded,
         scale=scale,
-        active=active,
+        width=_width(model, case),
+        pattern=pattern(np.ones((len(kinds), active), bool)),
     )
 
 
 def _plan(model: Model, case: Case, sample_period: float) -> Array:
     """A row for the conditions and for each program, as `vvdp.simulation.schedule` has them."""
     parts, triggers = command_parts(case), 0
-    rows = [[sample_period, 0.0, 0.0, 0.0, 0.0, 0.0]]
+    modes = parts.get("modes", slice(0, 0))
+    rows = [[sample_period, 0.0, 0.0, 0.0, modes.start, modes.stop]]
     for name, program in model.programs.items():
         triggers += program.trigger is not None
         period = sample_period if program.period is None else program.period
         trigger = 0.0 if program.trigger is None else triggers
         rows.append([period, program.phase, program.latency, trigger, parts[name].start, parts[name].stop])
     return np.array(rows, float)
+
+
+def _width(model: Model, case: Case) -> Array:
+    triggers = sum(program.trigger is not None for program in model.programs.values())
+    kinds = [kind for _, _, kind in leaves(getattr(case.command, "modes", NOTHING))]
+    return np.array([1.0] + triggers * [AT_TRIGGER] + [AT_KINK if kind is KINK else AT_MODE for kind in kinds])
 
 
 class Reached(NamedTuple):
@@ -75,6 +92,7 @@ class Reached(NamedTuple):
     agenda: Array  # (1 + programs, columns of `vvdp.simulation.schedule`)
     waiting: Array  # (1 + programs, depth, commands)
     clock: Array
+    course: Array  # (3, as many as `Prepared.width`)
 
     def copy(self) -> "Reached":
         """The same in arrays of its own."""
@@ -85,11 +103,11 @@ def started(ready: Prepared, stepping: Stepping) -> Reached:
     """Where a run stands before its first step."""
     state, command, memory, _ = (part.copy() for part in ready.vectors)
     programs, clock = ready.plan.shape[0], np.zeros(places.CLOCK)
-    clock[places.TIME] = clock[places.WINDOW_TIME] = stepping.begin
+    clock[places.TIME] = stepping.begin
     clock[places.STEP] = min(1e-3 * stepping.sample_period, stepping.longest_step)
     clock[places.METHOD] = places.STIFF if stepping.method is Method.STIFF else places.EXPLICIT
     agenda, waiting = np.zeros((programs, places.AGENDA)), np.zeros((programs, places.DEPTH, command.size))
-    return Reached(state, command, memory, agenda, waiting, clock)
+    return Reached(state, command, memory, agenda, waiting, clock, np.zeros((3, ready.width.size)))
 
 
 def is_loop_compiled() -> bool:
@@ -112,9 +130,7 @@ def _drop_stale_loop() -> None:
     """Numba knows a change of a function's own file only; the loop is written in several."""
     folder = Path(__file__).parent
     texts = (
-        folder / "loop.py",
-        folder / "schedule.py",
-        folder / "steps.py",
+        *(folder / f"{stem}.py" for stem in LOOP),
         folder.parent / "numerics" / "tableaus.py",
     )
     digest = hashlib.sha256(b"".join(text.read_bytes() for text in texts)).hexdigest()
@@ -122,7 +138,7 @@ def _drop_stale_loop() -> None:
     try:
         if kept.exists() and kept.read_text() == digest:
             return
-        for stem in ("loop", "schedule", "steps"):
+        for stem in LOOP:
             for old in kept.parent.glob(f"{stem}.*.nb[ic]"):
                 old.unlink(missing_ok=True)
         kept.parent.mkdir(exist_ok=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.books import NOTHING
 from vvdp.base.errors import RunError
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
@@ -119,7 +120,7 @@ def outputs(model: Model, case: Case, times: Array, states: Array, commands: Arr
     """The outputs of the circuit for recorded rows: the circuit itself, evaluated on whole columns at once."""
     state, command = as_series(case.state, states), as_series(case.command, commands)
     with np.errstate(all="ignore"):
-        _, found = model.circuit(times, state, command, case.params)
+        found = model.circuit(times, state, command, case.params)[1]
     return _over_time(found, times.shape)
 
 
@@ -230,7 +231,7 @@ def _carry(
         status = loop.run(
             *ready.linked[:4],
             *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-            *(ready.atol, ready.rtol, ready.scale, ready.active),
+            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern),
             *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, portion, 0),
             *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
             *(rows.low, rows.high),
@@ -242,7 +243,7 @@ def _carry(
             rows.mark_times = np.concatenate([rows.mark_times, np.zeros_like(rows.mark_times)])
             rows.mark_states = np.concatenate([rows.mark_states, np.zeros_like(rows.mark_states)])
         elif status not in (places.DONE, places.PAUSED):
-            raise RunError(failure(case, clock[places.TIME], reached.state, status))
+            raise RunError(failure(case, clock, reached.state, status))
         if progress:
             progress(float(clock[places.TIME]))
 
@@ -284,14 +285,25 @@ def below_vacuum(case: Case, low: Array) -> list[tuple[str, float]]:
     ]
 
 
-def failure(case: Case, reached: float, state: Array, status: int) -> str:
-    """Why a case could not be carried past the time `reached` [s], with its state there, shape (n,)."""
+def failure(case: Case, clock: Array, state: Array, status: int) -> str:
+    """Why a case could not be carried past the time of its `clock` [s], with its state there, shape (n,)."""
+    reached = clock[places.TIME]
     found = ((path, x) for (path, _, _), x in zip(leaves(case.state), state, strict=False))
     values = ", ".join(f"{path} = {x:.4g}" for path, x in found if not path.startswith("books."))
     why = {
         places.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
         places.STEP_TOO_SMALL: "the step has become too small",
         places.STOP_BEHIND: "`stop` names no later time; expected the next one at which the rates jump",
+        places.RESTLESS: _restless(case, int(clock[places.CULPRIT])),
         places.TOO_MANY_WAITING: f"more than {places.DEPTH} commands of a program wait; has it a long latency?",
     }[status]
     return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"
+
+
+def _restless(case: Case, mode: int) -> str:
+    """Names the mode of this number that changes without end."""
+    paths = [path for path, _, _ in leaves(getattr(case.command, "modes", NOTHING))]
+    return (
+        f"the mode {paths[mode]!r} changes to and fro without end (chattering): where it holds, its law leads at once "
+        "to where another does, and back; a lag or a hysteresis makes it one motion"
+    )

@@ -1,9 +1,9 @@
-"""One step of either method, compiled: explicit Tsitouras 5(4), and Rodas 4(3) for stiff rates."""
+"""One explicit step, compiled: Tsitouras 5(4), and the cubic between the ends of a step."""
 
 import numpy as np
 from numba import njit
 
-from vvdp.numerics.tableaus import RODAS4_A, RODAS4_B, RODAS4_C, RODAS4_D, RODAS4_GAMMA, TSIT5_A, TSIT5_C, TSIT5_E
+from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
 
 # As tuples, whose entries compiled code knows as constants; the sums below are written out for speed.
 TSIT5_ROWS = tuple(tuple(float(x) for x in row) for row in TSIT5_A)
@@ -12,10 +12,11 @@ TSIT5_ERROR = tuple(float(x) for x in TSIT5_E)
 
 # Written into the loop rather than called: a call per step with so many arrays costs a few per cent.
 @njit(cache=True, error_model="numpy", inline="always")
-def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error):
+def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial, error, lean):
     """Tsitouras 5(4) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], its error in `error`.
 
     Only the first `active` states feed back on the rates and are judged; the books behind them are needed at the end.
+    `lean` is the new state less that of the stage before, both at the end of the step.
     """
     A, C, E = TSIT5_ROWS, TSIT5_C, TSIT5_ERROR
     for m in range(active):
@@ -34,6 +35,8 @@ def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial,
         a = A[5][0] * k[0, m] + A[5][1] * k[1, m] + A[5][2] * k[2, m] + A[5][3] * k[3, m] + A[5][4] * k[4, m]
         trial[m] = y[m] + step * a
     rates(t_right, trial, command, params, k[5])
+    for m in range(active):
+        lean[m] = -trial[m]
     for m in range(y.size):
         a = A[6][0] * k[0, m] + A[6][1] * k[1, m] + A[6][2] * k[2, m] + A[6][3] * k[3, m] + A[6][4] * k[4, m]
         trial[m] = y[m] + step * (a + A[6][5] * k[5, m])
@@ -41,110 +44,8 @@ def explicit_step(rates, t, step, t_right, y, command, params, active, k, trial,
     for m in range(active):
         e = E[0] * k[0, m] + E[1] * k[1, m] + E[2] * k[2, m] + E[3] * k[3, m] + E[4] * k[4, m] + E[5] * k[5, m]
         error[m] = step * (e + E[6] * k[6, m])
+        lean[m] += trial[m]
     return 6.0
-
-
-@njit(cache=True, error_model="numpy")
-def factorised(matrix, pivots):
-    """LU factors of `matrix` in place with partial pivoting."""
-    n = pivots.size
-    for c in range(n):
-        best = c
-        for r in range(c + 1, n):
-            if abs(matrix[r, c]) > abs(matrix[best, c]):
-                best = r
-        pivots[c] = best
-        if best != c:
-            for m in range(n):
-                matrix[c, m], matrix[best, m] = matrix[best, m], matrix[c, m]
-        for r in range(c + 1, n):
-            if matrix[r, c] != 0.0:
-                f = matrix[r, c] / matrix[c, c]
-                matrix[r, c] = f
-                for m in range(c + 1, n):
-                    matrix[r, m] -= f * matrix[c, m]
-
-
-@njit(cache=True, error_model="numpy")
-def solved(matrix, pivots, x):
-    """Solution in place of `matrix` x = x, `matrix` as left by `factorised`."""
-    n = pivots.size
-    # All rows first: `factorised` has exchanged the multipliers along with them.
-    for c in range(n):
-        p = int(pivots[c])
-        x[c], x[p] = x[p], x[c]
-    for c in range(n):
-        for r in range(c + 1, n):
-            x[r] -= matrix[r, c] * x[c]
-    for c in range(n - 1, -1, -1):
-        for m in range(c + 1, n):
-            x[c] -= matrix[c, m] * x[m]
-        x[c] /= matrix[c, c]
-
-
-@njit(cache=True, error_model="numpy")
-def stiff_step(rates, t, step, t_right, y, command, params, active, scale, k, trial, error, jacobian, matrix, pivots):
-    """Rodas 4(3) from (t, y) with k[0] = f(t, y); as `explicit_step`.
-
-    The Jacobian is by forward differences, one evaluation per active state; the books are pure integrals and are
-    eliminated by hand.
-    """
-    n, na = y.size, active
-    u, slope, shifted, reduced = np.zeros((6, n)), np.zeros(n), np.zeros(n), np.zeros(na)
-    trial[:] = y
-    for c in range(na):
-        delta = 1.5e-8 * max(abs(y[c]), scale[c])
-        trial[c] = y[c] + delta
-        delta = trial[c] - y[c]
-        rates(t, trial, command, params, shifted)
-        for m in range(n):
-            jacobian[m, c] = (shifted[m] - k[0, m]) / delta
-        trial[c] = y[c]
-    # A difference in time taken towards the inside of the step never straddles a stop.
-    later = t + 1e-5 * step
-    if later > t:
-        rates(later, y, command, params, shifted)
-        for m in range(n):
-            slope[m] = (shifted[m] - k[0, m]) / (later - t)
-    g = 1.0 / (RODAS4_GAMMA * step)
-    for r in range(na):
-        for c in range(na):
-            matrix[r, c] = -jacobian[r, c]
-        matrix[r, r] += g
-    factorised(matrix, pivots)
-    shifted[:] = k[0]
-    for i in range(6):
-        if i == 5:
-            for m in range(n):
-                trial[m] += u[4, m]
-        elif i > 0:
-            for m in range(n):
-                a = 0.0
-                for l in range(i):
-                    a += RODAS4_A[i, l] * u[l, m]
-                trial[m] = y[m] + a
-        if i > 0:
-            rates(t_right if RODAS4_C[i] == 1.0 else t + RODAS4_C[i] * step, trial, command, params, shifted)
-        for m in range(n):
-            a = shifted[m] + step * RODAS4_D[i] * slope[m]
-            for l in range(i):
-                a += RODAS4_B[i, l] / step * u[l, m]
-            u[i, m] = a
-        for c in range(na):
-            reduced[c] = u[i, c]
-        solved(matrix, pivots, reduced)
-        for m in range(n):
-            a = u[i, m]
-            for c in range(na):
-                a += jacobian[m, c] * reduced[c]
-            u[i, m] = a / g
-        for c in range(na):
-            u[i, c] = reduced[c]
-    for m in range(n):
-        trial[m] += u[5, m]
-        error[m] = u[5, m]
-    rates(t_right, trial, command, params, k[6])
-    return 8.0 + 1.5 * na
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.books import NOTHING, Nothing
 from vvdp.base.kinds import Kind
-from vvdp.base.params import field_kinds
+from vvdp.base.params import field_kinds, field_types
 from vvdp.numerics.tableaus import Array
 
 
@@ -22,6 +23,14 @@ def _field_names(cls: type) -> tuple[str, ...]:
     if dataclasses.is_dataclass(cls):
         return tuple(f.name for f in dataclasses.fields(cls))
     return tuple(getattr(cls, "_fields", ()))
+
+
+def blank(cls: type) -> Any:
+    """A NamedTuple of zeros."""
+    if cls is Nothing:
+        return NOTHING
+    hints = field_types(cls)
+    return cls(*(blank(hints[name]) if names(hints[name]) else 0.0 for name in names(cls)))
 
 
 def flat(value: Any) -> Array:

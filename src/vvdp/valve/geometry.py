@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Count, Fraction, Length
-from vvdp.base.select import clip
+from vvdp.base.kinds import Count, Fraction, Kink, Length
+from vvdp.base.modes import side
+from vvdp.base.select import clip, minimum
 from vvdp.valve.rotary import RotaryValve
 
 
@@ -113,6 +114,15 @@ def wedge_opening(distance: float, half_width: float, ramp: float) -> float:
     return entered * remaining + following * (1.0 - remaining)
 
 
+class PortEdges(NamedTuple):
+    """Sides of the kinks of the port openings; `base.modes.side`."""
+
+    load_near: Kink
+    load_far: Kink
+    tank_near: Kink
+    tank_far: Kink
+
+
 def port_openings(spool_angle: float, axial_position: float, valve: RotaryValve) -> Openings:
     """Open fractions of the nozzles towards load and tank [1].
 
@@ -143,3 +153,33 @@ def shape_openings(spool_angle: float, axial_position: float, shape: PortShape) 
     load = wedge_opening(distance, half_duty - half_barrier, ramp)
     tank = 1.0 - wedge_opening(distance, half_duty + half_barrier, ramp)
     return Openings(load, tank)
+
+
+def port_edges(spool_angle: float, axial_position: float, shape: PortShape) -> PortEdges:
+    """On which side of the angles at which a port begins or ceases to open or shut the spool stands [1].
+
+    The openings have kinks where |2 |w| -/+ d_c|/2 pitches lie between the nozzle's centre and the middle of the
+    nearest wedge, w half the width of the load's wedge or of the load's with both barriers, d_c the nozzle's width.
+
+    spool_angle     any number of turns [rad]
+    axial_position  any value [m]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    turn = shape.sections * spool_angle / (2.0 * np.pi)
+    distance = abs(turn - np.floor(turn + 0.5))
+    half_duty = 0.5 * axial_position / shape.helix_length
+    load, tank = abs(half_duty - 0.5 * shape.barrier_width), abs(half_duty + 0.5 * shape.barrier_width)
+    half_nozzle = 0.5 * shape.nozzle_width
+    return PortEdges(
+        load_near=side(distance - _folded(load - half_nozzle)),
+        load_far=side(distance - _folded(load + half_nozzle)),
+        tank_near=side(distance - _folded(tank - half_nozzle)),
+        tank_far=side(distance - _folded(tank + half_nozzle)),
+    )
+
+
+def _folded(distance: float) -> float:
+    """A distance from the middle of a wedge as one from that of the nearest [pitches]."""
+    inner = abs(distance)
+    return minimum(inner, 1.0 - inner)
