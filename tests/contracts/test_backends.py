@@ -1,5 +1,6 @@
 """One text, five ways of running it: Python floats, arrays, CasADi symbols, own symbols and compiled code agree."""
 
+import ctypes
 import dataclasses
 import inspect
 from collections import namedtuple
@@ -13,6 +14,7 @@ import pytest
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid import mixture
+from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import members, vectors
 from vvdp.simulation.link import link
 from vvdp.simulation.reach import compiled_form, reachable
@@ -154,6 +156,33 @@ def test_traced_rates_are_those_of_the_circuit(name, setting):
         found[:, j] |= np.array(plain(times[i], moved)) != values[i]
     assert not np.any(found & ~dependencies(graph, flats.params))
     assert not np.any(found & ~dependencies(graph))
+
+
+def in_lanes(lanes, values):
+    """Rows of numbers, shape (numbers, COUNT), as the function of many cases takes them: its cases side by side."""
+    return np.ascontiguousarray(values.reshape(values.shape[0], -1, lanes.width).swapaxes(0, 1))
+
+
+@pytest.mark.parametrize(("name", "setting"), variants())
+def test_rates_of_many_cases_at_once_are_those_of_each(name, setting):
+    system = load_system(name, SETTINGS[setting])
+    model, case = system.model, system.case
+    rng = np.random.default_rng(20261122)
+    rows, times = random_states(case, rng), rng.uniform(0.0, 1.0, COUNT)
+    linked, flats = link(model, case), vectors(case)
+    each = np.zeros_like(rows)
+    for i, (instant, row) in enumerate(zip(times.tolist(), rows, strict=True)):
+        linked.rates(instant, row, flats.command, flats.params, each[i])
+
+    lanes = lane_rates(trace(model, case))
+    shared = [np.repeat(vector[:, None], COUNT, 1) for vector in (flats.command, flats.params)]
+    inputs = [times[None], rows.T, *shared, signal_values(case.params, times)]
+    packed = [in_lanes(lanes, values) for values in (*inputs, np.zeros_like(rows.T))]
+    rates = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 6)(lanes.address)
+    for group in zip(*packed, strict=True):
+        rates(*(array.ctypes.data for array in group))
+    together = packed[-1].swapaxes(1, 2).reshape(rows.shape)
+    assert agrees(each, together, np.max(np.abs(each), axis=0).clip(1e-300))
 
 
 # Every formula
