@@ -7,7 +7,7 @@ import pytest
 from numba import njit, types
 
 from vvdp.simulation import lane_code
-from vvdp.simulation.lane_code import compiled, lane_rates, lane_text, loaded
+from vvdp.simulation.lane_code import by_urgency, compiled, lane_rates, lane_text, loaded
 from vvdp.simulation.symbols import Op, Recorder
 from vvdp.simulation.trace import Graph, evaluated
 
@@ -81,3 +81,10 @@ def test_compiled_code_is_kept_and_damage_is_seen(graph, tmp_path, monkeypatch):
     assert len(heard) == 2
     inputs = values(lanes.width, np.random.default_rng(8))
     assert called(lanes.address, inputs, 4) == pytest.approx(expected(graph, inputs), rel=1e-14, abs=1e-14)
+
+
+def test_nothing_stands_before_what_it_takes(graph):
+    order = by_urgency(graph)
+    assert sorted(order) == list(range(len(graph.nodes)))
+    when = {place: i for i, place in enumerate(order)}
+    assert all(when[i] < when[place] for place, node in enumerate(graph.nodes) for i in node.inputs)

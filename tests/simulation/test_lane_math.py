@@ -1,6 +1,8 @@
 """Functions of vectors: against the C library's in more digits, in what is special, and in every form they take."""
 
 import ctypes
+import math
+from fractions import Fraction
 from functools import cache
 
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 from llvmlite import ir
 
 from vvdp.simulation.lane_code import compiled, is_fused, loaded
-from vvdp.simulation.lane_math import FUNCTIONS, parts
+from vvdp.simulation.lane_math import FUNCTIONS, parts, shortened
 from vvdp.simulation.lane_values import DOUBLE, Code, Vector
 from vvdp.simulation.symbols import Op
 from vvdp.simulation.trace import PLAIN
@@ -108,3 +110,16 @@ def test_a_number_in_parts_adds_up():
     assert parts(third, 1, 53) == [1.0 / 3.0]
     assert abs(sum(map(Decimal, parts(third, 2, 32))) - third) < Decimal(2) ** -60
     assert parts(third, 1, 32)[0] * 1000001.0 == 1000001 * int(parts(third, 1, 32)[0] * 2**33) / 2**33
+
+
+def test_a_shortened_series_is_better_than_one_cut_off():
+    exact = [Fraction(1, math.factorial(i)) for i in range(16)]
+    x = np.linspace(-0.5, 0.5, 101)
+
+    def error(series):
+        return np.max(np.abs(np.polynomial.polynomial.polyval(x, series) - np.exp(x)))
+
+    best = shortened(exact, 6, Fraction(-1, 2), Fraction(1, 2))
+    assert len(best) == 6
+    assert error(best) < error([float(c) for c in exact[:6]]) / 16.0
+    assert error(best) == pytest.approx(0.5**6 / math.factorial(6) / 2**5, rel=0.1)  # that of a Chebyshev polynomial

@@ -1,7 +1,8 @@
 """A traced graph as machine code that works out the rates of many cases side by side, without a compiler around.
 
 The graph is written as LLVM's text for vectors as wide as the processor's, and compiled by the library that comes with
-Numba. The compiled object is kept in the cache under the hash of its text, so that the next process only loads it.
+Numba. The compiled object is kept in the cache under the hash of the graph and of what writes its text, so that the
+next process only loads it.
 """
 
 import hashlib
@@ -14,6 +15,7 @@ import llvmlite
 import llvmlite.binding as llvm
 from llvmlite import ir
 
+from vvdp.simulation import lane_math, lane_values
 from vvdp.simulation.cache import default_cache, kept, quiet
 from vvdp.simulation.lane_math import FUNCTIONS
 from vvdp.simulation.lane_values import DOUBLE, Code, Mask, Vector
@@ -24,9 +26,17 @@ WIDE, NARROW = 8, 4
 ARGUMENTS = (Op.TIME, Op.STATE, Op.COMMAND, Op.PARAMETER, Op.SIGNAL)
 """What the function takes, in this order; behind them where its results go."""
 
+CYCLES = {Op.DIVIDE: 13, Op.SQRT: 20, Op.POWER: 95, Op.FLOOR: 4} | dict.fromkeys(
+    (Op.EXP, Op.EXPM1, Op.LOG, Op.LOG1P, Op.SIN, Op.COS, Op.TAN, Op.TANH, Op.ATAN), 55
+)
+"""About how long one has to wait for an operation; for others about 3."""
+
 
 class LaneRates(NamedTuple):
-    """Compiled rates(t, y, u, p, s, dy) of addresses: of each number, `width` values one after the other."""
+    """Compiled rates(t, y, u, p, s, dy) of addresses: of each number, `width` values one after the other.
+
+    What is written at `dy` must not lie where something is read.
+    """
 
     width: int
     address: int
@@ -38,25 +48,30 @@ def lane_rates(graph: Graph, cache: Path | None = None, say: Callable[[str], Non
 
     Raises RunError where the cache cannot be trusted.
     """
-    width = host_width()
-    text = lane_text(graph, width, is_fused())
-    told = f"{llvmlite.__version__} {llvm.llvm_version_info} {text}"
-    symbol = f"vvdp_lanes_{hashlib.sha256(told.encode()).hexdigest()[:16]}"
+    told = f"{_versions()} {graph!r}"
+    symbol = f"{NAME}_{hashlib.sha256(told.encode()).hexdigest()[:16]}"
+
+    def make() -> bytes:
+        say("compiling rates for many cases at once")
+        return compiled(lane_text(graph, host_width(), is_fused()).replace(NAME, symbol))
+
     if symbol not in _loaded:
-        text = text.replace(NAME, symbol)
-
-        def make() -> bytes:
-            say("compiling rates for many cases at once (a few seconds)")
-            return compiled(text)
-
         _loaded[symbol] = loaded(kept(symbol, make, cache or default_cache()))
         llvm.add_symbol(symbol, _loaded[symbol].get_function_address(symbol))
-    return LaneRates(width, _loaded[symbol].get_function_address(symbol), symbol)
+    return LaneRates(host_width(), _loaded[symbol].get_function_address(symbol), symbol)
 
 
 NAME = "vvdp_lanes"
 _loaded: dict[str, Any] = {}
 """What holds the code of each function; it would be freed without."""
+
+
+@remembered
+def _versions() -> str:
+    """What compiled code depends on besides the graph; the processor is part of its file's name."""
+    own = (__file__, lane_math.__file__, lane_values.__file__)
+    texts = hashlib.sha256(b"".join(Path(path).read_bytes() for path in own)).hexdigest()
+    return f"{llvmlite.__version__} {llvm.llvm_version_info} {texts}"
 
 
 def host_width() -> int:
@@ -72,18 +87,33 @@ def is_fused() -> bool:
 def lane_text(graph: Graph, width: int, fused: bool) -> str:
     """LLVM's text of the function."""
     module = ir.Module(name=NAME)
-    place = ir.PointerType(DOUBLE)
-    function = ir.Function(module, ir.FunctionType(ir.VoidType(), [place] * (len(ARGUMENTS) + 1)), NAME)
+    kinds = [ir.PointerType(DOUBLE)] * (len(ARGUMENTS) + 1)
+    function = ir.Function(module, ir.FunctionType(ir.VoidType(), kinds), NAME)
     for argument in function.args:
         argument.add_attribute("noalias")
     code = Code(ir.IRBuilder(function.append_basic_block()), width, fused)
-    values: list[Any] = []
-    for node in graph.nodes:
-        values.append(_written(code, node, [values[i] for i in node.inputs], function.args))
-    for row, output in enumerate(graph.outputs):
-        code.builder.store(values[output].value, _row(code, function.args[-1], row), align=8)
+    values: dict[int, Any] = {}
+    for place in by_urgency(graph):
+        node = graph.nodes[place]
+        values[place] = _written(code, node, [values[i] for i in node.inputs], function.args)
+        for row in (row for row, output in enumerate(graph.outputs) if output == place):
+            code.builder.store(values[place].value, _row(code, function.args[-1], row), align=8)
     code.builder.ret_void()
     return _widened(str(module), width)
+
+
+def by_urgency(graph: Graph) -> list[int]:
+    """The nodes in the order in which they must begin at the latest, none before what it takes.
+
+    A processor works on what stands close together; in the order of the formulas it would mostly wait for one chain.
+    """
+    latest = [0] * len(graph.nodes)
+    for place in range(len(graph.nodes) - 1, -1, -1):
+        op, inputs, _ = graph.nodes[place]
+        latest[place] -= CYCLES.get(op, 3 if inputs else 0)
+        for i in inputs:
+            latest[i] = min(latest[i], latest[place])
+    return sorted(range(len(graph.nodes)), key=lambda place: (latest[place], place))
 
 
 def _written(code: Code, node: Node, inputs: list[Any], arguments: Any) -> Any:

@@ -1,12 +1,14 @@
 """Powers, exponentials, logarithms and sines of vectors, within two units in the last place of the exact value.
 
-Arguments are reduced exactly or to twice the digits, and what remains is small enough for a Taylor series. Powers lose
+Arguments are reduced exactly or to twice the digits, and what remains is small enough for a short series. Powers lose
 more digits far from 1: four units at e^100, twenty at e^700. Zeros come out without their sign.
 """
 
 import math
 from collections.abc import Callable
 from decimal import Decimal, localcontext
+from fractions import Fraction
+from math import factorial
 
 import numpy as np
 
@@ -30,14 +32,38 @@ def parts(value: Decimal, count: int, bits: int) -> list[float]:
     return found
 
 
+def shortened(series: list[Fraction], terms: int, low: Fraction, high: Fraction) -> list[float]:
+    """`sum(c[i] x^i)` with so many terms, next to the best between `low` and `high`.
+
+    Each highest term is replaced by what the Chebyshev polynomial of its degree leaves of it.
+    """
+    slope, shift = 2 / (high - low), -(high + low) / (high - low)
+    cosines = [[Fraction(1)], [shift, slope]]
+    while len(cosines) < len(series):
+        ahead = [2 * shift * c for c in cosines[-1]] + [Fraction(0)]
+        for i, c in enumerate(cosines[-1]):
+            ahead[i + 1] += 2 * slope * c
+        for i, c in enumerate(cosines[-2]):
+            ahead[i] -= c
+        cosines.append(ahead)
+    while len(series) > terms:
+        top = series[-1] / cosines[len(series) - 1][-1]
+        series = [c - top * d for c, d in zip(series, cosines[len(series) - 1], strict=True)][:-1]
+    return [float(c) for c in series]
+
+
 LN2_HIGH, LN2_LOW = parts(LN2, 2, SHORT)
 PER_LN2 = parts(2 / LN2, 2, WHOLE)
-EXP_SERIES = [1.0 / math.factorial(i + 2) for i in range(12)]
-EXP2_SERIES = [float(LN2**i) / math.factorial(i) for i in range(1, 15)]
-LOG_SERIES = [2.0 / (2 * i + 3) for i in range(11)]
-ATANH_SERIES = [1.0 / (2 * i + 3) for i in range(12)]
-SIN_SERIES = [(-1.0) ** (i + 1) / math.factorial(2 * i + 3) for i in range(8)]
-COS_SERIES = [(-1.0) ** i / math.factorial(2 * i) for i in range(9)]
+EIGHTH = Fraction(HALF_PI / 2) ** 2
+"""The square of an eighth of a turn [rad2]."""
+SPREAD = Fraction(1, 33)
+"""Above ((m - 1)/(m + 1))^2 for all m between the roots of 1/2 and 2."""
+EXP_SERIES = shortened([Fraction(1, factorial(i + 2)) for i in range(16)], 11, -Fraction(7, 20), Fraction(7, 20))
+EXP2_SERIES = shortened([Fraction(LN2) ** i / factorial(i) for i in range(1, 18)], 12, -Fraction(1, 2), Fraction(1, 2))
+LOG_SERIES = shortened([Fraction(2, 2 * i + 3) for i in range(16)], 8, Fraction(0), SPREAD)
+ATANH_SERIES = shortened([Fraction(1, 2 * i + 3) for i in range(16)], 8, Fraction(0), SPREAD)
+SIN_SERIES = shortened([Fraction((-1) ** (i + 1), factorial(2 * i + 3)) for i in range(10)], 7, Fraction(0), EIGHTH)
+COS_SERIES = shortened([Fraction((-1) ** i, factorial(2 * i)) for i in range(11)], 8, Fraction(0), EIGHTH)
 FAR = {True: 1e9, False: 1e5}
 """Angles up to which a sine's reduction is exact enough, with a fused product and without [rad]."""
 HUGE = 2.0**900
@@ -49,57 +75,55 @@ ROUNDING_BITS = int(np.float64(ROUNDING).view(np.int64))
 
 def power(code: Code, x: Vector, y: Vector) -> Vector:
     """`x ** y` as pow(x, y) of the C library has it."""
-    size = abs(x)
-    high, low = _log2(code, size)
+    high, low = _log2(code, *_split(code, x))
     e, rest = code.product(y, high)
-    inside = abs(e) < 1100.0
-    result = _exp2(code, _between(e, -1100.0, 1100.0), inside.select(rest + y * low, 0.0))
-    usual = (x > 0.0) & (x < math.inf) & (abs(y) < HUGE)
-    with code.where_any(~usual, result) as held:
-        held[0] = _odd_power(code, x, y, result)
+    result = _exp2(code, e, code.multiply_add(y, low, rest), _lifted)
+    usual = (x > 2.0**-1022) & (x < math.inf) & (abs(e) < 1000.0) & (abs(y) < HUGE)
+    is_zero = x.equals(0.0) & (y > 0.0)  # as often as a port is shut
+    with code.where_any(~(usual | is_zero), is_zero.select(0.0, result)) as held:
+        held[0] = _any_power(code, x, y)
     return held[0]
 
 
-def _odd_power(code: Code, x: Vector, y: Vector, result: Vector) -> Vector:
-    """A power of which the base is zero, negative, infinite or no number, or the exponent is no finite number."""
+def _any_power(code: Code, x: Vector, y: Vector) -> Vector:
+    """The same for numbers of every kind, and results out of range."""
     size, floor = abs(x), code.call("floor", y)
+    high, low = _log2(code, *_split_tiny(code, size))
+    e, rest = code.product(y, high)
+    rest = (abs(e) < 1100.0).select(rest + y * low, 0.0)
+    result = _exp2(code, _between(e, -1100.0, 1100.0), rest, _scaled)
     grows = (size.equals(math.inf) & (y > 0.0)) | (size.equals(0.0) & (y < 0.0))
     result = (size.equals(math.inf) | size.equals(0.0)).select(grows.select(math.inf, 0.0), result)
     half = 0.5 * y
     is_odd = floor.equals(y) & ~code.call("floor", half).equals(half)
-    sign = code.call("copysign", 1.0, x)
-    result = (is_odd & (sign < 0.0)).select(-result, result)
+    result = (is_odd & (code.call("copysign", 1.0, x) < 0.0)).select(-result, result)
     result = ((x < 0.0) & ~floor.equals(y) & ~size.equals(math.inf)).select(math.nan, result)
     result = (x.equals(x) & y.equals(y)).select(result, math.nan)
     is_one = y.equals(0.0) | x.equals(1.0) | (size.equals(1.0) & (abs(y) > 0.5 * HUGE))
     return is_one.select(1.0, result)
 
 
-def _log2(code: Code, x: Vector) -> tuple[Vector, Vector]:
-    """The binary logarithm of a number above zero, as a sum of two."""
-    k, m = _split(code, x)
+def _log2(code: Code, k: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """The binary logarithm of 2^k m, as a sum of two. Little has to wait for the series, which takes longest."""
     f = m - 1.0
-    g = f + 2.0
-    inverse = 1.0 / g
-    s = f * inverse
+    g = m + 1.0
+    s = f / g
     p, lost = code.product(s, g)
-    s_low = inverse * (((f - p) - lost) - s * (f - (g - 2.0)))
+    s_low = (((f - p) - lost) - s * (f - (g - 2.0))) / g
     z, z_low = code.product(s, s)
-    series = z * code.polynomial(z, ATANH_SERIES) + z_low * (1.0 / 3.0)
-    u = s * series + s_low
     high, low = code.product(s, code.vector(PER_LN2[0]))
-    low = low + (u * PER_LN2[0] + s * PER_LN2[1])
     rough = k + high
-    low = ((k - rough) + high) + low
+    small = low + (s * PER_LN2[1] + s_low * PER_LN2[0]) + high * z_low * (1.0 / 3.0)
+    low = code.multiply_add(high * z, code.polynomial(z, ATANH_SERIES), ((k - rough) + high) + small)
     total = rough + low
     return total, low - (total - rough)
 
 
-def _exp2(code: Code, e: Vector, rest: Vector) -> Vector:
+def _exp2(code: Code, e: Vector, rest: Vector, scaled: Callable[[Code, Vector, Vector], Vector]) -> Vector:
     """2 to the power of a sum of two."""
     shifted = e + ROUNDING
     r = (e - (shifted - ROUNDING)) + rest
-    return _scaled(code, 1.0 + r * code.polynomial(r, EXP2_SERIES), shifted)
+    return scaled(code, code.multiply_add(r, code.polynomial(r, EXP2_SERIES), 1.0), shifted)
 
 
 def exp(code: Code, x: Vector) -> Vector:
@@ -123,7 +147,7 @@ def _exp_rest(code: Code, x: Vector) -> tuple[Vector, Vector]:
 
 
 def log(code: Code, x: Vector) -> Vector:
-    k, m = _split(code, x)
+    k, m = _split_tiny(code, x)
     return _log_ends(_log_sum(code, k, m - 1.0), x, x)
 
 
@@ -200,20 +224,30 @@ def _between(x: Vector, low: float, high: float) -> Vector:
 
 
 def _split(code: Code, x: Vector) -> tuple[Vector, Vector]:
-    """k and m with x = 2^k m, m between the roots of 1/2 and 2, of a number above zero."""
-    is_tiny = x < 2.0**-1022
-    bits = is_tiny.select(x * 2.0**54, x).bits
-    build = code.builder
+    """k and m with x = 2^k m, m between the roots of 1/2 and 2, of a number above 2^-1022."""
+    build, bits = code.builder, x.bits
     exponent = build.ashr(build.sub(bits, code.whole(ROOT_HALF)), code.whole(52))
     m = code.floats(build.sub(bits, build.shl(exponent, code.whole(52))))
-    k = code.floats(build.add(exponent, code.whole(ROUNDING_BITS))) - is_tiny.select(ROUNDING + 54.0, ROUNDING)
-    return k, m
+    return code.floats(build.add(exponent, code.whole(ROUNDING_BITS))) - ROUNDING, m
+
+
+def _split_tiny(code: Code, x: Vector) -> tuple[Vector, Vector]:
+    """The same of any number above zero."""
+    is_tiny = x < 2.0**-1022
+    k, m = _split(code, is_tiny.select(x * 2.0**54, x))
+    return k - is_tiny.select(54.0, 0.0), m
 
 
 def _power_of_2(code: Code, shifted: Vector) -> Vector:
     """2^n of n plus `ROUNDING`, n above -1023 and below 1024."""
     build = code.builder
     return code.floats(build.add(build.shl(shifted.bits, code.whole(52)), code.whole(ONE)))
+
+
+def _lifted(code: Code, x: Vector, shifted: Vector) -> Vector:
+    """x 2^n of n plus `ROUNDING`, where that is in range: the exponent moved."""
+    build = code.builder
+    return code.floats(build.add(x.bits, build.shl(shifted.bits, code.whole(52))))
 
 
 def _scaled(code: Code, x: Vector, shifted: Vector) -> Vector:
