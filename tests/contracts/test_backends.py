@@ -1,5 +1,6 @@
-"""One text, four ways of running it: Python floats, arrays, CasADi symbols and compiled code agree."""
+"""One text, five ways of running it: Python floats, arrays, CasADi symbols, own symbols and compiled code agree."""
 
+import ctypes
 import dataclasses
 import inspect
 from collections import namedtuple
@@ -11,10 +12,13 @@ import numpy as np
 import pytest
 
 from vvdp.base.params import Params
+from vvdp.base.signal import Signal, signal_value
 from vvdp.fluid import mixture
-from vvdp.simulation.layout import vectors
+from vvdp.simulation.lane_code import lane_rates
+from vvdp.simulation.layout import members, vectors
 from vvdp.simulation.link import link
 from vvdp.simulation.reach import compiled_form, reachable
+from vvdp.simulation.trace import dependencies, evaluated, trace
 from vvdp.simulation.values import as_series, flat, leaves, names, rebuilt
 from vvdp.systems.system import load_system, shipped
 
@@ -119,6 +123,66 @@ def test_whole_circuit_is_the_same_in_every_form(name, setting):
     assert agrees(plain[:, :width], compiled, scale[:width])
     assert agrees(plain[:, -held.shape[1] :], held, scale[-held.shape[1] :])
     assert np.array_equal(flat(model.start(p)), flats.state)
+
+
+def signal_values(params, times):
+    """The value of each signal at each time, shape (signals, times): what a traced graph takes in their place."""
+    signals = [leaf for _, leaf in members(params, "") if isinstance(leaf, Signal)]
+    return np.array([[signal_value(t, one) for t in times.tolist()] for one in signals])
+
+
+@pytest.mark.parametrize(("name", "setting"), variants())
+def test_traced_rates_are_those_of_the_circuit(name, setting):
+    """And no state that a rate depends on is missing in the pattern of the graph."""
+    system = load_system(name, SETTINGS[setting])
+    model, case = system.model, system.case
+    rng = np.random.default_rng(20261121)
+    rows, times = random_states(case, rng), rng.uniform(0.0, 1.0, COUNT)
+
+    def plain(t, row):
+        return numbers_of(model.circuit(t, rebuilt(case.state, iter(row.tolist())), case.command, case.params)[0])
+
+    graph, flats = trace(model, case), vectors(case)
+    signals = signal_values(case.params, times)
+    traced = evaluated(graph, times, rows.T, flats.command, flats.params, signals)
+    values = np.array([plain(t, row) for t, row in zip(times.tolist(), rows, strict=True)])
+    together = np.array([np.broadcast_to(value, COUNT) for value in traced]).T
+    assert agrees(values, together, np.max(np.abs(values), axis=0).clip(1e-300))
+
+    found = np.zeros((values.shape[1], rows.shape[1]), bool)
+    for i, j in np.ndindex(20, rows.shape[1]):
+        moved = rows[i].copy()
+        moved[j] += 1e-3 * max(abs(moved[j]), 1e-3)
+        found[:, j] |= np.array(plain(times[i], moved)) != values[i]
+    assert not np.any(found & ~dependencies(graph, flats.params))
+    assert not np.any(found & ~dependencies(graph))
+
+
+def in_lanes(lanes, values):
+    """Rows of numbers, shape (numbers, COUNT), as the function of many cases takes them: its cases side by side."""
+    return np.ascontiguousarray(values.reshape(values.shape[0], -1, lanes.width).swapaxes(0, 1))
+
+
+@pytest.mark.parametrize(("name", "setting"), variants())
+def test_rates_of_many_cases_at_once_are_those_of_each(name, setting):
+    system = load_system(name, SETTINGS[setting])
+    model, case = system.model, system.case
+    rng = np.random.default_rng(20261122)
+    rows, times = random_states(case, rng), rng.uniform(0.0, 1.0, COUNT)
+    linked, flats = link(model, case), vectors(case)
+    each = np.zeros_like(rows)
+    for i, (instant, row) in enumerate(zip(times.tolist(), rows, strict=True)):
+        linked.rates(instant, row, flats.command, flats.params, each[i])
+
+    lanes = lane_rates(trace(model, case))
+    shared = [np.repeat(vector[:, None], COUNT, 1) for vector in (flats.command, flats.params)]
+    inputs = [times[None], rows.T, *shared, signal_values(case.params, times)]
+    packed = [in_lanes(lanes, values) for values in (*inputs, np.zeros_like(rows.T))]
+    rates = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 6)(lanes.address)
+    for group in zip(*packed, strict=True):
+        rates(*(array.ctypes.data for array in group))
+    together = packed[-1].swapaxes(1, 2).reshape(rows.shape)
+    assert agrees(each, together, np.max(np.abs(each), axis=0).clip(1e-300))
 
 
 # Every formula

@@ -1,5 +1,6 @@
-"""The three operations that Python floats, arrays, compiled code and CasADi do not share already.
+"""The three operations that Python floats, arrays, symbols and compiled code do not share already.
 
+A condition between symbols brings its own method `select`; CasADi's, which has none, is known by name.
 `vvdp.simulation.compiled` replaces `select` by a plain conditional in compiled code.
 """
 
@@ -10,10 +11,12 @@ import numpy as np
 
 def select(condition: Any, a: float, b: float) -> float:
     """`a` where `condition` holds, else `b`. Both are evaluated, so both must be finite."""
-    if type(condition).__module__.startswith("casadi"):
+    if hasattr(condition, "select"):
+        chosen: Any = condition.select(a, b)
+    elif type(condition).__module__.startswith("casadi"):
         import casadi
 
-        chosen: Any = casadi.if_else(condition, a, b)
+        chosen = casadi.if_else(condition, a, b)
     elif np.ndim(condition):
         chosen = np.where(condition, a, b)
     else:

@@ -158,3 +158,25 @@ def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
 
 def _module_name(wanted: Wanted) -> str:
     return f"vvdp_linked_{wanted.name}"
+
+
+def kept(name: str, make: Callable[[], bytes], cache: Path) -> bytes:
+    """What `make` gives, from its file in the cache where it was made before; damage is made anew.
+
+    Raises RunError where the cache cannot be written, or can be by others.
+    """
+    try:
+        cache.mkdir(mode=0o700, parents=True, exist_ok=True)
+        check_private(cache)
+        place = cache / f"{name}-{_processor()}.o"
+        if place.exists():
+            told, _, content = place.read_bytes().partition(b"\n")
+            if told == hashlib.sha256(content).hexdigest().encode():
+                return content
+        content = make()
+        with tempfile.NamedTemporaryFile(dir=cache, prefix=f".{name}-", delete=False) as file:
+            file.write(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+        Path(file.name).replace(place)
+        return content
+    except OSError as problem:
+        raise RunError(f"compiled code cannot be kept in {cache} ({problem.strerror}); {ADVICE}") from None
