@@ -6,7 +6,7 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Fraction, Frequency, Kink, Length, Mode, Position, Ratio, Velocity
-from vvdp.base.modes import between, side
+from vvdp.base.modes import side
 from vvdp.base.params import Params
 from vvdp.base.select import clip, minimum, select
 
@@ -63,7 +63,7 @@ class SpoolEnds(NamedTuple):
 
 
 class PortSides(NamedTuple):
-    """Whether the ports are shut, in between or fully open; `base.modes.between`."""
+    """Whether the ports are shut or open; `base.modes.side`."""
 
     first: Kink
     second: Kink
@@ -133,14 +133,14 @@ def port_areas(position: float, valve: SwitchingValve) -> PortAreas:
 
 
 def port_sides(position: float, valve: SwitchingValve) -> PortSides:
-    """Whether the two ports are shut, in between or fully open [1].
+    """Whether the two ports are shut or open [1]; at the ends of the stroke, where one is fully open, the spool stops.
 
     position  x [m]
 
     Source  ours, docs/models/components.md
     """
     first, second = _travels(position, valve)
-    return PortSides(between(first), between(second))
+    return PortSides(side(first), side(second))
 
 
 def _travels(position: float, valve: SwitchingValve) -> tuple[float, float]:

@@ -8,13 +8,15 @@ these are known.
 import numpy as np
 from numba import njit
 
-from vvdp.simulation.places import FIRST, LAST, LEVEL, TRIGGER
+from vvdp.simulation.places import BARE, FIRST, LAST, LEVEL, TRIGGER
 
 SETTLINGS = 32
 """How often modes may change at one instant."""
+GRAIN = 1e-10
+"""How far behind its boundary a mode or kink has to be before it counts: what rests on a boundary does not chatter."""
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(**BARE, inline="always")
 def positions(events, t, y, u, p, rate, x):
     """Fills `x` from the events and from what stands behind the rates, `rate`."""
     events(t, y, u, p, x)
@@ -23,7 +25,7 @@ def positions(events, t, y, u, p, rate, x):
         x[x.size - behind + i] = rate[y.size + i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def settle(rates, t, y, u, p, plan, rate):
     """Rates at an instant with the modes that hold there; the place of one that finds no rest, else -1."""
     first, n, restless = int(plan[0, FIRST]), y.size, -1
@@ -31,16 +33,15 @@ def settle(rates, t, y, u, p, plan, rate):
         rates(t, y, u, p, rate)
         restless = -1
         for i in range(rate.size - n):
-            mode = np.floor(rate[n + i])
-            if mode != u[first + i]:
-                u[first + i] = mode
+            if has_left(rate[n + i], u[first + i], GRAIN):
+                u[first + i] = np.floor(rate[n + i])
                 restless = i
         if restless < 0:
             break
     return restless
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def hold(plan, agenda, u, course, held):
     """Fills `held`, and forgets the course of what has changed."""
     for k in range(1, plan.shape[0]):
@@ -51,83 +52,96 @@ def hold(plan, agenda, u, course, held):
         _keep(held.size - modes + i, u[first + i], course, held)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(**BARE, inline="always")
 def _keep(i, floor, course, held):
     if held[i] != floor:
         held[i] = floor
         course[2, i] = 0.0
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def is_left(x, held):
+@njit(**BARE, inline="always")
+def has_left(x, floor, grain):
+    """Whether `x` is no longer between a floor and the next."""
+    return x < floor - grain or x >= floor + 1.0 + grain
+
+
+@njit(**BARE, inline="always")
+def is_left(x, held, grain):
     """Whether any floor has changed."""
+    found = False
     for i in range(1, x.size):
-        if np.floor(x[i]) != held[i]:
-            return True
-    return False
+        found = found or has_left(x[i], held[i], grain[i])
+    return found
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE, inline="always")
+def edge(x, floor, grain):
+    """The boundary on the side of `x`."""
+    return floor + 1.0 + grain if x > floor + 0.5 else floor - grain
+
+
+@njit(**BARE, inline="always")
 def follow(course, before, x, step, step_before):
     """Brings the course up to the end of a step."""
+    per_step, per_mean = 1.0 / step, 2.0 / (step + step_before)
     for i in range(1, x.size):
-        speed = (x[i] - before[i]) / step
-        course[1, i] = course[2, i] * 2.0 * (speed - course[0, i]) / (step + step_before)
+        speed = (x[i] - before[i]) * per_step
+        course[1, i] = course[2, i] * (speed - course[0, i]) * per_mean
         course[0, i] = speed
         course[2, i] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
-def time_left(course, x, held, step_before):
-    """The time [s] after which the first floor is expected to change; infinite where none is."""
+@njit(**BARE, inline="always")
+def time_left(course, x, held, grain, step_before, soon):
+    """The time [s] after which the first floor is expected to change; infinite where none is.
+
+    soon  a time of interest: what is clearly later need not be known [s]
+    """
     least = np.inf
     for i in range(1, x.size):
-        if course[2, i] == 0.0:
-            continue
-        acceleration = course[1, i]
-        speed = course[0, i] + 0.5 * acceleration * step_before
-        distance = (held[i] + 1.0 if speed > 0.0 else held[i]) - x[i]
-        s = distance / speed
-        for _ in range(3):
-            s = distance / (speed + 0.5 * acceleration * s)
-        if s > 0.0:
-            least = min(least, s)
+        acceleration = course[2, i] * course[1, i]
+        speed = course[2, i] * (course[0, i] + 0.5 * acceleration * step_before)
+        distance = (held[i] + 1.0 + grain[i] if speed > 0.0 else held[i] - grain[i]) - x[i]
+        if abs(distance) < 2.0 * soon * abs(speed):
+            s = distance / speed
+            for _ in range(3):
+                s = distance / (speed + 0.5 * acceleration * s)
+            if s > 0.0:
+                least = min(least, s)
     return least
 
 
-@njit(cache=True, error_model="numpy")
-def guess(lo, hi, before, after, held):
+@njit(**BARE)
+def guess(lo, hi, before, after, held, grain):
     """The earliest place between `lo` and `hi` at which a line from `before` to `after` says that a floor changes."""
     found = hi
     for i in range(1, held.size):
-        if np.floor(after[i]) != held[i]:
-            edge = held[i] + 1.0 if after[i] >= held[i] + 1.0 else held[i]
-            share = (edge - before[i]) / (after[i] - before[i])
+        if has_left(after[i], held[i], grain[i]):
+            share = (edge(after[i], held[i], grain[i]) - before[i]) / (after[i] - before[i])
             found = min(found, lo + (hi - lo) * min(1.0, max(0.0, share)))
     return found
 
 
-@njit(cache=True, error_model="numpy")
-def lateness(before, x, held, width, step, usual):
+@njit(**BARE)
+def lateness(before, x, held, grain, width, step, usual):
     """How far a step has gone behind its events, over what is allowed, and what is, as a share of the step.
 
     usual  the step that would be taken without events, of which `width` is a share [s]
     """
     worst, near = 0.0, 1.0
     for i in range(1, held.size):
-        if np.floor(x[i]) != held[i]:
-            edge = held[i] + 1.0 if x[i] >= held[i] + 1.0 else held[i]
+        if has_left(x[i], held[i], grain[i]):
             allowed = width[i] * usual / step
-            worst = max(worst, (x[i] - edge) / (x[i] - before[i]) / allowed)
+            worst = max(worst, (x[i] - edge(x[i], held[i], grain[i])) / (x[i] - before[i]) / allowed)
             near = min(near, allowed)
     return worst, near
 
 
-@njit(cache=True, error_model="numpy")
-def changed(x, held):
+@njit(**BARE)
+def changed(x, held, grain):
     """The number of the last mode or kink whose floor has changed, counted from the end."""
     found = 1
     for i in range(1, held.size):
-        if np.floor(x[i]) != held[i]:
+        if has_left(x[i], held[i], grain[i]):
             found = i
     return found - held.size

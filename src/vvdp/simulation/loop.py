@@ -5,17 +5,21 @@ vectors that it changes in place), so a run can be handed back at any step and t
 the last bit.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numba import float64, int64, njit, prange, types
 
 from vvdp.numerics.sparse import Pattern
-from vvdp.simulation.landing import changed, follow, guess, hold, is_left, lateness, positions, settle, time_left
+from vvdp.simulation.landing import GRAIN, changed, follow, guess, hold, is_left, lateness, positions, settle, time_left
 from vvdp.simulation.places import (
+    BARE,
     AIMED,
     AUTOMATIC,
     BEGUN,
     CULPRIT,
     DONE,
+    ERROR_BEFORE,
     EVALUATIONS,
     EVENT_TIME,
     EVENTS,
@@ -52,7 +56,7 @@ from vvdp.simulation.places import (
     TOO_MANY_WAITING,
 )
 from vvdp.simulation.schedule import begin, instant, next_due
-from vvdp.simulation.steps import between, explicit_step, widen
+from vvdp.simulation.steps import between, copy, explicit_step, fill, widen
 from vvdp.simulation.stiff import stiff_step
 
 VECTOR = float64[::1]
@@ -65,10 +69,36 @@ EVENT_LIST = types.FunctionType(types.void(float64, VECTOR, VECTOR, VECTOR, VECT
 STOP = types.FunctionType(float64(float64, VECTOR, VECTOR))
 PATTERN = types.NamedTuple([INTS] * 5 + [TABLE] + [INTS] * 2 + [TABLE] * 3 + [INTS], Pattern)
 
+
+class Workbench(NamedTuple):
+    """Room for a run between its steps: it makes no array itself."""
+
+    trial: Any  # (n,)
+    error: Any  # (n,)
+    lean: Any  # (n,)
+    middle: Any  # (n,)
+    rate: Any  # (n + modes,)
+    shifted: Any  # (n + modes,)
+    slope: Any  # (n,)
+    before: Any  # (positions,), as all that follow
+    x: Any
+    g: Any
+    held: Any
+    grain: Any
+    low: Any
+    high: Any
+    jacobian: Any  # (entries,)
+    factors: Any
+    k: Any  # (7, n + modes)
+    stages: Any  # (6, n)
+
+
+BENCH = types.NamedTuple([VECTOR] * 16 + [MATRIX] * 2, Workbench)
+
 # An explicit step is at the edge of its stability where step times fastest rate is 3.2; twice beyond the first of these
 # the stiff method takes over, and below the second, for each of its evaluations over those of an explicit step, it
 # hands back.
-STIFF_FROM, EXPLICIT_BELOW = 2.2, 0.65
+STIFF_FROM, EXPLICIT_BELOW = 2.2, 1.3
 
 # After so many refusals in a row a step is tried with the explicit method: at a jump of the rates the stiff one's
 # Jacobian by differences is the jump over a hair's breadth, and no step is short enough for it.
@@ -87,7 +117,7 @@ AIM = 5e-7
 HASTE, MANY = 1e-9, 200.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def mark_fraction(events, t, step, y, u, p, trial, k, middle, g, goal, upward):
     """Where on the cubic the mark passes `goal`, as a fraction of the step."""
     lo, hi = 0.0, 1.0
@@ -102,47 +132,50 @@ def mark_fraction(events, t, step, y, u, p, trial, k, middle, g, goal, upward):
     return hi
 
 
-@njit(cache=True, error_model="numpy")
-def first_change(rates, events, t, step, y, u, p, k, trial, held, before, after, near, middle, rate, x):
+@njit(**BARE)
+def first_change(rates, events, t, step, y, u, p, near, bench):
     """Where on its cubic the first floor changes, as a fraction of the step, how far it surely has not, and the cost.
 
     near  what is near enough, as a fraction of the step
     """
-    lo, hi, s, same, cost = 0.0, 1.0, 2.0, 0, 0.0
-    low, high = before.copy(), after.copy()
+    lo, hi, same, cost = 0.0, 1.0, 0, 0.0
+    k, trial, middle, rate, x = bench.k, bench.trial, bench.middle, bench.rate, bench.g
+    held, grain, low, high = bench.held, bench.grain, bench.low, bench.high
+    copy(low, bench.before)
+    copy(high, bench.x)
     for _ in range(TRIES):
-        last, s = s, guess(lo, hi, low, high, held)
-        if abs(s - last) <= near or hi - lo <= near:
+        if hi - lo <= near:
             break
-        if abs(same) > 2:
+        s = guess(lo, hi, low, high, held, grain) + (0.5 * near if same < 0 else -0.5 * near)
+        if abs(same) > 2 or not lo < s < hi:
             s, same = 0.5 * (lo + hi), 0
         between(s, step, y, trial, k, middle)
         if rate.size > y.size:
             rates(t + s * step, middle, u, p, rate)
             cost += 1.0
         positions(events, t + s * step, middle, u, p, rate, x)
-        if is_left(x, held):
+        if is_left(x, held, grain):
             hi, same = s, max(same, 0) + 1
-            high[:] = x
+            copy(high, x)
         else:
             lo, same = s, min(same, 0) - 1
-            low[:] = x
-    return s, lo, cost
+            copy(low, x)
+    return guess(lo, hi, low, high, held, grain), lo, cost
 
 
 RUN = int64(
     RATES, SAMPLE, EVENT_LIST, STOP,
     VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, CUBE, VECTOR, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR,
-    PATTERN, float64, float64, float64, int64, float64, int64,
+    PATTERN, BENCH, float64, float64, float64, int64, float64, int64,
     VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR, VECTOR,
 )  # fmt: skip
 
 
-@njit(RUN, cache=True, error_model="numpy")
+@njit(RUN, **BARE)
 def run(
     rates, sample, events, stop,
     y, command, memory, params, plan, agenda, waiting, clock, course, atol, rtol, scale, width,
-    pattern, t_end, longest, marks_from, method, budget, overwrite,
+    pattern, bench, t_end, longest, marks_from, method, budget, overwrite,
     record_times, record, record_command, record_memory, mark_times, mark_states, low, high,
 ):  # fmt: skip
     """Carries a run on from where `clock` stands, to `t_end` or until `budget` evaluations are spent.
@@ -154,11 +187,14 @@ def run(
     the floor of the mark (from `marks_from` on) they go to `mark_states`; when that is full the run is handed back, or
     with `overwrite` the last row is kept up to date.
     """
-    n, period, active = y.size, plan[0, PERIOD], pattern.group.size
+    period, active = plan[0, PERIOD], pattern.group.size
     modes = int(plan[0, LAST]) - int(plan[0, FIRST])
-    trial, error, lean, middle = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    k, rate = np.zeros((7, n + modes)), np.zeros(n + modes)
-    before, x, g, held = np.zeros(width.size), np.zeros(width.size), np.zeros(width.size), np.zeros(width.size)
+    trial, error, lean, middle, k, rate = bench.trial, bench.error, bench.lean, bench.middle, bench.k, bench.rate
+    before, x, g, held, grain = bench.before, bench.x, bench.g, bench.held, bench.grain
+    fill(held, 0.0)
+    fill(grain, 0.0)
+    for i in range(width.size - modes, width.size):
+        grain[i] = GRAIN
     heaviness = EXPLICIT_BELOW * (pattern.first.size + 6.0) / 6.0
     t, h = clock[TIME], clock[STEP]
     enough = clock[EVALUATIONS] + budget
@@ -187,11 +223,11 @@ def run(
             spent, taken, refused, fastest = clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST]
             step, aimed = h, False
             if clock[AIMED] == 0.0:
-                ahead = time_left(course, before, held, clock[STEP_BEFORE])
+                ahead = time_left(course, before, held, grain, clock[STEP_BEFORE], 2.0 * h)
                 aimed = ahead <= h
                 step = ahead * (1.0 + AIM) if aimed else 0.5 * ahead if ahead < 2.0 * h else h
         else:
-            step, aimed = again, True
+            step, aimed = again, False
         last = t + step * (1.0 + 1e-9) >= t_next
         step = t_next - t if last else step
         t_new = t_next if last else t + step
@@ -201,7 +237,7 @@ def run(
             stiff = False
         if stiff:
             cost, clock[FASTEST] = stiff_step(
-                rates, t, step, t_right, y, command, params, scale, pattern, k, trial, error
+                rates, t, step, t_right, y, command, params, scale, pattern, k, trial, error, bench
             )
             exponent = -0.25
         else:
@@ -228,13 +264,13 @@ def run(
                 return STEP_TOO_SMALL if finite else NOT_FINITE
             continue
         positions(events, t_new, trial, command, params, k[6], x)
-        event = is_left(x, held)
+        event = is_left(x, held, grain)
         if event and step > 4.0 * HAIR * abs(t_new) and tries < TRIES:
-            late, near = lateness(before, x, held, width, step, max(h, step))
+            late, near = lateness(before, x, held, grain, width, step, max(h, step))
             if late > 1.0:
                 s, sure, evaluations = first_change(
-                    rates, events, t, step, y, command, params, k, trial, held, before, x,
-                    0.2 * near if tries > 0 else max(0.2 * near, 1e-5), middle, rate, g,
+                    rates, events, t, step, y, command, params,
+                    0.2 * near if tries > 0 else max(0.2 * near, 1e-5), bench,
                 )  # fmt: skip
                 clock[EVALUATIONS] += evaluations
                 if 1.0 - sure > near:
@@ -263,8 +299,8 @@ def run(
         row, ended = int(clock[RECORDS]), t_new >= t_end - HAIR * abs(t_end)
         while row < record_times.size and (record_times[row] <= t_new or ended):
             between(min(1.0, (record_times[row] - t) / step), step, y, trial, k, record[row])
-            record_command[row, :] = command
-            record_memory[row, :] = memory
+            copy(record_command[row], command)
+            copy(record_memory[row], memory)
             row += 1
         clock[RECORDS] = row
         widen(low, high, active, step, y, trial, k)
@@ -275,9 +311,13 @@ def run(
         follow(course, before, x, step, clock[STEP_BEFORE])
         clock[STEP_BEFORE] = step
         t = t_new
-        y[:] = trial
+        copy(y, trial)
         # A step that was refused once stands before a kink: growing at once would only have the next one refused.
-        grown = step * min(1.0 if clock[REFUSED] > 0.0 else 5.0, max(0.2, 0.9 * (size + 1e-12) ** exponent))
+        growth = 0.9 * (size + 1e-12) ** exponent
+        if clock[REFUSED] == 0.0:
+            growth = 0.9 * (size + 1e-12) ** (0.7 * exponent) * clock[ERROR_BEFORE] ** (-0.4 * exponent)
+            clock[ERROR_BEFORE] = max(size, 1e-4)
+        grown = step * min(1.0 if clock[REFUSED] > 0.0 else 5.0, max(0.2, growth))
         landed = last or event
         cut = landed or step < h
         h = min(max(h, grown) if cut else grown, longest)
@@ -300,22 +340,35 @@ def run(
                 clock[EVENTS] += 1.0
                 clock[HASTY] = clock[HASTY] + 1.0 if t - clock[EVENT_TIME] < HASTE else 0.0
                 clock[EVENT_TIME] = t
-            g[:] = x
+            copy(g, x)
             if not instant(sample, events, t, y, command, memory, params, plan, agenda, waiting, g):
                 clock[TIME] = t
                 return TOO_MANY_WAITING
             restless = settle(rates, t, y, command, params, plan, k[0])
             if restless >= 0 or clock[HASTY] > MANY:
-                clock[TIME], clock[CULPRIT] = t, restless if restless >= 0 else changed(x, held)
+                clock[TIME], clock[CULPRIT] = t, restless if restless >= 0 else changed(x, held, grain)
                 return RESTLESS
             positions(events, t, y, command, params, k[0], before)
             hold(plan, agenda, command, course, held)
             t_stop, t_due = stop(t, command, params), next_due(plan, agenda)
         else:
-            k[0, :] = k[6]
-            before[:] = x
+            copy(k[0], k[6])
+            copy(before, x)
         clock[TIME], clock[STEP] = t, h
     return DONE
+
+
+@njit(BENCH(int64, int64, int64, PATTERN), cache=True)
+def workbench(n, modes, positions, pattern):
+    """A workbench for n states, so many modes and positions."""
+    zeros = np.zeros
+    return Workbench(
+        zeros(n), zeros(n), zeros(n), zeros(n), zeros(n + modes), zeros(n + modes), zeros(n),
+        zeros(positions), zeros(positions), zeros(positions), zeros(positions), zeros(positions), zeros(positions),
+        zeros(positions),
+        zeros(pattern.rows.size), zeros(pattern.group.size + 2 * pattern.lower.shape[0]),
+        zeros((7, n + modes)), zeros((6, n)),
+    )  # fmt: skip
 
 
 BATCH = types.void(
@@ -339,13 +392,13 @@ def batch(
     """
     for case in prange(params.shape[0]):
         n = y.shape[1]
-        low[case, :] = y[case]
-        high[case, :] = y[case]
+        copy(low[case], y[case])
+        copy(high[case], y[case])
         status[case] = run(
             rates, sample, events, stop,
             y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],
             course[case], atol, rtol, scale, width,
-            pattern, t_end, longest, marks_from, method, 1e300, 1,
+            pattern, workbench(n, int(plan[0, LAST] - plan[0, FIRST]), width.size, pattern), t_end, longest, marks_from, method, 1e300, 1,
             np.zeros(0), np.zeros((0, n)), np.zeros((0, command.shape[1])), np.zeros((0, memory.shape[1])),
             mark_times[case], mark_states[case], low[case], high[case],
         )  # fmt: skip

@@ -176,7 +176,7 @@ def symbol(digest: str) -> str:
 
 def _njit(result: str, vectors: int, signature: str) -> str:
     kinds = f"{result}(float64, *[{VECTOR}] * {vectors})"
-    return f"@njit({kinds}, cache=True, error_model='numpy')\ndef {signature}:"
+    return f"@njit({kinds}, cache=True, error_model='numpy', _nrt=False)\ndef {signature}:"
 
 
 def _outside(places: int, signature: str, more: str = "") -> str:

@@ -19,6 +19,8 @@ from vvdp.simulation.layout import Vectors, command_parts, vectors
 from vvdp.simulation.link import Linked, link, quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.stepping import Method, Stepping
+from vvdp.simulation.symbols import Untraceable
+from vvdp.simulation.trace import dependencies, trace
 from vvdp.simulation.values import leaves
 
 LOOP = ("landing", "loop", "schedule", "steps", "stiff")
@@ -60,8 +62,22 @@ def prepared(
         rtol=stepping.relative_tolerance * bounded,
         scale=scale,
         width=_width(model, case),
-        pattern=pattern(np.ones((len(kinds), active), bool)),
+        pattern=_jacobian(model, case, linked.digest, (len(kinds), active)),
     )
+
+
+_patterns: dict[str, Pattern] = {}
+
+
+def _jacobian(model: Model, case: Case, digest: str, shape: tuple[int, int]) -> Pattern:
+    """Where the Jacobian of a model has entries; everywhere, where its text cannot be traced. Kept by its hash."""
+    if digest not in _patterns:
+        try:
+            found = dependencies(trace(model, case))[: shape[0], : shape[1]]
+        except Untraceable:
+            found = np.ones(shape, bool)
+        _patterns[digest] = pattern(found)
+    return _patterns[digest]
 
 
 def _plan(model: Model, case: Case, sample_period: float) -> Array:
@@ -104,6 +120,7 @@ def started(ready: Prepared, stepping: Stepping) -> Reached:
     state, command, memory, _ = (part.copy() for part in ready.vectors)
     programs, clock = ready.plan.shape[0], np.zeros(places.CLOCK)
     clock[places.TIME] = stepping.begin
+    clock[places.ERROR_BEFORE] = 1e-4
     clock[places.STEP] = min(1e-3 * stepping.sample_period, stepping.longest_step)
     clock[places.METHOD] = places.STIFF if stepping.method is Method.STIFF else places.EXPLICIT
     agenda, waiting = np.zeros((programs, places.AGENDA)), np.zeros((programs, places.DEPTH, command.size))

@@ -227,11 +227,13 @@ def _carry(
     portion: float,
 ) -> None:
     status, clock = places.PAUSED, reached.clock
+    modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
+    bench = loop.workbench(reached.state.size, modes, ready.width.size, ready.pattern)
     while status != places.DONE:
         status = loop.run(
             *ready.linked[:4],
             *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern),
+            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, bench),
             *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, portion, 0),
             *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
             *(rows.low, rows.high),

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 
 from vvdp.simulation.places import (
+    BARE,
     CALLS,
     DEPTH,
     DUE,
@@ -25,7 +26,7 @@ from vvdp.simulation.places import (
 )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def next_due(plan, agenda):
     """The next time at which a sample is to be taken or a waiting command to act; infinite where there is none."""
     found = np.inf
@@ -37,7 +38,7 @@ def next_due(plan, agenda):
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def ask(sample, k, t, y, u, m, p, plan, agenda, waiting):
     """Calls program `k`; its command acts at once or waits. False where no more can wait."""
     if agenda[k, WAITING] >= DEPTH:
@@ -56,7 +57,7 @@ def ask(sample, k, t, y, u, m, p, plan, agenda, waiting):
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def instant(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     """All that is due at `t`: conditions, commands that have waited, then the programs in order.
 
@@ -104,7 +105,7 @@ def instant(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def begin(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     """The first instant of a run, at which no event can have happened yet. False as for `ask`."""
     events(t, y, u, p, g)
@@ -118,7 +119,7 @@ def begin(sample, events, t, y, u, m, p, plan, agenda, waiting, g):
     return instant(sample, events, t, y, u, m, p, plan, agenda, waiting, g)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def is_crossed(plan, agenda, g):
     """Whether the floor of any trigger differs from the one that is remembered."""
     for k in range(1, plan.shape[0]):

@@ -4,16 +4,18 @@ import numpy as np
 from numba import njit
 
 from vvdp.numerics.tableaus import RODAS4_A, RODAS4_B, RODAS4_C, RODAS4_D, RODAS4_GAMMA
+from vvdp.simulation.places import BARE
+from vvdp.simulation.steps import copy, fill
 
 HAIR_OF_STATE = 1.5e-8
 """By how much of its size a state is moved to difference the rates: the root of what a float resolves."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def differences(rates, t, y, u, p, k0, scale, pattern, moved, shifted, jacobian):
     """The entries of the Jacobian at (t, y), where the rates are `k0`, by one evaluation for each group of columns."""
     active = pattern.group.size
-    moved[:] = y
+    copy(moved, y)
     for g in range(pattern.first.size - 1):
         for c in range(active):
             if pattern.group[c] == g:
@@ -26,7 +28,7 @@ def differences(rates, t, y, u, p, k0, scale, pattern, moved, shifted, jacobian)
             moved[c] = y[c]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def fastest_rate(pattern, jacobian):
     """A bound from below for the rate of the fastest motion [1/s], from single states and pairs of them."""
     fastest = 0.0
@@ -35,10 +37,10 @@ def fastest_rate(pattern, jacobian):
     return np.sqrt(fastest)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def factorise(pattern, jacobian, g, factors):
     """The factors of g I - J."""
-    factors[:] = 0.0
+    fill(factors, 0.0)
     for c in range(pattern.diagonal.size):
         factors[pattern.diagonal[c]] = g
     for e in range(jacobian.size):
@@ -52,7 +54,7 @@ def factorise(pattern, jacobian, g, factors):
             factors[target] -= factors[factor] * factors[row]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**BARE)
 def solve(pattern, factors, x):
     """Solves for `x` in place with what `factorise` left."""
     for q in range(pattern.lower.shape[0]):
@@ -64,19 +66,20 @@ def solve(pattern, factors, x):
         x[r] /= factors[pattern.diagonal[r]]
 
 
-@njit(cache=True, error_model="numpy")
-def stiff_step(rates, t, step, t_right, y, command, params, scale, pattern, k, trial, error):
+@njit(**BARE)
+def stiff_step(rates, t, step, t_right, y, command, params, scale, pattern, k, trial, error, bench):
     """Rodas 4(3) from (t, y) with k[0] = f(t, y): new state in `trial`, its rate in k[6], its error in `error`.
 
     Returns the evaluations that it took and the rate of the fastest motion [1/s]. The books are pure integrals of the
     states before them, and are eliminated by hand.
     """
     n, active = y.size, pattern.group.size
-    u, slope, shifted = np.zeros((6, n)), np.zeros(n), np.zeros(k.shape[1])
-    jacobian, factors = np.zeros(pattern.rows.size), np.zeros(active + 2 * pattern.lower.shape[0])
+    u, shifted, slope = bench.stages, bench.shifted, bench.slope
+    jacobian, factors = bench.jacobian, bench.factors
     differences(rates, t, y, command, params, k[0], scale, pattern, trial, shifted, jacobian)
     # A difference in time taken towards the inside of the step never straddles a stop.
     later = t + 1e-5 * step
+    fill(slope, 0.0)
     if later > t:
         rates(later, y, command, params, shifted)
         for m in range(n):
