@@ -8,59 +8,93 @@ from scipy.optimize import brentq
 from vvdp.base.errors import ParameterError
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.relief_valve import ReliefValve, relief_flow, relief_opening, relief_opening_rate
+from vvdp.hydraulics.relief_valve import ReliefValve, relief_flow, relief_mode, relief_opening, relief_opening_rate
 from vvdp.hydraulics.volume import closed_volume_rate
 
 RATED = 40e-3 / 60.0
 TANK = 1e5
 
 
-def relief(override, time):
-    return ReliefValve(cracking_pressure=61e5, override_pressure=override, rated_flow=RATED, opening_time=time)
+def relief(override, time, reseat=0.0):
+    return ReliefValve(
+        cracking_pressure=61e5, override_pressure=override, rated_flow=RATED, opening_time=time, reseat_drop=reseat
+    )
+
+
+def mode(pressure, surplus, valve, before=0.0, tank=TANK):
+    """The mode in which a valve comes to rest."""
+    for _ in range(4):
+        found = np.floor(relief_mode(pressure, tank, surplus, before, valve))
+        if found == before:
+            return found
+        before = found
+    raise AssertionError("the valve chatters")
+
+
+def flow_over(pressure, tank, opening, surplus, valve):
+    return relief_flow(pressure, tank, opening, surplus, mode(pressure, surplus, valve, tank=tank), valve)
 
 
 STATIC, SLOW, IDEAL = relief(5e5, 0.0), relief(5e5, 5e-3), relief(0.0, 0.0)
 
 
 def test_static_by_hand():
-    assert relief_flow(66e5, TANK, 0.0, 0.0, STATIC) == pytest.approx(RATED, rel=1e-14)
+    assert flow_over(66e5, TANK, 0.0, 0.0, STATIC) == pytest.approx(RATED, rel=1e-14)
     # half open; root of 62.5/65 bar, transition ((1 + 1e-4)/(1 + 1e-4 (65/62.5)^2))^(1/4)
     share = 62.5 / 65.0
     transition = ((1.0 + 1e-4) / (1.0 + 1e-4 / share**2)) ** 0.25
-    assert relief_flow(63.5e5, TANK, 0.0, 0.0, STATIC) == pytest.approx(
+    assert flow_over(63.5e5, TANK, 0.0, 0.0, STATIC) == pytest.approx(
         0.5 * RATED * np.sqrt(share) * transition, rel=1e-13
     )
-    assert relief_flow(61e5, TANK, 0.0, 0.0, STATIC) == 0.0
-    assert relief_flow(20e5, TANK, 1.0, 1.0, STATIC) == 0.0
-    assert relief_opening_rate(70e5, 0.3, STATIC) == 0.0
+    assert flow_over(61e5, TANK, 0.0, 0.0, STATIC) == 0.0
+    assert flow_over(20e5, TANK, 1.0, 1.0, STATIC) == 0.0
+    assert relief_opening_rate(70e5, 0.3, 1.0, STATIC) == 0.0
 
 
 def test_first_order_opening_by_hand():
     # (70 - 61)/5 = 1.8; (1.8 - 0.3)/5 ms = 300 1/s
-    assert relief_opening_rate(70e5, 0.3, SLOW) == pytest.approx(300.0, rel=1e-13)
-    assert relief_flow(66e5, TANK, 0.25, 0.0, SLOW) == pytest.approx(0.25 * RATED, rel=1e-14)
+    assert relief_opening_rate(70e5, 0.3, 1.0, SLOW) == pytest.approx(300.0, rel=1e-13)
+    assert flow_over(66e5, TANK, 0.25, 0.0, SLOW) == pytest.approx(0.25 * RATED, rel=1e-14)
     # open and the pressure gone: oil comes back, finite and of the right sign
-    assert relief_flow(0.5e5, TANK, 0.25, 0.0, SLOW) < 0.0
-    assert relief_flow(TANK, TANK, 0.25, 0.0, SLOW) == 0.0
+    assert flow_over(0.5e5, TANK, 0.25, 0.0, SLOW) < 0.0
+    assert flow_over(TANK, TANK, 0.25, 0.0, SLOW) == 0.0
 
 
 def test_the_settled_opening_is_the_static_valve():
     for pressure in (50e5, 61e5, 64e5, 80e5):
-        y = relief_opening(pressure, SLOW)
-        assert relief_opening_rate(pressure, y, SLOW) == 0.0
-        assert relief_flow(pressure, TANK, y, 0.0, SLOW) == relief_flow(pressure, TANK, 0.0, 0.0, STATIC)
+        open_ = mode(pressure, 0.0, SLOW)
+        y = relief_opening(pressure, open_, SLOW)
+        assert relief_opening_rate(pressure, y, open_, SLOW) == 0.0
+        assert flow_over(pressure, TANK, y, 0.0, SLOW) == flow_over(pressure, TANK, 0.0, 0.0, STATIC)
 
 
 def test_ideal_by_hand():
-    assert relief_flow(61e5, TANK, 0.0, 3e-4, IDEAL) == 3e-4
-    assert relief_flow(61e5, TANK, 0.0, -3e-4, IDEAL) == 0.0
-    assert relief_flow(60e5, TANK, 0.0, 3e-4, IDEAL) == 0.0
+    assert flow_over(61e5, TANK, 0.0, 3e-4, IDEAL) == 3e-4
+    assert flow_over(61e5, TANK, 0.0, -3e-4, IDEAL) == 0.0
+    assert flow_over(60e5, TANK, 0.0, 3e-4, IDEAL) == 0.0
+
+
+def test_the_ideal_valve_opens_with_pressure_and_surplus_and_shuts_without_surplus():
+    assert mode(60e5, 3e-4, IDEAL) == 0.0 and mode(61.1e5, -3e-4, IDEAL) == 0.0 and mode(61.1e5, 3e-4, IDEAL) == 1.0
+    assert mode(61e5 - 1.0, 3e-4, IDEAL, before=1.0) == 1.0  # a hair below, where the step ended that shut it
+    assert mode(61e5, -1e-9, IDEAL, before=1.0) == 0.0
+    assert mode(61.1e5, 3e-4, IDEAL, before=1.0, tank=70e5) == 0.0  # nothing to a side under a higher pressure
+
+
+def test_a_valve_that_reseats_below_its_cracking_pressure():
+    """By hand: open at 61 bar it stands at 6/(5 + 6) of its rated opening, and it shuts at 55 bar only."""
+    valve = relief(5e5, 0.0, reseat=6e5)
+    assert mode(60e5, 0.0, valve) == 0.0 and mode(61e5, 0.0, valve) == 1.0
+    assert mode(56e5, 0.0, valve, before=1.0) == 1.0 and mode(54.9e5, 0.0, valve, before=1.0) == 0.0
+    assert relief_opening(61e5, 1.0, valve) == pytest.approx(6.0 / 11.0, rel=1e-14)
+    assert relief_opening(66e5, 1.0, valve) == pytest.approx(1.0, rel=1e-14)
+    assert relief_opening(60e5, 0.0, valve) == 0.0
 
 
 def test_a_stiff_static_valve_goes_over_into_the_ideal_one():
     for override in (1e5, 1e3, 1e1):
         stiff = relief(override, 0.0)
-        held = brentq(lambda p, v=stiff: relief_flow(p, TANK, 0.0, 0.0, v) - 3e-4, 61e5, 70e5, xtol=1e-6)
+        held = brentq(lambda p, v=stiff: flow_over(p, TANK, 0.0, 0.0, v) - 3e-4, 61e5, 70e5, xtol=1e-6)
         assert 0.0 < held - 61e5 < override  # less than its rated flow: less than its override
 
 
@@ -71,7 +105,7 @@ def test_the_ideal_valve_holds_its_setting_and_lets_go(oil):
         fluid = fluid_state(y[0], oil)
         q = 6e-4 * np.cos(40.0 * t)
         surplus = fluid.volume_ratio * q
-        gone = passage(relief_flow(y[0], TANK, 0.0, surplus, IDEAL), fluid, fluid_state(TANK, oil))
+        gone = passage(flow_over(y[0], TANK, 0.0, surplus, IDEAL), fluid, fluid_state(TANK, oil))
         return [closed_volume_rate(q - gone.flow, 0.0, 1e-3, fluid)]
 
     run = solve_ivp(rates, (0.0, 0.07), [50e5], rtol=1e-9, atol=1e-3, max_step=1e-4)
@@ -83,17 +117,21 @@ def test_the_ideal_valve_holds_its_setting_and_lets_go(oil):
 @given(pressure=st.floats(0.0, 2e8), opening=st.floats(0.0, 3.0), surplus=st.floats(-1e-2, 1e-2))
 def test_always_finite_and_passive(oil, pressure, opening, surplus):
     for valve in (STATIC, SLOW, IDEAL):
-        flow = relief_flow(pressure, TANK, opening, surplus, valve)
+        flow = flow_over(pressure, TANK, opening, surplus, valve)
         through = passage(flow, fluid_state(pressure, oil), fluid_state(TANK, oil))
         assert np.isfinite(flow) and through.loss >= 0.0
-        assert np.isfinite(relief_opening_rate(pressure, opening, valve))
-    above_setting = relief_flow(pressure, 3e7, opening, surplus, SLOW)
+        assert np.isfinite(relief_opening_rate(pressure, opening, 1.0, valve))
+    above_setting = flow_over(pressure, 3e7, opening, surplus, SLOW)
     assert np.isfinite(above_setting) and above_setting * (pressure - 3e7) >= 0.0
 
 
 def test_contradictions_are_refused():
     with pytest.raises(ParameterError, match="contradicts opening_time"):
         relief(0.0, 1e-3)
+    with pytest.raises(ParameterError, match="contradicts reseat_drop"):
+        relief(0.0, 0.0, reseat=1e5)
+    with pytest.raises(ParameterError, match="expected less than the cracking pressure"):
+        relief(5e5, 0.0, reseat=61e5)
     with pytest.raises(ParameterError, match="rated_flow"):
         ReliefValve(cracking_pressure=61e5, override_pressure=5e5, rated_flow=0.0, opening_time=0.0)
     with pytest.raises(ParameterError, match="cracking_pressure"):

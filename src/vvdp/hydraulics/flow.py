@@ -5,11 +5,16 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import Flow, Power
+from vvdp.base.modes import side
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 
 LAMINAR_SHARE = 0.01
 """Share of its rated drop below which the flow of a rated valve turns from root to straight line."""
+
+
+SEEN_FLOW = 1e-4
+"""Flow whose approach to zero is followed [m^3/s]: 6 lpm."""
 
 
 class Passage(NamedTuple):
@@ -32,6 +37,16 @@ def passage(flow: float, upstream: FluidState, downstream: FluidState) -> Passag
     """
     q = flow / select(flow > 0.0, upstream.volume_ratio, downstream.volume_ratio)
     return Passage(q, q * (upstream.enthalpy - downstream.enthalpy))
+
+
+def flow_side(flow: float) -> float:
+    """The direction of a flow as the side of a kink [1], see `base.modes.side`: what is counted one way has one at 0.
+
+    flow  either sign [m^3/s]
+
+    Source  ours, docs/models/components.md
+    """
+    return side(flow / SEEN_FLOW)
 
 
 def signed_root(pressure_drop: float, transition_pressure: float) -> float:

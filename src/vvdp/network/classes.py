@@ -17,6 +17,7 @@ from vvdp.base.kinds import (
     Energy,
     ExchangedEnergy,
     Inertia,
+    Kink,
     Kind,
     Mass,
     Pressure,
@@ -29,7 +30,7 @@ from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.network import Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
-from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, shown
+from vvdp.network.paths import Places, StartValue, averaged_flows, exchanged, flows_of, shown
 from vvdp.simulation.values import blank, names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
@@ -151,12 +152,12 @@ class Classes:
 
     @cached_property
     def modes(self) -> type:
-        """The modes and kinks of all parts."""
+        """The modes and kinks of all parts, and in which direction oil is exchanged with what is prescribed."""
         hints: dict[str, Any] = {}
         for part in self.network.parts.values():
             found = {f"{part.name}_{n}": Annotated[float, kind] for n, kind in part.component.modes.items()}
             _join(hints, part.name, found)
-        return named_tuple("Modes", hints)
+        return named_tuple("Modes", hints | dict.fromkeys(exchanged(self.places), Kink))
 
     @cached_property
     def command(self) -> type:

@@ -9,6 +9,7 @@ from vvdp.base.select import maximum, minimum
 from vvdp.base.signal import Signal, signal_stop, signal_value
 from vvdp.fluid.mixture import fluid_state
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.hydraulics.flow import flow_side
 from vvdp.hydraulics.pipe import LinePipe, piece_rate, piece_stored
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored, pressure_rate, stored
@@ -27,7 +28,7 @@ from vvdp.network.nodes import (
     Shaft,
     Tank,
 )
-from vvdp.network.paths import averaged_flows, paths_of, shown, signals_of, sources_of, takes_surplus
+from vvdp.network.paths import averaged_flows, exchanged, paths_of, shown, signals_of, sources_of, takes_surplus
 from vvdp.network.text import PRESCRIBED, Text
 from vvdp.simulation.values import blank, names
 
@@ -115,19 +116,8 @@ class Functions:
     def _exchange(self) -> Iterator[str]:
         """Lines that say what oil goes into tanks and sources, and how much of it comes out of them."""
         yield from (f"into_{name} = {self.text.given(name)}" for name in self._prescribed)
-        flows = [flow for name in self._prescribed for flow in self._port_flow(name)]
-        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in flows]
+        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in exchanged(self.places).values()]
         yield f"taken_in = {' + '.join(terms) or '0.0'}"
-
-    def _port_flow(self, node: str) -> list[str]:
-        text = []
-        for met in self.places.attached(node):
-            component = met.part.component
-            if component.is_passage and met.port in component.hydraulic_ports:
-                text.append(f"{'-' if met.port == component.hydraulic_ports[0] else ''}{met.part.name}.flow")
-            elif met.port in names(component.result):
-                text.append(f"{met.part.name}.{met.port}")
-        return text
 
     def _supplied(self) -> dict[str, str]:
         found = {}
@@ -188,6 +178,8 @@ class Functions:
     def _modes(self) -> Iterator[tuple[str, str]]:
         for part in self.network.parts.values():
             yield from ((f"{part.name}_{name}", f"{part.name}.{name}") for name in part.component.modes)
+        for name, flow in exchanged(self.places).items():
+            yield name, f"{self.text.use(flow_side)}({flow})"
 
     def conditions(self) -> list[str]:
         """The function `conditions`."""

@@ -291,6 +291,19 @@ def flows_of(part: Part) -> dict[str, str]:
     return {f"{port}_flow": f"{part.name}.{port}" for port in given}
 
 
+def exchanged(places: Places) -> dict[str, str]:
+    """Names and texts of the flows into tanks and pressure sources, each through one port."""
+    found = {}
+    for node in (name for name, node in places.network.nodes.items() if isinstance(node, Tank | PressureSource)):
+        for met in places.attached(node):
+            component, name = met.part.component, f"{met.part.name}_{met.port}_flow"
+            if component.is_passage and met.port in component.hydraulic_ports:
+                found[name] = f"{'-' if met.port == component.hydraulic_ports[0] else ''}{met.part.name}.flow"
+            elif met.port in names(component.result):
+                found[name] = f"{met.part.name}.{met.port}"
+    return found
+
+
 def averaged_flows(part: Part) -> dict[str, str]:
     """Those flows whose means are kept: what goes into the first of several ports is what comes out of the others."""
     found = flows_of(part)
