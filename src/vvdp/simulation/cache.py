@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vvdp.base.errors import RunError
+from vvdp.simulation.loading import registries_left_out
 
 TEXT, SUMS = "linked.py", "sums"
 ADVICE = "set VVDP_CACHE to a folder of your own"
@@ -147,7 +148,8 @@ def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
     elsewhere, config.CACHE_DIR = config.CACHE_DIR, ""  # all of a module's code stands beside its text
     sys.modules[found.__name__] = found  # before it runs: Numba's cache looks its functions' module up by name
     try:
-        exec(compile(wanted.source, found.__file__, "exec"), found.__dict__)
+        with registries_left_out():
+            exec(compile(wanted.source, found.__file__, "exec"), found.__dict__)
     except BaseException:
         del sys.modules[found.__name__]
         raise
