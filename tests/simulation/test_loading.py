@@ -78,5 +78,11 @@ def test_numba_is_left_as_it_was():
     with pytest.raises(ZeroDivisionError), registries_left_out():
         raise ZeroDivisionError
     assert (FunctionCache.load_overload, dict(vars(FunctionCache))) == before
+    first, second = registries_left_out(), registries_left_out()
+    first.__enter__(), second.__enter__()
+    first.__exit__(None, None, None)  # as in two threads, which do not end in turn
+    assert FunctionCache.load_overload is not before[0]
+    second.__exit__(None, None, None)
+    assert (FunctionCache.load_overload, dict(vars(FunctionCache))) == before
     with registries_left_out():
         assert njit(lambda a: np.sort(a)[0])(np.array([2.0, 1.0])) == 1.0

@@ -5,9 +5,14 @@ algebra and with it a part of SciPy. This takes longer than a short run. Where s
 does the same again by itself.
 """
 
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
+
+_lock = threading.Lock()
+_within: list[None] = []
+"""An entry for each block at hand, of all threads: the first one changes Numba, the last one changes it back."""
 
 
 @contextmanager
@@ -19,27 +24,34 @@ def registries_left_out() -> Iterator[None]:
     from numba.core import caching
 
     cache: Any = getattr(caching, "FunctionCache", None)
-    usual = getattr(cache, "load_overload", None)
-    if usual is None or not hasattr(cache, "_load_overload"):
+    overridden = "load_overload" in vars(cache) and not _within if cache else True
+    if overridden or not hasattr(cache, "_load_overload"):
         yield
         return
+    with _lock:
+        if not _within:
+            # It is inherited there; what hides it is taken away again.
+            cache.load_overload = _loading(cache.load_overload)
+        _within.append(None)
+    try:
+        yield
+    finally:
+        with _lock:
+            _within.pop()
+            if not _within:
+                del cache.load_overload
+
+
+def _loading(usual: Any) -> Any:
+    """A method that reads a kept function, by `usual` where it cannot."""
 
     def load(self: Any, signature: Any, context: Any) -> Any:
         try:
             from numba.core.runtime.nrt import rtsys
 
             rtsys.initialize(context)  # counts references to arrays; compiled code calls it
-            found = self._load_overload(signature, context)
+            return self._load_overload(signature, context)
         except Exception:  # whatever is missing in another version of Numba
             return usual(self, signature, context)
-        return found
 
-    own = vars(cache).get("load_overload")  # it may be inherited
-    cache.load_overload = load
-    try:
-        yield
-    finally:
-        if own is None:
-            del cache.load_overload
-        else:
-            cache.load_overload = own
+    return load

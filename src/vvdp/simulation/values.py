@@ -102,6 +102,11 @@ def leaves(value: Any, path: str = "", kind: Kind | None = None) -> Iterator[tup
     return zip(paths, found, kinds, strict=True)
 
 
+def leaf_paths(found: Hashable) -> tuple[str, ...]:
+    """Dotted paths of the leaves of all values of one form, in the order of `flat`."""
+    return _leaf_places(found, "", None)[0]
+
+
 def _collect(value: Any, found: list[Any]) -> None:
     if not (inner := parts(value)):
         found.append(value)
