@@ -1,5 +1,6 @@
 """The console entry: all verbs, and the one place where errors become messages and exit codes."""
 
+import gc
 import io
 import sys
 from typing import Annotated
@@ -13,6 +14,8 @@ from vvdp.cli import map as maps
 BAD_INPUT = 2
 FAILED = 1
 INTERRUPTED = 130
+COLLECT_AFTER = 50_000
+"""New objects between two searches for garbage. While libraries load, nearly all are kept: a tenth of a short run."""
 
 app = typer.Typer(
     help="Simulate and judge virtually variable displacement pumps and other digital hydraulics.",
@@ -58,6 +61,7 @@ def _common(
 
 def main(arguments: list[str] | None = None) -> None:
     """Runs the verb in `arguments` (those of the process by default) and exits with its code."""
+    gc.set_threshold(COLLECT_AFTER)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a file's name may hold bytes that are no text
             stream.reconfigure(errors="backslashreplace")

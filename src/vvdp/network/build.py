@@ -5,7 +5,7 @@ import linecache
 import sys
 import types
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -113,6 +113,12 @@ def _classes_by_name(classes: Classes) -> dict[str, Any]:
     }
 
 
+@lru_cache(maxsize=100)
+def _code(text: str, file: str) -> types.CodeType:
+    """The text compiled to byte code: networks that differ in numbers have the same."""
+    return compile(text, file, "exec")
+
+
 def _module(text: str, names: dict[str, Any]) -> types.ModuleType:
     """The text as a module of its own, whose lines tracebacks and messages can show."""
     name = f"vvdp_network_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
@@ -120,6 +126,6 @@ def _module(text: str, names: dict[str, Any]) -> types.ModuleType:
     module.__dict__.update(names)
     file = f"<{name}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    exec(compile(text, file, "exec"), module.__dict__)
+    exec(_code(text, file), module.__dict__)
     sys.modules[name] = module
     return module

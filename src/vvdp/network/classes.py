@@ -1,6 +1,6 @@
 """The NamedTuples and the parameter class of a written network."""
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
 from vvdp.base.books import Books, Nothing
@@ -213,13 +213,23 @@ def _join(hints: dict[str, Any], whose: str, fresh: dict[str, Any]) -> None:
 
 
 def named_tuple(name: str, hints: dict[str, Any]) -> type:
-    """A NamedTuple class; `Nothing` without fields."""
-    return NamedTuple(name, list(hints.items())) if hints else Nothing  # type: ignore[return-value]
+    """A NamedTuple class; `Nothing` without fields. The same one for the same fields: a study draws a network often."""
+    return _named_tuple(name, tuple(hints.items())) if hints else Nothing
+
+
+@lru_cache(maxsize=1000)
+def _named_tuple(name: str, hints: tuple[tuple[str, Any], ...]) -> type:
+    return NamedTuple(name, list(hints))  # type: ignore[return-value]
 
 
 def params_class(name: str, hints: dict[str, Any]) -> type[Params]:
-    """A parameter class."""
-    return type(name, (Params,), {"__annotations__": hints, "__doc__": "Values of a network."})
+    """A parameter class, the same one for the same fields."""
+    return _params_class(name, tuple(hints.items()))
+
+
+@lru_cache(maxsize=1000)
+def _params_class(name: str, hints: tuple[tuple[str, Any], ...]) -> type[Params]:
+    return type(name, (Params,), {"__annotations__": dict(hints), "__doc__": "Values of a network."})
 
 
 def _title(name: str) -> str:

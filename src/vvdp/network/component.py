@@ -117,6 +117,16 @@ class Component:
 
     def arguments_of(self, function: Callable[..., Any]) -> tuple[Argument, ...]:
         """The arguments of one of its functions, in order. Raises NetworkError where one cannot be told."""
+        if function not in self._told:
+            self._told[function] = self._arguments_of(function)
+        return self._told[function]
+
+    @cached_property
+    def _told(self) -> dict[Callable[..., Any], tuple[Argument, ...]]:
+        """The arguments of its functions that were asked for."""
+        return {}
+
+    def _arguments_of(self, function: Callable[..., Any]) -> tuple[Argument, ...]:
         hints = get_type_hints(function, include_extras=True)
         return tuple(
             self._argument(function.__name__, name, hints.get(name), parameter.default)

@@ -5,7 +5,7 @@ import hashlib
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from operator import attrgetter
@@ -20,10 +20,11 @@ from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, copied, nearest, with_settings
 from vvdp.simulation.batch import case_shape, simulate_batch
+from vvdp.simulation.layout import case_form
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.outcome import Outcome, Window, outcome
 from vvdp.simulation.run import compiled_loop, simulate
-from vvdp.simulation.values import flat, leaves
+from vvdp.simulation.values import flat, form, leaf_paths
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.results import Column, Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
@@ -128,6 +129,7 @@ def _built(base: System, settings: Settings) -> System:
 def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], None]) -> list[_Planned]:
     """Every case, checked. Raises ConfigError with the faults of all of them, each said once."""
     digests: dict[str, str] = {}
+    shapes: dict[Hashable, str] = {}
     planned: list[_Planned] = []
     refused: dict[tuple[str, str], list[int]] = {}
     cases = study.cases
@@ -140,7 +142,11 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
             for fault in problem.faults:
                 refused.setdefault((fault.key, fault.message), []).append(number)
             continue
-        shape = hashlib.sha256(repr((system.circuit.digest, case_shape(system.case))).encode()).hexdigest()
+        alike = (system.circuit.digest, case_form(system.case, {}))
+        if alike not in shapes:
+            told = repr((system.circuit.digest, case_shape(system.case)))
+            shapes[alike] = hashlib.sha256(told.encode()).hexdigest()
+        shape = shapes[alike]
         if shape not in digests:
             try:
                 digests[shape] = link(system.model, system.case, cache, say).digest
@@ -175,9 +181,15 @@ def _key(system: System, digest: str, stepping: tuple[str, ...]) -> str:
     case = system.case
     programs = (*case.memory.values(), *case.settings.values())
     for part in (case.state, case.params, case.command, *programs, *system.tables.values()):
-        found.update(repr([path for path, _, _ in leaves(part)]).encode())
+        found.update(_names(form(part, {})))
         found.update(flat(part).tobytes())
     return found.hexdigest()
+
+
+@functools.lru_cache(maxsize=1000)
+def _names(form: Hashable) -> bytes:
+    """The names in all values of one form."""
+    return repr(list(leaf_paths(form))).encode()
 
 
 def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, str]]:

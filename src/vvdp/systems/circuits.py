@@ -35,7 +35,16 @@ class TableSlot:
 
     def choice(self, keys: Mapping[str, Any]) -> type[Params]:
         """The class that has most of the keys, the first one at a tie."""
-        return max(self.classes, key=lambda cls: len(keys.keys() & set(inspect.signature(cls).parameters)))
+
+        def shared(cls: Any) -> int:
+            return len(keys.keys() & _keys(cls))
+
+        return max(self.classes, key=shared)
+
+
+@cache
+def _keys(cls: Any) -> frozenset[str]:
+    return frozenset(inspect.signature(cls).parameters)
 
 
 def circuit_names() -> list[str]:
@@ -115,6 +124,7 @@ def _announce(path: Path) -> None:
         return  # said again next time
 
 
+@cache
 def table_slots(function: NetworkFunction) -> dict[str, TableSlot]:
     """The tables that a circuit takes, by name: the arguments of its function and their annotations.
 
