@@ -96,8 +96,14 @@ def test_whole_circuit_is_the_same_in_every_form(name, setting):
 
     def forms(t, state):
         """All that is asked of a circuit at one instant, or at many, or at symbols."""
-        rates, outputs = model.circuit(t, state, u, p)
-        return [*numbers_of(rates), *numbers_of(outputs), *model.stored(state, p), *numbers_of(model.conditions(t, p))]
+        rates, outputs, modes = model.circuit(t, state, u, p)
+        return [
+            *numbers_of(rates),
+            *numbers_of(modes),
+            *numbers_of(outputs),
+            *model.stored(state, p),
+            *numbers_of(model.conditions(t, p)),
+        ]
 
     states = [rebuilt(case.state, iter(row.tolist())) for row in rows]
     plain = np.array([forms(t, state) for t, state in zip(times.tolist(), states, strict=True)], float)
@@ -112,14 +118,14 @@ def test_whole_circuit_is_the_same_in_every_form(name, setting):
     assert agrees(plain, np.array([np.ravel(function(t, row)) for t, row in zip(times, rows, strict=True)]), scale)
 
     linked, flats = link(model, case), vectors(case)
-    compiled = np.zeros_like(rows)
+    compiled = np.zeros((COUNT, rows.shape[1] + len(case.command.modes)))
     held = np.zeros((COUNT, flat(case.command.held).size))
     for i, (instant, row) in enumerate(zip(times.tolist(), rows, strict=True)):
         linked.rates(instant, row, flats.command, flats.params, compiled[i])
         command = flats.command.copy()
         linked.sample(0, instant, row, flats.command, flats.memory.copy(), flats.params, command)
         held[i] = command[: held.shape[1]]
-    width = rows.shape[1]
+    width = compiled.shape[1]
     assert agrees(plain[:, :width], compiled, scale[:width])
     assert agrees(plain[:, -held.shape[1] :], held, scale[-held.shape[1] :])
     assert np.array_equal(flat(model.start(p)), flats.state)
@@ -140,7 +146,8 @@ def test_traced_rates_are_those_of_the_circuit(name, setting):
     rows, times = random_states(case, rng), rng.uniform(0.0, 1.0, COUNT)
 
     def plain(t, row):
-        return numbers_of(model.circuit(t, rebuilt(case.state, iter(row.tolist())), case.command, case.params)[0])
+        rates, _, modes = model.circuit(t, rebuilt(case.state, iter(row.tolist())), case.command, case.params)
+        return [*numbers_of(rates), *numbers_of(modes)]
 
     graph, flats = trace(model, case), vectors(case)
     signals = signal_values(case.params, times)
@@ -170,18 +177,18 @@ def test_rates_of_many_cases_at_once_are_those_of_each(name, setting):
     rng = np.random.default_rng(20261122)
     rows, times = random_states(case, rng), rng.uniform(0.0, 1.0, COUNT)
     linked, flats = link(model, case), vectors(case)
-    each = np.zeros_like(rows)
+    each = np.zeros((COUNT, rows.shape[1] + len(case.command.modes)))
     for i, (instant, row) in enumerate(zip(times.tolist(), rows, strict=True)):
         linked.rates(instant, row, flats.command, flats.params, each[i])
 
     lanes = lane_rates(trace(model, case))
     shared = [np.repeat(vector[:, None], COUNT, 1) for vector in (flats.command, flats.params)]
     inputs = [times[None], rows.T, *shared, signal_values(case.params, times)]
-    packed = [in_lanes(lanes, values) for values in (*inputs, np.zeros_like(rows.T))]
+    packed = [in_lanes(lanes, values) for values in (*inputs, np.zeros_like(each.T))]
     rates = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 6)(lanes.address)
     for group in zip(*packed, strict=True):
         rates(*(array.ctypes.data for array in group))
-    together = packed[-1].swapaxes(1, 2).reshape(rows.shape)
+    together = packed[-1].swapaxes(1, 2).reshape(each.shape)
     assert agrees(each, together, np.max(np.abs(each), axis=0).clip(1e-300))
 
 

@@ -14,6 +14,8 @@ from vvdp.base.kinds import (
     Flow,
     Fraction,
     Frequency,
+    Kink,
+    Mode,
     Pressure,
     PressureSignal,
     PressureTime,
@@ -27,7 +29,16 @@ from vvdp.fluid.mixture import fluid_state
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.orifice import Orifice, orifice_flow
-from vvdp.hydraulics.switching_valve import SpoolState, SwitchingValve, port_areas, pulse_stop, pulse_train, spool_rate
+from vvdp.hydraulics.switching_valve import (
+    SpoolState,
+    SwitchingValve,
+    port_areas,
+    port_sides,
+    pulse_stop,
+    pulse_train,
+    spool_ends,
+    spool_rate,
+)
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
 from vvdp.simulation.model import Case, Model, Program, started_case
 
@@ -74,8 +85,16 @@ class Shown(NamedTuple):
     samples: Count
 
 
+class Modes(NamedTuple):
+    first_side: Kink
+    second_side: Kink
+    at_first: Mode
+    at_second: Mode
+
+
 class Command(NamedTuple):
     held: Held
+    modes: Modes
     controller: Train
     display: Shown
 
@@ -120,11 +139,12 @@ def conditions(t: float, p: Values) -> Held:
     return Held(signal_value(t, p.tank_pressure))
 
 
-def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs]:
+def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs, Modes]:
     reference = fluid_state(p.oil.reference_pressure, p.oil)
     tank, rho = fluid_state(u.held.tank_pressure, p.oil), p.oil.density
     inlet, load = fluid_state(s.inlet_pressure, p.oil), fluid_state(s.load_pressure, p.oil)
-    areas = port_areas(s.spool.position, p.valve)
+    areas, sides = port_areas(s.spool.position, p.valve), port_sides(s.spool.position, p.valve)
+    ends = spool_ends(s.spool, u.modes.at_first, u.modes.at_second, p.valve)
     to_load = passage(orifice_flow(areas.first, s.inlet_pressure - s.load_pressure, rho, p.orifice), inlet, load)
     to_tank = passage(orifice_flow(areas.second, s.inlet_pressure - u.held.tank_pressure, rho, p.orifice), inlet, tank)
     out = passage(orifice_flow(p.load_area, s.load_pressure - u.held.tank_pressure, rho, p.orifice), load, tank)
@@ -132,7 +152,7 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs]:
     rates = State(
         inlet_pressure=closed_volume_rate(p.pump_flow - to_load.flow - to_tank.flow, 0.0, p.inlet_volume, inlet),
         load_pressure=closed_volume_rate(to_load.flow - out.flow, 0.0, p.load_volume, load),
-        spool=spool_rate(pulse_train(t, u.controller), s.spool, p.valve),
+        spool=spool_rate(pulse_train(t, u.controller), s.spool, u.modes.at_first, u.modes.at_second, p.valve),
         books=Books(
             supplied=Supplied(
                 p.pump_flow * (inlet.enthalpy - reference.enthalpy) - returned * (tank.enthalpy - reference.enthalpy)
@@ -143,7 +163,8 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs]:
             totals=Totals(s.load_pressure),
         ),
     )
-    return rates, Outputs(to_load.flow, to_tank.flow)
+    modes = Modes(sides.first, sides.second, ends.first, ends.second)
+    return rates, Outputs(to_load.flow, to_tank.flow), modes
 
 
 def stored(s: State, p: Values) -> Stored:

@@ -8,8 +8,7 @@ from scipy.integrate import solve_ivp
 
 from vvdp.simulation.balance import LIMIT, balance
 from vvdp.simulation.batch import simulate_batch
-from vvdp.simulation.layout import vectors
-from vvdp.simulation.link import link
+from vvdp.simulation.prepare import free_rates, prepared
 from vvdp.simulation.run import Method, simulate
 from vvdp.simulation.values import leaves
 from vvdp.systems.summary import simulated_summary, summary
@@ -24,22 +23,17 @@ def scales(system: System) -> np.ndarray:
 
 def by_scipy(system: System, tolerance: float) -> np.ndarray:
     """The final state by LSODA on the linked rates, begun anew at each sample, where the command may change."""
-    linked = link(system.model, system.case)
     case, stepping = system.case, system.stepping
-    y, u, m, p = (part.copy() for part in vectors(case))
-
-    def rates(t, y):
-        dy = np.zeros_like(y)
-        linked.rates(t, np.ascontiguousarray(y), u, p, dy)
-        return dy
-
+    ready = prepared(system.model, case, stepping)
+    y, u, m, p = (part.copy() for part in ready.vectors)
+    rates = free_rates(ready, u)
     period = stepping.sample_period
     for k in range(round(stepping.until / period)):
         span = (k * period, (k + 1) * period)
         found = solve_ivp(rates, span, y, method="LSODA", rtol=tolerance, atol=tolerance * scales(system))
         assert found.success
         y = found.y[:, -1].copy()
-        linked.sample(0, span[1], y, u, m, p, u)
+        ready.linked.sample(0, span[1], y, u, m, p, u)
     return y
 
 

@@ -195,7 +195,7 @@ def test_edges_that_nobody_names_are_found_by_short_steps_only():
     assert run.final[0] == pytest.approx(1.25, rel=1e-3)
     assert run.steps >= 5.0 / 2e-4
     assert len(run.remarks) == 1
-    assert "the rates seem to jump at about t = 0.00" in run.remarks[0] and "which no stop names" in run.remarks[0]
+    assert "the rates seem to jump at about t = 0." in run.remarks[0] and "which no stop names" in run.remarks[0]
 
 
 # Events

@@ -31,6 +31,10 @@ def test_everything_that_was_recorded_comes_back_by_name(run, written):
     assert np.array_equal(found.outputs["load_flow"].values, run.outputs.load_flow)
     assert set(found.commands) == {
         "held.tank_pressure",
+        "modes.first_side",
+        "modes.second_side",
+        "modes.at_first",
+        "modes.at_second",
         "controller.frequency",
         "controller.duty_ratio",
         "display.mean",

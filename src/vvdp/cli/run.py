@@ -13,11 +13,14 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from vvdp.simulation.run import Run
+    from vvdp.systems.accuracy import Move
     from vvdp.systems.extras import Line
     from vvdp.systems.system import System
 
 ROUNDING = 1e-9
 """What is taken into store counts as nothing below this share of the largest power."""
+MOST_MOVED = 5
+"""Numbers that `--check` prints."""
 NOT_TRUSTED = 3
 INTERRUPTED = 130
 
@@ -35,6 +38,9 @@ def run(
     force: Force = False,
     json: AsJson = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Run again at a tenth of the tolerance, and say what moves.")
+    ] = False,
 ) -> None:
     """Simulate a system; write its results and a report.
 
@@ -60,12 +66,17 @@ def run(
             say(f"interrupted at t = {done.end:.6g} s; writing what was reached")
         found = summary(loaded, done)
         more = _origin(loaded, found, settings or [])
+        changes = _checked(loaded, found, say) if check and done.finished else ()
+        if changes:
+            more["check"] = {move.key: move.change for move in changes}
         _copy_module(loaded, folder)
         write_results(folder, done, system=resolved_text(loaded), summary=plain(found), more=plain(more))
     if json:
-        print_json({"system": loaded.name, **found, "out": str(directory)})
+        told = {"check": more["check"]} if changes else {}
+        print_json({"system": loaded.name, **found, **told, "out": str(directory)})
     else:
         _print(loaded, done, found)
+        _print_check(changes)
         typer.echo(f"results: {directory}")
     if not no_report:
         from vvdp.report.report import write_report
@@ -79,6 +90,37 @@ def run(
         raise typer.Exit(INTERRUPTED)
     if not found.get("trusted", True):
         raise typer.Exit(NOT_TRUSTED)
+
+
+def _checked(system: "System", found: dict[str, Any], say: Any) -> "tuple[Move, ...]":
+    """How the numbers of a run change at a tenth of its tolerance."""
+    from dataclasses import replace
+
+    from vvdp.cli.progress import reached
+    from vvdp.simulation.run import simulate
+    from vvdp.systems.accuracy import FINER, moves
+    from vvdp.systems.summary import summary
+
+    stepping = replace(system.stepping, relative_tolerance=max(1e-13, FINER * system.stepping.relative_tolerance))
+    end = stepping.until
+    with reached(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
+        done = simulate(system.model, system.case, stepping, progress=progress, say=say)
+    if not done.finished:
+        say("the check was interrupted; what it would say is left out")
+        return ()
+    return moves(found, summary(system, done))
+
+
+def _print_check(changes: "tuple[Move, ...]") -> None:
+    """The numbers that move most."""
+    from vvdp.cli.screen import console, grid
+
+    if not changes:
+        return
+    table = grid("at a tenth of the tolerance", "moves by", right=("moves by",))
+    for move in changes[:MOST_MOVED]:
+        table.add_row(move.key, f"{move.change:.1e}")
+    console().print(table)
 
 
 def _copy_module(system: "System", folder: Path) -> None:

@@ -13,9 +13,9 @@ from numba import float64, int64, njit, prange, types
 from vvdp.numerics.sparse import Pattern
 from vvdp.simulation.landing import GRAIN, changed, follow, guess, hold, is_left, lateness, positions, settle, time_left
 from vvdp.simulation.places import (
-    BARE,
     AIMED,
     AUTOMATIC,
+    BARE,
     BEGUN,
     CULPRIT,
     DONE,
@@ -394,11 +394,12 @@ def batch(
         n = y.shape[1]
         copy(low[case], y[case])
         copy(high[case], y[case])
+        bench = workbench(n, int(plan[0, LAST] - plan[0, FIRST]), width.size, pattern)
         status[case] = run(
             rates, sample, events, stop,
             y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],
             course[case], atol, rtol, scale, width,
-            pattern, workbench(n, int(plan[0, LAST] - plan[0, FIRST]), width.size, pattern), t_end, longest, marks_from, method, 1e300, 1,
+            pattern, bench, t_end, longest, marks_from, method, 1e300, 1,
             np.zeros(0), np.zeros((0, n)), np.zeros((0, command.shape[1])), np.zeros((0, memory.shape[1])),
             mark_times[case], mark_states[case], low[case], high[case],
         )  # fmt: skip

@@ -26,6 +26,8 @@ from vvdp.simulation.values import leaves
 
 LOOP = ("landing", "loop", "schedule", "steps", "stiff")
 """The modules that the compiled loop is written in."""
+MOST_MODES = 8
+"""How often modes may follow each other at one call of `free_rates`."""
 AT_TRIGGER, AT_MODE, AT_KINK = 1e-12, 1e-7, 1e-6
 """How far behind an event a step may end, as a share of the step: slopes change by far less than rates do."""
 
@@ -98,6 +100,31 @@ def _width(model: Model, case: Case) -> Array:
     triggers = sum(program.trigger is not None for program in model.programs.values())
     kinds = [kind for _, _, kind in leaves(getattr(case.command, "modes", NOTHING))]
     return np.array([1.0] + triggers * [AT_TRIGGER] + [AT_KINK if kind is KINK else AT_MODE for kind in kinds])
+
+
+def free_rates(ready: Prepared, command: Array | None = None) -> Callable[[float, Array], Array]:
+    """rates(t, y) [per second], shape (n,), of a prepared case for a solver of one's own.
+
+    Modes follow the state at each call, so that nothing is landed on; a mode that does not come to rest is left as it
+    is.
+
+    command  in force, changed in place; by default that of the case
+    """
+    linked, n, params = ready.linked, ready.vectors.state.size, ready.vectors.params
+    u = ready.vectors.command.copy() if command is None else command
+    modes = slice(int(ready.plan[0, places.FIRST]), int(ready.plan[0, places.LAST]))
+    dy = np.zeros(n + modes.stop - modes.start)
+
+    def rates(t: float, y: Array) -> Array:
+        for _ in range(MOST_MODES):
+            linked.rates(t, np.ascontiguousarray(y, float), u, params, dy)
+            found = np.floor(dy[n:])
+            if np.array_equal(found, u[modes], equal_nan=True):
+                break
+            u[modes] = found
+        return dy[:n].copy()
+
+    return rates
 
 
 class Reached(NamedTuple):

@@ -1,0 +1,47 @@
+"""How far the numbers of a run still move with its tolerance, which no balance can see: a balance holds along any path."""
+
+from typing import NamedTuple
+
+from vvdp.systems.extras import Summary
+from vvdp.systems.summary import summary_unit
+
+FINER = 0.1
+"""Tolerance of the second run of a check, over that of the first."""
+SMALL = 1e-3
+"""Share of the largest value of its unit below which a value is judged as if it had that size."""
+OF_THE_RUN = frozenset(
+    (
+        *("duration_s", "averaged_from_s", "averaged_to_s", "averaged_periods", "wall_time_s"),
+        *("steps", "rejected_steps", "evaluations", "energy_residual", "mass_residual"),
+    )
+)
+"""Keys that say how a run was done, not what came of it."""
+
+
+class Move(NamedTuple):
+    """How a value of a summary changes with the tolerance, over the value."""
+
+    key: str
+    value: float
+    change: float
+
+
+def moves(found: Summary, finer: Summary) -> tuple[Move, ...]:
+    """The changes of all numbers from one summary to that of a finer run, the largest first.
+
+    A change is over the value itself or, where that is smaller, over 1/1000 of the largest value of the same unit.
+    """
+    values = {
+        key: float(value)
+        for key, value in finer.items()
+        if not isinstance(value, bool) and key not in OF_THE_RUN and key in found
+    }
+    largest: dict[str, float] = {}
+    for key, value in values.items():
+        unit = summary_unit(key)
+        largest[unit] = max(largest.get(unit, 0.0), abs(value))
+    changes = []
+    for key, value in values.items():
+        size = max(abs(value), SMALL * largest[summary_unit(key)])
+        changes.append(Move(key, value, abs(float(found[key]) - value) / size if size > 0.0 else 0.0))
+    return tuple(sorted(changes, key=lambda move: -move.change))
