@@ -11,18 +11,20 @@ ROWS = 512
 
 
 def bare_run(
-    ready: Prepared, until: float, record_times: np.ndarray | None = None
+    ready: Prepared, until: float, record_times: np.ndarray | None = None, method: Method = Method.AUTOMATIC
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Final state, shape (n,), clock, and the states at `record_times` (none by default) of an explicit run."""
+    """Final state, shape (n,), clock, and the states at `record_times` (none by default) of a run."""
     times = np.zeros(0) if record_times is None else record_times
-    reached = started(ready, Stepping(until=until, method=Method.EXPLICIT))
+    reached = started(ready, Stepping(until=until, method=method))
     n, y, clock = reached.state.size, reached.state, reached.clock
     record = np.zeros((times.size, n))
+    modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
+    workbench = loop.workbench(n, modes, ready.width.size, ready.pattern)
     status = loop.run(
         *ready.linked[:4],
         *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-        *(ready.atol, ready.rtol, ready.scale, ready.active),
-        *(until, 1e6, 0.0, Method.EXPLICIT.value, 1e300, 1),
+        *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, workbench),
+        *(until, 1e6, 0.0, method.value, 1e300, 1),
         *(times, record, np.zeros((times.size, reached.command.size)), np.zeros((times.size, reached.memory.size))),
         *(np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),
     )

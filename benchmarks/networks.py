@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
 from vvdp.base.books import Books, Stored
-from vvdp.base.kinds import Area, Density, Energy, Flow, Pressure, PressureTime, TankVolume, Volume
+from vvdp.base.kinds import Area, Density, Energy, Flow, Kink, Mode, Pressure, PressureTime, TankVolume, Volume
 from vvdp.base.params import Params
 from vvdp.components.flow_sources import FLOW_SOURCE
 from vvdp.components.library import UsualOil
@@ -16,10 +16,18 @@ from vvdp.components.resistances import ORIFICE
 from vvdp.components.switching_valves import PULSED_SWITCHING_VALVE, PulsedThreeWayValve
 from vvdp.fluid.mixture import fluid_state
 from vvdp.fluid.oil import Oil, density
-from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.flow import flow_side, passage
 from vvdp.hydraulics.flow_source import FlowSource
 from vvdp.hydraulics.orifice import Orifice, orifice_flow
-from vvdp.hydraulics.switching_valve import SpoolState, port_areas, pulse_stop, pulse_train, spool_rate
+from vvdp.hydraulics.switching_valve import (
+    SpoolState,
+    port_areas,
+    port_sides,
+    pulse_stop,
+    pulse_train,
+    spool_ends,
+    spool_rate,
+)
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
 from vvdp.network.build import build
 from vvdp.network.network import Network
@@ -75,8 +83,18 @@ class Held(NamedTuple):
     density: Density
 
 
+class Modes(NamedTuple):
+    first_side: Kink
+    second_side: Kink
+    at_first: Mode
+    at_second: Mode
+    returned: Kink
+    drained: Kink
+
+
 class Command(NamedTuple):
     held: Held
+    modes: Modes
 
 
 class Values(Params):
@@ -94,7 +112,7 @@ def conditions(t: float, p: Values) -> Held:
     return Held(density(313.15, p.oil))
 
 
-def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs]:
+def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs, Modes]:
     """A constant flow, an inlet, a switching valve on pulses, a load line and an orifice."""
     tank = fluid_state(p.oil.reference_pressure, p.oil)
     inlet, load = fluid_state(s.inlet, p.oil), fluid_state(s.load_line, p.oil)
@@ -106,7 +124,7 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs]:
     rates = State(
         inlet=closed_volume_rate(p.pump_flow + into_valve, 0.0, p.inlet_volume, inlet),
         load_line=closed_volume_rate(to_load.flow - out.flow, 0.0, p.load_volume, load),
-        valve=spool_rate(pulse_train(t, p.valve), s.valve, p.valve),
+        valve=spool_rate(pulse_train(t, p.valve), s.valve, u.modes.at_first, u.modes.at_second, p.valve),
         books=Books(
             supplied=Supplied(p.pump_flow * (inlet.enthalpy - tank.enthalpy)),
             spent=Spent(to_load.loss + to_tank.loss, out.loss),
@@ -115,7 +133,10 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs]:
             totals=Totals(tank.pressure, s.inlet, s.load_line, p.pump_flow, to_load.flow, to_tank.flow, out.flow),
         ),
     )
-    return rates, Outputs(out.flow)
+    sides = port_sides(s.valve.position, p.valve)
+    ends = spool_ends(s.valve, u.modes.at_first, u.modes.at_second, p.valve)
+    back, drained = flow_side(to_tank.flow), flow_side(out.flow)
+    return rates, Outputs(out.flow), Modes(sides.first, sides.second, ends.first, ends.second, back, drained)
 
 
 def stored(s: State, p: Values) -> Stored:
@@ -139,7 +160,7 @@ def by_hand() -> tuple[Model, Case]:
     books = Books(Supplied(0.0), Spent(0.0, 0.0), 0.0, 0.0, Totals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     state = State(5e5, 10e5, SpoolState(0.0, 0.0), books)
     model = Model(circuit, stored=stored, conditions=conditions, stop=stop)
-    return model, Case(state, values, Command(conditions(0.0, values)))
+    return model, Case(state, values, Command(conditions(0.0, values), Modes(*[0.0] * 6)))
 
 
 def as_network() -> tuple[Model, Case]:
@@ -164,7 +185,7 @@ def main(short: bool) -> None:
 
     def evaluate(name: str) -> None:
         rates, flat = linked[name].rates, vectors(forms[name][1])
-        dy = np.zeros_like(flat.state)
+        dy = np.zeros(flat.state.size + len(forms[name][1].command.modes))
         for _ in range(count):
             rates(0.01, flat.state, flat.command, flat.params, dy)
 

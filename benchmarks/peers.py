@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.bare import bare_run
 from benchmarks.measure import HERE, report, run_as_command
 from vvdp.simulation import places
-from vvdp.simulation.run import Prepared, prepared
+from vvdp.simulation.prepare import Prepared, free_rates, prepared
 from vvdp.simulation.values import leaves
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.system import System, load_system
@@ -94,10 +94,9 @@ def by_peer(
     ready: Prepared, solver: Solver, tolerance: float, until: float, most: float = np.inf
 ) -> tuple[np.ndarray, int]:
     """Final state and number of evaluations. Raises Creeps after `most` of these."""
-    rates, params = ready.linked.rates, ready.vectors.params
     y, command, memory = (part.copy() for part in ready.vectors[:3])
-    held, out, evaluations = y.copy(), np.zeros_like(y), 0
-    bounded = np.arange(y.size) < ready.active
+    rates, params, evaluations = free_rates(ready, command), ready.vectors.params, 0
+    bounded = np.arange(y.size) < ready.pattern.group.size
     rtol = np.where(ready.rtol > 0.0, tolerance, 1e-12)
     atol = np.where(bounded, tolerance * ready.scale, 1e12)
 
@@ -106,9 +105,7 @@ def by_peer(
         evaluations += 1
         if evaluations > most:
             raise Creeps
-        held[:] = x  # what some hand over compiled code does not take
-        rates(t, held, command, params, out)
-        return out.copy()
+        return rates(t, x)
 
     for sample in range(round(until / SAMPLE)):
         t, t_next = sample * SAMPLE, (sample + 1) * SAMPLE

@@ -35,9 +35,9 @@ VALUES: dict[str, list[dict[str, float]]] = {
     ],
     "PilotCheckValve": [{"pilot_ratio": 3.0}, {"pilot_ratio": 0.0}],
     "ReliefValve": [
-        {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 2e-3},
-        {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 0.0},
-        {"cracking_pressure": 8e6, "override_pressure": 0.0, "opening_time": 0.0},
+        {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 2e-3, "reseat_drop": 0.0},
+        {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 0.0, "reseat_drop": 1e6},
+        {"cracking_pressure": 8e6, "override_pressure": 0.0, "opening_time": 0.0, "reseat_drop": 0.0},
     ],
     "ShockValve": [{"override_pressure": 1e6, "opening_time": 0.0}, {"override_pressure": 1e6, "opening_time": 2e-3}],
     "ReducingValve": [
@@ -130,14 +130,29 @@ def meetings(component: Component, seed: int = 20261121) -> Iterator[list[Meetin
         bare = Meeting({}, None, params)
         held = call(component, component.held, bare) if component.held else None
         yield [
-            Meeting(
-                {a.name: random_argument(a, rng) for a in component.arguments if a.role is not Role.PARAMS},
-                random_record(component.state, rng) if component.state else None,
-                params,
-                held,
+            settled(
+                component,
+                Meeting(
+                    {a.name: random_argument(a, rng) for a in component.arguments if a.role is not Role.PARAMS},
+                    random_record(component.state, rng) if component.state else None,
+                    params,
+                    held,
+                ),
             )
             for _ in range(COUNT)
         ]
+
+
+def settled(component: Component, met: Meeting) -> Meeting:
+    """The same in the modes that hold there."""
+    told = [a.name for a in component.arguments if a.role is Role.MODE]
+    for _ in range(4):
+        result = call(component, component.law, met) if told else None
+        found = {name: float(np.floor(getattr(result, name))) for name in told}
+        if all(met.values[name] == mode for name, mode in found.items()):
+            return met
+        met = Meeting({**met.values, **found}, met.state, met.params, met.held)
+    raise AssertionError(f"the modes of {component.name} do not come to rest")
 
 
 def random_argument(argument: Argument, rng: np.random.Generator) -> Any:
@@ -148,6 +163,8 @@ def random_argument(argument: Argument, rng: np.random.Generator) -> Any:
         return random_record(argument.type, rng)
     if argument.role is Role.TIME:
         return float(rng.uniform(0.0, 1.0))
+    if argument.role is Role.MODE:
+        return 0.0
     if argument.role is Role.SURPLUS:
         return float(rng.uniform(-1e-3, 1e-3))
     return random_value(argument.kind, rng) if argument.kind else None

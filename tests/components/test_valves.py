@@ -133,25 +133,25 @@ def test_pilot_check_valve_lets_oil_back_when_it_is_told_to(at):
 def test_relief_valve_in_its_three_limits(at):
     tank = at(1e5)
     over = at(62.5e5)
-    dynamic = relief_valve(over, tank, 1.0, ReliefState(0.3), relief(5e5, 2e-3))
+    dynamic = relief_valve(over, tank, 1.0, 1.0, ReliefState(0.3), relief(5e5, 2e-3))
     # 0.3 Q_r root(61.5/64), next to the transition; (0.5 - 0.3)/2 ms
     assert dynamic.flow == pytest.approx(0.3 * 6e-4 * np.sqrt(61.5 / 64.0) / over.volume_ratio, rel=1e-5)
     assert dynamic.rates.opening == pytest.approx(100.0, rel=1e-12)
-    static = relief_valve(over, tank, 1.0, ReliefState(0.0), relief(5e5))
+    static = relief_valve(over, tank, 1.0, 1.0, ReliefState(0.0), relief(5e5))
     assert static.flow == pytest.approx(dynamic.flow / 0.6, rel=1e-13)
-    ideal = relief_valve(at(60e5), tank, 4e-4, ReliefState(0.0), relief(0.0))
+    ideal = relief_valve(at(60e5), tank, 4e-4, 1.0, ReliefState(0.0), relief(0.0))
     assert ideal.flow == pytest.approx(4e-4 / at(60e5).volume_ratio, rel=1e-13)
-    assert relief_valve(at(60e5), tank, -4e-4, ReliefState(0.0), relief(0.0)).flow == 0.0
-    assert relief_valve(at(59e5), tank, 4e-4, ReliefState(0.0), relief(0.0)).flow == 0.0
-    assert relief_valve(at(60e5), at(61e5), 4e-4, ReliefState(0.0), relief(0.0)).flow == 0.0
+    for inlet, outlet, surplus in ((at(60e5), tank, -4e-4), (at(59e5), tank, 4e-4), (at(60e5), at(61e5), 4e-4)):
+        shut = relief_valve(inlet, outlet, surplus, 0.0, ReliefState(0.0), relief(0.0))
+        assert shut.flow == 0.0 and shut.mode < 1.0
 
 
 @pytest.mark.parametrize("time", [0.0, 2e-3])
 def test_a_shock_valve_is_a_relief_valve_with_an_override(at, time):
     values = ShockValve(cracking_pressure=60e5, override_pressure=5e5, rated_flow=6e-4, opening_time=time)
     for a, b in ((62.5e5, 1e5), (30e5, 1e5), (62.5e5, 70e5)):
-        expected = relief_valve(at(a), at(b), 1.0, ReliefState(0.3), relief(5e5, time))
-        assert shock_valve(at(a), at(b), ReliefState(0.3), values) == expected
+        expected = relief_valve(at(a), at(b), 1.0, 1.0, ReliefState(0.3), relief(5e5, time))
+        assert shock_valve(at(a), at(b), 1.0, ReliefState(0.3), values) == expected
     with pytest.raises(ParameterError, match="override_pressure"):
         ShockValve(cracking_pressure=60e5, override_pressure=0.0, rated_flow=6e-4, opening_time=0.0)
 
@@ -264,17 +264,21 @@ def test_directional_valve_with_a_throttle_in_its_return(at):
 def test_switching_valve(at):
     p, first, second = at(11e5), at(1e5), at(1e5)
     # 0.6 * 1e-5 m^2 * sqrt(2/800) * 1000 = 3e-4
-    half_open = switching_valve(p, first, second, 0.0, SpoolState(3.5e-3, 0.0), MEDIUM, ThreeWayValve(**SPOOL, **PORT))
+    half_open = switching_valve(
+        p, first, second, 0.0, 0.0, 0.0, SpoolState(3.5e-3, 0.0), MEDIUM, ThreeWayValve(**SPOOL, **PORT)
+    )
     assert half_open.first == pytest.approx(3e-4 * ROOT / p.volume_ratio, rel=1e-12)
     assert half_open.second == 0.0
     assert half_open.first_area == pytest.approx(1e-5, rel=1e-12)
     assert half_open.rates.velocity == pytest.approx(-((400.0 * np.pi) ** 2) * 3.5e-3, rel=1e-12)
     closed = TwoWayValve(**SPOOL, **PORT, normally_open=0.0)
     opened = TwoWayValve(**SPOOL, **PORT, normally_open=1.0)
-    assert two_way_valve(p, first, 0.0, SpoolState(3.5e-3, 0.0), MEDIUM, closed).flow == half_open.first
-    assert two_way_valve(p, first, 0.0, SpoolState(3.5e-3, 0.0), MEDIUM, opened).flow == 0.0
-    assert two_way_valve(p, first, 0.0, SpoolState(0.0, 0.0), MEDIUM, closed).area == 0.0
-    assert two_way_valve(p, first, 0.0, SpoolState(0.0, 0.0), MEDIUM, opened).area == pytest.approx(2e-5, rel=1e-12)
+    assert two_way_valve(p, first, 0.0, 0.0, 0.0, SpoolState(3.5e-3, 0.0), MEDIUM, closed).flow == half_open.first
+    assert two_way_valve(p, first, 0.0, 0.0, 0.0, SpoolState(3.5e-3, 0.0), MEDIUM, opened).flow == 0.0
+    assert two_way_valve(p, first, 0.0, 0.0, 0.0, SpoolState(0.0, 0.0), MEDIUM, closed).area == 0.0
+    assert two_way_valve(p, first, 0.0, 0.0, 0.0, SpoolState(0.0, 0.0), MEDIUM, opened).area == pytest.approx(
+        2e-5, rel=1e-12
+    )
 
 
 def test_pulses_move_the_spool(at):
@@ -284,15 +288,17 @@ def test_pulses_move_the_spool(at):
     plain = ThreeWayValve(**SPOOL, **PORT)
     state = SpoolState(2.5e-3, 0.1)
     for t, command in ((0.0, 1.0), (0.029, 1.0), (0.03, 0.0), (0.099, 0.0), (0.1, 1.0)):
-        expected = switching_valve(p, first, second, command, state, MEDIUM, plain)
-        assert pulsed_switching_valve(t, p, first, second, state, MEDIUM, pulsed) == expected
-        assert modulated_switching_valve(t, p, first, second, 0.3, state, MEDIUM, modulated) == expected
+        expected = switching_valve(p, first, second, command, 0.0, 0.0, state, MEDIUM, plain)
+        assert pulsed_switching_valve(t, p, first, second, 0.0, 0.0, state, MEDIUM, pulsed) == expected
+        assert modulated_switching_valve(t, p, first, second, 0.3, 0.0, 0.0, state, MEDIUM, modulated) == expected
         assert modulated_switching_stop(t, 0.3, modulated) == pulsed_switching_stop(t, pulsed)
     assert pulsed_switching_stop(0.0, pulsed) == 0.03
     assert modulated_switching_stop(0.0, 0.7, modulated) == 0.7 / 10.0
     two_way = PulsedTwoWayValve(**SPOOL, **PORT, **PULSES, duty_ratio=0.3, normally_open=1.0)
     assert pulsed_two_way_stop(0.03, two_way) == 0.1
-    assert pulsed_two_way_valve(0.03, p, first, SpoolState(0.0, 0.0), MEDIUM, two_way).area == pytest.approx(2e-5)
+    assert pulsed_two_way_valve(0.03, p, first, 0.0, 0.0, SpoolState(0.0, 0.0), MEDIUM, two_way).area == pytest.approx(
+        2e-5
+    )
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,8 @@ def test_always_finite_and_passive(oil, pressure, opening, surplus):
     for valve in (STATIC, SLOW, IDEAL):
         flow = flow_over(pressure, TANK, opening, surplus, valve)
         through = passage(flow, fluid_state(pressure, oil), fluid_state(TANK, oil))
-        assert np.isfinite(flow) and through.loss >= 0.0
+        # A surplus below 1e-16 of the rated flow counts as none, whatever its sign.
+        assert np.isfinite(flow) and through.loss >= -2e-16 * RATED * pressure
         assert np.isfinite(relief_opening_rate(pressure, opening, 1.0, valve))
     above_setting = flow_over(pressure, 3e7, opening, surplus, SLOW)
     assert np.isfinite(above_setting) and above_setting * (pressure - 3e7) >= 0.0

@@ -15,6 +15,7 @@ from vvdp.hydraulics.switching_valve import (
     pulse_stop,
     pulse_train,
     pulse_value,
+    spool_ends,
     spool_rate,
 )
 
@@ -26,7 +27,9 @@ def switching_valve(**changed):
 
 def response(valve, damping_limit=0.02):
     def rates(_, y):
-        return spool_rate(1.0, SpoolState(y[0], y[1]), valve)
+        spool = SpoolState(y[0], y[1])
+        held = float(y[0] >= valve.stroke and y[1] > 0.0)
+        return spool_rate(1.0, spool, held, 0.0, valve)
 
     return solve_ivp(rates, (0.0, damping_limit), [0.0, 0.0], rtol=1e-9, atol=1e-13, max_step=2e-5)
 
@@ -76,10 +79,16 @@ def test_the_end_of_the_stroke_takes_an_underdamped_spool():
 
 
 def test_a_spool_at_its_stop_leaves_when_called():
-    away = spool_rate(0.0, SpoolState(4e-3, 0.0), switching_valve())
-    assert away.velocity == pytest.approx(-((400.0 * np.pi) ** 2) * 4e-3, rel=1e-13)
-    moving = spool_rate(0.0, SpoolState(4e-3, -0.1), switching_valve())
-    assert moving.position == -0.1
+    valve, rest = switching_valve(), SpoolState(4e-3, 0.0)
+    away = spool_rate(0.0, rest, 1.0, 0.0, valve)
+    assert away.position == 0.0 and away.velocity == pytest.approx(-((400.0 * np.pi) ** 2) * 4e-3, rel=1e-13)
+    assert spool_rate(0.0, SpoolState(4e-3, -0.1), 0.0, 0.0, valve).position == -0.1
+    # An end holds what comes to it, and lets go of what turns back; on the way nothing does.
+    assert spool_ends(SpoolState(4e-3, 0.1), 0.0, 0.0, valve).first >= 1.0
+    assert spool_ends(SpoolState(4e-3, 0.1), 1.0, 0.0, valve).first >= 1.0
+    assert spool_ends(SpoolState(4e-3, -0.1), 1.0, 0.0, valve).first < 1.0
+    assert spool_ends(SpoolState(0.0, -0.1), 0.0, 0.0, valve).second >= 1.0
+    assert max(spool_ends(SpoolState(2e-3, 0.1), 0.0, 0.0, valve)) < 1.0
 
 
 @pytest.mark.parametrize("frequency", [62.0, 72.0, 71.3, 100.0 / 3.0, 10.0 * np.pi, 1000.0, 0.7])

@@ -47,8 +47,14 @@ GRAPHS = 20
 
 
 def at(circuit: Circuit, state: Any, t: float = 0.1) -> tuple[Any, Any]:
-    case = circuit.case
-    return circuit.model.circuit(t, state, case.command, case.params)
+    """Rates and outputs in the modes that hold there."""
+    case, command = circuit.case, circuit.case.command
+    for _ in range(8):
+        rates, outputs, *modes = circuit.model.circuit(t, state, command, case.params)
+        if not modes or command.modes == (found := type(modes[0])(*np.floor(modes[0]))):
+            return rates, outputs
+        command = command._replace(modes=found)
+    raise AssertionError("the modes do not come to rest")
 
 
 # Conservation laws

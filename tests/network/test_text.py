@@ -8,7 +8,7 @@ import pytest
 
 from vvdp.base.books import Books, Stored
 from vvdp.base.errors import NetworkError
-from vvdp.base.kinds import Area, Density, Energy, Flow, Pressure, PressureTime, Volume
+from vvdp.base.kinds import Area, Density, Energy, Flow, Kink, Mode, Pressure, PressureTime, Volume
 from vvdp.base.params import Params
 from vvdp.base.signal import step
 from vvdp.components.flow_sources import FLOW_SOURCE
@@ -19,15 +19,17 @@ from vvdp.components.self_acting_valves import CHECK_VALVE, RELIEF_VALVE
 from vvdp.components.switching_valves import PULSED_SWITCHING_VALVE, PulsedThreeWayValve
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil, density
-from vvdp.hydraulics.flow import Passage, passage
+from vvdp.hydraulics.flow import Passage, flow_side, passage
 from vvdp.hydraulics.flow_source import FlowSource
 from vvdp.hydraulics.orifice import Orifice, orifice_flow
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.switching_valve import (
     SpoolState,
     port_areas,
+    port_sides,
     pulse_stop,
     pulse_train,
+    spool_ends,
     spool_rate,
 )
 from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
@@ -74,7 +76,11 @@ def circuit(t, s, u, p):
         supply_flow=supply.flow,
         load_flow=load.flow,
     )
-    return rates, outputs
+    modes = Modes(
+        supply_a_flow=flow_side(-supply.flow),
+        load_b_flow=flow_side(load.flow),
+    )
+    return rates, outputs, modes
 
 
 def conditions(t, p):
@@ -186,7 +192,7 @@ def test_law_may_be_called_as_a_function_of_the_text(small, of, law, area):
     net.add("own", Component(law, symbol="orifice"), of.orifice, a="line", b="tank")
     circuit = build(net)
     case = circuit.case
-    _, outputs = circuit.model.circuit(0.0, case.state, case.command, case.params)
+    outputs = circuit.model.circuit(0.0, case.state, case.command, case.params)[1]
     assert outputs.own_flow == pytest.approx(orifice_flow(area, 2e5 - 101325.0, 870.0, of.orifice), rel=1e-2)
     assert circuit.model.stop(0.0, case.command, case.params) == np.inf
     assert circuit.model.mark(0.0, case.state, case.command, case.params) == 0.0
@@ -201,7 +207,7 @@ def test_component_may_be_called_as_its_type(oil, of):
     net.add("cylinder", CYLINDER, of.cylinder, a="fluid_state", b="signal_value", rod="rod")
     net.add("check_valve", CHECK_VALVE, of.check, a="fluid_state", b="orifice")
     case = build(net).case
-    rates, _ = build(net).model.circuit(0.0, case.state, case.command, case.params)
+    rates = build(net).model.circuit(0.0, case.state, case.command, case.params)[0]
     assert rates.rod.velocity == pytest.approx(1e-3 * (2e5 - 101325.0) / 10.0)
 
 
@@ -274,15 +280,25 @@ class Held(NamedTuple):
     density: Density
 
 
+class Modes(NamedTuple):
+    first_side: Kink
+    second_side: Kink
+    at_first: Mode
+    at_second: Mode
+    returned: Kink
+    drained: Kink
+
+
 class Command(NamedTuple):
     held: Held
+    modes: Modes
 
 
 def hand_conditions(t: float, p: HandValues) -> Held:
     return Held(density(313.15, p.oil))
 
 
-def hand_circuit(t: float, s: HandState, u: Command, p: HandValues) -> tuple[HandState, Outputs]:
+def hand_circuit(t: float, s: HandState, u: Command, p: HandValues) -> tuple[HandState, Outputs, Modes]:
     tank = fluid_state(p.oil.reference_pressure, p.oil)
     inlet, load = fluid_state(s.inlet, p.oil), fluid_state(s.load_line, p.oil)
     areas, rho = port_areas(s.valve.position, p.valve), u.held.density
@@ -293,7 +309,7 @@ def hand_circuit(t: float, s: HandState, u: Command, p: HandValues) -> tuple[Han
     rates = HandState(
         inlet=closed_volume_rate(p.pump_flow + into_valve, 0.0, p.inlet_volume, inlet),
         load_line=closed_volume_rate(to_load.flow - out.flow, 0.0, p.load_volume, load),
-        valve=spool_rate(pulse_train(t, p.valve), s.valve, p.valve),
+        valve=spool_rate(pulse_train(t, p.valve), s.valve, u.modes.at_first, u.modes.at_second, p.valve),
         books=Books(
             supplied=Supplied(p.pump_flow * (inlet.enthalpy - tank.enthalpy)),
             spent=Spent(to_load.loss + to_tank.loss, out.loss),
@@ -302,7 +318,10 @@ def hand_circuit(t: float, s: HandState, u: Command, p: HandValues) -> tuple[Han
             totals=Totals(s.load_line),
         ),
     )
-    return rates, Outputs(out.flow)
+    sides = port_sides(s.valve.position, p.valve)
+    ends = spool_ends(s.valve, u.modes.at_first, u.modes.at_second, p.valve)
+    back, drained = flow_side(to_tank.flow), flow_side(out.flow)
+    return rates, Outputs(out.flow), Modes(sides.first, sides.second, ends.first, ends.second, back, drained)
 
 
 def hand_stored(s: HandState, p: HandValues) -> Stored:
@@ -340,7 +359,7 @@ def written(oil: Oil, orifice: Orifice) -> tuple[Model, Case]:
     )
     model = Model(hand_circuit, stored=hand_stored, conditions=hand_conditions, stop=hand_stop)
     state = HandState(5e5, 10e5, SpoolState(0.0, 0.0), empty)
-    return model, Case(state, values, Command(hand_conditions(0.0, values)))
+    return model, Case(state, values, Command(hand_conditions(0.0, values), Modes(*[0.0] * 6)))
 
 
 def test_network_is_the_circuit_written_by_hand(oil, of):

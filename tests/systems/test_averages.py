@@ -39,7 +39,7 @@ def test_spool_that_stands_gives_no_periods_and_says_so(ran):
     found, run = ran("prototype-constant-load", settings)
     assert found["averaged_periods"] == 0.0
     assert not found["settled"]
-    assert run.mark_times.size < 2
+    assert (run.mark_times < 1e-3).all()  # it trembles at its start, at the angle that is counted from
     assert (found["averaged_from_s"], found["averaged_to_s"]) == (0.25, 0.5)
     assert all(np.isfinite(value) for value in found.values())
 

@@ -266,7 +266,9 @@ def _two_way(
     ends = spool_ends(state, at_first, at_second, values)
     flow, loss = passage(orifice_flow(area, a.pressure - b.pressure, medium.density, values), a, b)
     rates = spool_rate(command, state, at_first, at_second, values)
-    return TwoWayPassage(flow, loss, rates, area, edge, ends.first, ends.second)
+    return TwoWayPassage(
+        flow=flow, loss=loss, rates=rates, area=area, side=edge, at_first=ends.first, at_second=ends.second
+    )
 
 
 SWITCHING_VALVE = Component(switching_valve, symbol="switching_valve_3_2")

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from vvdp.base.books import Nothing
 from vvdp.base.errors import NetworkError
 from vvdp.base.params import field_kinds
 from vvdp.base.select import maximum, minimum
@@ -65,9 +66,9 @@ class Functions:
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
         lines += ["outputs = Outputs(", *(f"    {name}={text}," for name, text in self._outputs()), ")"]
-        if names(self.classes.modes):
+        if self.classes.modes is not Nothing:
             lines += ["modes = Modes(", *(f"    {name}={text}," for name, text in self._modes()), ")"]
-        last = "return rates, outputs" + (", modes" if names(self.classes.modes) else "")
+        last = "return rates, outputs" + (", modes" if self.classes.modes is not Nothing else "")
         return ["def circuit(t, s, u, p):", *indented([*lines, last])]
 
     def _rates(self) -> Iterator[tuple[str, str]]:

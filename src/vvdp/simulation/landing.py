@@ -42,21 +42,22 @@ def settle(rates, t, y, u, p, plan, rate):
 
 
 @njit(**BARE)
-def hold(plan, agenda, u, course, held):
-    """Fills `held`, and forgets the course of what has changed."""
+def hold(plan, agenda, u, held):
+    """Fills `held` with the floors that hold."""
     for k in range(1, plan.shape[0]):
         if plan[k, TRIGGER] > 0.0:
-            _keep(int(plan[k, TRIGGER]), agenda[k, LEVEL], course, held)
+            held[int(plan[k, TRIGGER])] = agenda[k, LEVEL]
     first, modes = int(plan[0, FIRST]), int(plan[0, LAST]) - int(plan[0, FIRST])
     for i in range(modes):
-        _keep(held.size - modes + i, u[first + i], course, held)
+        held[held.size - modes + i] = u[first + i]
 
 
-@njit(**BARE, inline="always")
-def _keep(i, floor, course, held):
-    if held[i] != floor:
-        held[i] = floor
-        course[2, i] = 0.0
+@njit(**BARE)
+def forget(course, held, before):
+    """Forgets the course of all whose floor is no longer what it was `before`."""
+    for i in range(held.size):
+        if held[i] != before[i]:
+            course[2, i] = 0.0
 
 
 @njit(**BARE, inline="always")

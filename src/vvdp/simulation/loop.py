@@ -11,7 +11,19 @@ import numpy as np
 from numba import float64, int64, njit, prange, types
 
 from vvdp.numerics.sparse import Pattern
-from vvdp.simulation.landing import GRAIN, changed, follow, guess, hold, is_left, lateness, positions, settle, time_left
+from vvdp.simulation.landing import (
+    GRAIN,
+    changed,
+    follow,
+    forget,
+    guess,
+    hold,
+    is_left,
+    lateness,
+    positions,
+    settle,
+    time_left,
+)
 from vvdp.simulation.places import (
     AIMED,
     AUTOMATIC,
@@ -189,7 +201,7 @@ def run(
     """
     period, active = plan[0, PERIOD], pattern.group.size
     modes = int(plan[0, LAST]) - int(plan[0, FIRST])
-    trial, error, lean, middle, k, rate = bench.trial, bench.error, bench.lean, bench.middle, bench.k, bench.rate
+    trial, error, lean, middle, k = bench.trial, bench.error, bench.lean, bench.middle, bench.k
     before, x, g, held, grain = bench.before, bench.x, bench.g, bench.held, bench.grain
     fill(held, 0.0)
     fill(grain, 0.0)
@@ -209,7 +221,7 @@ def run(
         clock[CULPRIT] = restless
         return RESTLESS
     positions(events, t, y, command, params, k[0], before)
-    hold(plan, agenda, command, course, held)
+    hold(plan, agenda, command, held)
     t_stop, t_due = stop(t, command, params), next_due(plan, agenda)
     again, tries = 0.0, 0  # the step to be tried again, where the last one went over an event
     spent, taken, refused, fastest = clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST]
@@ -349,7 +361,9 @@ def run(
                 clock[TIME], clock[CULPRIT] = t, restless if restless >= 0 else changed(x, held, grain)
                 return RESTLESS
             positions(events, t, y, command, params, k[0], before)
-            hold(plan, agenda, command, course, held)
+            copy(g, held)
+            hold(plan, agenda, command, held)
+            forget(course, held, g)
             t_stop, t_due = stop(t, command, params), next_due(plan, agenda)
         else:
             copy(k[0], k[6])

@@ -1,4 +1,4 @@
-"""How far the numbers of a run still move with its tolerance, which no balance can see: a balance holds along any path."""
+"""How far the numbers of a run still move with its tolerance, which no balance sees: it holds along any path."""
 
 from typing import NamedTuple
 
