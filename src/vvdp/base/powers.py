@@ -3,16 +3,16 @@
 For everything else these are the operators and functions of NumPy; `vvdp.simulation.in_place` has their instructions.
 """
 
-from typing import cast
-
 import numpy as np
 
 
 def power(base: float, exponent: float) -> float:
     """`base ** exponent` [1]."""
-    return base**exponent
+    result: float = base**exponent
+    return result
 
 
 def expm1(x: float) -> float:
     """`e ** x - 1` [1], exact for small x."""
-    return cast(float, np.expm1(x))
+    result: float = np.expm1(x)
+    return result
