@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import BulkModulus, EnergyDensity, Pressure, Ratio
+from vvdp.base.powers import expm1, power
 from vvdp.base.select import maximum, select
 from vvdp.fluid.oil import Oil, density
 
@@ -55,12 +56,13 @@ def power_growth_compiled(ratio: float, exponent: float) -> PowerGrowth:
     Source  ours, docs/models/fluid.md
     """
     k = exponent
+    per_k = 1.0 / select(k > 0.0, k, 1.0)  # not where it is used: here all states of an oil share it
     if k > 0.01:
-        power = ratio**k
-        return PowerGrowth(power, (power - 1.0) / k)
+        grown = power(ratio, k)
+        return PowerGrowth(grown, (grown - 1.0) * per_k)
     L = np.log(ratio)
     e = np.expm1(k * L)
-    return PowerGrowth(1.0 + e, select(k > 0.0, e / select(k > 0.0, k, 1.0), L))
+    return PowerGrowth(1.0 + e, select(k > 0.0, e * per_k, L))
 
 
 def fluid_state(pressure: float, oil: Oil) -> FluidState:
@@ -78,17 +80,19 @@ def fluid_state(pressure: float, oil: Oil) -> FluidState:
     n, phi, b = oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
     Pg = maximum(P, RAREFIED * P0)
     below = Pg - P
-    air = power_growth(Pg / P0, (n - 1.0) / n)
-    a = phi * air.power * P0 / Pg
-    slope = a / (n * Pg)
-    m = np.expm1((P0 - P) / b)
+    # Reciprocals of what all states of an oil have in common, worked out once in compiled code.
+    per_P0, per_b, per_Pg = 1.0 / P0, 1.0 / b, 1.0 / Pg
+    air = power_growth(Pg * per_P0, 1.0 - 1.0 / n)
+    a = phi * P0 * air.power * per_Pg
+    slope = a * (1.0 / n) * per_Pg
+    m = expm1((P0 - P) * per_b)
     l = (1.0 - phi) * (1.0 + m)
     nu = a + slope * below + l
     air_enthalpy = phi * P0 * air.growth - below * (a + 0.5 * slope * below)
     return FluidState(
         pressure=P,
         volume_ratio=nu,
-        bulk_modulus=nu / (slope + l / b),
+        bulk_modulus=nu / (slope + l * per_b),
         enthalpy=air_enthalpy - (1.0 - phi) * b * m,
     )
 

@@ -62,6 +62,21 @@ def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
     return check.reverse_opening + (1.0 - check.reverse_opening) * lift
 
 
+def check_opening_compiled(pressure_drop: float, check: CheckPoppet) -> float:
+    """The same as `check_opening`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
+
+    pressure_drop  in the direction of the valve [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    if check.reverse_opening == 1.0:
+        return 1.0
+    lift: float = clip(
+        (pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure), 0.0, 1.0
+    )
+    return check.reverse_opening + (1.0 - check.reverse_opening) * lift
+
+
 def check_side(pressure_drop: float, check: CheckPoppet) -> float:
     """On which side of its cracking pressure and of its rated drop a check valve stands [1], see `base.modes.between`.
 
@@ -71,6 +86,18 @@ def check_side(pressure_drop: float, check: CheckPoppet) -> float:
     """
     lift = (pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure)
     return between(select(check.reverse_opening < 1.0, lift, 0.5))
+
+
+def check_side_compiled(pressure_drop: float, check: CheckPoppet) -> float:
+    """The same as `check_side`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
+
+    pressure_drop  in the direction of the valve [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    if check.reverse_opening == 1.0:
+        return between(0.5)
+    return between((pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure))
 
 
 def check_opening_rate(pressure_drop: float, opening: float, check: CheckPoppet) -> float:
@@ -85,6 +112,19 @@ def check_opening_rate(pressure_drop: float, opening: float, check: CheckPoppet)
     lag = (check_opening(pressure_drop, check) - opening) / select(tau > 0.0, tau, 1.0)
     rate: float = select(tau > 0.0, lag, 0.0)
     return rate
+
+
+def check_opening_rate_compiled(pressure_drop: float, opening: float, check: CheckPoppet) -> float:
+    """The same as `check_opening_rate`, which it replaces in compiled code: none without an opening time.
+
+    pressure_drop  in the direction of the valve [Pa]
+    opening        y [1]
+
+    Source  ours, docs/models/components.md
+    """
+    if check.opening_time == 0.0:
+        return 0.0
+    return (check_opening(pressure_drop, check) - opening) / check.opening_time
 
 
 def check_flow(pressure_drop: float, check: CheckValve) -> float:

@@ -35,7 +35,9 @@ def passage(flow: float, upstream: FluidState, downstream: FluidState) -> Passag
 
     Source  ours, docs/models/components.md
     """
-    q = flow / select(flow > 0.0, upstream.volume_ratio, downstream.volume_ratio)
+    # One of the two is 0. In compiled code all passages of a volume share the division, as they could not in a choice.
+    forward = select(flow > 0.0, flow, 0.0)
+    q = forward * (1.0 / upstream.volume_ratio) + (flow - forward) * (1.0 / downstream.volume_ratio)
     return Passage(q, q * (upstream.enthalpy - downstream.enthalpy))
 
 

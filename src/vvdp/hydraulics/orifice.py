@@ -5,7 +5,6 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import DischargeCoefficient, PressureDifference
 from vvdp.base.params import Params
-from vvdp.hydraulics.flow import signed_root
 
 
 class Orifice(Params):
@@ -34,8 +33,10 @@ def orifice_flow(area: float, pressure_drop: float, density: float, orifice: Ori
     Source  merritt1967, ch. 3 (root law); transition: ours, docs/models/components.md
     """
     cd, eps = orifice.discharge_coefficient, orifice.transition_pressure
-    coefficient: float = cd * area * np.sqrt(2.0 / density)
-    return coefficient * signed_root(pressure_drop, eps)
+    # The two roots as one, which costs compiled code a root and a division less.
+    smooth = np.sqrt(pressure_drop * pressure_drop + eps * eps)
+    flow: float = cd * area * pressure_drop / np.sqrt(0.5 * density * smooth)
+    return flow
 
 
 def orifice_area_for(flow: float, pressure_drop: float, density: float, orifice: Orifice) -> float:

@@ -32,7 +32,7 @@ def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> floa
 
     Source  ours, docs/models/components.md
     """
-    return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) / inlet.volume_ratio
+    return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * (1.0 / inlet.volume_ratio)
 
 
 def flow_ripple(shaft_angle: float, pump: Pump) -> float:

@@ -141,10 +141,11 @@ def relief_mode(pressure: float, tank_pressure: float, surplus_flow: float, mode
     Source  ours, docs/models/components.md
     """
     crack, surplus = relief.cracking_pressure, surplus_flow / relief.rated_flow
-    passing = minimum(surplus, (pressure - tank_pressure) / crack)
-    ideal = select(mode > 0.5, passing, minimum(passing, pressure / crack - 1.0))
+    per_crack = 1.0 / crack
+    passing = minimum(surplus, (pressure - tank_pressure) * per_crack)
+    ideal = select(mode > 0.5, passing, minimum(passing, (pressure - crack) * per_crack))
     shuts_at = crack - mode * relief.reseat_drop
-    return side(select(relief.override_pressure > 0.0, (pressure - shuts_at) / crack, ideal))
+    return side(select(relief.override_pressure > 0.0, (pressure - shuts_at) * per_crack, ideal))
 
 
 def relief_opening_rate(pressure: float, opening: float, mode: float, relief: ReliefValve) -> float:
@@ -160,3 +161,15 @@ def relief_opening_rate(pressure: float, opening: float, mode: float, relief: Re
     lag = (relief_opening(pressure, mode, relief) - opening) / select(tau > 0.0, tau, 1.0)
     rate: float = select(tau > 0.0, lag, 0.0)
     return rate
+
+
+def relief_opening_rate_compiled(pressure: float, opening: float, mode: float, relief: ReliefValve) -> float:
+    """The same as `relief_opening_rate`, which it replaces in compiled code: none without an opening time.
+
+    Arguments as there.
+
+    Source  ours, docs/models/components.md
+    """
+    if relief.opening_time == 0.0:
+        return 0.0
+    return (relief_opening(pressure, mode, relief) - opening) / relief.opening_time

@@ -6,6 +6,7 @@ from vvdp.base.books import Stored
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
 from vvdp.base.params import Params
+from vvdp.base.powers import power
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil
@@ -149,12 +150,35 @@ def capacity_beside(gas: float, pressure: float, vessel: Vessel) -> float:
 
     Source  ours, docs/models/components.md
     """
+    return vessel.oil_volume * vessel.hose_compliance + gas_yielding(gas, pressure, vessel)
+
+
+def capacity_beside_compiled(gas: float, pressure: float, vessel: Vessel) -> float:
+    """The same as `capacity_beside`, which it replaces in compiled code: no gas law for a vessel without gas.
+
+    gas       its volume now [m^3]
+    pressure  absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    hose = vessel.oil_volume * vessel.hose_compliance
+    return hose if gas == 0.0 else hose + gas_yielding(gas, pressure, vessel)
+
+
+def gas_yielding(gas: float, pressure: float, vessel: Vessel) -> float:
+    """Room that the gas of a vessel gives per pressure of the oil [m^3/Pa]: -dVg/dP.
+
+    gas       its volume now [m^3]
+    pressure  of the oil, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
     p0 = vessel.precharge_pressure
     d, width = pressure - p0, SEATING * p0 + select(p0 > 0.0, 0.0, 1.0)
     carried = 0.5 + 0.5 * d / np.sqrt(d * d + width * width)
     inside = p0 + gas_excess(pressure, vessel)
     yielding: float = gas * carried / (vessel.gas_exponent * inside)
-    return vessel.oil_volume * vessel.hose_compliance + yielding
+    return yielding
 
 
 def gas_excess(pressure: float, vessel: Vessel) -> float:
@@ -184,7 +208,21 @@ def gas_volume(pressure: float, vessel: Vessel) -> float:
     """
     p0 = vessel.precharge_pressure
     ratio = 1.0 + gas_excess(pressure, vessel) / select(p0 > 0.0, p0, 1.0)
-    expansion: float = ratio ** (-1.0 / vessel.gas_exponent)
+    expansion: float = power(ratio, -1.0 / vessel.gas_exponent)
+    return vessel.gas_volume * expansion
+
+
+def gas_volume_compiled(pressure: float, vessel: Vessel) -> float:
+    """The same as `gas_volume`, which it replaces in compiled code: no gas law for a vessel without gas.
+
+    pressure  of the oil, absolute [Pa]
+
+    Source  ours, docs/models/components.md
+    """
+    if vessel.gas_volume == 0.0:
+        return 0.0
+    ratio = 1.0 + gas_excess(pressure, vessel) / vessel.precharge_pressure
+    expansion: float = power(ratio, -1.0 / vessel.gas_exponent)
     return vessel.gas_volume * expansion
 
 

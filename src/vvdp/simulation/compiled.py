@@ -14,8 +14,12 @@ from numba.core.typing.templates import builtin_registry
 from numba.np.arrayobj import make_array, populate_array
 
 from vvdp.base.errors import RunError
+from vvdp.base.powers import expm1, power
 from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.base.signal import changes_stop, changes_value, signal_stop, signal_value, sines_value
+from vvdp.simulation import in_place
+from vvdp.simulation.lane_code import is_fused
+from vvdp.simulation.lane_values import Code, Vector
 
 intrinsic: Any = extending.intrinsic
 overload: Any = extending.overload
@@ -188,6 +192,31 @@ def _is_empty(column: Any) -> bool:
     return isinstance(column, types.BaseTuple) and not len(column)
 
 
+def _written_in_place(write: Callable[..., Vector], count: int) -> Any:
+    """A function of so many numbers for compiled code, which `write` puts in place of its calls."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        code = Code(builder, 1, is_fused())
+        return write(code, *(Vector(code, argument) for argument in arguments)).value
+
+    if count == 1:
+        return intrinsic(lambda typing, x: (types.float64(types.float64), generate))
+    return intrinsic(lambda typing, x, y: (types.float64(types.float64, types.float64), generate))
+
+
+_power, _expm1 = _written_in_place(in_place.power, 2), _written_in_place(in_place.expm1, 1)
+
+
+def _power_form(base: Any, exponent: Any) -> Any:
+    if isinstance(base, types.Number) and isinstance(exponent, types.Number):
+        return lambda base, exponent: _power(float(base), float(exponent))
+    return lambda base, exponent: base**exponent
+
+
+def _expm1_form(x: Any) -> Any:
+    return (lambda x: _expm1(float(x))) if isinstance(x, types.Number) else (lambda x: np.expm1(x))
+
+
 def _select_form(condition: Any, a: Any, b: Any) -> Any:
     return lambda condition, a, b: a if condition else b
 
@@ -219,6 +248,8 @@ FORMS: dict[Callable[..., Any], Callable[..., Any]] = {
     changes_value: _changes_form,
     sines_value: _sines_form,
     changes_stop: _corner_form,
+    power: _power_form,
+    expm1: _expm1_form,
 }
 """Functions whose compiled text differs from their Python text, and how it is chosen from the argument types."""
 

@@ -150,7 +150,7 @@ SIMPLE: Mapping[Op, Callable[..., Vector | Mask]] = {
 
 def _row(code: Code, vector: Any, row: int) -> Any:
     """The address of the lanes of a number."""
-    kind = ir.PointerType(ir.VectorType(DOUBLE, code.width))
+    kind = ir.PointerType(code.kind(DOUBLE))
     first = code.builder.gep(vector, [ir.Constant(ir.IntType(64), row * code.width)])
     return code.builder.bitcast(first, kind)
 

@@ -17,7 +17,7 @@ ROUNDING = 1.5 * 2.0**52
 class Code:
     """A place where vector instructions are written.
 
-    width  how many lanes a vector has
+    width  how many lanes a vector has; 1 writes plain numbers, which LLVM handles better than vectors of one
     fused  whether the processor multiplies and adds with one rounding
     """
 
@@ -29,25 +29,38 @@ class Code:
         return value if isinstance(value, Vector) else self.constants([float(value)] * self.width)
 
     def constants(self, values: Sequence[float]) -> "Vector":
-        return Vector(self, ir.Constant(ir.VectorType(DOUBLE, self.width), list(values)))
+        return Vector(self, self._constant(DOUBLE, list(values)))
 
     def whole(self, value: int) -> Any:
         """An integer in all lanes."""
-        return ir.Constant(ir.VectorType(INTEGER, self.width), [value] * self.width)
+        return self._constant(INTEGER, [value] * self.width)
+
+    def whole_truth(self) -> Any:
+        """What holds in all lanes."""
+        return self._constant(TRUTH, [1] * self.width)
+
+    def kind(self, one: Any) -> Any:
+        """The type of a vector of `one`."""
+        return one if self.width == 1 else ir.VectorType(one, self.width)
+
+    def _constant(self, one: Any, values: list[Any]) -> Any:
+        return ir.Constant(self.kind(one), values[0] if self.width == 1 else values)
 
     def floats(self, integers: Any) -> "Vector":
         """The numbers that have these bits."""
-        return Vector(self, self.builder.bitcast(integers, ir.VectorType(DOUBLE, self.width)))
+        return Vector(self, self.builder.bitcast(integers, self.kind(DOUBLE)))
 
     def call(self, name: str, *values: Any) -> "Vector":
         """An operation of the processor that LLVM knows by `name`."""
-        kind = ir.VectorType(DOUBLE, self.width)
-        found = declared(self.builder.module, f"llvm.{name}.v{self.width}f64", kind, [kind] * len(values))
+        kind, suffix = self.kind(DOUBLE), "f64" if self.width == 1 else f"v{self.width}f64"
+        found = declared(self.builder.module, f"llvm.{name}.{suffix}", kind, [kind] * len(values))
         return Vector(self, self.builder.call(found, [self.vector(value).value for value in values]))
 
     def scalar(self, name: str, value: "Vector") -> "Vector":
         """A function of the C library, lane by lane: for what is rare."""
         found = declared(self.builder.module, name, DOUBLE, [DOUBLE])
+        if self.width == 1:
+            return Vector(self, self.builder.call(found, [value.value]))
         result = value.value
         for lane in range(self.width):
             place = ir.Constant(ir.IntType(32), lane)
@@ -102,7 +115,7 @@ class Vector:
     @property
     def bits(self) -> Any:
         """The bits of the numbers, as integers."""
-        return self.code.builder.bitcast(self.value, ir.VectorType(INTEGER, self.code.width))
+        return self.code.builder.bitcast(self.value, self.code.kind(INTEGER))
 
     def __add__(self, other: Any) -> "Vector":
         return self._of(self.code.builder.fadd, self, other)
@@ -172,8 +185,7 @@ class Mask:
         return Mask(self.code, self.code.builder.or_(self.value, other.value))
 
     def __invert__(self) -> "Mask":
-        every = ir.Constant(ir.VectorType(TRUTH, self.code.width), [1] * self.code.width)
-        return Mask(self.code, self.code.builder.xor(self.value, every))
+        return Mask(self.code, self.code.builder.xor(self.value, self.code.whole_truth()))
 
 
 def declared(module: Any, name: str, result: Any, arguments: Sequence[Any]) -> Any:

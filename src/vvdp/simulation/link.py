@@ -38,6 +38,10 @@ from vvdp.simulation.reason import reason
 from vvdp.simulation.values import names
 from vvdp.simulation.watch import Remembered, model_key
 
+WRITERS = ("compiled", "in_place", "lane_code", "lane_math", "lane_values")
+BASE = ("powers", "select", "signal")
+"""Modules that compiled code is made by or with, whatever the model."""
+
 __all__ = ["Hashed", "Linked", "default_cache", "link", "quiet"]
 
 
@@ -152,7 +156,7 @@ def _versions() -> str:
     """What compiled code depends on besides the model."""
     import numba
 
-    here = Path(__file__).parent
-    own = (here / "compiled.py", here.parent / "base" / "signal.py", here.parent / "base" / "select.py")
-    told = hashlib.sha256(b"".join(path.read_bytes() for path in own)).hexdigest()
-    return f"{platform.python_version()} {np.__version__} {numba.__version__} {told}"
+    here, told = Path(__file__).parent, hashlib.sha256()
+    for path in (*(here / f"{name}.py" for name in WRITERS), *(here.parent / "base" / f"{name}.py" for name in BASE)):
+        told.update(path.read_bytes())
+    return f"{platform.python_version()} {np.__version__} {numba.__version__} {told.hexdigest()}"

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Ratio
+from vvdp.base.powers import power
 from vvdp.valve.rotary import PowerResistance, QuadraticResistance, RotaryValve
 
 # Flow below which the centre section's power law becomes linear [m^3/s]; far below any flow of interest, it only
@@ -35,6 +36,13 @@ class BranchFlow(NamedTuple):
     nozzle_share: Fraction
     centre_share: Fraction
     outlet_share: Fraction
+
+
+class Fractional(NamedTuple):
+    """A ratio that is not divided yet."""
+
+    above: Ratio
+    below: Ratio
 
 
 class BranchLaw(NamedTuple):
@@ -106,7 +114,7 @@ def turbulent_drops(flow: float, opening: float, density: float, valve: RotaryVa
     """
     Q, e = flow, 0.5 * valve.centre_flow_exponent - 1.0
     nozzle = nozzle_resistance(density, valve) * Q * abs(Q) / (opening * opening)
-    centre = centre_resistance(valve) * Q * abs(Q) * (Q * Q + STILL_FLOW * STILL_FLOW) ** e
+    centre = centre_resistance(valve) * Q * abs(Q) * power(Q * Q + STILL_FLOW * STILL_FLOW, e)
     outlet = outlet_resistance(density, valve) * Q * abs(Q)
     return BranchDrops(nozzle, centre, outlet)
 
@@ -125,7 +133,7 @@ def branch_drops(flow: float, opening: float, density: float, valve: RotaryValve
     """
     Q, e, eps = flow, 0.5 * valve.centre_flow_exponent - 1.0, valve.transition_pressure
     nozzle = nozzle_resistance(density, valve) / (opening * opening)
-    centre = centre_resistance(valve) * (Q * Q + STILL_FLOW * STILL_FLOW) ** e
+    centre = centre_resistance(valve) * power(Q * Q + STILL_FLOW * STILL_FLOW, e)
     outlet = outlet_resistance(density, valve)
     total = nozzle + centre + outlet
     s = total * Q * Q
@@ -143,10 +151,24 @@ def power_near_one(base: float, exponent: float) -> float:
 
     Source  ours, docs/models/rotary-valve.md
     """
-    d, e = base - 1.0, exponent
-    above = 12.0 + d * (6.0 * (2.0 + e) + d * (1.0 + e) * (2.0 + e))
-    below = 12.0 + d * (6.0 * (2.0 - e) + d * (1.0 - e) * (2.0 - e))
-    return above / below
+    near = fraction_near_one(base, 1.0, exponent)
+    return near.above / near.below
+
+
+def fraction_near_one(above: float, below: float, exponent: float) -> Fractional:
+    """The same as `power_near_one`, of a fraction and as a fraction: nothing is divided [1].
+
+    above, below  of the base [1]
+    exponent      [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    d, e = above - below, exponent
+    ends, middle = 12.0 * below * below, 6.0 * below
+    return Fractional(
+        ends + d * (middle * (2.0 + e) + d * ((1.0 + e) * (2.0 + e))),
+        ends + d * (middle * (2.0 - e) + d * ((1.0 - e) * (2.0 - e))),
+    )
 
 
 def branch_flow(pressure_drop: float, opening: float, density: float, valve: RotaryValve) -> BranchFlow:
@@ -217,24 +239,25 @@ def open_flow(pressure_drop: float, opening: float, law: BranchLaw) -> BranchFlo
     outlet = a2 * law.outlet_turbine
     B = a2 * law.centre_section
     A = nozzle + outlet
-    # Guess x from the power at x_max = s / A, carried down to ratio x_max without another power.
-    x_max = s / A
-    far = B * (a2 * x_max + x0) ** e
-    ratio = A / (A + far)
-    for _ in range(2):
-        ratio = A / (A + far * power_near_one(ratio, e))
-    x = x_max * ratio
-    z = a2 * x + x0
-    term = B * z**e
-    # Halley's step for x (A + B (a^2 x + x_0)^e) = s, then the power at its end by its Taylor series.
-    per_x = a2 / z
-    slope, bend = e * per_x * term, (e - 1.0) * per_x
-    g, g1, g2 = x * (A + term) - s, A + term + x * slope, slope * (2.0 + bend * x)
-    dx = 2.0 * g * g1 / (g * g2 - 2.0 * g1 * g1)
-    centre = term + slope * dx * (1.0 + 0.5 * bend * dx)
-    total = A + centre
-    full_section_flow = dp / np.sqrt(smooth * total)
-    per_total = 1.0 / total
+    # Guess x from the power at x_max = s / A, carried down to ratio x_max without another power. Ratios are kept as
+    # fractions and the steps of a formula multiplied out, as divisions take longest.
+    per_A = 1.0 / A
+    x_max = s * per_A
+    far = B * per_A * power(a2 * x_max + x0, e)
+    carried = fraction_near_one(1.0, 1.0 + far, e)
+    carried = fraction_near_one(carried.below, carried.below + far * carried.above, e)
+    x = x_max * (carried.below / (carried.below + far * carried.above))
+    n, z = a2 * x, a2 * x + x0
+    term = B * power(z, e)
+    # Halley's step for x (A + B (a^2 x + x_0)^e) = s, as a share v of z, then the power at its end by its Taylor
+    # series. The slope of the left side times z is h, its bend times z^2 is bend.
+    g, h = x * (A + term) - s, (A + term) * z + e * term * n
+    bend = e * a2 * term * (2.0 * z + (e - 1.0) * n)
+    v = 2.0 * a2 * g * h / (g * bend - 2.0 * h * h)
+    centre = term * (1.0 + e * v * (1.0 + 0.5 * (e - 1.0) * v))
+    per_root = 1.0 / np.sqrt(smooth * (A + centre))
+    full_section_flow = dp * per_root
+    per_total = per_root * per_root * smooth
     return BranchFlow(
         opening * full_section_flow,
         full_section_flow,

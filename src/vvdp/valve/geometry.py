@@ -108,9 +108,10 @@ def wedge_opening(distance: float, half_width: float, ramp: float) -> float:
 
     Source  ours, docs/models/rotary-valve.md
     """
-    entered: float = clip(0.5 + (half_width + distance) / ramp, 0.0, 1.0)
-    remaining: float = clip(0.5 + (half_width - distance) / ramp, 0.0, 1.0)
-    following: float = clip(0.5 + (half_width + distance - 1.0) / ramp, 0.0, 1.0)
+    slope = 1.0 / ramp  # one division, which both ports share in compiled code
+    entered: float = clip(0.5 + slope * (half_width + distance), 0.0, 1.0)
+    remaining: float = clip(0.5 + slope * (half_width - distance), 0.0, 1.0)
+    following: float = clip(0.5 + slope * (half_width + distance - 1.0), 0.0, 1.0)
     return entered * remaining + following * (1.0 - remaining)
 
 

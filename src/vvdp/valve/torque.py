@@ -10,6 +10,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Kind, Length, Ratio
 from vvdp.base.params import Params
+from vvdp.base.powers import power
 from vvdp.base.select import maximum, select
 from vvdp.valve.branch import BranchFlow
 from vvdp.valve.geometry import Openings
@@ -44,7 +45,7 @@ def jet_section(opening: float, exponent: float) -> float:
 
     Source  ours, docs/models/rotary-valve.md
     """
-    section: float = opening ** (2.0 - exponent)
+    section: float = power(opening, 2.0 - exponent)
     return section
 
 
@@ -58,7 +59,7 @@ def jet_section_compiled(opening: float, exponent: float) -> float:
     """
     if exponent == 0.0 or opening == 0.0 or opening == 1.0:
         return opening * opening
-    section: float = opening ** (2.0 - exponent)
+    section: float = power(opening, 2.0 - exponent)
     return section
 
 
