@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
-from benchmarks.measure import interleaved, machine, ratios, report, spread
+from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
 from vvdp.base.kinds import AccelerationDensity, AngularVariance
 from vvdp.base.params import Params
 from vvdp.comparison.estimators import contenders
@@ -52,7 +52,7 @@ def filterpy_updates(edges: np.ndarray, settings: Densities) -> np.ndarray:
     return found
 
 
-def against_filterpy() -> None:
+def against_filterpy(rounds: int) -> None:
     """The same edges through both; they must agree before their times mean anything."""
     random, settings = np.random.default_rng(1), Densities(acceleration_density=0.25, edge_variance=5.5e-3)
     sector = np.pi / 4
@@ -63,34 +63,35 @@ def against_filterpy() -> None:
     many = np.tile(edges, (SAMPLES // UPDATES, 1))
     apart = np.max(np.abs(replay(START, edges).shown[:, :2] - filterpy_updates(edges, settings)))
     report("largest difference of the two", f"{apart:.2g} rad, rad/s", "1e-9", apart < 1e-9)
-    times = interleaved({"vvdp": lambda: replay(START, many), "filterpy": lambda: filterpy_updates(edges, settings)})
+    times = interleaved(
+        {"vvdp": lambda: replay(START, many), "filterpy": lambda: filterpy_updates(edges, settings)}, rounds
+    )
     report("predict and update, vvdp", spread(times["vvdp"], "ns", 1e9 / len(many)))
     report("predict and update, filterpy", spread(times["filterpy"], "ns", 1e9 / UPDATES))
     found = [ratio * len(many) / UPDATES for ratio in ratios(times, "filterpy", "vvdp")]
     report("filterpy over vvdp", spread(found, "times"), f"{RATIO_TARGET:g}", float(np.median(found)) >= RATIO_TARGET)
 
 
-def cost_per_sample() -> None:
+def cost_per_sample(samples: int, rounds: int) -> None:
     """Every estimator over the same readings: 8 sectors, 24.7 turns a second, 1 kHz."""
     scenario = scenarios()[0]
-    record = recorded(scenario, compiled_encoder(scenario), 0, SAMPLES)
+    record = recorded(scenario, compiled_encoder(scenario), 0, samples)
     variants = {}
     for each in contenders():
         variants[each.name] = partial(estimated, each, compiled_step(each), record, each.rows(scenario, record))
-    times = interleaved(variants)
+    times = interleaved(variants, rounds)
     for name, taken in times.items():
-        met = float(np.median(taken)) * 1e9 / SAMPLES < SAMPLE_TARGET
-        report(f"{name}, one sample", spread(taken, "ns", 1e9 / SAMPLES), f"{SAMPLE_TARGET:g}", met)
+        met = float(np.median(taken)) * 1e9 / samples < SAMPLE_TARGET
+        report(f"{name}, one sample", spread(taken, "ns", 1e9 / samples), f"{SAMPLE_TARGET:g}", met)
         if name != "event-filter":
             report("  over event-filter", spread(ratios(times, name, "event-filter"), "times"))
 
 
-def main() -> None:
+def main(short: bool) -> None:
     """Both questions, on one core."""
-    print(machine())
-    against_filterpy()
-    cost_per_sample()
+    against_filterpy(1 if short else ROUNDS)
+    cost_per_sample(*((2000, 1) if short else (SAMPLES, ROUNDS)))
 
 
 if __name__ == "__main__":
-    main()
+    run_as_command(main)

@@ -6,13 +6,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from statistics import median
 
 import numpy as np
 
-from benchmarks.measure import machine, report, spread
+from benchmarks.measure import report, run_as_command, spread
 
 RATE, HOUR = 10_000.0, 3600.0
 SECTORS, SECTIONS = 8, 3
@@ -104,13 +104,11 @@ WRITERS: dict[str, Callable[[Path, Iterator[Portion]], None]] = {
 }  # fmt: skip
 
 
-def written(folder: Path, seconds: float) -> Iterator[Path]:
-    """The logs; those that are there already are taken as they are."""
-    for name, writer in WRITERS.items():
-        path = folder / name
-        if not path.exists():
-            writer(path, bench(seconds))
-        yield path
+def written(folder: Path, names: Iterable[str], seconds: float) -> Iterator[Path]:
+    """The logs of these names."""
+    for name in names:
+        WRITERS[name](folder / name, bench(seconds))
+        yield folder / name
 
 
 def estimated(path: Path) -> tuple[float, float, float, dict[str, object]]:
@@ -135,29 +133,32 @@ def estimated(path: Path) -> tuple[float, float, float, dict[str, object]]:
     return wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0, json.loads(answer)
 
 
-def main() -> None:
-    """Each format in turn, some rounds; the median is held against the target."""
-    print(machine())
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(sys.argv[1] if len(sys.argv) > 1 else temporary)
-        folder.mkdir(parents=True, exist_ok=True)
-        paths = list(written(folder, HOUR))
+def main(short: bool) -> None:
+    """Each format in turn, some rounds; the median is held against the target. The short form: two, ten seconds."""
+    with tempfile.TemporaryDirectory() as folder:
+        seconds, rounds = (10.0, 1) if short else (HOUR, ROUNDS)
+        names = list(WRITERS)[2:] if short else list(WRITERS)
+        paths = list(written(Path(folder), names, seconds))
         estimated(paths[0])  # compiles what is not compiled yet
         for path in paths:
-            runs = [estimated(path) for _ in range(ROUNDS)]
-            target = TEXT_TARGET if path.suffix == ".csv" else BINARY_TARGET
-            wall, cpu, memory = ([run[k] for run in runs] for k in range(3))
-            mapped = path.stat().st_size / 2.0**20 if path.suffix == ".mf4" else 0.0  # counted, but not held
-            name = f"{path.suffix[1:]}, {path.stat().st_size / 1e9:.2f} GB"
-            report(name, spread(wall, "s"), f"{target:g}", median(wall) <= target)
-            report(f"{name}, processor time", spread(cpu, "s"))
-            beside = f", beside {mapped:.0f} MiB of mapped file" if mapped else ""
-            own = [peak - mapped for peak in memory]
-            report(f"{name}, peak memory", spread(own, "MiB") + beside, f"{MEMORY_TARGET:g}", max(own) <= MEMORY_TARGET)
-            found = float(str(runs[0][3]["spool_speed_mean_rad_s"]))
-            true = MEAN_SPEED + SWAY * np.sin(SLOWLY * HOUR) / HOUR
-            report(f"{name}, error of the mean speed", f"{found - true:.2g} rad/s")
+            tell(path, [estimated(path) for _ in range(rounds)], seconds)
+
+
+def tell(path: Path, runs: list[tuple[float, float, float, dict[str, object]]], seconds: float) -> None:
+    """The figures of a format."""
+    target = TEXT_TARGET if path.suffix == ".csv" else BINARY_TARGET
+    wall, cpu, memory = ([run[k] for run in runs] for k in range(3))
+    mapped = path.stat().st_size / 2.0**20 if path.suffix == ".mf4" else 0.0  # counted, but not held
+    name = f"{path.suffix[1:]}, {path.stat().st_size / 1e9:.2f} GB"
+    report(name, spread(wall, "s"), f"{target:g}", median(wall) <= target)
+    report(f"{name}, processor time", spread(cpu, "s"))
+    beside = f", beside {mapped:.0f} MiB of mapped file" if mapped else ""
+    own = [peak - mapped for peak in memory]
+    report(f"{name}, peak memory", spread(own, "MiB") + beside, f"{MEMORY_TARGET:g}", max(own) <= MEMORY_TARGET)
+    found = float(str(runs[0][3]["spool_speed_mean_rad_s"]))
+    true = MEAN_SPEED + SWAY * np.sin(SLOWLY * seconds) / seconds
+    report(f"{name}, error of the mean speed", f"{found - true:.2g} rad/s")
 
 
 if __name__ == "__main__":
-    main()
+    run_as_command(main)

@@ -1,5 +1,6 @@
 """What all benchmarks share: interleaved timing, what the machine is, and lines of results."""
 
+import argparse
 import json
 import os
 import platform
@@ -10,20 +11,56 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 ROUNDS = 11
 HERE = Path(__file__).parent
 
 
-def interleaved(variants: Mapping[str, Callable[[], object]], rounds: int = ROUNDS) -> dict[str, list[float]]:
-    """Times [s] of each variant, taken in turns (A B A B ...), so that a busy machine slows all of them alike."""
+@dataclass(frozen=True)
+class Line:
+    """A result: what was measured, the figure, and the target with whether it was met, where there is one."""
+
+    name: str
+    text: str
+    target: str = ""
+    met: bool | None = None
+
+
+_listed: list[Line] = []
+"""Lines for the table in README.md."""
+
+
+def run_as_command(main: Callable[[bool], None]) -> None:
+    """Calls `main` with whether the short form is asked for, and leaves the lines of the table where wanted."""
+    parser = argparse.ArgumentParser(description=main.__doc__)
+    parser.add_argument("--short", action="store_true", help="in seconds; its figures mean nothing")
+    parser.add_argument("--lines", type=Path, help="file for the lines of the table")
+    given = parser.parse_args()
+    print(machine())
+    if given.short:
+        print("the short form: that it runs is all that it tells")
+    main(given.short)
+    if given.lines:
+        given.lines.write_text(json.dumps([asdict(line) for line in _listed]))
+
+
+def interleaved(
+    variants: Mapping[str, Callable[[], object]],
+    rounds: int = ROUNDS,
+    clock: Callable[[], float] = time.process_time,
+) -> dict[str, list[float]]:
+    """Times [s] of each variant, taken in turns (A B A B ...), so that a busy machine slows all of them alike.
+
+    Processor time, unless another clock is given.
+    """
     times: dict[str, list[float]] = {name: [] for name in variants}
     for _ in range(rounds):
         for name, variant in variants.items():
-            began = time.perf_counter()
+            began = clock()
             variant()
-            times[name].append(time.perf_counter() - began)
+            times[name].append(clock() - began)
     return times
 
 
@@ -38,10 +75,12 @@ def ratios(times: Mapping[str, list[float]], one: str, other: str) -> list[float
     return [a / b for a, b in zip(times[one], times[other], strict=True)]
 
 
-def report(name: str, text: str, target: str = "", met: bool | None = None) -> None:
-    """One line of results."""
+def report(name: str, text: str, target: str = "", met: bool | None = None, *, listed: bool = False) -> None:
+    """One line of results; with a target, or `listed`, it is one of the table in README.md."""
     verdict = "" if met is None else ("   target met" if met else "   TARGET MISSED")
     print(f"{name:46s} {text}{f'   target {target}' if target else ''}{verdict}", flush=True)
+    if listed or target:
+        _listed.append(Line(name.strip(), text, target, None if met is None else bool(met)))
 
 
 def machine() -> str:
@@ -57,10 +96,9 @@ def machine() -> str:
     import scipy
 
     cores = len(os.sched_getaffinity(0))
-    load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
     versions = f"numba {numba.__version__}, numpy {numpy.__version__}, scipy {scipy.__version__}"
     system = f"{platform.system()} {platform.machine()}"
-    return f"{cpu}, {cores} cores, {system}, load {load}; Python {platform.python_version()}, {versions}"
+    return f"{cpu}, {cores} cores, {system}; Python {platform.python_version()}, {versions}"
 
 
 @contextmanager
@@ -71,12 +109,17 @@ def empty_caches(environment: Mapping[str, str]) -> Iterator[dict[str, str]]:
 
 
 def in_new_process(code: str, environment: Mapping[str, str] | None = None) -> dict[str, float]:
-    """What `code` prints as JSON on its last line, run in a new process; `wall` [s] is added."""
-    began = time.perf_counter()
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=environment or os.environ
-    )
-    wall = time.perf_counter() - began
-    if done.returncode:
-        raise SystemExit(f"a benchmark's process failed:\n{done.stderr}")
-    return {**json.loads(done.stdout.splitlines()[-1]), "wall": wall}
+    """What `code` prints as JSON on its last line, run in a new process; `wall` and `processor` [s] are added."""
+    with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as answered:
+        began = time.perf_counter()
+        with subprocess.Popen(
+            [sys.executable, "-c", code], stdout=answered, stderr=said, env=environment or os.environ
+        ) as running:
+            _, status, used = os.wait4(running.pid, 0)
+            running.returncode = os.waitstatus_to_exitcode(status)
+        wall = time.perf_counter() - began
+        said.seek(0), answered.seek(0)
+        if running.returncode:
+            raise SystemExit(f"a benchmark's process failed:\n{said.read().decode()}")
+        last = answered.read().decode().splitlines()[-1]
+    return {**json.loads(last), "wall": wall, "processor": used.ru_utime + used.ru_stime}

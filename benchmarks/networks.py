@@ -1,13 +1,12 @@
 """A circuit that a network writes against the same one written by hand: time per evaluation and per run."""
 
-import tempfile
-from pathlib import Path
+from functools import partial
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.measure import interleaved, machine, ratios, report, spread
+from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
 from vvdp.base.books import Books, Stored
 from vvdp.base.kinds import Area, Density, Energy, Flow, Pressure, PressureTime, TankVolume, Volume
 from vvdp.base.params import Params
@@ -156,26 +155,24 @@ def as_network() -> tuple[Model, Case]:
     return found.model, found.case
 
 
-def main() -> None:
+def main(short: bool) -> None:
     """Compiles both, then takes them in turns."""
-    report("machine", machine())
-    forms = {"by hand": by_hand(), "network": as_network()}
-    with tempfile.TemporaryDirectory() as folder:
-        cache, stepping = Path(folder), Stepping(until=1.0, window=0.1)
-        linked = {name: link(*form, cache) for name, form in forms.items()}
-        runs = {name: simulate(*form, stepping, cache=cache) for name, form in forms.items()}
+    until, count, rounds = (0.05, 200, 1) if short else (1.0, EVALUATIONS, ROUNDS)
+    forms, stepping = {"by hand": by_hand(), "network": as_network()}, Stepping(until=until, window=0.1 * until)
+    linked = {name: link(*form) for name, form in forms.items()}
+    runs = {name: simulate(*form, stepping) for name, form in forms.items()}
 
-        def evaluate(name: str) -> None:
-            rates, flat = linked[name].rates, vectors(forms[name][1])
-            dy = np.zeros_like(flat.state)
-            for _ in range(EVALUATIONS):
-                rates(0.01, flat.state, flat.command, flat.params, dy)
+    def evaluate(name: str) -> None:
+        rates, flat = linked[name].rates, vectors(forms[name][1])
+        dy = np.zeros_like(flat.state)
+        for _ in range(count):
+            rates(0.01, flat.state, flat.command, flat.params, dy)
 
-        evaluations = interleaved({name: lambda name=name: evaluate(name) for name in forms})
-        whole = interleaved({n: lambda form=form: simulate(*form, stepping, cache=cache) for n, form in forms.items()})
+    evaluations = interleaved({name: partial(evaluate, name) for name in forms}, rounds)
+    whole = interleaved({name: partial(simulate, *form, stepping) for name, form in forms.items()}, rounds)
     for name in forms:
-        report(f"evaluation, {name}", spread(evaluations[name], "us", 1e6 / EVALUATIONS))
-        report(f"run of 1 s, {name}", f"{spread(whole[name], 'ms', 1e3)}, {runs[name].steps} steps")
+        report(f"evaluation, {name}", spread(evaluations[name], "us", 1e6 / count))
+        report(f"run of {until:g} s, {name}", f"{spread(whole[name], 'ms', 1e3)}, {runs[name].steps} steps")
     for what, times, most in (("evaluation", evaluations, 1.05), ("run", whole, 1.10)):
         share = ratios(times, "network", "by hand")
         report(f"{what}, network over by hand", spread(share, "times"), f"{most:g}", median(share) <= most)
@@ -183,4 +180,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_as_command(main)

@@ -1,10 +1,10 @@
-"""Simulated seconds per second on one core, and what one evaluation and one step take."""
+"""Simulated seconds per second of one core, and what one evaluation and one step take."""
 
 from collections.abc import Callable
 from dataclasses import replace
 from statistics import median
 
-from benchmarks.measure import interleaved, machine, report, spread
+from benchmarks.measure import ROUNDS, interleaved, report, run_as_command, spread
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.system import System, load_system
 
@@ -17,25 +17,26 @@ CASES = {
 TARGET = 20.0
 
 
-def main() -> None:
+def main(short: bool) -> None:
     """Runs the cases in turns, as `vvdp run` would: with the automatic method and everything recorded."""
-    print(machine())
-    systems = {name: load_system(file, settings, until) for name, (file, settings, until) in CASES.items()}
+    systems = {
+        name: load_system(file, settings, "0.01 s" if short else until)
+        for name, (file, settings, until) in CASES.items()
+    }
     done: dict[str, list[Run]] = {name: [] for name in systems}
     runs = {name: again(system, done[name]) for name, system in systems.items()}
     for name, warm in runs.items():
         warm()  # compiled before the clock starts
         done[name].clear()
-    times = interleaved(runs)
+    times = interleaved(runs, 2 if short else ROUNDS)
     for name, found in times.items():
         run = done[name][-1]
         speeds = [run.end / x for x in found]
         target = (f"{TARGET:g}", median(speeds) >= TARGET) if name in ("prototype", "prototype-constant-load") else ()
-        report(f"{name}, simulated s per s", spread(speeds, "times"), *target)
+        report(f"{name}, simulated s per s", spread(speeds, "times"), *target, listed=True)
         inside = [run.end / run.seconds for run in done[name]]
         report("   stepping alone", spread(inside, "times"))
         report(f"{name}, one evaluation, all included", spread(found, "ns", 1e9 / run.evaluations))
-        method = "stiff" if run.stiff else "explicit"
         method, attempted = "stiff" if run.stiff else "explicit", run.steps + run.rejected
         report(
             f"{name}, steps",
@@ -51,4 +52,4 @@ def again(system: System, done: list[Run]) -> Callable[[], None]:
 
 
 if __name__ == "__main__":
-    main()
+    run_as_command(main)

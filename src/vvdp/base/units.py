@@ -1,7 +1,8 @@
 """The border: text with a unit to SI and back. Nowhere else does a unit other than SI exist.
 
-Pint does the arithmetic of units. What it would convert silently and wrongly for this field is refused here:
-a speed is never a frequency, a gauge level is never a difference, a bare number never has a unit guessed for it.
+`known_units` does the arithmetic of the units that files are written in, pint that of all others. What these would
+convert silently and wrongly for this field is refused here: a speed is never a frequency, a gauge level is never a
+difference, a bare number never has a unit guessed for it.
 """
 
 import math
@@ -11,6 +12,7 @@ from typing import Any
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+from vvdp.base.known_units import conversion, known_unit
 
 ATMOSPHERE = 101325.0
 """Standard atmosphere [Pa]: what a gauge pressure in a file is counted from."""
@@ -44,6 +46,8 @@ def _unit(text: str) -> Any:
 def is_unit(text: str) -> bool:
     """Whether the text is the name of a unit, such as `bar` or `m^3/s`."""
     if text in _GAUGE_SUFFIX or text in _ABSOLUTE_SUFFIX:
+        return True
+    if len(text) <= 40 and known_unit(text) is not None:
         return True
     try:
         return len(text) <= 40 and bool(_unit(text))
@@ -132,21 +136,36 @@ def _converted(number: float, unit: str, text: object, kind: Kind, level: bool =
         raise ParameterError(f"{text!r} is not {kind.named}; write a plain number or %, for example {kind.example!r}")
     if not level:
         unit = _OFFSET_UNITS.get(unit, unit)
-    import pint
-
     try:
         value = _in_si(number, unit, kind.unit if kind.unit != "1" else "")
-    except pint.DimensionalityError:
+    except _OtherDimension:
         raise ParameterError(f"{text!r} is not {kind.named}; write for example {kind.example!r}") from None
     except Exception:  # pint raises many unrelated types on malformed unit text
         raise ParameterError(f"{text!r}: unknown unit {unit!r}; write for example {kind.example!r}") from None
     return value + ATMOSPHERE if gauge else value
 
 
-@lru_cache(maxsize=10_000)
+class _OtherDimension(ValueError):
+    """A unit is not one of the quantity."""
+
+
 def _in_si(number: float, unit: str, si: str) -> float:
+    try:
+        known = conversion(unit, si)
+    except ValueError:
+        raise _OtherDimension from None
+    return _in_si_by_pint(number, unit, si) if known is None else (number * known[0] + known[1]) / known[2]
+
+
+@lru_cache(maxsize=10_000)
+def _in_si_by_pint(number: float, unit: str, si: str) -> float:
     """Kept, since the cases of a study read the same values over and over."""
-    return float(_registry().Quantity(number, _unit(unit)).to(si).magnitude)
+    import pint
+
+    try:
+        return float(_registry().Quantity(number, _unit(unit)).to(si).magnitude)
+    except pint.DimensionalityError:
+        raise _OtherDimension from None
 
 
 def _speed_hint(number: float, unit: str) -> str:
@@ -169,4 +188,6 @@ def in_unit(value: float, kind: Kind, unit: str) -> float:
     """`value` [SI of `kind`] expressed in `unit`; a pressure level is not shifted to gauge."""
     if unit in ("", "1"):
         return value
+    if (known := conversion(kind.unit, unit)) is not None:
+        return (value * known[0] + known[1]) / known[2]
     return float(_registry().Quantity(value, _unit(kind.unit)).to(_unit(unit)).magnitude)

@@ -103,21 +103,22 @@ def taken_flow(pressure: float, openings: Openings, point: CyclePoint, law: Bran
 def inlet_pressure_between(low: float, high: float, openings: Openings, point: CyclePoint, law: BranchLaw) -> float:
     """The inlet pressure between two others at which all passages together take the pump flow, absolute [Pa].
 
-    Regula falsi with the Illinois weight; the flow grows with the pressure, so there is one.
+    Regula falsi with the Illinois weight; the flow grows with the pressure, so there is one. It goes by the squares of
+    flows, which are nearly straight over the pressure, so that few trials are needed.
 
     low, high  below and above it, absolute [Pa]
     openings   open fractions of the ports [1]
 
     Source  ours, docs/models/rotary-valve.md
     """
-    below = taken_flow(low, openings, point, law) - point.flow
-    above = taken_flow(high, openings, point, law) - point.flow
+    below = surplus_square(low, openings, point, law)
+    above = surplus_square(high, openings, point, law)
     last = 0.0
     for _ in range(MOST_TRIALS):
         if high - low <= CLOSE * high or above <= 0.0 or below >= 0.0:
             break
         trial = high - above * (high - low) / (above - below)
-        left = taken_flow(trial, openings, point, law) - point.flow
+        left = surplus_square(trial, openings, point, law)
         if left > 0.0:
             high, above = trial, left
             if last > 0.0:
@@ -128,9 +129,21 @@ def inlet_pressure_between(low: float, high: float, openings: Openings, point: C
             if last < 0.0:
                 above = 0.5 * above
             last = -1.0
-        if abs(left) <= CLOSE * point.flow:
+        if abs(left) <= 2.0 * CLOSE * point.flow * point.flow:
             return trial
     return low if below >= 0.0 else high
+
+
+def surplus_square(pressure: float, openings: Openings, point: CyclePoint, law: BranchLaw) -> float:
+    """Square of the flow that all passages take, with its sign, less that of the pump flow [m^6/s^2].
+
+    pressure  at the inlet, absolute [Pa]
+    openings  open fractions of the ports [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    taken = taken_flow(pressure, openings, point, law)
+    return taken * abs(taken) - point.flow * point.flow
 
 
 def instant(openings: Openings, point: CyclePoint, law: BranchLaw, valve: RotaryValve) -> Instant:
@@ -152,6 +165,16 @@ def instant(openings: Openings, point: CyclePoint, law: BranchLaw, valve: Rotary
             if openings.load > 0.0:
                 return Instant(pressure, whole, none, 0.0)
             return Instant(pressure, none, whole, 0.0)
+    return searched_instant(openings, point, law)
+
+
+def searched_instant(openings: Openings, point: CyclePoint, law: BranchLaw) -> Instant:
+    """Inlet pressure and branch flows at one angle [Pa, m^3/s], without the closed form for a single open port.
+
+    openings  open fractions of the ports [1]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
     highest = point.relief_pressure + point.relief_override
     at_highest = flows_at(highest, openings, point, law)
     if point.relief_override == 0.0 and at_highest.passed >= 0.0:

@@ -1,7 +1,7 @@
 """Many cases of one model at once, on all cores; nothing is recorded but what a summary needs."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,8 +13,7 @@ import numpy.typing as npt
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
-from vvdp.simulation.check import check_start
-from vvdp.simulation.layout import all_but_state
+from vvdp.simulation.layout import case_form
 from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
@@ -22,6 +21,7 @@ from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, marked_window
 from vvdp.simulation.prepare import Prepared, compiled_loop, prepared, started
 from vvdp.simulation.run import failure, remarks
+from vvdp.simulation.start import check_start, start_bounds
 from vvdp.simulation.stepping import Stepping
 
 MARKS_MEMORY = 2**28
@@ -118,9 +118,11 @@ def simulate_batch(
             for whole, piece in zip(part, again, strict=True):
                 whole[some] = piece
     clocks = part.clocks
+    low, high = start_bounds(cases[0].state)
+    ended = (part.status == places.DONE) & ((low <= part.start) & (part.start <= high)).all(axis=1)
     reasons = tuple(
-        _reason(case, clock, state, status)
-        for case, clock, state, status in zip(cases, clocks, part.final, part.status, strict=True)
+        None if well else _reason(case, clock, state, status)
+        for well, case, clock, state, status in zip(ended, cases, clocks, part.final, part.status, strict=True)
     )
     return BatchRun(
         model=model,
@@ -147,11 +149,12 @@ def simulate_batch(
 def _are_of_one_shape(cases: Sequence[Case]) -> None:
     if not cases:
         raise ParameterError("no cases; expected at least one")
-    shape, known = case_shape(cases[0]), {all_but_state(cases[0])}
+    shared = dict[int, Hashable]()
+    shape, known = case_shape(cases[0]), {case_form(cases[0], shared)}
     for number, case in enumerate(cases[1:], 1):
-        if (key := all_but_state(case)) in known:
+        if (form := case_form(case, shared)) in known:
             continue
-        known.add(key)
+        known.add(form)
         if difference := _difference(case_shape(case), shape):
             raise ParameterError(
                 f"case {number} is not of the shape of case 0: {difference}; run them in batches apart"
@@ -182,6 +185,7 @@ def _places(ready: Prepared, others: int) -> int:
 
 
 class _Carried(NamedTuple):
+    start: Array
     final: Array
     commands: Array
     memories: Array
@@ -209,6 +213,7 @@ def _carried(
         # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
         order = np.concatenate([np.arange(first, count, threads) for first in range(threads)])
         final, command, memory, params = rows_of([cases[row] for row in order])
+        start = final.copy()
         begun = started(ready, stepping)[3:]
         agendas, waitings, clocks, courses = (np.stack([part] * count) for part in begun)
         low, high, status = np.zeros((count, n)), np.zeros((count, n)), np.zeros(count, np.int64)
@@ -228,7 +233,7 @@ def _carried(
         found[marks == 0] = np.nan
     dealt = np.argsort(order)
     samples = agendas[:, 0, places.CALLS].astype(np.int64)
-    parts = (final, command, memory, low, high, clocks, status, samples, mark_times, first, latest)
+    parts = (start, final, command, memory, low, high, clocks, status, samples, mark_times, first, latest)
     return _Carried._make(part[dealt] for part in parts)
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vvdp.base.errors import RunError
+from vvdp.simulation.loading import registries_left_out
 
 TEXT, SUMS = "linked.py", "sums"
 ADVICE = "set VVDP_CACHE to a folder of your own"
@@ -48,7 +49,7 @@ def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.Mod
 
     Raises RunError where the cache cannot be written, or can be by others.
     """
-    if found := sys.modules.get(_module_name(wanted)):
+    if found := sys.modules.get(_module_name(wanted.name)):
         return found
     try:
         cache.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -141,13 +142,14 @@ def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
     from numba.core import config as numba_config
 
     config: Any = numba_config
-    found = types.ModuleType(_module_name(wanted))
+    found = types.ModuleType(_module_name(wanted.name))
     found.__file__ = str(folder / TEXT)
     found.__dict__.update(wanted.known)
     elsewhere, config.CACHE_DIR = config.CACHE_DIR, ""  # all of a module's code stands beside its text
     sys.modules[found.__name__] = found  # before it runs: Numba's cache looks its functions' module up by name
     try:
-        exec(compile(wanted.source, found.__file__, "exec"), found.__dict__)
+        with registries_left_out():
+            exec(compile(wanted.source, found.__file__, "exec"), found.__dict__)
     except BaseException:
         del sys.modules[found.__name__]
         raise
@@ -156,8 +158,13 @@ def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
     return found
 
 
-def _module_name(wanted: Wanted) -> str:
-    return f"vvdp_linked_{wanted.name}"
+def is_loaded(name: str) -> bool:
+    """Whether the module of this name is in this process already."""
+    return _module_name(name) in sys.modules
+
+
+def _module_name(name: str) -> str:
+    return f"vvdp_linked_{name}"
 
 
 def kept(name: str, make: Callable[[], bytes], cache: Path) -> bytes:

@@ -5,6 +5,7 @@ import re
 import traceback
 import types
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from inspect import signature
 from typing import Any
 
@@ -12,26 +13,34 @@ import numpy as np
 
 from vvdp.base.books import Nothing
 from vvdp.base.errors import RunError, VvdpError
-from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
 from vvdp.simulation.model import Case, Model, Program
-from vvdp.simulation.reach import paths
+from vvdp.simulation.reach import Functions, paths, reachable
+from vvdp.simulation.start import check_start
 from vvdp.simulation.values import flat, leaves, names
+from vvdp.simulation.watch import Remembered, model_key
 
-LOWEST_START = 1e3
-"""A pressure below this [Pa, absolute] at the start of a run was meant in another unit."""
 WITH_SELECT = "write the choice with select, so that arrays pass"
+
+
+_PASSED = Remembered[bool]()
+"""Models whose functions were found to be sound for cases of a form: of the next one only the values are looked at."""
 
 
 def check_model(model: Model, case: Case) -> None:
     """Tries every function of `model` once, as a run would use it. Raises RunError with the first thing wrong."""
+    key = model_key(model, case)
+    passed = _PASSED.get(key) is not None
     with np.errstate(all="ignore"):
         _are_numbers(case)
         check_start(case)
-        _reads_no_lists(model)
+        if not passed:
+            _reads_no_lists(model)
         rates, outputs = _circuit_values(model, case)
-        _circuit_is_sound(model, case, rates, outputs)
-        _passes_arrays("the circuit", model.circuit, (0.0, case.state, case.command, case.params))
+        _rates_are_finite(rates)
+        if not passed:
+            _circuit_is_sound(model, case, rates, outputs)
+            _passes_arrays("the circuit", model.circuit, (0.0, case.state, case.command, case.params))
         if model.stored is not None:
             _stored_is_sound(model, case)
         _stops_and_marks(model, case)
@@ -39,6 +48,26 @@ def check_model(model: Model, case: Case) -> None:
             _conditions_are_sound(model, case)
         for name, program in model.programs.items():
             _program_is_sound(name, program, model, case)
+            if not passed:
+                arguments = (0.0, blanked(case.state), outputs, case.params)
+                _passes_arrays(f"measure of program {name!r}", program.measure, arguments)
+    if not passed:
+        with suppress(RunError):  # of what cannot be compiled; linking says it
+            _PASSED.put(key, _reached(model), True)
+
+
+def _reached(model: Model) -> Functions:
+    """What the functions of a model reach that are tried. Raises RunError where one cannot be compiled."""
+    found = Functions()
+    for function in _tried(model):
+        reachable(function, found)
+    return found
+
+
+def _tried(model: Model) -> list[Callable[..., Any]]:
+    called = [model.circuit, model.mark, model.stop, model.conditions]
+    called += [f for p in model.programs.values() for f in (p.measure, p.step, p.trigger)]
+    return [function for function in called if function is not None]
 
 
 def check_times(model: Model, sample_period: float) -> None:
@@ -61,29 +90,6 @@ def check_times(model: Model, sample_period: float) -> None:
             raise RunError(
                 f"program {name!r}: latency = {program.latency:g} s; expected 0 s to one period, {period:g} s"
             )
-
-
-def check_start(case: Case) -> None:
-    """Raises RunError where the initial state is not one number of a plausible size in each field."""
-    if not names(case.state):
-        raise RunError(f"the state is {case.state!r}; expected a NamedTuple with a number in each field")
-    for path, value, kind in leaves(case.state):
-        if np.ndim(value):
-            raise RunError(f"state {path!r} is an array; a state has one number for each field")
-        if kind is None and not path.startswith("books.") and path.rpartition(".")[2] != "unused":
-            raise RunError(
-                f"state {path!r} has no kind; annotate it, for example `{path.rpartition('.')[2]}: Pressure`"
-            )
-        if kind is not None and (fault := kind.fault(float(value)) or _too_low(float(value), kind)):
-            raise RunError(f"state {path!r} starts wrongly: {fault}")
-    if hasattr(case.state, "books") and names(case.state)[-1] != "books":
-        raise RunError("books must be the last field of the state")
-
-
-def _too_low(value: float, kind: Kind) -> str | None:
-    if kind.name != "pressure level" or value >= LOWEST_START:
-        return None
-    return f"{value:g} Pa absolute is almost a vacuum; pressures are in Pa, absolute: was it meant in bar?"
 
 
 def _are_numbers(case: Case) -> None:
@@ -129,10 +135,13 @@ def _circuit_values(model: Model, case: Case) -> tuple[Any, Any]:
     return rates, outputs
 
 
-def _circuit_is_sound(model: Model, case: Case, rates: Any, outputs: Any) -> None:
+def _rates_are_finite(rates: Any) -> None:
     unsound = [path for path, value, _ in leaves(rates) if not np.isfinite(value)]
     if unsound:
         raise RunError(f"the circuit returns no finite rate at the start for {', '.join(unsound)}")
+
+
+def _circuit_is_sound(model: Model, case: Case, rates: Any, outputs: Any) -> None:
     again = _called("the circuit", model.circuit, "", 0.0, case.state, case.command, case.params)
     if not (_equal(rates, again[0]) and _equal(outputs, again[1])):
         raise RunError(
@@ -199,7 +208,7 @@ def _program_is_sound(name: str, program: Program, model: Model, case: Case) -> 
     state = blanked(case.state)
     outputs = model.circuit(0.0, state, case.command, params)[1]
     reading = _called(f"measure of {what}", program.measure, "t, state, outputs, params", 0.0, state, outputs, params)
-    _reading_is_sound(what, program, reading, case, outputs)
+    _reading_is_sound(what, reading)
     found = _called(f"step of {what}", program.step, "t, memory, reading, settings", 0.0, memory, reading, settings)
     if not isinstance(found, tuple) or names(found) or len(found) != 2:
         raise RunError(f"step of {what} returns {found!r}; expected (memory, command)")
@@ -216,7 +225,7 @@ def _program_is_sound(name: str, program: Program, model: Model, case: Case) -> 
         )
 
 
-def _reading_is_sound(what: str, program: Program, reading: Any, case: Case, outputs: Any) -> None:
+def _reading_is_sound(what: str, reading: Any) -> None:
     if not names(reading):
         raise RunError(f"measure of {what} returns {reading!r}; expected a NamedTuple, or NOTHING")
     _have_kinds(f"reading of {what}", reading)
@@ -226,7 +235,6 @@ def _reading_is_sound(what: str, program: Program, reading: Any, case: Case, out
                 f"measure of {what} gives no finite {path!r} without the books; nothing may depend on the books, "
                 "and a sensor sees none"
             )
-    _passes_arrays(f"measure of {what}", program.measure, (0.0, blanked(case.state), outputs, case.params))
 
 
 # Trying a function
@@ -296,11 +304,8 @@ def _array_fault(problem: Exception, by: str) -> str:
 
 def _reads_no_lists(model: Model) -> None:
     """Compiled code takes tuples and arrays for constants, but nothing that may still change."""
-    programs = model.programs.values()
-    called = [model.circuit, model.mark, model.stop, model.conditions]
-    called += [f for p in programs for f in (p.measure, p.step, p.trigger)]
     seen: set[types.FunctionType] = set()
-    for function in called:
+    for function in _tried(model):
         for user, name, value in _globals(function, seen):
             if isinstance(value, list | dict | set):
                 kind = type(value).__name__

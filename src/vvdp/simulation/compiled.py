@@ -10,8 +10,10 @@ import numpy as np
 from llvmlite import ir
 from numba import extending, njit, types
 from numba.core import cgutils
+from numba.core.typing.templates import builtin_registry
 from numba.np.arrayobj import make_array, populate_array
 
+from vvdp.base.errors import RunError
 from vvdp.base.select import clip, maximum, minimum, select
 from vvdp.base.signal import changes_stop, changes_value, signal_stop, signal_value, sines_value
 
@@ -220,21 +222,35 @@ FORMS: dict[Callable[..., Any], Callable[..., Any]] = {
 }
 """Functions whose compiled text differs from their Python text, and how it is chosen from the argument types."""
 
-_registered: set[Callable[..., Any]] = set()
+_registered: dict[Callable[..., Any], str | None] = {}
+_forms: dict[Callable[..., Any], Callable[..., Any] | None] = {}
 
 
-def make_compilable(function: Callable[..., Any], form: Callable[..., Any] | None) -> None:
-    """Lets compiled code call the plain `function`; `form` is the function that it runs in its place, if another."""
-    if function in _registered:
+def make_compilable(function: Callable[..., Any], form: Callable[..., Any] | None, text: str | None = None) -> None:
+    """Lets compiled code call the plain `function`; `form` is the function that it runs in its place, if another.
+
+    `text` differs wherever the function or a constant of it does, so that none of an earlier text is compiled in.
+    """
+    known, before = function in _registered, _registered.get(function)
+    if known and (_forms[function] is not form or (text and before and text != before)):
+        _forget()
+    _registered[function], _forms[function] = text or before, form
+    if known:
         return
-    _registered.add(function)
     if function in FORMS:
         overload(function, strict=False, jit_options=COMPILING)(FORMS[function])
-    elif form:
-        arguments = ", ".join(function.__code__.co_varnames[: function.__code__.co_argcount])
-        overload(function, strict=False, jit_options=COMPILING)(eval(f"lambda {arguments}: form", {"form": form}))
     else:
-        register_jitable(**COMPILING)(function)
+        overload(function, strict=False, jit_options=COMPILING)(lambda *_, **__: _forms[function] or function)
+
+
+def _forget() -> None:
+    """Lets Numba compile all functions anew. It keeps each, with its constants and all that it calls, for good."""
+    for template in builtin_registry.functions:
+        if (function := getattr(template, "key", None)) in _registered:
+            for name in ("_impl_cache", "_compiled_overloads", "_inline_overloads"):
+                if (kept := getattr(template, name, None)) is None:
+                    raise RunError(f"{function} is compiled here as it was before a change; start Python anew")
+                kept.clear()
 
 
 # Signals are worked out wherever there are some, also for functions that never ask for one.

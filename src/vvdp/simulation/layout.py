@@ -13,7 +13,7 @@ Then come, in the circuit's block, the shape of each array of the command and wh
 program's, where its memory and its command begin, and the shape of each array of its memory.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ import numpy as np
 from vvdp.base.signal import Signal
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case
-from vvdp.simulation.values import as_value, flat, names
+from vvdp.simulation.values import are_floats, as_value, flat, form, names, parts
 
 SIGNAL_SLOTS = 4
 """Numbers that a signal has in its block: base, place, changes, sines."""
@@ -45,27 +45,53 @@ class Blocks(NamedTuple):
 
 def vectors(case: Case) -> Vectors:
     """The numbers of `case`."""
-    memory = [flat(value) for value in case.memory.values()]
-    return Vectors(
-        state=flat(case.state),
-        command=flat(case.command),
-        memory=np.concatenate(memory) if memory else np.zeros(0),
-        params=_params(case),
-    )
+    return _vectors(case, _Frame(case))
 
 
 def rows(cases: Sequence[Case]) -> Vectors:
-    """The numbers of many cases, a row for each; the parameters of shorter ones are filled up with zeros."""
+    """The numbers of cases of one form, a row for each; the parameters of shorter ones are filled up with zeros."""
     found: dict[tuple[object, ...], Vectors] = {}
+    each, frame = [], _Frame(cases[0])
     for case in cases:
         if (key := all_but_state(case)) not in found:
-            found[key] = vectors(case)
-    each = [found[all_but_state(case)] for case in cases]
+            found[key] = _vectors(case, frame)
+        each.append(found[key])
     params = np.zeros((len(cases), max(one.params.size for one in each)))
     for row, one in zip(params, each, strict=True):
         row[: one.params.size] = one.params
     states = np.stack([flat(case.state) for case in cases])
     return Vectors(states, np.stack([one.command for one in each]), np.stack([one.memory for one in each]), params)
+
+
+class _Frame:
+    """What the parameters of all cases of one form have between their own numbers: shapes, and where parts begin."""
+
+    def __init__(self, case: Case) -> None:
+        memory, command, shapes = memory_parts(case), command_parts(case), Packed()
+        shapes.add_shapes(case.command)
+        self.circuit = [*shapes.fixed, float(command["held"].start) if "held" in command else 0.0]
+        self.programs = {}
+        for name in case.memory:
+            shapes = Packed()
+            shapes.add_shapes(case.memory[name])
+            begins = [float(memory[name].start), float(command[name].start) if name in command else 0.0]
+            self.programs[name] = [*begins, *shapes.fixed]
+
+
+def _vectors(case: Case, frame: _Frame) -> Vectors:
+    memory = [flat(value) for value in case.memory.values()]
+    packed = Packed()
+    packed.add(case.params)
+    packed.fixed += frame.circuit
+    for name in case.memory:
+        packed.add(case.settings[name])
+        packed.fixed += frame.programs[name]
+    return Vectors(
+        state=flat(case.state),
+        command=flat(case.command),
+        memory=np.concatenate(memory) if memory else np.zeros(0),
+        params=packed.vector(),
+    )
 
 
 def all_but_state(case: Case) -> tuple[object, ...]:
@@ -87,6 +113,15 @@ def memory_parts(case: Case) -> dict[str, slice]:
 def as_memory(case: Case, vector: Array) -> dict[str, Any]:
     """The memory of each program that `vector`, shape (n,), holds."""
     return {name: as_value(case.memory[name], vector[part]) for name, part in memory_parts(case).items()}
+
+
+def case_form(case: Case, known: dict[int, Hashable]) -> Hashable:
+    """What two cases of the same `case_shape` have in common, unless arrays of parameters differ in length.
+
+    For many cases it takes less: what they share is looked at once, by its identity in `known` (`values.form`).
+    """
+    whole = (case.params, case.state, case.command, *case.settings.values(), *case.memory.values())
+    return (tuple(case.settings), tuple(case.memory), *(form(value, known) for value in whole))
 
 
 def case_shape(case: Case) -> tuple[tuple[str, object], ...]:
@@ -116,7 +151,19 @@ def members(value: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 def arrays(value: Any) -> list[Any]:
     """The arrays and tuples in a nested value, in order."""
-    return [leaf for _, leaf in members(value, "") if np.ndim(leaf)]
+    found: list[Any] = []
+    _gather_arrays(value, found)
+    return found
+
+
+def _gather_arrays(value: Any, found: list[Any]) -> None:
+    inner = () if isinstance(value, Signal) else parts(value)
+    if inner:
+        if not are_floats(inner):
+            for each in inner:
+                _gather_arrays(each, found)
+    elif np.ndim(value):
+        found.append(value)
 
 
 def slots(value: Any) -> int:
@@ -146,18 +193,6 @@ def _parts(values: Mapping[str, Any]) -> dict[str, slice]:
     return parts
 
 
-def _params(case: Case) -> Array:
-    memory, command, packed = memory_parts(case), command_parts(case), Packed()
-    packed.add(case.params)
-    packed.add_shapes(case.command)
-    packed.fixed.append(float(command["held"].start) if "held" in command else 0.0)
-    for name in case.memory:
-        packed.add(case.settings[name])
-        packed.fixed += [float(memory[name].start), float(command[name].start) if name in command else 0.0]
-        packed.add_shapes(case.memory[name])
-    return packed.vector()
-
-
 class Packed:
     """Values on their way into a vector of blocks and a tail."""
 
@@ -168,22 +203,30 @@ class Packed:
 
     def add(self, value: Any) -> None:
         """Adds `value` to the block."""
-        for _, leaf in members(value, ""):
-            if isinstance(leaf, Signal):
-                self.fixed.append(leaf.base + 0.0)  # what a constant signal comes to, -0.0 as well
-                if leaf.start or leaf.amplitude:
-                    self._place()
-                else:
-                    self.fixed.append(0.0)
-                self.fixed += [float(len(leaf.start)), float(len(leaf.amplitude))]
-                for column in (leaf.start, leaf.duration, leaf.change, leaf.amplitude, leaf.frequency, leaf.phase):
-                    self._tail += column
-            elif np.ndim(leaf):
-                self._place()
-                self.fixed += map(float, np.shape(leaf))
-                self._tail += np.ravel(np.asarray(leaf, float)).tolist()
+        if isinstance(value, Signal):
+            self._add_signal(value)
+        elif inner := parts(value):
+            if are_floats(inner):
+                self.fixed += inner
             else:
-                self.fixed.append(float(leaf))
+                for each in inner:
+                    self.add(each)
+        elif type(value) is not float and np.ndim(value):
+            self._place()
+            self.fixed += map(float, np.shape(value))
+            self._tail += np.ravel(np.asarray(value, float)).tolist()
+        else:
+            self.fixed.append(float(value))
+
+    def _add_signal(self, value: Signal) -> None:
+        self.fixed.append(value.base + 0.0)  # what a constant signal comes to, -0.0 as well
+        if not (value.start or value.amplitude):
+            self.fixed += (0.0, 0.0, 0.0)
+            return
+        self._place()
+        self.fixed += (float(len(value.start)), float(len(value.amplitude)))
+        for column in (value.start, value.duration, value.change, value.amplitude, value.frequency, value.phase):
+            self._tail += column
 
     def add_shapes(self, value: Any) -> None:
         """Adds the shapes of the arrays in `value` to the block."""
@@ -193,7 +236,8 @@ class Packed:
     def vector(self) -> Array:
         """The blocks and the tail, shape (n,)."""
         fixed = np.array(self.fixed, float)
-        fixed[self._places] += fixed.size
+        if self._places:
+            fixed[self._places] += fixed.size
         return np.concatenate([fixed, np.array(self._tail, float)])
 
     def _place(self) -> None:

@@ -17,14 +17,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import RunError
-from vvdp.simulation.cache import Wanted, default_cache, loaded, quiet
-from vvdp.simulation.layout import blocks
+from vvdp.simulation.cache import Wanted, default_cache, is_loaded, loaded, quiet
+from vvdp.simulation.layout import arrays, blocks
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import (
     Part,
     Sampled,
     conditions_part,
     events_part,
+    example_reading,
     measure_part,
     rates_part,
     sample_part,
@@ -32,9 +33,10 @@ from vvdp.simulation.parts import (
     stop_part,
     symbol,
 )
-from vvdp.simulation.reach import Functions, compiled_form, reachable, words
+from vvdp.simulation.reach import Functions, compiled_form, own_words, reachable, words
 from vvdp.simulation.reason import reason
 from vvdp.simulation.values import names
+from vvdp.simulation.watch import Remembered, model_key
 
 __all__ = ["Hashed", "Linked", "default_cache", "link", "quiet"]
 
@@ -64,6 +66,11 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
     """
     if not set(model.programs) == set(case.memory) == set(case.settings):
         raise RunError("a case has a memory and settings for each program of its model, and for no other")
+    place = cache or default_cache()
+    if (form := model_key(model, case)) is not None:
+        form = (place, form)
+    if known := _REMEMBERED.get(form, _is_loaded):
+        return known.linked
     rates, stop, events = (Hashed(part(model, case)) for part in (rates_part, stop_part, events_part))
     held = None if model.conditions is None else Hashed(conditions_part(model.conditions, case))
     programs, sampled = list[Hashed](), list[Sampled]()
@@ -73,13 +80,32 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
         programs += [measure, step]
         sampled.append(Sampled(symbol(measure.digest), symbol(step.digest), blocks(case).programs[name], size))
     sample = Hashed(sample_part(None if held is None else symbol(held.digest), sampled))
-    place = cache or default_cache()
     found = {part.digest: part.module(place, say) for part in (rates, stop, events)}
     for outside in (*programs, *([held] if held else [])):
         outside.export(place, say)
     digest = hashlib.sha256("".join([*found, sample.digest]).encode()).hexdigest()[:16]
     linked = (found[rates.digest].rates, sample.module(place, say).sample, found[events.digest].events)
-    return Linked(*linked, found[stop.digest].stop, digest)
+    done = Linked(*linked, found[stop.digest].stop, digest)
+    parts = (rates, stop, events, sample, *programs, *([held] if held else []))
+    functions = {key: entry for part in parts for key, entry in part.functions.items()}
+    # How many numbers a reading with an array has may depend on the values of a case.
+    if not any(arrays(example_reading(model, program, case)) for program in model.programs.values()):
+        _REMEMBERED.put(form, functions, _Remembered(done, tuple(part.digest for part in parts)))
+    return done
+
+
+class _Remembered(NamedTuple):
+    """A linked model, and the digests of its modules."""
+
+    linked: Linked
+    digests: tuple[str, ...]
+
+
+_REMEMBERED = Remembered[_Remembered]()
+
+
+def _is_loaded(known: _Remembered) -> bool:
+    return all(map(is_loaded, known.digests))
 
 
 class Hashed:
@@ -117,8 +143,8 @@ class Hashed:
     def _prepare(self) -> None:
         from vvdp.simulation.compiled import make_compilable
 
-        for function, _ in self.functions.values():
-            make_compilable(function, compiled_form(function))
+        for function, constants in self.functions.values():
+            make_compilable(function, compiled_form(function), own_words(function, constants))
 
 
 @remembered

@@ -17,6 +17,7 @@ from vvdp.simulation import places
 from vvdp.simulation.check import check_model, check_times
 from vvdp.simulation.layout import Vectors, command_parts, vectors
 from vvdp.simulation.link import Linked, link, quiet
+from vvdp.simulation.loading import registries_left_out
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.stepping import Method, Stepping
 from vvdp.simulation.symbols import Untraceable
@@ -137,7 +138,8 @@ def compiled_loop(say: Callable[[str], None]) -> Any:
     _drop_stale_loop()
     if not is_loop_compiled():
         say("compiling the simulation loop (once for each installation, about half a minute)")
-    from vvdp.simulation import loop
+    with registries_left_out():
+        from vvdp.simulation import loop
 
     return loop
 

@@ -53,14 +53,24 @@ def compiled_form(function: Callable[..., Any]) -> Callable[..., Any] | None:
 
     It gives the same values faster, with plain conditionals that arrays and symbols could not pass.
     """
-    form = function.__globals__.get(f"{function.__name__}_compiled")
+    form = function.__globals__.get(compiled_name(function))
     return form if isinstance(form, types.FunctionType) else None
+
+
+def compiled_name(function: Callable[..., Any]) -> str:
+    """The name under which `compiled_form` is looked for."""
+    return f"{function.__name__}_compiled"
 
 
 def words(functions: Functions) -> Iterator[str]:
     """What a hash of `functions` is taken of: their code without where it stands, and their constants."""
     for function, constants in sorted(functions.values(), key=lambda entry: _name(entry[0])):
-        yield f"{_name(function)} {_text(function.__code__)} {constants!r}"
+        yield own_words(function, constants)
+
+
+def own_words(function: types.FunctionType, constants: list[Any]) -> str:
+    """The words for one function: its name, what it does, and the constants that it uses."""
+    return f"{_name(function)} {_text(function.__code__)} {constants!r}"
 
 
 def _name(function: types.FunctionType) -> str:
@@ -106,6 +116,16 @@ def _value(path: tuple[str, ...], function: types.FunctionType) -> tuple[str, An
             break
         reached, value = f"{reached}.{name}", getattr(value, name, MISSING)
     return reached, value
+
+
+def value_at(path: tuple[str, ...], function: types.FunctionType) -> Any:
+    """What stands at a path of names that `function` reads; MISSING where nothing does."""
+    return _value(path, function)[1]
+
+
+def known_words(where: str, value: Any) -> Any:
+    """Words that differ wherever a constant does. Raises RunError where there are none, with `where` it is read."""
+    return _known(where, value, {})
 
 
 def _is_foreign(value: Any) -> bool:

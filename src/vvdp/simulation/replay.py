@@ -48,11 +48,7 @@ class Replay:
         cache: Path | None = None,
         say: Callable[[str], None] = quiet,
     ) -> None:
-        after, shown = step(memory, reading, settings)
-        before, found = [path for path, _, _ in leaves(memory)], [path for path, _, _ in leaves(after)]
-        if before != found or flat(memory).size != flat(after).size:
-            odd = sorted(set(before) ^ set(found)) or [f"{flat(memory).size} numbers against {flat(after).size}"]
-            raise RunError(f"{step.__qualname__} returns a memory that differs from the one given in {', '.join(odd)}")
+        shown = _shown(step, memory, reading, settings)
         self.columns = tuple(path for path, _, _ in leaves(shown))
         self.width = flat(reading).size
         self._example, self._reading, self._settings = memory, reading, settings
@@ -71,6 +67,21 @@ class Replay:
         packed.add_shapes(self._reading)
         self._run(reached, packed.vector(), rows, shown)
         return Replayed(as_value(self._example, reached), shown)
+
+
+def replay_digest(step: Step, memory: Any, reading: Any, settings: Any) -> str:
+    """`Replay.digest`, without compiling. Raises RunError as `Replay` does."""
+    return Hashed(_part(step, memory, reading, settings, _shown(step, memory, reading, settings))).digest
+
+
+def _shown(step: Step, memory: Any, reading: Any, settings: Any) -> Any:
+    """What a step shows at these values. Raises RunError where it returns another memory than it takes."""
+    after, shown = step(memory, reading, settings)
+    before, found = [path for path, _, _ in leaves(memory)], [path for path, _, _ in leaves(after)]
+    if before != found or flat(memory).size != flat(after).size:
+        odd = sorted(set(before) ^ set(found)) or [f"{flat(memory).size} numbers against {flat(after).size}"]
+        raise RunError(f"{step.__qualname__} returns a memory that differs from the one given in {', '.join(odd)}")
+    return shown
 
 
 def _part(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> Part:

@@ -1,8 +1,9 @@
 """Nested values (NamedTuples, parameter classes, signals, arrays) to flat vectors and back."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
-from functools import cache
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from functools import cache, lru_cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from vvdp.base.books import NOTHING, Nothing
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds, field_types
+from vvdp.base.signal import Signal
 from vvdp.numerics.tableaus import Array
 
 
@@ -33,6 +35,54 @@ def blank(cls: type) -> Any:
     return cls(*(blank(hints[name]) if names(hints[name]) else 0.0 for name in names(cls)))
 
 
+@cache
+def _parts_of(cls: type) -> Callable[[Any], tuple[Any, ...]] | None:
+    """What takes the fields of a nested value apart, in order; None where there are none."""
+    inner = _field_names(cls)
+    if not inner:
+        return None
+    if issubclass(cls, tuple):
+        return tuple
+    if len(inner) == 1:
+        return lambda value: (getattr(value, inner[0]),)
+    return attrgetter(*inner)
+
+
+def parts(value: Any) -> tuple[Any, ...]:
+    """The fields of a NamedTuple or dataclass, in order; none for a number or an array."""
+    cls: Any = type(value)
+    apart = _parts_of(cls)
+    return apart(value) if apart else ()
+
+
+_FLOATS = {float}
+
+
+def are_floats(values: tuple[Any, ...]) -> bool:
+    """Whether all are plain numbers, which most fields are: then there is nothing in them to look for."""
+    return set(map(type, values)) == _FLOATS
+
+
+def form(value: Any, known: dict[int, Hashable]) -> Hashable:
+    """The classes and the shapes in a nested value: two of one form have the same names and as many numbers.
+
+    A signal may have any length. `known` are the forms of values at hand, by identity; those found are added, so that
+    of what many values share nothing is looked at twice.
+    """
+    cls: Any = type(value)
+    if cls is float:
+        return ()
+    if cls is Signal:
+        return "signal"
+    if not (apart := _parts_of(cls)):
+        return tuple(np.shape(value))
+    if (found := known.get(id(value))) is None:
+        inner = apart(value)
+        found = (cls,) + (((),) * len(inner) if are_floats(inner) else tuple([form(each, known) for each in inner]))
+        known[id(value)] = found
+    return found
+
+
 def flat(value: Any) -> Array:
     """All numbers of a nested value, depth first, shape (n,)."""
     numbers: list[float] = []
@@ -41,9 +91,12 @@ def flat(value: Any) -> Array:
 
 
 def _gather(value: Any, numbers: list[float]) -> None:
-    if inner := names(value):
-        for name in inner:
-            _gather(getattr(value, name), numbers)
+    if inner := parts(value):
+        if are_floats(inner):
+            numbers += inner
+        else:
+            for each in inner:
+                _gather(each, numbers)
     elif isinstance(value, float):
         numbers.append(value)
     else:
@@ -52,13 +105,35 @@ def _gather(value: Any, numbers: list[float]) -> None:
 
 def leaves(value: Any, path: str = "", kind: Kind | None = None) -> Iterator[tuple[str, Any, Kind | None]]:
     """Dotted path, value and kind of every leaf, in the order of `flat`."""
-    inner = names(value)
-    if not inner:
-        yield path, value, kind
-        return
-    kinds = field_kinds(type(value))
-    for name in inner:
-        yield from leaves(getattr(value, name), f"{path}.{name}" if path else name, kinds.get(name))
+    found: list[Any] = []
+    _collect(value, found)
+    paths, kinds = _leaf_places(form(value, {}), path, kind)
+    return zip(paths, found, kinds, strict=True)
+
+
+def _collect(value: Any, found: list[Any]) -> None:
+    if not (inner := parts(value)):
+        found.append(value)
+    elif are_floats(inner):
+        found += inner
+    else:
+        for each in inner:
+            _collect(each, found)
+
+
+@lru_cache(maxsize=1000)
+def _leaf_places(found: Hashable, path: str, kind: Kind | None) -> tuple[tuple[str, ...], tuple[Kind | None, ...]]:
+    """Paths and kinds of the leaves of all values of one form."""
+    if found == "signal":
+        found = (Signal, *[()] * len(_field_names(Signal)))
+    if not (isinstance(found, tuple) and found and isinstance(found[0], type)):
+        return (path,), (kind,)
+    kinds = field_kinds(found[0])
+    inner = [
+        _leaf_places(each, f"{path}.{name}" if path else name, kinds.get(name))
+        for name, each in zip(_field_names(found[0]), found[1:], strict=True)
+    ]
+    return tuple(x for paths, _ in inner for x in paths), tuple(x for _, each in inner for x in each)
 
 
 def same(one: Any, other: Any) -> bool:

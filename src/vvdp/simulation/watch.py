@@ -1,0 +1,121 @@
+"""Whether functions are still what they were: what was worked out from them once is then still right.
+
+Far less work than their hash, and as careful: each function's code and defaults, and each constant that one reads, must
+be the same object as before; a class that is written anew is another. What may change within, as an array may, is told
+in words again.
+"""
+
+import types
+from collections.abc import Callable, Hashable
+from dataclasses import fields
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+from vvdp.base.errors import RunError
+from vvdp.simulation.model import Case, Model
+from vvdp.simulation.reach import MISSING, Functions, compiled_name, known_words, paths, value_at
+from vvdp.simulation.values import form
+
+FIXED = (bool, int, float, complex, str, bytes, type, types.FunctionType, types.BuiltinFunctionType, np.ufunc)
+"""Kinds of constants that cannot change while they are the same object."""
+
+
+Result = TypeVar("Result")
+
+
+class _Code(NamedTuple):
+    function: types.FunctionType
+    code: types.CodeType
+    defaults: tuple[Any, ...] | None
+    named_defaults: tuple[tuple[str, Any], ...]
+
+
+class _Led(NamedTuple):
+    """What a path of names through modules led to."""
+
+    function: types.FunctionType
+    path: tuple[str, ...]
+    value: Any
+
+
+class Watch:
+    """`functions` as they are now. Raises RunError where a constant is none that a hash can vouch for."""
+
+    def __init__(self, functions: Functions) -> None:
+        self._codes = [_code(function) for function, _ in functions.values()]
+        names: dict[tuple[int, str], tuple[dict[str, Any], str, Any]] = {}
+        led: dict[tuple[int, tuple[str, ...]], _Led] = {}
+        within: dict[int, tuple[Any, Any]] = {}
+        for function, _ in functions.values():
+            inside = function.__globals__
+            for path in (*paths(function.__code__), (compiled_name(function),)):
+                root, value = inside.get(path[0], MISSING), value_at(path, function)
+                names[id(inside), path[0]] = (inside, path[0], root)
+                if value is not root:
+                    led[id(inside), path] = _Led(function, path, value)
+                if value is not MISSING and not isinstance(value, (*FIXED, types.ModuleType)):
+                    within[id(value)] = value, known_words(".".join(path), value)
+        self._names, self._led, self._within = tuple(names.values()), tuple(led.values()), tuple(within.values())
+
+    def unchanged(self) -> bool:
+        """Whether all is as it was when this was made."""
+        return (
+            all(inside.get(name, MISSING) is value for inside, name, value in self._names)
+            and all(_code(known.function) == known for known in self._codes)
+            and all(value_at(path, function) is value for function, path, value in self._led)
+            and all(known_words("", value) == words for value, words in self._within)
+        )
+
+
+def model_key(model: Model, case: Case) -> Hashable | None:
+    """What tells models at hand, and cases of different forms, apart; None where something else than functions may.
+
+    It holds on to the functions, so that no other can take the place of one.
+    """
+    parts: list[Any] = [model, *model.programs.values()]
+    told: list[Hashable] = [tuple(model.programs), tuple(case.memory), tuple(case.settings)]
+    for part in parts:
+        for field in fields(part):
+            value = getattr(part, field.name)
+            if isinstance(value, types.FunctionType) or value is None or isinstance(value, float | int):
+                told.append(value)
+            elif not (part is model and field.name == "programs") and field.name != "command":
+                return None
+    known: dict[int, Hashable] = {}
+    values = (case.state, case.params, case.command, *case.memory.values(), *case.settings.values())
+    return (*told, *(form(value, known) for value in values))
+
+
+class Remembered(Generic[Result]):
+    """Results by key, each with the functions that it came from; the oldest make room."""
+
+    def __init__(self, most: int = 200) -> None:
+        self._most = most
+        self._found: dict[Hashable, tuple[Watch, Result]] = {}
+
+    def get(self, key: Hashable | None, holds: Callable[[Result], bool] = lambda _: True) -> Result | None:
+        """What is remembered by `key`; None where that is nothing, or a function has changed, or it no more `holds`."""
+        if key is None or key not in self._found:
+            return None
+        watch, result = self._found[key]
+        if watch.unchanged() and holds(result):
+            return result
+        del self._found[key]
+        return None
+
+    def put(self, key: Hashable | None, functions: Functions, result: Result) -> None:
+        """Remembers what came of `functions`, where these can be watched."""
+        if key is None:
+            return
+        try:
+            watch = Watch(functions)
+        except RunError:
+            return
+        while len(self._found) >= self._most:
+            del self._found[next(iter(self._found))]
+        self._found[key] = watch, result
+
+
+def _code(function: Any) -> _Code:
+    return _Code(function, function.__code__, function.__defaults__, tuple((function.__kwdefaults__ or {}).items()))
