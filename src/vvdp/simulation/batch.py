@@ -27,6 +27,8 @@ from vvdp.simulation.stepping import Method, Stepping
 
 MARKS_MEMORY = 2**28
 """Bytes for the marks of a batch; cases with more marks than there is room for are run a second time."""
+MOST_ROWS = 512
+"""Room for so many marks of a case at most: a system that hands out memory in large pages clears all of it."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,7 @@ def simulate_batch(
         code = "the stiff method carries each case alone"
     elif lanes:
         code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
-    rows = int(np.clip(_places(ready, len(cases)), 16, 4096))
+    rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
     part = _carried(loop, ready, code, cases, stepping, marks_from, rows, cores)
     crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # their middle mark has been written over
     if crowded.size:

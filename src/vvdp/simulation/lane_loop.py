@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from llvmlite import ir
 from numba import extending, float64, int64, njit, types
+from numba.core import cgutils
 from numba.np.arrayobj import make_array
 
 from vvdp.numerics.tableaus import TSIT5_C
@@ -59,6 +60,7 @@ from vvdp.simulation.steps import TSIT5_ERROR, TSIT5_ROWS, copy, turning_value
 
 intrinsic: Any = extending.intrinsic
 WIDTH = host_width()
+W1, W2, W3, W4, W5, W6 = (TSIT5_ROWS[i][:i] for i in range(1, 7))
 
 # What a lane knows of its case besides the clock: where its step ends, whether that is a stop, how often it was tried
 # for one event, the step to try again, whether it is aimed at an event or ends on one, when it must stop and sample,
@@ -109,7 +111,7 @@ class Lanes(NamedTuple):
 
     y: Any  # (n * WIDTH,), as the next two
     trial: Any
-    h: Any  # the step of each lane, over and over
+    nothing: Any  # zeros
     error: Any  # (active * WIDTH,), as the next four
     lean: Any
     turned: Any
@@ -120,8 +122,10 @@ class Lanes(NamedTuple):
     p: Any
     s: Any
     x: Any  # (positions * WIDTH,)
-    time: Any  # (WIDTH,), as the next
+    time: Any  # (WIDTH,), as the next three
     stage: Any
+    h: Any
+    one: Any  # ones
     values: Any  # (signals,) of one lane
     own: Any  # (WIDTH, OWN)
     before: Any  # (WIDTH, positions), as the next two
@@ -135,7 +139,7 @@ CASES = types.NamedTuple(
     [MATRIX] * 4 + [CUBE, float64[:, :, :, ::1], MATRIX, CUBE, MATRIX, CUBE, MATRIX, MATRIX, INTS, INTS], Cases
 )
 RULES = types.NamedTuple([MATRIX] + [VECTOR] * 4 + [float64] * 4, Rules)
-LANES = types.NamedTuple([VECTOR] * 8 + [MATRIX] + [VECTOR] * 7 + [MATRIX] * 4 + [INTS], Lanes)
+LANES = types.NamedTuple([VECTOR] * 8 + [MATRIX] + [VECTOR] * 9 + [MATRIX] * 4 + [INTS], Lanes)
 SIGNALS = types.FunctionType(types.void(float64, VECTOR, VECTOR))
 
 
@@ -162,6 +166,42 @@ def take(typing, queue):
         return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "monotonic")
 
     return types.int64(queue), generate
+
+
+@intrinsic
+def combine(typing, result, place, y, h, weights, stages):
+    """Writes y + h * (weights[0] * stages[0] + ...) for all lanes of the number that begins at `place`.
+
+    As a loop it would not become vector code: the compiler cannot know that no two of so many arrays overlap.
+    """
+
+    def generate(context, builder, signature, arguments):
+        vector, kinds = ir.VectorType(ir.DoubleType(), WIDTH), signature.args
+
+        def pointer(kind, array, place):
+            first = builder.gep(make_array(kind)(context, builder, array).data, [place])
+            return builder.bitcast(first, ir.PointerType(vector))
+
+        def numbers(kind, array, place):
+            return builder.load(pointer(kind, array, place), align=8)
+
+        def everywhere(number):
+            one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
+            mask = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
+            return builder.shuffle_vector(one, ir.Constant(vector, ir.Undefined), mask)
+
+        target, place, y, h = arguments[:4]
+        weights, stages = (cgutils.unpack_tuple(builder, given) for given in arguments[4:])
+        total = None
+        for kind, weight, array in zip(kinds[5], weights, stages, strict=True):
+            part = builder.fmul(everywhere(weight), numbers(kind, array, place))
+            total = part if total is None else builder.fadd(total, part)
+        nothing = ir.Constant(place.type, 0)
+        moved = builder.fadd(numbers(kinds[2], y, place), builder.fmul(numbers(kinds[3], h, nothing), total))
+        builder.store(moved, pointer(kinds[0], target, place), align=8)
+        return context.get_dummy_value()
+
+    return types.void(result, place, y, h, weights, stages), generate
 
 
 @njit(**BARE, inline="always")
@@ -205,38 +245,33 @@ def stage(rates, signals, cases, lanes, c, trial, k):
 @njit(**BARE, inline="always")
 def sweep(rates, signals, cases, lanes, y, trial, first, last):
     """An explicit step of each lane as in `steps.explicit_step`; leaves the error, and what tells of stiffness."""
-    A, C, E = TSIT5_ROWS, TSIT5_C, TSIT5_ERROR
+    C = TSIT5_C
     h, k, active = lanes.h, lanes.k, lanes.error.size
     k0, k1, k2, k3, k4, k5, k6 = k[first], k[1], k[2], k[3], k[4], k[5], k[last]
-    for i in range(WIDTH, h.size):
-        h[i] = h[i - WIDTH]
-    for i in range(active):
-        trial[i] = y[i] + h[i] * (A[1][0] * k0[i])
+    for i in range(0, active, WIDTH):
+        combine(trial, i, y, h, W1, (k0,))
     stage(rates, signals, cases, lanes, C[1], trial, k1)
-    for i in range(active):
-        trial[i] = y[i] + h[i] * (A[2][0] * k0[i] + A[2][1] * k1[i])
+    for i in range(0, active, WIDTH):
+        combine(trial, i, y, h, W2, (k0, k1))
     stage(rates, signals, cases, lanes, C[2], trial, k2)
-    for i in range(active):
-        trial[i] = y[i] + h[i] * (A[3][0] * k0[i] + A[3][1] * k1[i] + A[3][2] * k2[i])
+    for i in range(0, active, WIDTH):
+        combine(trial, i, y, h, W3, (k0, k1, k2))
     stage(rates, signals, cases, lanes, C[3], trial, k3)
-    for i in range(active):
-        trial[i] = y[i] + h[i] * (A[4][0] * k0[i] + A[4][1] * k1[i] + A[4][2] * k2[i] + A[4][3] * k3[i])
+    for i in range(0, active, WIDTH):
+        combine(trial, i, y, h, W4, (k0, k1, k2, k3))
     stage(rates, signals, cases, lanes, C[4], trial, k4)
-    for i in range(active):
-        a = A[5][0] * k0[i] + A[5][1] * k1[i] + A[5][2] * k2[i] + A[5][3] * k3[i] + A[5][4] * k4[i]
-        trial[i] = y[i] + h[i] * a
+    for i in range(0, active, WIDTH):
+        combine(trial, i, y, h, W5, (k0, k1, k2, k3, k4))
     stage(rates, signals, cases, lanes, 1.0, trial, k5)
     for i in range(active):
         lanes.lean[i] = -trial[i]
-    for i in range(y.size):
-        a = A[6][0] * k0[i] + A[6][1] * k1[i] + A[6][2] * k2[i] + A[6][3] * k3[i] + A[6][4] * k4[i]
-        trial[i] = y[i] + h[i] * (a + A[6][5] * k5[i])
+    for i in range(0, y.size, WIDTH):
+        combine(trial, i, y, h, W6, (k0, k1, k2, k3, k4, k5))
     stage(rates, signals, cases, lanes, 1.0, trial, k6)
-    for i in range(active):
-        e = E[0] * k0[i] + E[1] * k1[i] + E[2] * k2[i] + E[3] * k3[i] + E[4] * k4[i] + E[5] * k5[i]
-        lanes.error[i] = h[i] * (e + E[6] * k6[i])
-        lanes.lean[i] += trial[i]
-        lanes.turned[i] = h[i] * (k6[i] - k5[i])
+    for i in range(0, active, WIDTH):
+        combine(lanes.error, i, lanes.nothing, h, TSIT5_ERROR, (k0, k1, k2, k3, k4, k5, k6))
+        combine(lanes.turned, i, lanes.nothing, h, (1.0, -1.0), (k6, k5))
+        combine(lanes.lean, i, lanes.lean, lanes.one, (1.0,), (trial,))
 
 
 @njit(**BARE, inline="always")
@@ -357,7 +392,8 @@ def widen_all(lanes, y_before, y, k_before, k):
         product[i] = k_before[i] * k[i]
     for i in range(low.size):
         if product[i] < 0.0:
-            turn = turning_value(y_before[i], y[i], lanes.h[i] * k_before[i], lanes.h[i] * k[i])
+            h = lanes.h[i % WIDTH]
+            turn = turning_value(y_before[i], y[i], h * k_before[i], h * k[i])
             low[i] = min(low[i], turn)
             high[i] = max(high[i], turn)
 
