@@ -27,9 +27,15 @@ HEAVY = {"numba", "h5py", "matplotlib", "scipy", "pint", "casadi", "rich", "type
 MADE_FOR = {
     ("fluid/modulus.py", "scipy"),
     ("simulation/compiled.py", "numba"),
+    ("simulation/landing.py", "numba"),
+    ("simulation/lane_loop.py", "numba"),
+    ("simulation/lane_vectors.py", "numba"),
     ("simulation/loop.py", "numba"),
+    ("simulation/marks.py", "numba"),
+    ("simulation/pace.py", "numba"),
     ("simulation/schedule.py", "numba"),
     ("simulation/steps.py", "numba"),
+    ("simulation/stiff.py", "numba"),
 }
 FIRST_RUNGS = {package for packages in RUNGS[:5] for package in packages}
 

@@ -13,10 +13,10 @@ import numpy.typing as npt
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
+from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import case_form
 from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
-from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, marked_window

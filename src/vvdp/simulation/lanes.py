@@ -11,15 +11,15 @@ import numpy.typing as npt
 from vvdp.base.signal import Signal
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
-from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
 from vvdp.simulation.lane_code import lane_rates
+from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
 from vvdp.simulation.link import Hashed, default_cache, quiet
 from vvdp.simulation.loading import registries_left_out
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import events_part, signals_part
 from vvdp.simulation.prepare import Prepared, Reached
 from vvdp.simulation.stepping import Method, Stepping
-from vvdp.simulation.symbols import Untraceable
+from vvdp.simulation.symbols import Op, Untraceable
 from vvdp.simulation.trace import trace
 
 
@@ -30,7 +30,8 @@ class SideBySide(NamedTuple):
     events: int  # its address
     signals: Any  # signals(t, p, s)
     places: tuple[int, ...]  # of each signal in the parameters
-    reads: int  # how many of the parameters the rates and events may read
+    commands: tuple[int, ...]  # the places of those that the rates and events read
+    reads: int  # how many of the parameters they may read
 
 
 def side_by_side(
@@ -64,6 +65,7 @@ def _compiled(model: Model, case: Case, cache: Path | None, say: Callable[[str],
         events=lane_rates(events, cache, say).address,
         signals=Hashed(signals_part(case)).module(cache or default_cache(), say).signals,
         places=tuple(found),
+        commands=tuple(sorted({int(n.number) for g in (rates, events) for n in g.nodes if n.op is Op.COMMAND})),
         reads=blocks(case).tail,
     )
 
@@ -85,18 +87,18 @@ def run_lanes(
     """
     with registries_left_out():
         from vvdp.simulation import lane_loop, loop
+        from vvdp.simulation.landing import GRAIN
+        from vvdp.simulation.lane_vectors import WIDTH, Cases, Rules
 
     moving = (params[:, [place + 1 for place in code.places]] > 0.0).any(axis=1).astype(np.int64)
-    reached = begun._asdict()
-    ordered = (reached[name] for name in ("state", "command", "memory"))
-    rest = (reached[name] for name in ("agenda", "waiting", "clock", "course"))
-    cases = lane_loop.Cases(*ordered, params, *rest, *kept, moving)
-    width, active = lane_loop.WIDTH, ready.pattern.group.size
+    before, after = begun[:3], begun[3:]
+    cases = Cases(*before, params, *after, *kept, moving)
+    width, active = WIDTH, ready.pattern.group.size
     modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
     n, positions = ready.vectors.state.size, ready.width.size
     grain = np.zeros(positions)
-    grain[positions - modes :] = loop.GRAIN
-    rules = lane_loop.Rules(
+    grain[positions - modes :] = GRAIN
+    rules = Rules(
         plan=ready.plan,
         atol=np.repeat(ready.atol[:active], width),
         rtol=np.repeat(ready.rtol[:active], width),
@@ -105,37 +107,39 @@ def run_lanes(
         t_end=stepping.until,
         longest=stepping.longest_step,
         marks_from=marks_from,
+        reads=np.array(code.commands, np.int64),
         stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
     )
     queue = np.zeros(1, np.int64)
 
     def work(_: int) -> None:
-        room = _room(lane_loop, n, modes, positions, active, ready.vectors.command.size, code)
+        room = _room(n, modes, positions, active, ready.vectors.command.size, code)
         bench = loop.workbench(n, modes, positions, ready.pattern)
-        lane_loop.run_lanes(
-            code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue
-        )
+        lane_loop.run_lanes(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(work, range(threads)))
 
 
-def _room(
-    lane_loop: Any, n: int, modes: int, positions: int, active: int, commands: int, code: SideBySide
-) -> Any:
-    width, signals = lane_loop.WIDTH, len(code.places)
+def _room(n: int, modes: int, positions: int, active: int, commands: int, code: SideBySide) -> Any:
+    from vvdp.simulation.lane_vectors import OWN, WIDTH, Lanes
+
+    width, signals = WIDTH, len(code.places)
 
     def rows(count: int) -> Array:
         return np.zeros(count * width)
 
-    return lane_loop.Lanes(
-        *(rows(n) for _ in range(3)),
-        *(rows(active) for _ in range(5)),
-        np.zeros((7, (n + modes) * width)),
-        *(rows(count) for count in (commands, code.reads, signals, positions, 1, 1, 1)),
-        np.ones(width),
-        np.zeros(signals),
-        np.zeros((width, lane_loop.OWN)),
-        *(np.zeros((width, positions)) for _ in range(3)),
-        np.full(width, -1, np.int64),
+    return Lanes._make(
+        [
+            *(rows(n) for _ in range(3)),
+            *(rows(active) for _ in range(5)),
+            np.zeros((7, (n + modes) * width)),
+            *(rows(count) for count in (commands, code.reads, signals, positions, 1, 1, 1)),
+            np.ones(width),
+            np.zeros(signals),
+            np.zeros(len(code.commands)),
+            np.zeros((width, OWN)),
+            *(np.zeros((width, positions)) for _ in range(4)),
+            np.full(width, -1, np.int64),
+        ]
     )

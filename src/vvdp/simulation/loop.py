@@ -15,9 +15,9 @@ from vvdp.simulation.landing import GRAIN, changed, follow, guess, hold, is_left
 from vvdp.simulation.marks import pass_marks
 from vvdp.simulation.pace import grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
-    BARE,
     AIMED,
     AUTOMATIC,
+    BARE,
     BEGUN,
     CULPRIT,
     DONE,
@@ -164,7 +164,7 @@ def run(
     """
     period, active = plan[0, PERIOD], pattern.group.size
     modes = int(plan[0, LAST]) - int(plan[0, FIRST])
-    trial, error, lean, middle, k, rate = bench.trial, bench.error, bench.lean, bench.middle, bench.k, bench.rate
+    trial, error, lean, middle, k = bench.trial, bench.error, bench.lean, bench.middle, bench.k
     before, x, g, held, grain = bench.before, bench.x, bench.g, bench.held, bench.grain
     fill(held, 0.0)
     fill(grain, 0.0)
@@ -253,7 +253,8 @@ def run(
             return MARKS_FULL
         if change != 0.0:
             pass_marks(
-                events, clock, t, step, y, command, params, trial, k, middle, g, x[0], marks_from, mark_times, mark_states
+                events, clock, t, step, y, command, params, trial, k, middle, g,
+                x[0], marks_from, mark_times, mark_states,
             )  # fmt: skip
         clock[MARK_BEFORE] = x[0]
         row, ended = int(clock[RECORDS]), t_new >= t_end - HAIR * abs(t_end)
@@ -340,14 +341,14 @@ def batch(
     `y`, `command`, `memory`, `agenda`, `waiting`, `clocks` and `course` are changed in place.
     """
     for case in prange(params.shape[0]):
-        n = y.shape[1]
+        n, modes = y.shape[1], int(plan[0, LAST] - plan[0, FIRST])
         copy(low[case], y[case])
         copy(high[case], y[case])
         status[case] = run(
             rates, sample, events, stop,
             y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],
             course[case], atol, rtol, scale, width,
-            pattern, workbench(n, int(plan[0, LAST] - plan[0, FIRST]), width.size, pattern), t_end, longest, marks_from, method, 1e300, 1,
+            pattern, workbench(n, modes, width.size, pattern), t_end, longest, marks_from, method, 1e300, 1,
             np.zeros(0), np.zeros((0, n)), np.zeros((0, command.shape[1])), np.zeros((0, memory.shape[1])),
             mark_times[case], mark_states[case], low[case], high[case],
         )  # fmt: skip

@@ -24,7 +24,10 @@ from vvdp.simulation.symbols import Untraceable
 from vvdp.simulation.trace import dependencies, trace
 from vvdp.simulation.values import leaves
 
-LOOP = ("landing", "lane_loop", "loop", "marks", "pace", "places", "schedule", "steps", "stiff")
+LOOP = (
+    *("landing", "lane_code", "lane_loop", "lane_vectors", "loop", "marks", "pace", "places", "schedule", "steps"),
+    "stiff",
+)
 """The modules that the compiled loop is written in."""
 AT_TRIGGER, AT_MODE, AT_KINK = 1e-12, 1e-7, 1e-6
 """How far behind an event a step may end, as a share of the step: slopes change by far less than rates do."""
