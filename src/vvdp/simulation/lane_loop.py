@@ -118,7 +118,7 @@ def aim(cases, rules, lanes):
         own[T_NEW] = t_next if last else t + step
 
 
-@njit(**BARE)
+@njit(**BARE, inline="always")
 def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, lane):
     """Whether a step over an event must be taken again to end nearer behind it; then with which step."""
     case, own, before, x, held = lanes.case[lane], lanes.own[lane], bench.before, bench.x, bench.held
@@ -155,7 +155,7 @@ def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, la
     return True
 
 
-@njit(**BARE)
+@njit(**BARE, inline="always")
 def cube(cases, lanes, bench, y, trial, first, last, lane):
     """Gathers what the cubic of a lane's step takes."""
     gather(cases.y[lanes.case[lane]], y, lane)
@@ -242,7 +242,7 @@ def go_on(cases, rules, lanes, lane):
     return landed
 
 
-@njit(**BARE)
+@njit(**BARE, inline="always")
 def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
     """All that happens at the instant that a lane has reached, its state in its row.
 
