@@ -1,4 +1,4 @@
-"""A thousand parameter sets through one compiled call: on one and on two threads, side by side in lanes and one by one."""
+"""A thousand parameter sets through one compiled call: on one thread and on two, in lanes and one by one."""
 
 import os
 import time
