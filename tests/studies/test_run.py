@@ -43,7 +43,7 @@ def test_columns_are_those_of_single_runs(tmp_path: Path) -> None:
     system = load_system("prototype", settings, until="0.1 s")
     alone = summary(system, simulate(system.model, system.case, system.stepping))
     columns = {name: column.values[2] for name, column in found.outputs.items()}
-    assert columns == pytest.approx({name: alone[name] for name in OUTPUTS}, rel=1e-5)
+    assert columns == pytest.approx({name: float(alone[name]) for name in OUTPUTS}, rel=1e-5)
 
 
 def test_a_study_is_resumed_and_grows_without_running_anything_twice(tmp_path: Path) -> None:

@@ -244,7 +244,10 @@ def _carried(
         alone = np.flatnonzero(status == places.HANDED)
         # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
         order = np.concatenate([alone[first::threads] for first in range(threads)])
-        rest = Reached._make(part[order] for part in begun), tuple(part[order] for part in kept)
+        rest = (
+            Reached._make(part[order] for part in begun),
+            tuple(np.zeros_like(part[:1], shape=(order.size, *part.shape[1:])) for part in kept),
+        )
         _run_alone(loop, ready, stepping, marks_from, rest[0], params[order], rest[1])
         for whole, piece in zip((*begun, *kept), (*rest[0], *rest[1]), strict=True):
             whole[order] = piece

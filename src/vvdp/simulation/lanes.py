@@ -110,13 +110,20 @@ def run_lanes(
         reads=np.array(code.commands, np.int64),
         stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
     )
-    queue = np.zeros(1, np.int64)
+    queue = np.array([params.shape[0]], np.int64)
 
     def work(_: int) -> None:
         room = _room(n, modes, positions, active, ready.vectors.command.size, code)
         bench = loop.workbench(n, modes, positions, ready.pattern)
         lane_loop.run_lanes(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
 
+    work(
+        0
+    )  # with nothing in the queue: Numba looks for the right version of a function, which threads must not at once
+    queue[0] = 0
+    if threads == 1:
+        work(0)
+        return
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(work, range(threads)))
 
