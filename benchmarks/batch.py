@@ -1,4 +1,4 @@
-"""A thousand parameter sets through one compiled call, on one and on two threads."""
+"""A thousand parameter sets through one compiled call: on one thread and on two, in lanes and one by one."""
 
 import os
 import time
@@ -6,7 +6,7 @@ import time
 # Numba can be asked for less than this later, not for more.
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from statistics import median
@@ -15,13 +15,16 @@ import numpy as np
 
 from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
 from vvdp.base.signal import constant
-from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.batch import BatchRun, simulate_batch
+from vvdp.simulation.lane_code import host_width
 from vvdp.simulation.model import Case
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System, load_system
 
 COUNT = 1000
 TARGET, AROUND_TARGET = 1.7, 0.15
+LANES_TARGET = {8: 3.0, 4: 1.8}
+"""Faster than one by one, by how many lanes the processor has."""
 
 
 def cases(system: System, count: int) -> Iterator[Case]:
@@ -42,12 +45,24 @@ def around(system: System, chosen: list[Case], rounds: int) -> None:
     report("Python around a case", spread(per_case, "ms"), f"{AROUND_TARGET:g} ms", min(per_case) < AROUND_TARGET)
 
 
+def in_lanes(batch: Callable[..., BatchRun], count: int, rounds: int) -> None:
+    """Tells how many cases a core gets through in a second, in lanes and one by one; by processor time."""
+    assert all(batch(cores=1).lanes)
+    variants = {"in lanes": partial(batch, cores=1), "one by one": partial(batch, cores=1, lanes=False)}
+    times = interleaved(variants, rounds)
+    for name, found in times.items():
+        report(f"cases per second and core, {name}", spread([count / x for x in found], "cases"))
+    found, target = ratios(times, "one by one", "in lanes"), LANES_TARGET[host_width()]
+    report(f"{host_width()} lanes, faster by", spread(found, "times"), f"{target:g}", median(found) >= target)
+
+
 def main(short: bool) -> None:
     """Checks that the threads change nothing, then times; by the clock on the wall, which two threads share."""
     count = 20 if short else COUNT
     system = load_system("prototype", until="5 ms" if short else "0.05 s")
     chosen = list(cases(system, count))
     batch = partial(simulate_batch, system.model, chosen, system.stepping, 0.0)
+    in_lanes(batch, count, 2 if short else ROUNDS)
     one, two = batch(cores=1), batch(cores=2)
     assert not any(one.reasons) and np.array_equal(one.final, two.final)
     variants = {"one thread": partial(batch, cores=1), "two threads": partial(batch, cores=2)}

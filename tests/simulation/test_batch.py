@@ -1,4 +1,5 @@
-"""A batch is many single runs: the same numbers to the last bit, one failure stops no other, shapes must agree."""
+"""A batch is many single runs: without lanes the same numbers to the last bit, one failure stops no other, shapes must
+agree."""
 
 from dataclasses import replace
 
@@ -29,7 +30,7 @@ def cases(switching):
 def test_batch_equals_single_runs_to_the_last_bit(switching, cases):
     model, _ = switching
     assert vectors(cases[0]).params.size < vectors(cases[2]).params.size
-    run = simulate_batch(model, cases, STEPPING, FROM)
+    run = simulate_batch(model, cases, STEPPING, FROM, lanes=False)
     for row, case in enumerate(cases):
         alone = simulate(model, case, STEPPING)
         inside = alone.mark_times >= FROM
@@ -78,7 +79,7 @@ def test_a_failing_case_is_reported_and_stops_no_other(switching, cases):
     model, case = switching
     good, bad = cases[1], case(inlet_volume=0.0)
     in_bar = replace(good, state=good.state._replace(load_pressure=15.0))
-    run = simulate_batch(model, [good, bad, good, in_bar], STEPPING, FROM)
+    run = simulate_batch(model, [good, bad, good, in_bar], STEPPING, FROM, lanes=False)
     assert run.reasons[0] is run.reasons[2] is None
     assert "cannot go on at t = 0 s" in run.reasons[1] and "inlet_pressure" in run.reasons[1]
     assert "state 'load_pressure' starts wrongly" in run.reasons[3] and "bar?" in run.reasons[3]

@@ -13,19 +13,22 @@ import numpy.typing as npt
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
+from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import case_form
 from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, marked_window
-from vvdp.simulation.prepare import Prepared, compiled_loop, prepared, started
+from vvdp.simulation.prepare import Prepared, Reached, compiled_loop, prepared, started
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.start import check_start, start_bounds
-from vvdp.simulation.stepping import Stepping
+from vvdp.simulation.stepping import Method, Stepping
 
 MARKS_MEMORY = 2**28
 """Bytes for the marks of a batch; cases with more marks than there is room for are run a second time."""
+MOST_ROWS = 512
+"""Room for so many marks of a case at most: a system that hands out memory in large pages clears all of it."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,8 @@ class BatchRun:
     remarks: tuple[tuple[str, ...], ...]
     seconds: float
     digest: str
+    lanes: tuple[bool, ...]  # whether a case ran in a lane beside others, or alone
+    why_alone: str | None  # why all of them did; None where only those did that are stiff or cannot go on
 
     def outcome(self, case: int) -> Outcome | None:
         """What the summary of a case is worked out from.
@@ -95,10 +100,15 @@ def simulate_batch(
     marks_from: float,
     *,
     cores: int | None = None,
+    lanes: bool = True,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
 ) -> BatchRun:
-    """All `cases` run to `stepping.until`, to the last bit as `simulate` runs them; marks count from `marks_from` [s].
+    """All `cases` run to `stepping.until`; marks count from `marks_from` [s].
+
+    With `lanes` a core carries several cases at once where the model allows it. They then agree with `simulate`
+    within the tolerance, and to the last bit with any other batch that they are in, on any number of cores. Without,
+    and where the result says that a case ran alone, they agree with `simulate` to the last bit.
 
     A case that fails is reported in the result and stops no other. Raises ParameterError where the cases are not of
     one shape, or `cores` (all, unless said) is not a number of them.
@@ -107,14 +117,19 @@ def simulate_batch(
     began = time.perf_counter()
     ready = prepared(model, cases[0], stepping, cache, say)
     loop = compiled_loop(say)
-    rows = int(np.clip(_places(ready, len(cases)), 16, 4096))
-    part = _carried(loop, ready, cases, stepping, marks_from, rows, cores)
+    code: SideBySide | str = "lanes were not asked for"
+    if lanes and stepping.method is Method.STIFF:
+        code = "the stiff method carries each case alone"
+    elif lanes:
+        code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
+    rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
+    part = _carried(loop, ready, code, cases, stepping, marks_from, rows, cores)
     crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # their middle mark has been written over
     if crowded.size:
         room = int(part.clocks[crowded, places.MARKS].max()) + 1
         at_once = max(1, _places(ready, room))
         for some in np.split(crowded, range(at_once, crowded.size, at_once)):
-            again = _carried(loop, ready, [cases[row] for row in some], stepping, marks_from, room, cores)
+            again = _carried(loop, ready, code, [cases[row] for row in some], stepping, marks_from, room, cores)
             for whole, piece in zip(part, again, strict=True):
                 whole[some] = piece
     clocks = part.clocks
@@ -142,6 +157,8 @@ def simulate_batch(
         remarks=tuple(remarks(case, low, clock) for case, low, clock in zip(cases, part.low, clocks, strict=True)),
         seconds=time.perf_counter() - began,
         digest=ready.linked.digest,
+        lanes=tuple(part.lanes.tolist()),
+        why_alone=code if isinstance(code, str) else None,
         **_counts(part),
     )
 
@@ -197,11 +214,13 @@ class _Carried(NamedTuple):
     mark_times: Array
     first_marks: Array
     last_marks: Array
+    lanes: npt.NDArray[np.bool_]
 
 
 def _carried(
     loop: Any,
     ready: Prepared,
+    code: SideBySide | str,
     cases: Sequence[Case],
     stepping: Stepping,
     marks_from: float,
@@ -209,32 +228,53 @@ def _carried(
     cores: int | None,
 ) -> _Carried:
     count, n = len(cases), ready.vectors.state.size
+    state, command, memory, params = rows_of(cases)
+    start, others = state.copy(), started(ready, stepping)[3:]
+    begun = Reached(state, command, memory, *(np.stack([part] * count) for part in others))
+    low, high, status = np.zeros((count, n)), np.zeros((count, n)), np.full(count, places.HANDED)
+    times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
+    kept = (times, states, low, high, status)
     with _threads(cores) as threads:
+        if isinstance(code, SideBySide):
+            fresh = begun.copy()
+            run_lanes(code, ready, stepping, marks_from, begun, params, kept, threads)
+            alone = np.flatnonzero(status == places.HANDED)
+            for part, first in zip(begun, fresh, strict=True):
+                part[alone] = first[alone]
+        alone = np.flatnonzero(status == places.HANDED)
         # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
-        order = np.concatenate([np.arange(first, count, threads) for first in range(threads)])
-        final, command, memory, params = rows_of([cases[row] for row in order])
-        start = final.copy()
-        begun = started(ready, stepping)[3:]
-        agendas, waitings, clocks, courses = (np.stack([part] * count) for part in begun)
-        low, high, status = np.zeros((count, n)), np.zeros((count, n)), np.zeros(count, np.int64)
-        times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
-        loop.batch(
-            *ready.linked[:4],
-            *(final, command, memory, params, ready.plan, agendas, waitings, clocks, courses),
-            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern),
-            *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
-            *(times, states, low, high, status),
+        order = np.concatenate([alone[first::threads] for first in range(threads)])
+        rest = (
+            Reached._make(part[order] for part in begun),
+            tuple(np.zeros_like(part[:1], shape=(order.size, *part.shape[1:])) for part in kept),
         )
+        _run_alone(loop, ready, stepping, marks_from, rest[0], params[order], rest[1])
+        for whole, piece in zip((*begun, *kept), (*rest[0], *rest[1]), strict=True):
+            whole[order] = piece
+    clocks, beside = begun.clock, np.ones(count, bool)
+    beside[order] = False
     marks = clocks[:, places.STORED].astype(np.int64)
     row, last = np.arange(count), np.clip(marks - 1, 0, rows - 1)
     mark_times = np.stack([times[:, 0], times[row, last // 2], times[row, last]], axis=1)
     first, latest = states[:, 0].copy(), states[row, last]
     for found in (mark_times, first, latest):
         found[marks == 0] = np.nan
-    dealt = np.argsort(order)
-    samples = agendas[:, 0, places.CALLS].astype(np.int64)
-    parts = (start, final, command, memory, low, high, clocks, status, samples, mark_times, first, latest)
-    return _Carried._make(part[dealt] for part in parts)
+    samples = begun.agenda[:, 0, places.CALLS].astype(np.int64)
+    parts = (start, *begun[:3], low, high, clocks, status, samples, mark_times, first, latest, beside)
+    return _Carried._make(parts)
+
+
+def _run_alone(
+    loop: Any, ready: Prepared, stepping: Stepping, marks_from: float, begun: Reached, params: Array, kept: Any
+) -> None:
+    """Runs each case by itself; all arrays are changed in place."""
+    loop.batch(
+        *ready.linked[:4],
+        *(*begun[:3], params, ready.plan, *begun[3:]),
+        *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern),
+        *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
+        *kept,
+    )
 
 
 def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, object], ...]) -> str | None:

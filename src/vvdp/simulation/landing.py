@@ -124,6 +124,21 @@ def guess(lo, hi, before, after, held, grain):
 
 
 @njit(**BARE)
+def arc(course, before, x, floor, grain, step, step_before):
+    """Where a position passes its boundary, as a share of the step, by its course before the step and its end."""
+    way, goal = x - before, edge(x, floor, grain) - before
+    speed = step * (course[0] + 0.5 * course[2] * course[1] * step_before) if course[2] > 0.0 else way
+    root = np.sqrt(max(0.0, speed * speed + 4.0 * (way - speed) * goal))
+    return 2.0 * goal / (speed + (root if goal > 0.0 else -root))
+
+
+@njit(**BARE)
+def secant(x_longer, x, floor, grain, longer):
+    """The same by the end of the step and that of one `longer` times as long, both behind the boundary."""
+    return 1.0 - (x - edge(x, floor, grain)) * (longer - 1.0) / (x_longer - x)
+
+
+@njit(**BARE)
 def lateness(before, x, held, grain, width, step, usual):
     """How far a step has gone behind its events, over what is allowed, and what is, as a share of the step.
 

@@ -11,19 +11,9 @@ import numpy as np
 from numba import float64, int64, njit, prange, types
 
 from vvdp.numerics.sparse import Pattern
-from vvdp.simulation.landing import (
-    GRAIN,
-    changed,
-    follow,
-    forget,
-    guess,
-    hold,
-    is_left,
-    lateness,
-    positions,
-    settle,
-    time_left,
-)
+from vvdp.simulation.landing import GRAIN, changed, follow, forget, guess, hold, is_left, lateness, positions, settle
+from vvdp.simulation.marks import pass_marks
+from vvdp.simulation.pace import grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
     AIMED,
     AUTOMATIC,
@@ -31,21 +21,15 @@ from vvdp.simulation.places import (
     BEGUN,
     CULPRIT,
     DONE,
-    ERROR_BEFORE,
     EVALUATIONS,
-    EVENT_TIME,
-    EVENTS,
     EXPLICIT,
     FASTEST,
     FIRST,
     HAIR,
     HASTY,
-    JUMP_TIME,
-    JUMPS,
     LANDED,
     LAST,
     MARK_BEFORE,
-    MARKS,
     MARKS_FULL,
     METHOD,
     NOT_FINITE,
@@ -116,32 +100,11 @@ STIFF_FROM, EXPLICIT_BELOW = 2.2, 1.3
 # Jacobian by differences is the jump over a hair's breadth, and no step is short enough for it.
 PATIENCE = 6.0
 
-# So many refusals in a row, away from every landing: a kink takes three or four, a jump more.
-SERIES = 5.0
-
 # Tries to land on one event; where a floor jumps, each halves what is left of the step.
 TRIES = 60
 
-# A step that is to end on an event aims so far behind it, as a share of the step.
-AIM = 5e-7
-
-# So many events, each within this time [s] of the one before: the modes chatter.
-HASTE, MANY = 1e-9, 200.0
-
-
-@njit(**BARE)
-def mark_fraction(events, t, step, y, u, p, trial, k, middle, g, goal, upward):
-    """Where on the cubic the mark passes `goal`, as a fraction of the step."""
-    lo, hi = 0.0, 1.0
-    for _ in range(50):
-        s = 0.5 * (lo + hi)
-        between(s, step, y, trial, k, middle)
-        events(t + s * step, middle, u, p, g)
-        if (g[0] < goal) == upward:
-            lo = s
-        else:
-            hi = s
-    return hi
+# So many events in haste: the modes chatter.
+MANY = 200.0
 
 
 @njit(**BARE)
@@ -233,11 +196,7 @@ def run(
             if clock[EVALUATIONS] >= enough:
                 return PAUSED
             spent, taken, refused, fastest = clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST]
-            step, aimed = h, False
-            if clock[AIMED] == 0.0:
-                ahead = time_left(course, before, held, grain, clock[STEP_BEFORE], 2.0 * h)
-                aimed = ahead <= h
-                step = ahead * (1.0 + AIM) if aimed else 0.5 * ahead if ahead < 2.0 * h else h
+            step, aimed = next_step(clock, course, before, held, grain)
         else:
             step, aimed = again, False
         last = t + step * (1.0 + 1e-9) >= t_next
@@ -267,11 +226,8 @@ def run(
             turned += d * d
         size = np.sqrt(size / active)
         if not finite or size > 1.0:
-            clock[REJECTED] += 1.0
-            clock[REFUSED] += 1.0
             tries = 0
-            h = step * (max(0.2, min(0.5 if clock[REFUSED] > 1.0 else 1.0, 0.9 * size**exponent)) if finite else 0.1)
-            clock[STEP] = h
+            h = refuse(clock, step, size, finite, exponent)
             if h < 1e-14 * max(abs(t), period):
                 return STEP_TOO_SMALL if finite else NOT_FINITE
             continue
@@ -295,18 +251,11 @@ def run(
             # The step is taken again when there is room, however many marks it passes.
             clock[EVALUATIONS], clock[STEPS], clock[REJECTED], clock[FASTEST] = spent, taken, refused, fastest
             return MARKS_FULL
-        mark_before = clock[MARK_BEFORE]
-        for i in range(int(abs(change))):
-            level = np.floor(mark_before) + 1.0 + i if change > 0.0 else np.floor(mark_before) - i
-            s = mark_fraction(
-                events, t, step, y, command, params, trial, k, middle, g, level, mark_before < level
+        if change != 0.0:
+            pass_marks(
+                events, clock, t, step, y, command, params, trial, k, middle, g,
+                x[0], marks_from, mark_times, mark_states,
             )  # fmt: skip
-            clock[MARKS] += 1.0
-            if t + s * step >= marks_from:
-                row = min(int(clock[STORED]), mark_times.size - 1)
-                between(s, step, y, trial, k, mark_states[row])
-                mark_times[row] = t + s * step
-                clock[STORED] = row + 1.0
         clock[MARK_BEFORE] = x[0]
         row, ended = int(clock[RECORDS]), t_new >= t_end - HAIR * abs(t_end)
         while row < record_times.size and (record_times[row] <= t_new or ended):
@@ -316,23 +265,14 @@ def run(
             row += 1
         clock[RECORDS] = row
         widen(low, high, active, step, y, trial, k)
-        if clock[REFUSED] >= SERIES and clock[LANDED] == 0.0:
-            clock[JUMPS] += 1.0
-            if clock[JUMPS] == 1.0:
-                clock[JUMP_TIME] = t_new
+        note_jump(clock, t_new)
         follow(course, before, x, step, clock[STEP_BEFORE])
         clock[STEP_BEFORE] = step
         t = t_new
         copy(y, trial)
-        # A step that was refused once stands before a kink: growing at once would only have the next one refused.
-        growth = 0.9 * (size + 1e-12) ** exponent
-        if clock[REFUSED] == 0.0:
-            growth = 0.9 * (size + 1e-12) ** (0.7 * exponent) * clock[ERROR_BEFORE] ** (-0.4 * exponent)
-            clock[ERROR_BEFORE] = max(size, 1e-4)
-        grown = step * min(1.0 if clock[REFUSED] > 0.0 else 5.0, max(0.2, growth))
         landed = last or event
         cut = landed or step < h
-        h = min(max(h, grown) if cut else grown, longest)
+        h = grow(clock, size, step, h, exponent, cut, longest)
         if method == AUTOMATIC:
             if clock[METHOD] == STIFF:
                 if step * clock[FASTEST] < heaviness and not cut:
@@ -349,9 +289,7 @@ def run(
         clock[AIMED] = 1.0 if aimed and not event else 0.0
         if landed:
             if event:
-                clock[EVENTS] += 1.0
-                clock[HASTY] = clock[HASTY] + 1.0 if t - clock[EVENT_TIME] < HASTE else 0.0
-                clock[EVENT_TIME] = t
+                note_event(clock, t)
             copy(g, x)
             if not instant(sample, events, t, y, command, memory, params, plan, agenda, waiting, g):
                 clock[TIME] = t

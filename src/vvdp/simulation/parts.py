@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from vvdp.simulation.layout import blocks
+from vvdp.base.signal import Signal
+from vvdp.simulation.layout import blocks, members
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, told, told_size, write
 from vvdp.simulation.values import names
@@ -81,6 +82,16 @@ def events_part(model: Model, case: Case) -> Part:
             settings = parameters(case.settings[name], Place(blocks(case).programs[name]), a.classes)
             lines.append(f"    g[{number}] = trigger_{number}(t, state, command, params, {settings})")
     return Part(_source(a.classes, lines), called, a.classes)
+
+
+def signals_part(case: Case) -> Part:
+    """signals(t, p, s), the value of each signal of the circuit's parameters, in their order."""
+    classes, place, sources = Classes(), Place(), list[str]()
+    for _, leaf in members(case.params, ""):
+        source = parameters(leaf, place, classes)
+        sources += [f"{source}.value"] if isinstance(leaf, Signal) else []
+    lines = [_njit("void", 2, "signals(t, p, s)"), *(f"    s[{i}] = {text}" for i, text in enumerate(sources))]
+    return Part(_source(classes, [*lines, "    return"]), {}, classes)
 
 
 def conditions_part(conditions: Callable[..., Any], case: Case) -> Part:

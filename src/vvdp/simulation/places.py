@@ -7,6 +7,7 @@ BARE: Any = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 # What `run` returns.
 DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING, RESTLESS = range(8)
+HANDED = 8  # a case that the loop for many at once leaves to the one for one case
 
 # Places in `clock`.
 TIME, STEP, BEGUN, STEPS, REJECTED, EVALUATIONS, RECORDS, MARKS, STORED, METHOD = range(10)

@@ -24,7 +24,10 @@ from vvdp.simulation.symbols import Untraceable
 from vvdp.simulation.trace import dependencies, trace
 from vvdp.simulation.values import leaves
 
-LOOP = ("landing", "loop", "schedule", "steps", "stiff")
+LOOP = (
+    *("landing", "lane_code", "lane_loop", "lane_vectors", "loop", "marks", "pace", "places", "schedule", "steps"),
+    "stiff",
+)
 """The modules that the compiled loop is written in."""
 MOST_MODES = 8
 """How often modes may follow each other at one call of `free_rates`."""

@@ -35,8 +35,8 @@ class Graph:
     signals: int
 
 
-def trace(model: Model, case: Case) -> Graph:
-    """The rates of `model` for values of the shape of `case`.
+def trace(model: Model, case: Case, wanted: Callable[[Model, Case], Part] = rates_part) -> Graph:
+    """The rates of `model` for values of the shape of `case`, or what another part of it, `wanted`, works out.
 
     Raises Untraceable, with the reason, where they cannot be written as a graph.
     """
@@ -44,7 +44,7 @@ def trace(model: Model, case: Case) -> Graph:
         for path, leaf in members(getattr(case, name), name):
             if np.ndim(leaf):
                 raise Untraceable(f"{path} is an array or a table, whose length is no part of a circuit's text")
-    part, recorder, numbers = rates_part(model, case), Recorder(), vectors(case)
+    part, recorder, numbers = wanted(model, case), Recorder(), vectors(case)
     signals = count()
 
     def inputs(op: Op, size: int) -> list[Any]:
@@ -163,8 +163,9 @@ def _run(part: Part, signal: Callable[..., Any], t: Any, y: Any, u: Any, p: Any)
     around |= dict(part.classes.tuples())
     around |= {name: namedtuple(name, names(cls)) for name, cls in part.classes.records()}
     written: dict[int, Any] = {}
-    exec(part.source[part.source.index("def rates(") :], around)
-    around["rates"](t, y, u, p, written)
+    text = part.source[part.source.index("\ndef ") + 1 :]
+    exec(text, around)
+    around[text[4 : text.index("(")]](t, y, u, p, written)
     return [written[place] for place in range(len(written))]
 
 

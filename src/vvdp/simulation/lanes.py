@@ -1,0 +1,152 @@
+"""Whether the cases of a model can run side by side in the lanes of a vector, and the arrays in which they do."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from vvdp.base.signal import Signal
+from vvdp.numerics.tableaus import Array
+from vvdp.simulation import places
+from vvdp.simulation.lane_code import lane_rates
+from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
+from vvdp.simulation.link import Hashed, default_cache, quiet
+from vvdp.simulation.loading import registries_left_out
+from vvdp.simulation.model import Case, Model
+from vvdp.simulation.parts import events_part, signals_part
+from vvdp.simulation.prepare import Prepared, Reached
+from vvdp.simulation.stepping import Method, Stepping
+from vvdp.simulation.symbols import Op, Untraceable
+from vvdp.simulation.trace import trace
+
+
+class SideBySide(NamedTuple):
+    """Code of a model for all lanes."""
+
+    rates: int  # its address
+    events: int  # its address
+    signals: Any  # signals(t, p, s)
+    places: tuple[int, ...]  # of each signal in the parameters
+    commands: tuple[int, ...]  # the places of those that the rates and events read
+    reads: int  # how many of the parameters they may read
+
+
+def side_by_side(
+    model: Model, case: Case, digest: str, cache: Path | None = None, say: Callable[[str], None] = quiet
+) -> SideBySide | str:
+    """The code of the model of this `digest`, or why it has none."""
+    if digest not in _known:
+        try:
+            _known[digest] = _compiled(model, case, cache, say)
+        except Untraceable as problem:
+            _known[digest] = str(problem)
+    return _known[digest]
+
+
+_known: dict[str, SideBySide | str] = {}
+
+
+def _compiled(model: Model, case: Case, cache: Path | None, say: Callable[[str], None]) -> SideBySide:
+    rates, events = trace(model, case), trace(model, case, events_part)
+    if events.signals > rates.signals:
+        raise Untraceable("the settings of a program with a trigger have signals")
+    found, place = [], 0
+    for _, leaf in members(case.params, ""):
+        if isinstance(leaf, Signal):
+            found.append(place)
+            place += SIGNAL_SLOTS
+        else:
+            place += 1
+    return SideBySide(
+        rates=lane_rates(rates, cache, say).address,
+        events=lane_rates(events, cache, say).address,
+        signals=Hashed(signals_part(case)).module(cache or default_cache(), say).signals,
+        places=tuple(found),
+        commands=tuple(sorted({int(n.number) for g in (rates, events) for n in g.nodes if n.op is Op.COMMAND})),
+        reads=blocks(case).tail,
+    )
+
+
+def run_lanes(
+    code: SideBySide,
+    ready: Prepared,
+    stepping: Stepping,
+    marks_from: float,
+    begun: Reached,
+    params: Array,
+    kept: tuple[Array, Array, Array, Array, npt.NDArray[np.int64]],
+    threads: int,
+) -> None:
+    """Runs the cases of the rows of `begun` and `params`, all changed in place, on so many threads.
+
+    `kept` are the times of marks and the states at them, the lowest and highest states, and what has become of each
+    case, all to be filled in; HANDED where it is to be run by itself.
+    """
+    with registries_left_out():
+        from vvdp.simulation import lane_loop, loop
+        from vvdp.simulation.landing import GRAIN
+        from vvdp.simulation.lane_vectors import WIDTH, Cases, Rules
+
+    moving = (params[:, [place + 1 for place in code.places]] > 0.0).any(axis=1).astype(np.int64)
+    before, after = begun[:3], begun[3:]
+    cases = Cases(*before, params, *after, *kept, moving)
+    width, active = WIDTH, ready.pattern.group.size
+    modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
+    n, positions = ready.vectors.state.size, ready.width.size
+    grain = np.zeros(positions)
+    grain[positions - modes :] = GRAIN
+    rules = Rules(
+        plan=ready.plan,
+        atol=np.repeat(ready.atol[:active], width),
+        rtol=np.repeat(ready.rtol[:active], width),
+        width=ready.width,
+        grain=grain,
+        t_end=stepping.until,
+        longest=stepping.longest_step,
+        marks_from=marks_from,
+        reads=np.array(code.commands, np.int64),
+        stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
+    )
+    queue = np.array([params.shape[0]], np.int64)
+
+    def work(_: int) -> None:
+        room = _room(n, modes, positions, active, ready.vectors.command.size, code)
+        bench = loop.workbench(n, modes, positions, ready.pattern)
+        lane_loop.run_lanes(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
+
+    work(
+        0
+    )  # with nothing in the queue: Numba looks for the right version of a function, which threads must not at once
+    queue[0] = 0
+    if threads == 1:
+        work(0)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(work, range(threads)))
+
+
+def _room(n: int, modes: int, positions: int, active: int, commands: int, code: SideBySide) -> Any:
+    from vvdp.simulation.lane_vectors import OWN, WIDTH, Lanes
+
+    width, signals = WIDTH, len(code.places)
+
+    def rows(count: int) -> Array:
+        return np.zeros(count * width)
+
+    return Lanes._make(
+        [
+            *(rows(n) for _ in range(3)),
+            *(rows(active) for _ in range(5)),
+            np.zeros((7, (n + modes) * width)),
+            *(rows(count) for count in (commands, code.reads, signals, positions, 1, 1, 1)),
+            np.ones(width),
+            np.zeros(signals),
+            np.zeros(len(code.commands)),
+            np.zeros((width, OWN)),
+            *(np.zeros((width, positions)) for _ in range(4)),
+            np.full(width, -1, np.int64),
+        ]
+    )

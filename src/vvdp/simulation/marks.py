@@ -1,0 +1,39 @@
+"""The marks that a step passes, compiled: where on its cubic the floor of the mark changes."""
+
+import numpy as np
+from numba import njit
+
+from vvdp.simulation.places import BARE, MARK_BEFORE, MARKS, STORED
+from vvdp.simulation.steps import between
+
+
+@njit(**BARE)
+def mark_fraction(events, t, step, y, u, p, trial, k, middle, g, goal, upward):
+    """Where on the cubic the mark passes `goal`, as a fraction of the step."""
+    lo, hi = 0.0, 1.0
+    for _ in range(50):
+        s = 0.5 * (lo + hi)
+        between(s, step, y, trial, k, middle)
+        events(t + s * step, middle, u, p, g)
+        if (g[0] < goal) == upward:
+            lo = s
+        else:
+            hi = s
+    return hi
+
+
+@njit(**BARE)
+def pass_marks(events, clock, t, step, y, u, p, trial, k, middle, g, mark, marks_from, mark_times, mark_states):
+    """Stores the states at the marks from `clock` to `mark`, the value at the end; when full, over the last row."""
+    before = clock[MARK_BEFORE]
+    change = np.floor(mark) - np.floor(before)
+    for i in range(int(abs(change))):
+        level = np.floor(before) + 1.0 + i if change > 0.0 else np.floor(before) - i
+        s = mark_fraction(events, t, step, y, u, p, trial, k, middle, g, level, before < level)
+        clock[MARKS] += 1.0
+        if t + s * step >= marks_from:
+            row = min(int(clock[STORED]), mark_times.size - 1)
+            between(s, step, y, trial, k, mark_states[row])
+            mark_times[row] = t + s * step
+            clock[STORED] = row + 1.0
+    clock[MARK_BEFORE] = mark

@@ -1,0 +1,83 @@
+"""How long a step is, compiled: aimed at events, shorter after a refusal, by PI control after an accepted one."""
+
+from numba import njit
+
+from vvdp.simulation.landing import time_left
+from vvdp.simulation.places import (
+    AIMED,
+    BARE,
+    ERROR_BEFORE,
+    EVENT_TIME,
+    EVENTS,
+    HASTY,
+    JUMP_TIME,
+    JUMPS,
+    LANDED,
+    REFUSED,
+    REJECTED,
+    STEP,
+    STEP_BEFORE,
+)
+
+# A step that is to end on an event aims so far behind it, as a share of the step.
+AIM = 5e-7
+
+# So many refusals in a row, away from every landing: a kink takes three or four, a jump more.
+SERIES = 5.0
+
+# Events, each within this time [s] of the one before; the loops say how many are too many.
+HASTE = 1e-9
+
+
+@njit(**BARE, inline="always")
+def next_step(clock, course, before, held, grain):
+    """The length of the next step, shorter where an event is near, and whether it is aimed at one."""
+    h = clock[STEP]
+    step, aimed = h, False
+    if clock[AIMED] == 0.0:
+        ahead = time_left(course, before, held, grain, clock[STEP_BEFORE], 2.0 * h)
+        aimed = ahead <= h
+        step = ahead * (1.0 + AIM) if aimed else 0.5 * ahead if ahead < 2.0 * h else h
+    return step, aimed
+
+
+@njit(**BARE, inline="always")
+def refuse(clock, step, size, finite, exponent):
+    """Counts a refusal; the step to try next."""
+    clock[REJECTED] += 1.0
+    clock[REFUSED] += 1.0
+    most = 0.5 if clock[REFUSED] > 1.0 else 1.0
+    clock[STEP] = step * (max(0.2, min(most, 0.9 * size**exponent)) if finite else 0.1)
+    return clock[STEP]
+
+
+@njit(**BARE, inline="always")
+def grow(clock, size, step, h, exponent, cut, longest):
+    """The step after an accepted one; `cut` says that something else than its error made that one short."""
+    if clock[REFUSED] == 0.0:
+        # size ** 0.7 / before ** 0.4, to the power `exponent`: with one power instead of two.
+        e, before = size + 1e-12, clock[ERROR_BEFORE]
+        cube, square = e * e * e, before * before
+        most, growth = 5.0, 0.9 * (cube * cube * e / (square * square)) ** (0.1 * exponent)
+        clock[ERROR_BEFORE] = max(size, 1e-4)
+    else:  # it stands before a kink: growing at once would only have the next one refused
+        most, growth = 1.0, 0.9 * (size + 1e-12) ** exponent
+    grown = step * min(most, max(0.2, growth))
+    return min(max(h, grown) if cut else grown, longest)
+
+
+@njit(**BARE, inline="always")
+def note_jump(clock, t):
+    """Counts a series of refusals that ends at `t`, where nothing says why."""
+    if clock[REFUSED] >= SERIES and clock[LANDED] == 0.0:
+        clock[JUMPS] += 1.0
+        if clock[JUMPS] == 1.0:
+            clock[JUMP_TIME] = t
+
+
+@njit(**BARE, inline="always")
+def note_event(clock, t):
+    """Counts an event, and those that follow in haste."""
+    clock[EVENTS] += 1.0
+    clock[HASTY] = clock[HASTY] + 1.0 if t - clock[EVENT_TIME] < HASTE else 0.0
+    clock[EVENT_TIME] = t
