@@ -249,7 +249,7 @@ def test_program_moves_spool_and_shafts(of):
         add_pump_unit(net, unit, joints)
         net.program("moves", ORDER, reads={"pressure": "inlet.pressure"})
         circuit = build(net)
-        rates, outputs = circuit.model.circuit(0.01, circuit.case.state, circuit.case.command, circuit.case.params)
+        rates, outputs, _ = circuit.model.circuit(0.01, circuit.case.state, circuit.case.command, circuit.case.params)
         found.append((rates.inlet, rates.spool.speed, outputs.pump_flow, outputs.valve_load_opening))
         assert outputs.pump_flow > 0.0
     assert found[0] == found[1]

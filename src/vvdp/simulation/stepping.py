@@ -27,7 +27,7 @@ class Stepping(Params):
 
     until: Time
     begin: Time = 0.0
-    relative_tolerance: Ratio = 1e-5
+    relative_tolerance: Ratio = 1e-6
     sample_period: Time = 1e-3
     longest_step: Time = 1e6
     record_interval: Time = 1e-3

@@ -40,7 +40,7 @@ class RunTable(Params):
 
     until: Time
     average_from: Time = 0.0
-    relative_tolerance: Ratio = 1e-5
+    relative_tolerance: Ratio = 1e-6
     sample_period: Time = 1e-3
     record_interval: Time = 1e-3
     window: Time = 0.25
