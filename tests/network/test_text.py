@@ -45,7 +45,7 @@ from vvdp.simulation.values import flat
 GOLDEN = """
 def circuit(t, s, u, p):
     h = u.held
-    tank = h.tank
+    tank = state_at(signal_value(t, p.tank_pressure), h.tank, p.oil)
     line = fluid_state(s.line, p.oil)
     supply = flow_source(tank, line, signal_value(t, p.supply_flow), p.supply)
     load = orifice(line, tank, signal_value(t, p.load_area), h.medium, p.load)

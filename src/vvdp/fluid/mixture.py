@@ -97,6 +97,30 @@ def fluid_state(pressure: float, oil: Oil) -> FluidState:
     )
 
 
+def state_at(pressure: float, known: FluidState, oil: Oil) -> FluidState:
+    """The state of oil at a pressure, see `fluid_state`; in compiled code `known` where that is its pressure already.
+
+    pressure  absolute [Pa]
+    known     the state at some pressure
+
+    Source  cho2002, bulk modulus; enthalpy ours, docs/models/fluid.md
+    """
+    return fluid_state(pressure, oil)
+
+
+def state_at_compiled(pressure: float, known: FluidState, oil: Oil) -> FluidState:
+    """The same as `state_at`, which it replaces in compiled code: a pressure that is constant costs a comparison.
+
+    pressure  absolute [Pa]
+    known     the state at some pressure
+
+    Source  cho2002, bulk modulus; enthalpy ours, docs/models/fluid.md
+    """
+    if pressure == known.pressure:
+        return known
+    return fluid_state(pressure, oil)
+
+
 def specific_volume_ratio(pressure: float, oil: Oil) -> float:
     """Volume of a mass of fluid over its volume at the reference pressure, nu [1].  pressure: absolute [Pa].
 

@@ -11,7 +11,7 @@ from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
-from vvdp.fluid.mixture import fluid_state
+from vvdp.fluid.mixture import fluid_state, state_at
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.network.classes import Classes
 from vvdp.network.component import Argument, Role
@@ -184,7 +184,9 @@ class Text:
                 case OilVolume():
                     yield f"{name} = {self.use(fluid_state)}(s.{name}, {self.places.path(node.oil)})"
                 case Tank():
-                    yield f"{name} = h.{name}"
+                    pressure = self.source(node.pressure, name, PRESSURE_LEVEL)
+                    oil = self.places.path(node.oil)
+                    yield f"{name} = {self.use(state_at)}({pressure}, h.{name}, {oil})"
                 case PressureSource():
                     pressure = self.source(node.pressure, name, PRESSURE_LEVEL)
                     yield f"{name} = {self.use(fluid_state)}({pressure}, {self.places.path(node.oil)})"

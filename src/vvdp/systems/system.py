@@ -13,6 +13,7 @@ from typing import Any
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import TIME, Ratio, Time
 from vvdp.base.params import Params
+from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, build, nearest, parsed_table, read_table, with_settings
 from vvdp.base.units import parsed
 from vvdp.network.build import Circuit
@@ -35,6 +36,10 @@ HEADINGS = ("title", "circuit")
 DRAWN = ("nodes", "components")
 
 
+SAMPLES_PER_SWING = 20
+"""Samples that a swing of the oil's temperature needs at least."""
+
+
 class RunTable(Params):
     """The [run] table: how long, how exactly, what is recorded, from when on means are taken."""
 
@@ -55,6 +60,16 @@ class RunTable(Params):
         """How the run is stepped. Raises ParameterError where that cannot be."""
         values = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "average_from"}
         return Stepping(**values, method=method)
+
+
+def _check_temperature(temperature: Signal, sample_period: float) -> None:
+    """Raises ParameterError where an oil's temperature swings too fast for what depends on it, read once per sample."""
+    fastest = max(temperature.frequency, default=0.0)
+    if fastest * sample_period * SAMPLES_PER_SWING > 1.0:
+        raise ParameterError(
+            f"run.sample_period = {sample_period:g} s: the oil's temperature swings at {fastest:g} Hz and is read once "
+            f"per sample; expected at most {1.0 / (SAMPLES_PER_SWING * fastest):.2g} s"
+        )
 
 
 @dataclass(frozen=True)
@@ -231,6 +246,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     if network is not None and run is not None and not faults:
         try:
             circuit, stepping = build_circuit(network), run[0].stepping(method)
+            _check_temperature(network.temperature, stepping.sample_period)
         except (NetworkError, ParameterError) as problem:
             faults.append(_placed(str(problem), table))
     if faults or circuit is None or stepping is None or run is None:
