@@ -35,6 +35,14 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
     yield line
 
 
+def _left(elapsed: float, gone: float, still: float) -> str:
+    """How long the rest will take at the pace so far, in words; empty where none can be told."""
+    if not (gone > 0.0 and elapsed > 0.0):
+        return ""
+    seconds = still * elapsed / gone
+    return f", about {seconds:.0f} s left" if seconds < 120.0 else f", about {seconds / 60.0:.0f} min left"
+
+
 @contextmanager
 def reached(end: float, words: Callable[[float], str]) -> Iterator[Callable[[float], None]]:
     """What hears how much is reached, of `end`, which `words` puts into words."""
@@ -49,12 +57,14 @@ def reached(end: float, words: Callable[[float], str]) -> Iterator[Callable[[flo
             task = bar.add_task(words(0.0), total=end)
             yield lambda now: bar.update(task, completed=now, description=words(now))
         return
-    last = time.monotonic()
+    last, began = time.monotonic(), None
 
     def line(now: float) -> None:
-        nonlocal last
+        nonlocal last, began
+        if began is None:
+            began = time.monotonic(), now
         if now < end and time.monotonic() - last >= LINE_INTERVAL:
             last = time.monotonic()
-            say(words(now))
+            say(f"{words(now)}{_left(last - began[0], now - began[1], end - now)}")
 
     yield line
