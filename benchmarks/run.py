@@ -21,6 +21,7 @@ NAMES = (
     "maps",
     "logs",
     "networks",
+    "chain",
 )
 README = HERE / "README.md"
 BEGIN, END = "<!-- written by `python -m benchmarks.run --write` -->", "<!-- end of what is written -->"

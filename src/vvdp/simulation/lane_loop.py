@@ -254,6 +254,7 @@ def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
     t, g, held, same = clock[TIME], bench.g, lanes.held[lane], False
     if clock[BEGUN] == 0.0:
         clock[BEGUN], clock[LANDED] = 1.0, 1.0
+        settle(rates, t, y, u, p, rules.plan, bench.k[0])
         events(t, y, u, p, g)
         clock[MARK_BEFORE] = g[0]
         if not begin(sample, events, t, y, u, m, p, rules.plan, agenda, cases.waiting[case], g):

@@ -175,6 +175,7 @@ def run(
     enough = clock[EVALUATIONS] + budget
     if clock[BEGUN] == 0.0:
         clock[BEGUN], clock[LANDED] = 1.0, 1.0
+        settle(rates, t, y, command, params, plan, k[0])  # what is measured at once depends on the modes
         events(t, y, command, params, g)
         clock[MARK_BEFORE] = g[0]
         if not begin(sample, events, t, y, command, memory, params, plan, agenda, waiting, g):
