@@ -192,7 +192,8 @@ def test_edges_that_nobody_names_are_found_by_short_steps_only():
     missed = taken_in(0.25, 100.0, 0.02, never)
     assert abs(missed.final[0] / 1.25 - 1.0) > 0.01
     run = taken_in(0.25, 100.0, 0.02, never, longest_step=2e-4)
-    assert run.final[0] == pytest.approx(1.25, rel=1e-3)
+    # Of 1000 edges each is passed within about a hundredth of a step, 2 us; were all late, 2 ms of 1.25 s.
+    assert run.final[0] == pytest.approx(1.25, abs=2e-3)
     assert run.steps >= 5.0 / 2e-4
     assert len(run.remarks) == 1
     assert "the rates seem to jump at about t = 0." in run.remarks[0] and "which no stop names" in run.remarks[0]
