@@ -66,7 +66,7 @@ def variant(rng):
 
 @pytest.mark.slow
 def test_the_check_tells_the_true_error_of_random_variants():
-    """Most of 50 within a factor of three: the number that moves most may be right by chance, the finer run no better."""
+    """Most of 50 within a factor of three: what moves most may be right by chance, or the finer run no better."""
     rng, shares = np.random.default_rng(20261122), []
     for _ in range(50):
         system = variant(rng)
