@@ -8,7 +8,7 @@ these are known.
 import numpy as np
 from numba import njit
 
-from vvdp.simulation.places import BARE, FIRST, LAST, LEVEL, TRIGGER
+from vvdp.simulation.places import BARE, FIRST, HAIR, LAST, LEVEL, TRIGGER
 
 SETTLINGS = 32
 """How often modes may change at one instant."""
@@ -139,15 +139,17 @@ def secant(x_longer, x, floor, grain, longer):
 
 
 @njit(**BARE)
-def lateness(before, x, held, grain, width, step, usual):
+def lateness(before, x, held, grain, width, t, step, usual):
     """How far a step has gone behind its events, over what is allowed, and what is, as a share of the step.
 
+    t      at the end of the step, whose rounding cannot be undercut [s]
     usual  the step that would be taken without events, of which `width` is a share [s]
     """
+    least = 4.0 * HAIR * abs(t)
     worst, near = 0.0, 1.0
     for i in range(1, held.size):
         if has_left(x[i], held[i], grain[i]):
-            allowed = width[i] * usual / step
+            allowed = max(width[i] * usual, least) / step
             worst = max(worst, (x[i] - edge(x[i], held[i], grain[i])) / (x[i] - before[i]) / allowed)
             near = min(near, allowed)
     return worst, near

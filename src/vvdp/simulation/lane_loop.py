@@ -126,7 +126,7 @@ def is_late(rates, events, cases, rules, lanes, bench, y, trial, first, last, la
     for i in range(x.size):
         before[i], x[i], held[i] = lanes.before[lane, i], lanes.reached[lane, i], lanes.held[lane, i]
         bench.grain[i] = rules.grain[i]
-    late, near = lateness(before, x, held, rules.grain, rules.width, step, max(clock[STEP], step))
+    late, near = lateness(before, x, held, rules.grain, rules.width, own[T_NEW], step, max(clock[STEP], step))
     if late <= 1.0:
         return False
     s = 1.0

@@ -235,7 +235,7 @@ def run(
         positions(events, t_new, trial, command, params, k[6], x)
         event = is_left(x, held, grain)
         if event and step > 4.0 * HAIR * abs(t_new) and tries < TRIES:
-            late, near = lateness(before, x, held, grain, width, step, max(h, step))
+            late, near = lateness(before, x, held, grain, width, t_new, step, max(h, step))
             if late > 1.0:
                 s, sure, evaluations = first_change(
                     rates, events, t, step, y, command, params,
