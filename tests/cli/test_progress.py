@@ -33,7 +33,9 @@ def test_a_quantity_is_told_every_two_seconds_until_the_end(capsys, clock):
         for now in range(10):
             heard(float(now))
             clock[0] += 1.0
-    assert capsys.readouterr().err.splitlines() == ["t = 2 s", "t = 4 s", "t = 6 s", "t = 8 s"]
+    left = {2: 7, 4: 5, 6: 3, 8: 1}  # at the pace so far
+    expected = [f"t = {now} s, about {seconds} s left" for now, seconds in left.items()]
+    assert capsys.readouterr().err.splitlines() == expected
 
 
 @pytest.mark.parametrize(
