@@ -38,7 +38,9 @@ def main(short: bool) -> None:
         (few, first), (many, last) = found[0], found[-1]
         growth = (last / first) / (many / few)
         met = () if short else (f"{MOST:g} times the growth in states", growth <= MOST)
-        report(f"one {method.name.lower()} step by states", f"{figures}; {growth:.2f} times the growth", *met, listed=True)
+        report(
+            f"one {method.name.lower()} step by states", f"{figures}; {growth:.2f} times the growth", *met, listed=True
+        )
 
 
 if __name__ == "__main__":
