@@ -18,8 +18,7 @@ def bare_run(
     reached = started(ready, Stepping(until=until, method=method))
     n, y, clock = reached.state.size, reached.state, reached.clock
     record = np.zeros((times.size, n))
-    modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
-    workbench = loop.workbench(n, modes, ready.width.size, ready.pattern)
+    workbench = loop.workbench(ready.plan, n, ready.width.size, ready.pattern)
     status = loop.run(
         *ready.linked[:4],
         *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),

@@ -11,6 +11,7 @@ from vvdp.base.kinds import Angle, Kind, Kink, Mode, Ratio
 from vvdp.base.modes import side
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum, select
+from vvdp.simulation import places
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping, simulate
 
@@ -56,7 +57,7 @@ def test_a_sawtooth_turns_where_it_should(method):
     # Each turn is landed on within 1e-7 of a step, and a step is at most half a second.
     assert run.final[0] == pytest.approx(0.5, abs=200 * 1e-7 * 0.5 * 5.0)
     assert run.low[0] >= -3e-7 and run.high[0] <= 1.0 + 3e-7
-    assert run.reached.clock[21] == 200.0
+    assert run.reached.clock[places.EVENTS] == 200.0
 
 
 def test_a_run_in_portions_and_one_that_goes_on_land_alike():

@@ -16,7 +16,7 @@ from typing import Any
 from llvmlite import ir
 
 from vvdp.simulation.lane_math import EXP_SERIES, LN2, shortened
-from vvdp.simulation.lane_values import DOUBLE, INTEGER, Code, Vector, declared
+from vvdp.simulation.lane_values import DOUBLE, INTEGER, Code, Vector
 
 LOG_BITS, EXP_BITS = 7, 6
 """Binary digits of an argument that the tables take."""
@@ -111,20 +111,6 @@ def _exp2(code: Code, shifted: Vector, rest: Vector) -> Vector:
     result = code.multiply_add(root, rest * code.polynomial(rest, EXP2_SERIES), root)
     whole = build.and_(shifted.bits, code.whole(-size))
     return code.floats(build.add(result.bits, build.shl(whole, code.whole(52 - EXP_BITS))))
-
-
-def _rare(code: Code, name: str, *values: Vector) -> Vector:
-    """A function of the C library, by a bridge that saves all registers, so that the code around it need not."""
-    module, kind, bridge = code.builder.module, ir.FunctionType(DOUBLE, [DOUBLE] * len(values)), f"vvdp_rare_{name}"
-    if bridge not in module.globals:
-        function = ir.Function(module, kind, bridge)
-        function.linkage, function.calling_convention = "internal", "preserve_allcc"
-        for attribute in ("noinline", "cold", "nounwind"):
-            function.attributes.add(attribute)
-        inside = ir.IRBuilder(function.append_basic_block())
-        inside.ret(inside.call(declared(module, name, DOUBLE, kind.args), function.args))
-    arguments = [value.value for value in values]
-    return Vector(code, code.builder.call(module.globals[bridge], arguments, cconv="preserve_allcc"))
 
 
 def _entry(code: Code, name: str, values: Sequence[float], place: Any) -> Vector:

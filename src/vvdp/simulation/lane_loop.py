@@ -49,14 +49,13 @@ from vvdp.simulation.loop import (
     MATRIX,
     RATES,
     SAMPLE,
-    STIFF_FROM,
     STOP,
     TRIES,
     VECTOR,
     first_change,
 )
 from vvdp.simulation.marks import pass_marks
-from vvdp.simulation.pace import grow, next_step, note_event, note_jump, refuse
+from vvdp.simulation.pace import STIFF_FROM, grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
     AIMED,
     BARE,

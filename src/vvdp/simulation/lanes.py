@@ -114,12 +114,11 @@ def run_lanes(
 
     def work(_: int) -> None:
         room = _room(n, modes, positions, active, ready.vectors.command.size, code)
-        bench = loop.workbench(n, modes, positions, ready.pattern)
+        bench = loop.workbench(ready.plan, n, positions, ready.pattern)
         lane_loop.run_lanes(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
 
-    work(
-        0
-    )  # with nothing in the queue: Numba looks for the right version of a function, which threads must not at once
+    # With nothing in the queue at first: Numba looks for the right version of a function, as threads must not at once.
+    work(0)
     queue[0] = 0
     if threads == 1:
         work(0)

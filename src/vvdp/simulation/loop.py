@@ -12,8 +12,8 @@ from numba import float64, int64, njit, prange, types
 
 from vvdp.numerics.sparse import Pattern
 from vvdp.simulation.landing import GRAIN, changed, follow, forget, guess, hold, is_left, lateness, positions, settle
-from vvdp.simulation.marks import pass_marks
-from vvdp.simulation.pace import grow, next_step, note_event, note_jump, refuse
+from vvdp.simulation.marks import pass_marks, store_records
+from vvdp.simulation.pace import EXPLICIT_BELOW, TINY, choose_method, grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
     AIMED,
     AUTOMATIC,
@@ -22,7 +22,6 @@ from vvdp.simulation.places import (
     CULPRIT,
     DONE,
     EVALUATIONS,
-    EXPLICIT,
     FASTEST,
     FIRST,
     HAIR,
@@ -35,7 +34,6 @@ from vvdp.simulation.places import (
     NOT_FINITE,
     PAUSED,
     PERIOD,
-    RECORDS,
     REFUSED,
     REJECTED,
     RESTLESS,
@@ -44,10 +42,8 @@ from vvdp.simulation.places import (
     STEP_TOO_SMALL,
     STEPS,
     STIFF,
-    STIFF_SIGNS,
     STOP_BEHIND,
     STORED,
-    SWITCHES,
     TIME,
     TOO_MANY_WAITING,
 )
@@ -90,11 +86,6 @@ class Workbench(NamedTuple):
 
 
 BENCH = types.NamedTuple([VECTOR] * 16 + [MATRIX] * 2, Workbench)
-
-# An explicit step is at the edge of its stability where step times fastest rate is 3.2; twice beyond the first of these
-# the stiff method takes over, and below the second, for each of its evaluations over those of an explicit step, it
-# hands back.
-STIFF_FROM, EXPLICIT_BELOW = 2.2, 1.3
 
 # After so many refusals in a row a step is tried with the explicit method: at a jump of the rates the stiff one's
 # Jacobian by differences is the jump over a hair's breadth, and no step is short enough for it.
@@ -258,13 +249,11 @@ def run(
                 x[0], marks_from, mark_times, mark_states,
             )  # fmt: skip
         clock[MARK_BEFORE] = x[0]
-        row, ended = int(clock[RECORDS]), t_new >= t_end - HAIR * abs(t_end)
-        while row < record_times.size and (record_times[row] <= t_new or ended):
-            between(min(1.0, (record_times[row] - t) / step), step, y, trial, k, record[row])
-            copy(record_command[row], command)
-            copy(record_memory[row], memory)
-            row += 1
-        clock[RECORDS] = row
+        ended = t_new >= t_end - HAIR * abs(t_end)
+        store_records(
+            clock, t, t_new, step, ended, y, trial, k, command, memory,
+            record_times, record, record_command, record_memory,
+        )  # fmt: skip
         widen(low, high, active, step, y, trial, k)
         note_jump(clock, t_new)
         follow(course, before, x, step, clock[STEP_BEFORE])
@@ -275,16 +264,7 @@ def run(
         cut = landed or step < h
         h = grow(clock, size, step, h, exponent, cut, longest)
         if method == AUTOMATIC:
-            if clock[METHOD] == STIFF:
-                if step * clock[FASTEST] < heaviness and not cut:
-                    clock[METHOD] = EXPLICIT
-            else:
-                signs = clock[STIFF_SIGNS] + 1.0 if turned * step * step > STIFF_FROM**2 * leant else 0.0
-                clock[STIFF_SIGNS] = clock[STIFF_SIGNS] if cut else signs
-                if clock[STIFF_SIGNS] >= 2.0:
-                    clock[METHOD], clock[FASTEST] = STIFF, np.inf
-                    clock[STIFF_SIGNS] = 0.0
-                    clock[SWITCHES] += 1.0
+            choose_method(clock, step, cut, heaviness, step * np.sqrt(turned / max(leant, TINY)))
         clock[REFUSED], tries = 0.0, 0
         clock[LANDED] = 1.0 if landed else 0.0
         clock[AIMED] = 1.0 if aimed and not event else 0.0
@@ -311,17 +291,30 @@ def run(
     return DONE
 
 
-@njit(BENCH(int64, int64, int64, PATTERN), cache=True)
-def workbench(n, modes, positions, pattern):
-    """A workbench for n states, so many modes and positions."""
-    zeros = np.zeros
+@njit(BENCH(MATRIX, int64, int64, PATTERN), cache=True)
+def workbench(plan, n, positions, pattern):
+    """A workbench for n states and so many positions."""
+    zeros, behind = np.zeros, n + int(plan[0, LAST]) - int(plan[0, FIRST])
     return Workbench(
-        zeros(n), zeros(n), zeros(n), zeros(n), zeros(n + modes), zeros(n + modes), zeros(n),
-        zeros(positions), zeros(positions), zeros(positions), zeros(positions), zeros(positions), zeros(positions),
-        zeros(positions),
-        zeros(pattern.rows.size), zeros(pattern.group.size + 2 * pattern.lower.shape[0]),
-        zeros((7, n + modes)), zeros((6, n)),
-    )  # fmt: skip
+        trial=zeros(n),
+        error=zeros(n),
+        lean=zeros(n),
+        middle=zeros(n),
+        rate=zeros(behind),
+        shifted=zeros(behind),
+        slope=zeros(n),
+        before=zeros(positions),
+        x=zeros(positions),
+        g=zeros(positions),
+        held=zeros(positions),
+        grain=zeros(positions),
+        low=zeros(positions),
+        high=zeros(positions),
+        jacobian=zeros(pattern.rows.size),
+        factors=zeros(pattern.group.size + 2 * pattern.lower.shape[0]),
+        k=zeros((7, behind)),
+        stages=zeros((6, n)),
+    )
 
 
 BATCH = types.void(
@@ -347,7 +340,7 @@ def batch(
         n = y.shape[1]
         copy(low[case], y[case])
         copy(high[case], y[case])
-        bench = workbench(n, int(plan[0, LAST] - plan[0, FIRST]), width.size, pattern)
+        bench = workbench(plan, n, width.size, pattern)
         status[case] = run(
             rates, sample, events, stop,
             y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],

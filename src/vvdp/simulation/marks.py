@@ -1,10 +1,10 @@
-"""The marks that a step passes, compiled: where on its cubic the floor of the mark changes."""
+"""What is kept of a step, compiled: its marks, where on its cubic the floor of the mark changes, and its records."""
 
 import numpy as np
 from numba import njit
 
-from vvdp.simulation.places import BARE, MARK_BEFORE, MARKS, STORED
-from vvdp.simulation.steps import between
+from vvdp.simulation.places import BARE, MARK_BEFORE, MARKS, RECORDS, STORED
+from vvdp.simulation.steps import between, copy
 
 
 @njit(**BARE)
@@ -37,3 +37,17 @@ def pass_marks(events, clock, t, step, y, u, p, trial, k, middle, g, mark, marks
             mark_times[row] = t + s * step
             clock[STORED] = row + 1.0
     clock[MARK_BEFORE] = mark
+
+
+@njit(**BARE)
+def store_records(
+    clock, t, t_new, step, ended, y, trial, k, command, memory, record_times, record, record_command, record_memory
+):
+    """Stores state, command and memory at the times to be recorded up to `t_new`; the last ones where a run `ended`."""
+    row = int(clock[RECORDS])
+    while row < record_times.size and (record_times[row] <= t_new or ended):
+        between(min(1.0, (record_times[row] - t) / step), step, y, trial, k, record[row])
+        copy(record_command[row], command)
+        copy(record_memory[row], memory)
+        row += 1
+    clock[RECORDS] = row

@@ -1,5 +1,6 @@
 """How long a step is, compiled: aimed at events, shorter after a refusal, by PI control after an accepted one."""
 
+import numpy as np
 from numba import njit
 
 from vvdp.simulation.landing import time_left
@@ -9,14 +10,20 @@ from vvdp.simulation.places import (
     ERROR_BEFORE,
     EVENT_TIME,
     EVENTS,
+    EXPLICIT,
+    FASTEST,
     HASTY,
     JUMP_TIME,
     JUMPS,
     LANDED,
+    METHOD,
     REFUSED,
     REJECTED,
     STEP,
     STEP_BEFORE,
+    STIFF,
+    STIFF_SIGNS,
+    SWITCHES,
 )
 
 # A step that is to end on an event aims so far behind it, as a share of the step.
@@ -27,6 +34,14 @@ SERIES = 5.0
 
 # Events, each within this time [s] of the one before; the loops say how many are too many.
 HASTE = 1e-9
+
+
+# An explicit step is at the edge of its stability where step times fastest rate is 3.2; twice beyond the first of these
+# the stiff method takes over, and below the second, for each of its evaluations over those of an explicit step, it
+# hands back.
+STIFF_FROM, EXPLICIT_BELOW = 2.2, 1.3
+
+TINY = 1e-300  # a square that may stand below a fraction
 
 
 @njit(**BARE, inline="always")
@@ -81,3 +96,20 @@ def note_event(clock, t):
     clock[EVENTS] += 1.0
     clock[HASTY] = clock[HASTY] + 1.0 if t - clock[EVENT_TIME] < HASTE else 0.0
     clock[EVENT_TIME] = t
+
+
+@njit(**BARE, inline="always")
+def choose_method(clock, step, cut, heaviness, stiffness):
+    """Hands over to the stiff method, or back, after an accepted step; `cut` as in `grow`.
+
+    heaviness  step times fastest rate at which the stiff method costs what the explicit one does
+    stiffness  step times fastest rate, as the last two stages of an explicit step tell it
+    """
+    if clock[METHOD] == STIFF:
+        if step * clock[FASTEST] < heaviness and not cut:
+            clock[METHOD] = EXPLICIT
+    elif not cut:
+        clock[STIFF_SIGNS] = clock[STIFF_SIGNS] + 1.0 if stiffness > STIFF_FROM else 0.0
+        if clock[STIFF_SIGNS] >= 2.0:
+            clock[METHOD], clock[FASTEST], clock[STIFF_SIGNS] = STIFF, np.inf, 0.0
+            clock[SWITCHES] += 1.0

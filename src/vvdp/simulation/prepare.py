@@ -1,6 +1,7 @@
 """What a run needs before its first step: a checked and linked case as flat vectors, and the compiled loop."""
 
 import hashlib
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -168,7 +169,9 @@ def compiled_loop(say: Callable[[str], None]) -> Any:
     _drop_stale_loop()
     if not is_loop_compiled():
         say("compiling the simulation loop (once for each installation, about half a minute)")
-    with registries_left_out():
+    with registries_left_out(), warnings.catch_warnings():
+        # That a function may be handed to another is new in Numba, and says so at the first run of an installation.
+        warnings.filterwarnings("ignore", message="First-class function type feature is experimental")
         from vvdp.simulation import loop
 
     return loop

@@ -227,8 +227,7 @@ def _carry(
     portion: float,
 ) -> None:
     status, clock = places.PAUSED, reached.clock
-    modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
-    bench = loop.workbench(reached.state.size, modes, ready.width.size, ready.pattern)
+    bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
     while status != places.DONE:
         status = loop.run(
             *ready.linked[:4],
