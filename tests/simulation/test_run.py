@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from vvdp.base import signal as signals
+from vvdp.base.arrays import Array
 from vvdp.base.books import Nothing
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.base.kinds import Kind, Ratio
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_stop, signal_value
 from vvdp.hydraulics.switching_valve import PulseTrain, pulse_stop, pulse_train
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.run import Method, Stepping, simulate
 

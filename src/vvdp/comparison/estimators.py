@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.params import Params
 from vvdp.base.signal import signal_value
 from vvdp.comparison.scenarios import (
@@ -40,7 +41,6 @@ from vvdp.estimation.threshold import (
 from vvdp.estimation.time_stamping import time_stamping, time_stamping_estimator
 from vvdp.estimation.torque_filter import TorqueFilter, TorqueReading, torque_filter, torque_filter_estimator
 from vvdp.estimation.tracking_loop import tracking_loop, tracking_loop_estimator
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_reading, encoder_start
 from vvdp.sensing.photodiode import ramp_width
 from vvdp.sensing.reading import Reading

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.numerics.tableaus import Array
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import vvdp
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.comparison.scores import Measured
-from vvdp.numerics.tableaus import Array
 
 FORMAT = 1
 FILE = "comparison.json"

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant, ramp
 from vvdp.comparison.motion import Motion, steady
 from vvdp.comparison.scores import Truth
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, captured
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import TURN, equal_wheel

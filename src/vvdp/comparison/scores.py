@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.comparison.motion import Motion
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import TURN
 
 ALIGNED_OVER = 0.1

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.kinds import Angle, AngularVariance, Time
 from vvdp.base.params import Params
 from vvdp.comparison.scores import Traces
 from vvdp.estimation.event_filter import EventFilter, EventFilterMemory, edge_angle_variance, event_filter_step
 from vvdp.estimation.smoother import Step, smoothed, smoothed_at
 from vvdp.numerics.kalman import AngleSpeed
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle
 from vvdp.simulation.replay import Replay

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 import vvdp
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.comparison.estimators import AdaptingSettings, Contender, adapting_start
 from vvdp.comparison.results import Comparison, Entered, Played, Traced
 from vvdp.comparison.scenarios import Record, Scenario
 from vvdp.comparison.scores import Measured, Score, Traces, Truth, score, summary
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import VvdpError
 from vvdp.design.problem import TRANSITIONAL, Bound, Limit, Problem
 from vvdp.design.quantities import Quantities
-from vvdp.numerics.tableaus import Array
 from vvdp.valve.geometry import barrier_width
 
 FEASIBLE = 1e-6

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.tables import nearest
 from vvdp.design.optimise import Traced, geometry_of, needed, searched, valve_of
@@ -20,7 +21,6 @@ from vvdp.design.proof import TOLERANCE, Simulated
 from vvdp.design.quantities import KINDS, Quantities, key
 from vvdp.design.results import write_columns, write_numbers
 from vvdp.design.variables import VARIABLES, redesigned
-from vvdp.numerics.tableaus import Array
 from vvdp.systems.resolved import resolved_text
 
 NUMBERS_OF_FRONT = "front.json"

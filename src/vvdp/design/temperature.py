@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 import numpy.typing as npt
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind, Ratio
 from vvdp.base.params import Params
@@ -14,7 +15,6 @@ from vvdp.base.units import ATMOSPHERE
 from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.numerics.tableaus import Array
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.bearing import bearing_eccentricity, bearing_force, radial_jet_force

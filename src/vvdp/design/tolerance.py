@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
@@ -19,7 +20,6 @@ from vvdp.design.optimise import needed
 from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup, unchecked
 from vvdp.fluid.oil import Oil, density
-from vvdp.numerics.tableaus import Array
 from vvdp.systems.system import System
 from vvdp.valve.losses import range_warnings
 from vvdp.valve.rotary import RotaryValve

@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.estimation.association import first_edge
 from vvdp.estimation.estimator import Estimate, Estimator
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below, edge_polarity
 

@@ -8,6 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Ratio, RatioDrift, Time
 from vvdp.base.params import Params
@@ -27,7 +28,6 @@ from vvdp.estimation.event_filter import (
 )
 from vvdp.estimation.threshold import AngleDrift
 from vvdp.numerics.kalman import AngleSpeed, propagated
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, edge_below
 

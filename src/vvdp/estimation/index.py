@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.kinds import NUMBER, TIME, Count, Fraction, Number
 from vvdp.base.select import clip, maximum
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import CodeWheel, edge_angle
 
 ONE_TURN = 8.0

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AccelerationDensity
 from vvdp.base.params import Params
 from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
-from vvdp.numerics.tableaus import Array
 
 Step = Callable[[Any, Any, Any], tuple[Any, Any]]
 Run = Callable[[Step, Any, Any, Params, Array], tuple[Any, Array]]

@@ -9,6 +9,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AngularVariance, Kind, Ratio
 from vvdp.base.params import Params
@@ -22,7 +23,6 @@ from vvdp.estimation.event_filter import (
     event_filter_start,
     event_filter_step,
 )
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, edge_polarity
 

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count
 from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum, minimum
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.estimation.finite_difference import LastEdge, count_start, counted, overdue_speed, plain_estimate
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.logs.edges import Chosen, Edges
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import TURN, CodeWheel
 
 STRETCH = 2

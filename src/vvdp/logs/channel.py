@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, ParameterError, unusable
-from vvdp.numerics.tableaus import Array
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, ParameterError, unusable
 from vvdp.base.units import is_unit
-from vvdp.numerics.tableaus import Array
 
 # Factor and divisor apart: 5 ms is 5 / 1000, rounded once, and not 5 * 0.001.
 _SECONDS = {

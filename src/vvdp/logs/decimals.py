@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from vvdp.numerics.tableaus import Array
+from vvdp.base.arrays import Array
 
 LEAST, MOST = -342, 308
 """Powers of ten beyond which 19 digits are zero or infinite."""

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vvdp.base.arrays import Array
 from vvdp.logs.config import Comparator
-from vvdp.numerics.tableaus import Array
 
 GAP = 3.5
 """A sampling interval of so many usual ones is a gap: an edge in it is not placed."""

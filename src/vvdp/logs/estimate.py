@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import vvdp
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.estimation.fusion import fusion
@@ -36,7 +37,6 @@ from vvdp.logs.quantity import Conversion, to_si
 from vvdp.logs.source import open_log
 from vvdp.logs.tracking import FEWEST_EDGES, LONGEST_BRIDGED, Tracked, Tracker, Waves, no_waves
 from vvdp.numerics.kalman import AngleSpeed
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import TURN, sector_widths
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay

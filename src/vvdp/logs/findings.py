@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.estimation.commensurate import Commensurate, commensurate_clock, commensurate_warning, hidden_angle
 from vvdp.logs.alignment import Alignment
 from vvdp.logs.channel import Log
@@ -16,7 +17,6 @@ from vvdp.logs.fitting import CLEAR, Explained, LongestPieces, Noise, explained
 from vvdp.logs.guess import channels_of_edges
 from vvdp.logs.kept import Finding
 from vvdp.logs.tracking import Tracked, Tracker, bridged_time
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import TURN
 
 PATTERN = 4096

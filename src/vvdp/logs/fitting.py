@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.estimation.event_filter import EventFilter
 from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.units import line_to_si
@@ -13,7 +14,6 @@ from vvdp.logs.clock import is_time_name, is_time_unit
 from vvdp.logs.config import Option
 from vvdp.logs.edges import plateaus
 from vvdp.logs.source import open_log
-from vvdp.numerics.tableaus import Array
 
 LOOKED_AT = 100_000
 """Samples of each channel that are looked at."""

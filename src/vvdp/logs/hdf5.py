@@ -10,11 +10,11 @@ from typing import Any
 import h5py
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import ClockChoice
 from vvdp.logs.tracks import Leaf, Reader, Tree, evenly
-from vvdp.numerics.tableaus import Array
 
 MOST_COLUMNS = 64
 """A matrix with more columns is not a set of channels."""

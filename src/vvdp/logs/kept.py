@@ -17,8 +17,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
-from vvdp.numerics.tableaus import Array
 
 FORMAT = 1
 KIND = "estimate"

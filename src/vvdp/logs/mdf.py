@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log, unique
 from vvdp.logs.clock import ClockChoice
 from vvdp.logs.tracks import Leaf, Tree
-from vvdp.numerics.tableaus import Array
 
 _TIME = 1
 """What the specification calls the synchronisation type of a master that is a time."""

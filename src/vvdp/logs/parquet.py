@@ -8,11 +8,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log, unique
 from vvdp.logs.clock import ClockChoice, heading, seconds_between
 from vvdp.logs.table import Column, TableLog
-from vvdp.numerics.tableaus import Array
 
 
 def parquet_log(path: Path, choice: ClockChoice) -> Log:

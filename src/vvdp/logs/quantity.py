@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import NamedTuple
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import Kind
 from vvdp.base.units import line_to_si
 from vvdp.logs.channel import ChannelInfo
-from vvdp.numerics.tableaus import Array
 
 
 class Conversion(NamedTuple):

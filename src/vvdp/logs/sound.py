@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.logs.channel import Log, Portion
-from vvdp.numerics.tableaus import Array
 
 GAP = 1.5
 """A sampling interval above this multiple of the usual one is a gap."""

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, listed, no_such
 from vvdp.logs.clock import ClockChoice, is_time_name, no_clock, seconds
-from vvdp.numerics.tableaus import Array
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import ClockChoice
 from vvdp.logs.tracks import Leaf, Reader, Tree, evenly
-from vvdp.numerics.tableaus import Array
 
 
 def tdms_log(path: Path, choice: ClockChoice) -> Log:

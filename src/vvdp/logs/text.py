@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.logs.channel import Log, unique
 from vvdp.logs.clock import ClockChoice, heading, is_written_unit, seconds_between
 from vvdp.logs.decimals import decimals
 from vvdp.logs.table import Column, TableLog
-from vvdp.numerics.tableaus import Array
 
 HEAD = 1 << 18
 LONGEST_LINE = 1 << 22

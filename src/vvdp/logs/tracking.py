@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_filter import (
     EventFilter,
@@ -23,7 +24,6 @@ from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_s
 from vvdp.logs.alignment import Alignment, alignment, edges_wanted
 from vvdp.logs.edges import Chosen, Edges, joined, no_edges, part, ranked
 from vvdp.numerics.kalman import AngleSpeed, propagated
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, edge_angle
 from vvdp.simulation.link import quiet

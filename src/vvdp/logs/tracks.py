@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, unusable
 from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, listed, no_such
 from vvdp.logs.clock import ClockChoice, is_time, is_time_name, no_clock, seconds
-from vvdp.numerics.tableaus import Array
 
 Reader = Callable[[int, int], Array]
 """Samples from one number up to another."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.kinds import Angle, AngleSpeedCovariance, AngularVariance, Speed, SpeedVariance
-from vvdp.numerics.tableaus import Array
 
 
 class AngleSpeed(NamedTuple):

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.numerics.tableaus import Array
+from vvdp.base.arrays import Array
 
 NOISE_BANDWIDTH = 1.5
 """Lines over which a Hann window spreads power: the sum of squared amplitudes is this much too large."""

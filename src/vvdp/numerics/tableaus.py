@@ -1,9 +1,8 @@
 """Coefficients of the time-stepping methods."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from vvdp.base.arrays import Array
 
 # Tsitouras 2011, table 1: explicit Runge-Kutta pair 5(4), first same as last. E is the difference of the two weights.
 TSIT5_A: Array = np.array(
@@ -29,7 +28,6 @@ TSIT5_E: Array = np.array(
         1 / 66,
     ]
 )
-TSIT5_ORDER = 5
 
 # Hairer and Wanner 1996, IV.7: RODAS, stiffly accurate Rosenbrock pair 4(3), in the form without matrix products.
 RODAS4_GAMMA = 0.25
@@ -54,4 +52,3 @@ RODAS4_B: Array = np.array(
 )
 RODAS4_C: Array = np.array([0, 0.386, 0.21, 0.63, 1.0, 1.0])
 RODAS4_D: Array = np.array([0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0])
-RODAS4_ORDER = 4

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array, Rows
 from vvdp.base.signal import signal_value
 from vvdp.numerics.spectrum import amplitude_spectrum
-from vvdp.numerics.tableaus import Array
 from vvdp.report.bench_losses import causes, components
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
-from vvdp.report.reading import BAR, LPM, Detail, Reading, Rows
+from vvdp.report.reading import BAR, LPM, Detail, Reading
 from vvdp.report.wording import fixed, number, percent, plain
 from vvdp.systems.bench import BenchSeries, RotaryBench
 from vvdp.systems.spool_encoder import SETTLED, estimate_errors

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.network.nodes import DrivenShaft, Rod, Shaft
-from vvdp.numerics.tableaus import Array
 from vvdp.report.drawing import INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
 from vvdp.report.reading import BAR, LPM, Reading
 from vvdp.report.wording import fixed, percent, plain

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.units import ATMOSPHERE
 from vvdp.logs.kept import Kept
-from vvdp.numerics.tableaus import Array
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, TANK, Drawn, drawn, legend
 from vvdp.report.reading import BAR
 from vvdp.report.wording import fixed, number, plain

@@ -3,15 +3,15 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array, Rows
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, parsed_table
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode, OilVolume
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.results import Results, read_results
 from vvdp.systems.overview import flow_ports, inside, period
 from vvdp.systems.system import System, built_system
@@ -21,8 +21,6 @@ LPM = 1e-3 / 60.0
 SHOWN_PERIODS = 3
 WITHOUT_MARKS = 0.05
 """Length of the detailed figures where no period was passed [s]."""
-
-Rows: TypeAlias = np.ndarray[Any, np.dtype[np.intp]]
 
 UNSTEADY = 1.5
 """A recorded step above this multiple of the window's interval ends the finely recorded part."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.numerics.tableaus import Array
+from vvdp.base.arrays import Array
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
 from vvdp.report.reading import BAR, LPM
 from vvdp.report.wording import plain

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.books import NOTHING, Nothing
-from vvdp.numerics.tableaus import Array
 from vvdp.rigs.cycle import CyclePoint, cycle_step, searched_instant
 from vvdp.simulation.kept import kept_table, table_key
 from vvdp.simulation.link import quiet

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.pump import pump_friction_power
-from vvdp.numerics.tableaus import Array
 from vvdp.rigs.conditions import LPM, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.ripple import line_capacity, power_of, ripple, with_gas

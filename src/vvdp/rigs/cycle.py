@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.books import Nothing
 from vvdp.base.kinds import (
     Conductance,
@@ -22,7 +23,6 @@ from vvdp.base.kinds import (
     Speed,
 )
 from vvdp.base.select import maximum, minimum
-from vvdp.numerics.tableaus import Array
 from vvdp.valve.branch import BranchFlow, BranchLaw, branch_drops, branch_law, law_flow
 from vvdp.valve.geometry import Openings, PortShape, port_shape, shape_openings
 from vvdp.valve.rotary import RotaryValve

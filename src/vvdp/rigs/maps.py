@@ -18,12 +18,12 @@ import numpy as np
 import numpy.typing as npt
 
 import vvdp
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.fluid.oil import dynamic_viscosity
 from vvdp.hydraulics.spool_drive import drive_power
-from vvdp.numerics.tableaus import Array
 from vvdp.rigs import periodic, steady
 from vvdp.rigs.averages import averages
 from vvdp.rigs.conditions import BAR, CELSIUS, RPM, gauge

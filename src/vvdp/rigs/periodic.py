@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.batch import BatchRun, simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model

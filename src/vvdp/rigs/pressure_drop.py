@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.numerics.tableaus import Array
 from vvdp.rigs.conditions import BAR, CELSIUS, LPM, conditions, span
 from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.stand import Stand

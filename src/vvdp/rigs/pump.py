@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vvdp.numerics.tableaus import Array
+from vvdp.base.arrays import Array
 from vvdp.rigs.conditions import BAR, LPM
 from vvdp.rigs.map_result import map_result
 from vvdp.rigs.maps import Axes, PumpMap, default_axes, simulated_map

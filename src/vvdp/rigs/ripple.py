@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.volume import Vessel, pressure_rate
-from vvdp.numerics.tableaus import Array
 from vvdp.rigs.conditions import BAR, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.stand import SetPoint, Stand

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import Signal, sine, step
-from vvdp.numerics.tableaus import Array
 from vvdp.rigs.conditions import LPM, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.ripple import line_capacity

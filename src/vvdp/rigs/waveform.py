@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vvdp.numerics.tableaus import Array
+from vvdp.base.arrays import Array
 from vvdp.rigs.steady import Steady
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Run, Stepping, simulate

@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Drift, Fraction, FractionSignal, Number, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.base.signal import signal_value
 from vvdp.numerics.random import Random, normal, random_start, uniform
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.photodiode import LightSpot, photodiode_signal, ramp_width, swept_distance
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below, edge_polarity, sector_widths

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from vvdp.base.arrays import Array
 from vvdp.base.kinds import EXCHANGED_ENERGY
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Run, below_vacuum
 from vvdp.simulation.values import as_value, flat, leaves

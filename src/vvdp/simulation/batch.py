@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError, RunError
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import case_form

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vvdp.numerics.tableaus import Array
+from vvdp.base.arrays import Array
 from vvdp.simulation.cache import default_cache
 
 FOLDER = "tables"

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members

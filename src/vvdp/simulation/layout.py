@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case
 from vvdp.simulation.values import are_floats, as_value, flat, form, names, parts
 

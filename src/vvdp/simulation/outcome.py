@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vvdp.numerics.tableaus import Array
+from vvdp.base.arrays import Array
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Run
 

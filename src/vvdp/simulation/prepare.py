@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.books import NOTHING
 from vvdp.base.kinds import KINK
 from vvdp.numerics.sparse import Pattern, pattern
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.check import check_model, check_times
 from vvdp.simulation.layout import Vectors, command_parts, vectors

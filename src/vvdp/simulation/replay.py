@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import RunError
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.cache import default_cache, quiet
 from vvdp.simulation.layout import Packed
 from vvdp.simulation.link import Hashed

@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 import vvdp
+from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.base.kinds import Kind
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.books import NOTHING
 from vvdp.base.errors import RunError
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation import places
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.link import quiet

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import NUMBER, PRESSURE_LEVEL, Kind
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case
 from vvdp.simulation.values import leaves, names
 

@@ -4,10 +4,10 @@ from enum import Enum
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
-from vvdp.numerics.tableaus import Array
 
 
 class Method(Enum):

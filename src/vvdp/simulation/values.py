@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.books import NOTHING, Nothing
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds, field_types
 from vvdp.base.signal import Signal
-from vvdp.numerics.tableaus import Array
 
 
 def names(value: Any) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.fluid.oil import Oil, density
@@ -13,7 +14,6 @@ from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
-from vvdp.numerics.tableaus import Array
 from vvdp.simulation.model import Case
 from vvdp.simulation.outcome import Outcome
 from vvdp.simulation.run import Run

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length, Speed, Time
 from vvdp.base.params import Params
@@ -19,7 +20,6 @@ from vvdp.estimation.event_filter import (
 )
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
-from vvdp.numerics.tableaus import Array
 from vvdp.sensing.encoder import (
     NO_FAULTS,
     SAMPLED,

@@ -1,0 +1,10 @@
+"""Names of the arrays that values come in."""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Rows: TypeAlias = np.ndarray[Any, np.dtype[np.intp]]
+"""Places in an array."""
