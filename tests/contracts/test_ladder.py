@@ -9,7 +9,7 @@ import pytest
 
 RUNGS = [
     {"base"},
-    {"fluid", "numerics"},
+    {"fluid", "numerics", "results"},
     {"valve", "hydraulics", "sensing"},
     {"geometry", "estimation", "control"},
     {"simulation"},

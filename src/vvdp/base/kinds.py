@@ -7,6 +7,7 @@ simulation's absolute tolerance is the relative one times it.
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, TypeAlias
 
 from vvdp.base.signal import Signal
@@ -119,6 +120,15 @@ COUPLING = Kind("rotational damping", "N*m*s", 0.0, 1e3, "0.01 N*m*s")
 NUMBER = Kind("number", "1", -1e300, 1e300, "0")
 """Of whatever a program counts with: the state of a generator, a flag, an evidence."""
 
+# Of results: what is found may have a sign or a size that nobody would prescribe.
+GAUGE_PRESSURE = Kind("gauge pressure", "Pa", -1e9, 1e12, "100 bar", scale=1e5)
+"""A pressure level that is kept as gauge already."""
+SIGNED_PRESSURE = Kind("signed pressure difference", "Pa", -1e12, 1e12, "5 bar", scale=1e5)
+MEAN_POWER = Kind("mean power", "W", -1e12, 1e12, "750 W")
+EFFICIENCY = Kind("efficiency", "1", -1e300, 1e300, "61 %")
+FLAG = Kind("flag", "1", 0.0, 1.0, "1")
+"""Whether something holds: 1 or 0, shown as yes or no."""
+
 MODE = Kind("mode", "1", -1e300, 1e300, "1")
 """Where a law stands among its modes: the floor is the mode. Taken as an argument it is the mode that holds."""
 KINK = Kind("side of a kink", "1", -1e300, 1e300, "1")
@@ -192,3 +202,13 @@ SpeedSignal = Annotated[Signal, SPEED]
 TemperatureSignal = Annotated[Signal, TEMPERATURE]
 FractionSignal = Annotated[Signal, FRACTION]
 DutySignal = Annotated[Signal, DUTY_RATIO]
+
+
+@cache
+def _kinds_by_name() -> dict[str, Kind]:
+    return {kind.name: kind for kind in globals().values() if isinstance(kind, Kind)}
+
+
+def kind_named(name: str) -> Kind | None:
+    """The kind of that name in this module, or None."""
+    return _kinds_by_name().get(name)

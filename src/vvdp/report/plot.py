@@ -1,0 +1,224 @@
+"""A chart as a printed figure: SVG for the page, PNG for other documents; drawn again it has the same bytes."""
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.display import DisplayUnit, display_unit, plain
+from vvdp.report.drawing import Drawn, drawn
+from vvdp.results.chart import Bars, Chart, Colour, Field, Level, Line, Lines, Panel, Stroke
+from vvdp.results.result import Column, Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+ORDER = (Colour.LOAD, Colour.INLET, Colour.TANK, Colour.RELIEF, Colour.GREEN, Colour.RED, Colour.PURPLE, Colour.OLIVE)
+"""Colours of lines that have none of their own."""
+STROKES = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
+MOST_ABOVE = 6
+"""Names of lines that stand above a panel; more stand beside it."""
+MOST_POINTS = 4000
+"""Points of a printed line; of more, the lowest and highest of each part are drawn."""
+EDGE = 0.07
+"""Of the width and height of a picture: closer to its edge no label of a contour stands."""
+
+
+def draw_chart(chart: Chart, tables: Mapping[str, Table]) -> Drawn:
+    """The printed figure of a chart over the tables of its result."""
+    return drawn(chart.name, chart.caption, chart.height, lambda figure: fill_figure(figure, chart, tables))
+
+
+def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> None:
+    """Draws a chart into a Matplotlib figure."""
+    count, heights = len(chart.panels), [panel.height for panel in chart.panels]
+    if chart.side_by_side:
+        grid = figure.subplots(1, count, squeeze=False, sharex=chart.share, sharey=chart.share, width_ratios=heights)[0]
+    else:
+        grid = figure.subplots(count, 1, squeeze=False, sharex=count > 1, height_ratios=heights)[:, 0]
+    for place, (axes, panel) in enumerate(zip(grid, chart.panels, strict=True)):
+        table = tables[panel.table or chart.table]
+        _draw_panel(axes, panel, table, place)
+        if not chart.side_by_side and place < count - 1:
+            axes.set_xlabel("")
+        if chart.side_by_side and chart.share and place:
+            axes.set_ylabel("")
+    if not chart.side_by_side:
+        figure.align_ylabels()
+
+
+def _draw_panel(axes: "Axes", panel: Panel, table: Table, place: int) -> None:
+    if isinstance(panel, Lines):
+        _draw_lines(axes, panel, table, with_legend=place == 0 or _names(panel, table) != ())
+    elif isinstance(panel, Bars):
+        _draw_bars(axes, panel, table)
+    else:
+        _draw_field(axes, panel, table)
+    if panel.title:
+        axes.set_title(panel.title, loc="left", pad=4.0)
+
+
+def line_label(line: Line, table: Table) -> str:
+    """What a line is called."""
+    return line.label or table.columns[line.y].label
+
+
+def axis_label(columns: Sequence[Column], label: str = "") -> str:
+    """What stands at an axis: `label`, or what the columns have in common, with the unit."""
+    labels = list(dict.fromkeys(column.label for column in columns))
+    kind = columns[0].kind
+    words = label or (labels[0] if len(labels) == 1 else kind.name if kind else "")
+    return words + _unit(columns[0]).bracketed
+
+
+def thinned(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:
+    """A line with at most about `most` points that looks the same: lowest and highest of each part, in their order."""
+    if y.size <= most:
+        return x, y
+    edges = np.linspace(0, y.size, most // 2 + 1).astype(int)
+    filled = np.where(np.isfinite(y), y, np.inf)
+    low = [begin + int(np.argmin(filled[begin:end])) for begin, end in itertools.pairwise(edges)]
+    filled = np.where(np.isfinite(y), y, -np.inf)
+    high = [begin + int(np.argmax(filled[begin:end])) for begin, end in itertools.pairwise(edges)]
+    kept = np.unique([0, *low, *high, y.size - 1])
+    return x[kept], y[kept]
+
+
+def _unit(column: Column) -> DisplayUnit:
+    return display_unit(column.kind) if column.kind else DisplayUnit("", 1.0, 0.0)
+
+
+def _shown(table: Table, key: str, rows: tuple[int, ...] = ()) -> Array:
+    values = np.asarray(table[key], float)
+    shown: Array = _unit(table.columns[key]).shown(values[list(rows)] if rows else values)
+    return shown
+
+
+def _names(panel: Lines, table: Table) -> tuple[str, ...]:
+    names = tuple(line_label(line, table) for line in panel.lines)
+    return names if len(set(names)) > 1 or panel.legend or any(line.label for line in panel.lines) else ()
+
+
+def _draw_lines(axes: "Axes", panel: Lines, table: Table, *, with_legend: bool) -> None:
+    for place, line in enumerate(panel.lines):
+        _draw_line(axes, line, table, place)
+    x, y = table.columns[panel.lines[0].x], [table.columns[line.y] for line in panel.lines]
+    for level in panel.levels:
+        _draw_level(axes, level, _unit(x if level.upright else y[0]))
+    axes.set_xlabel(axis_label([x], panel.x_label))
+    axes.set_ylabel(axis_label(y, panel.label))
+    if panel.x_log:
+        axes.set_xscale("log")
+    if panel.y_log:
+        axes.set_yscale("log")
+    _set_ends(axes.set_xlim, (panel.left, panel.right), _unit(x))
+    _set_ends(axes.set_ylim, (panel.low, panel.high), _unit(y[0]))
+    if panel.left is None and panel.right is None and not panel.x_log:
+        axes.margins(x=0.0)
+    if panel.equal:
+        axes.set_aspect("equal", adjustable="datalim")
+    if with_legend and _names(panel, table):
+        _legend(axes, panel)
+
+
+def _draw_line(axes: "Axes", line: Line, table: Table, place: int) -> None:
+    colour = line.colour or ORDER[place % len(ORDER)]
+    x, y = _shown(table, line.x, line.rows), _shown(table, line.y, line.rows)
+    label = line_label(line, table)
+    if line.low:
+        low, high = (_shown(table, key, line.rows) for key in (line.low, line.high))
+        axes.fill_between(x, low, high, facecolor=colour, alpha=0.25, linewidth=0.0)
+    if line.stroke is Stroke.STEMS:
+        axes.vlines(x, 0.0, y, color=colour, linewidth=line.width, label=label)
+        return
+    x, y = thinned(x, y)
+    style: dict[str, Any] = {"color": colour, "linewidth": line.width, "label": label}
+    if line.stroke is Stroke.POINTS:
+        axes.plot(x, y, linestyle="none", marker="o", markersize=3.2, **style)
+    elif line.stroke is Stroke.MARKED:
+        axes.plot(x, y, marker="o", markersize=3.0, **style)
+    elif line.stroke is Stroke.STEPS:
+        axes.plot(x, y, drawstyle="steps-post", **style)
+    else:
+        extra = STROKES[place // len(ORDER) % len(STROKES)] if not line.colour else line.stroke
+        axes.plot(x, y, linestyle=extra if line.stroke is Stroke.SOLID else line.stroke, **style)
+
+
+def _draw_level(axes: "Axes", level: Level, unit: DisplayUnit) -> None:
+    draw = axes.axvline if level.upright else axes.axhline
+    draw(unit.shown(level.value), color=level.colour, linestyle=level.stroke, linewidth=0.9, label=level.label or None)
+
+
+def _set_ends(set_ends: Any, ends: Iterable[float | None], unit: DisplayUnit) -> None:
+    given = [None if end is None else unit.shown(end) for end in ends]
+    if given != [None, None]:
+        set_ends(*given)
+
+
+def _legend(axes: "Axes", panel: Lines) -> None:
+    if panel.legend or len(panel.lines) > MOST_ABOVE:
+        axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), title=panel.legend or None, alignment="left")
+    else:
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=4)
+
+
+def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
+    rows = list(panel.rows) or list(range(table.rows))
+    names = [str(table[panel.names][row]) for row in rows][::-1]
+    width = 0.72 / len(panel.values)
+    for place, key in enumerate(panel.values):
+        values = _shown(table, key)[rows][::-1]
+        shift = (0.5 * (len(panel.values) - 1) - place) * width
+        label = panel.labels[place] if panel.labels else table.columns[key].label
+        colour = panel.colours[place] if panel.colours else ORDER[place % len(ORDER)]
+        bars = axes.barh(np.arange(len(rows)) + shift, np.nan_to_num(values), 0.9 * width, color=colour, label=label)
+        texts = [plain(value, 3) if np.isfinite(value) else "" for value in values]
+        if panel.texts and len(panel.values) == 1:
+            texts = [str(table[panel.texts][row]) for row in rows][::-1]
+        axes.bar_label(bars, texts, padding=3, fontsize=7.0, color=Colour.INK)
+    axes.set_yticks(range(len(rows)), names)
+    axes.set_xlabel(axis_label([table.columns[key] for key in panel.values]))
+    axes.grid(axis="y", visible=False)
+    axes.tick_params(axis="y", length=0)
+    low, high = axes.get_xlim()
+    axes.set_xlim(1.3 * low if low < 0.0 else 0.0, 1.3 * max(high, 1e-12))
+    if len(panel.values) > 1:
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, handlelength=1.0)
+
+
+def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:
+    from matplotlib import colormaps
+
+    x, y, z = field_grid(panel, table, panel.z)
+    steps = [float(_unit(table.columns[panel.z]).shown(step)) for step in panel.steps] or np.linspace(
+        np.nanmin(z), np.nanmax(z), 11
+    )
+    axes.set_facecolor("#e3e5e8")
+    axes.grid(visible=False)
+    pale = [colormaps["YlGnBu"](share) for share in np.linspace(0.02, 0.72, len(steps) - 1)]
+    values = np.ma.masked_invalid(z)
+    axes.contourf(x, y, values, levels=steps, colors=pale, extend="max")
+    lines = axes.contour(x, y, values, levels=steps[1:-1], colors=Colour.INK, linewidths=0.5)
+    for label in axes.clabel(lines, levels=steps[2:-1:2], fmt=lambda value: plain(value, 3), fontsize=6.5):
+        place = axes.transAxes.inverted().transform(axes.transData.transform(label.get_position()))
+        label.set_visible(not (np.any(place < EDGE) or np.any(place > 1.0 - EDGE)))
+    if panel.hatch:
+        heavy = np.nan_to_num(field_grid(panel, table, panel.hatch)[2])
+        if heavy.min() <= 0.0 < heavy.max():
+            hatched = axes.contourf(x, y, heavy, levels=[0.5, 1e9], colors="none", hatches=["////"])
+            hatched.set_edgecolor("#ffffffb0")
+            axes.contour(x, y, heavy, levels=[0.5], colors=Colour.INLET, linewidths=1.3)
+    axes.set_xlabel(axis_label([table.columns[panel.x]]))
+    axes.set_ylabel(axis_label([table.columns[panel.y]]))
+
+
+def field_grid(panel: Field, table: Table, key: str) -> tuple[Array, Array, Array]:
+    """The values of x and y, and `key` over them (rows of y), all as shown; nan where the table has no row."""
+    x, y, z = (_shown(table, name, panel.rows) for name in (panel.x, panel.y, key))
+    (across, i), (up, j) = (np.unique(values, return_inverse=True) for values in (x, y))
+    grid = np.full((up.size, across.size), np.nan)
+    grid[j, i] = z
+    return across, up, grid
