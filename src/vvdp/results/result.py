@@ -77,7 +77,11 @@ class Row:
     kind: Kind | None
     values: tuple[float | str | None, ...]
     group: str = ""
+    """Lines of one group stand together below its name."""
     note: str = ""
+    is_part: bool = False
+    """Whether it is contained in the line before."""
+    is_sum: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,13 +113,25 @@ class Finding:
     remedy: str = ""
 
 
+@dataclass(frozen=True)
+class Badge:
+    """The state of a result in a word or two."""
+
+    words: str
+    grade: Grade = Grade.PLAIN
+
+
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A part of a page: words, then the charts, listings and tables that `shows` names, in this order."""
+    """A part of a page: words, then the charts, listings and tables that `shows` names, in this order.
+
+    `starts_page` is whether it begins on a new sheet of paper.
+    """
 
     title: str
     words: tuple[str, ...] = ()
     shows: tuple[str, ...] = ()
+    starts_page: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,6 +152,7 @@ class Result:
     listings: Mapping[str, Listing] = field(default_factory=dict)
     tables: Mapping[str, Table] = field(default_factory=dict)
     charts: Mapping[str, Chart] = field(default_factory=dict)
+    badges: tuple[Badge, ...] = ()
     findings: tuple[Finding, ...] = ()
     sections: tuple[Section, ...] = ()
     seconds: float = 0.0

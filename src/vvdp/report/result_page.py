@@ -1,0 +1,193 @@
+"""The page of a result: one layout for all that vvdp finds, from the files in its directory."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from vvdp.base.kinds import GAUGE_PRESSURE, PRESSURE_LEVEL
+from vvdp.report.drawing import Drawn
+from vvdp.report.html import figure, group, row, table, text
+from vvdp.report.page import opening, write_page
+from vvdp.report.plot import draw_chart
+from vvdp.report.references import bibliography
+from vvdp.results.cells import column_head, row_unit, shown_cell, shown_columns, table_cell, thinned_rows
+from vvdp.results.result import Finding, Grade, Listing, Result, Row, Section, Table
+from vvdp.results.store import read_meta, read_result
+
+NOTHING: Mapping[str, str] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a page is made of. `ready` is HTML that sections name beside what the result has, `drawings` ready SVG."""
+
+    result: Result
+    meta: Mapping[str, Any]
+    ready: Mapping[str, str] = NOTHING
+    drawings: Mapping[str, Drawn] = MappingProxyType({})
+
+
+def write_result_report(directory: Path) -> Path:
+    """Writes report.html and figures/ beside the files of a result and gives the path of the page.
+
+    Raises ConfigError where the directory holds no result.
+    """
+    return write_result_page(directory, Page(read_result(directory), read_meta(directory)))
+
+
+def write_result_page(directory: Path, page: Page) -> Path:
+    """Writes a page and the files of its figures into `directory`."""
+    result = page.result
+    drawn = {name: draw_chart(chart, result.tables) for name, chart in result.charts.items()} | dict(page.drawings)
+    return write_page(directory, _lines(page, drawn), tuple(drawn.values()))
+
+
+def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
+    result = page.result
+    title = text(result.title)
+    sections = result.sections or tuple(usual_sections(result))
+    yield f"{opening(title)}\n<h1>{title}</h1>"
+    yield f'<p class="facts">{" &middot; ".join(_facts(page))}</p>'
+    if result.badges:
+        marks = (f'<li class="{each.grade}">{text(each.words)}</li>' for each in result.badges)
+        yield f'<ul class="badges">{"".join(marks)}</ul>'
+    yield from _findings(result)
+    yield _contents(sections)
+    count = 0
+    for section in sections:
+        yield f'<h2 id="{_anchor(section)}"{" class=page" if section.starts_page else ""}>{text(section.title)}</h2>'
+        yield from (f"<p>{text(words)}</p>" for words in section.words)
+        for name in section.shows:
+            count += name in drawn
+            yield _part(page, drawn, name, count)
+    yield from _references(result.references)
+    yield "</body>\n</html>"
+
+
+def usual_sections(result: Result) -> Iterator[Section]:
+    """How it was done, all figures, then all listings and tables: the order where a result gives none."""
+    shown = tuple(name for name, each in result.tables.items() if not each.is_data)
+    if result.charts:
+        yield Section(title="Figures", shows=tuple(result.charts))
+    if result.listings:
+        yield Section(title="Numbers", shows=tuple(result.listings))
+    if result.manner:
+        yield Section(title="How it was done", words=(result.manner,), shows=("conditions",))
+    for name in shown:
+        yield Section(title=result.tables[name].title, shows=(name,), starts_page=True)
+
+
+def _facts(page: Page) -> Iterator[str]:
+    result, meta = page.result, page.meta
+    yield from (f"{label} <b>{text(meta[key])}</b>" for key, label in (("project", "Project"), ("customer", "For"))
+                if meta.get(key))  # fmt: skip
+    if result.system:
+        yield f"System <b>{text(result.system)}</b>"
+    yield text(str(meta.get("written", ""))[:10])
+    yield f"vvdp {text(meta.get('vvdp', ''))}"
+    if meta.get("command"):
+        yield f"<code>{text(' '.join(map(_quoted, meta['command'])))}</code>"
+
+
+def _quoted(word: str) -> str:
+    return f'"{word}"' if " " in word or not word else word
+
+
+def _findings(result: Result) -> Iterator[str]:
+    if not result.finished:
+        words = "<p>The same command goes on from here.</p>" if result.verb == "map" else "<p>Run again for all.</p>"
+        yield f'<div class="notice bad"><strong>Interrupted: not everything was run</strong>{words}</div>'
+    for grade in (Grade.BAD, Grade.WARNING):
+        yield from (_notice(each) for each in result.findings if each.grade is grade)
+    yield from (f'<p class="lead">{text(f.text)}</p>' for f in result.findings if f.grade in (Grade.PLAIN, Grade.GOOD))
+
+
+def _notice(finding: Finding) -> str:
+    title = f"<strong>{text(finding.title)}</strong>" if finding.title else ""
+    words = "".join(f"<p>{text(each)}</p>" for each in (finding.text, finding.remedy) if each)
+    return f'<div class="notice{" bad" if finding.grade is Grade.BAD else ""}">{title}{words}</div>'
+
+
+def _contents(sections: Sequence[Section]) -> str:
+    links = (f'<a href="#{_anchor(section)}">{text(section.title)}</a>' for section in sections)
+    return f'<nav class="contents">{" ".join(links)}</nav>'
+
+
+def _anchor(section: Section) -> str:
+    return "".join(letter if letter.isalnum() else "-" for letter in section.title.lower())
+
+
+def _part(page: Page, drawn: Mapping[str, Drawn], name: str, count: int) -> str:
+    """What a section shows under a name."""
+    result = page.result
+    if name in drawn:
+        return figure(drawn[name].svg, drawn[name].name, count, text(drawn[name].caption))
+    if name in result.listings:
+        return listing_html(result.listings[name])
+    if name in result.tables:
+        return table_html(name, result.tables[name])
+    return _conditions(result) if name == "conditions" else page.ready[name]
+
+
+def _conditions(result: Result) -> str:
+    rows = [row([text(name), text(value)], ("q", "")) for name, value in result.conditions.items()]
+    left = "".join(f"<li>{text(each)}</li>" for each in result.left_out)
+    first = f"<div><h3>Conditions</h3>\n{table(('', ''), rows)}\n</div>"
+    return f'<div class="columns">\n{first}\n<div><h3>Left out</h3>\n<ul>{left}</ul></div>\n</div>'
+
+
+def listing_html(listing: Listing) -> str:
+    """Quantities of different kinds, a line each, as HTML."""
+    heads = ["", *map(text, listing.heads), ""]
+    noted = any(each.note for each in listing.rows)
+    numeric = tuple(range(1, len(listing.heads) + 1))
+    lines, before = [], ""
+    for each in listing.rows:
+        if each.group != before:
+            lines.append(group(text(each.group), len(heads) + noted))
+            before = each.group
+        lines.append(_listing_row(each, noted))
+    title = f"<h3>{text(listing.title)}</h3>\n" if listing.title else ""
+    note = f'<p class="small">{text(listing.note)}</p>\n' if listing.note else ""
+    return title + note + table([*heads, *([""] if noted else [])], lines, numeric)
+
+
+def _listing_row(each: Row, noted: bool) -> str:
+    label = f"&emsp;{text(each.label)}" if each.is_part else text(each.label)
+    cells = [label, *(text(shown_cell(value, each.kind)) for value in each.values), text(row_unit(each))]
+    classes = ["", *("n" if not isinstance(value, str) else "" for value in each.values), "u"]
+    if noted:
+        cells, classes = [*cells, text(each.note)], [*classes, "q"]
+    return row(cells, classes, "part" if each.is_part else "sum" if each.is_sum else "")
+
+
+def table_html(name: str, each: Table) -> str:
+    """A table as HTML, thinned where it is long."""
+    keys = shown_columns(each)
+    places, thinned = thinned_rows(each)
+    words = [each.note] if each.note else []
+    if any(each.columns[key].kind in (PRESSURE_LEVEL, GAUGE_PRESSURE) for key in keys):
+        words.append("Pressures are gauge.")
+    more = "" if len(keys) == len(each.columns) else "; all columns are there"
+    words.append(f"The table is in {name}.csv, in SI{more}.")
+    if len(places) < each.rows:
+        words.append(f"Shown are {len(places)} of {each.rows} rows{thinned}.")
+    classes = ["q" if each.columns[key].kind is None else "n" for key in keys]
+    lines = [row([text(table_cell(each.columns[key], place)) for key in keys], classes) for place in places]
+    numeric = [place for place, key in enumerate(keys) if each.columns[key].kind]
+    heads = [text(column_head(each.columns[key])) for key in keys]
+    return f'<p class="small">{text(" ".join(words))}</p>\n' + table(heads, lines, numeric)
+
+
+def _references(keys: Sequence[str]) -> Iterator[str]:
+    known = bibliography()
+    items = [
+        f'<li id="ref-{text(key)}"><span class="keys">{text(key)}</span> {text(known[key].authors)}: '
+        f"<i>{text(known[key].title)}</i>. {text(known[key].place)}, {text(known[key].year)}.</li>"
+        for key in keys
+        if key in known
+    ]
+    if items:
+        yield f'<h2 id="references">References</h2>\n<ol class="references">\n{chr(10).join(items)}\n</ol>'
