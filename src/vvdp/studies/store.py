@@ -14,6 +14,7 @@ import json
 import math
 import os
 import secrets
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -41,10 +42,7 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
 
     Raises ConfigError where it holds something else, cannot be written, or has a damaged file.
     """
-    if directory.exists() and not directory.is_dir():
-        raise unusable(directory, "is not a directory")
-    if directory.exists() and any(directory.iterdir()) and not (directory / DESCRIPTION).exists():
-        raise unusable(directory, "holds something else than a study; choose another directory")
+    _require_store(directory)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         _write(directory / DESCRIPTION, {"format": FORMAT, **description})
@@ -58,6 +56,20 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
         rows = {name: (mark, [_row(case) for case in cases]) for name, (mark, cases) in unknown.items()}
         write_index(directory, rows, gone)
     return _by_key(found)
+
+
+def discard_store(directory: Path) -> None:
+    """Removes a study with all its cases, if there is one. Raises ConfigError where something else is there."""
+    _require_store(directory)
+    if directory.exists():
+        shutil.rmtree(directory)
+
+
+def _require_store(directory: Path) -> None:
+    if directory.exists() and not directory.is_dir():
+        raise unusable(directory, "is not a directory")
+    if directory.exists() and any(directory.iterdir()) and not (directory / DESCRIPTION).exists():
+        raise unusable(directory, "holds something else than a study; choose another directory")
 
 
 def finished_cases(directory: Path) -> dict[str, Finished]:
