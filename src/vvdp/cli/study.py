@@ -31,15 +31,13 @@ def study(
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say, warn
     from vvdp.studies.run import run_study
-    from vvdp.studies.store import discard_store
+    from vvdp.studies.store import set_aside
     from vvdp.studies.study import load_study
 
     wanted = load_study(file)
     directory = out if out is not None else Path("results", file.stem)
     engine = chosen_engine(on, workers, cores, sbatch, directory)
-    if force:
-        discard_store(directory)
-    with counted("cases") as progress:
+    with set_aside(directory, force=force), counted("cases") as progress:
         results = run_study(wanted, directory, engine=engine, progress=progress, say=say)
     results.write_csv(directory / "study.csv")
     if json:

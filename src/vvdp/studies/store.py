@@ -15,7 +15,9 @@ import math
 import os
 import secrets
 import shutil
-from collections.abc import Mapping, Sequence
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -58,11 +60,24 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
     return _by_key(found)
 
 
-def discard_store(directory: Path) -> None:
-    """Removes a study with all its cases, if there is one. Raises ConfigError where something else is there."""
+@contextmanager
+def set_aside(directory: Path, *, force: bool) -> Iterator[None]:
+    """With `force`, puts an earlier study away while another begins; it comes back if that does not begin.
+
+    Raises ConfigError where `directory` holds something else than a study.
+    """
     _require_store(directory)
-    if directory.exists():
-        shutil.rmtree(directory)
+    if not (force and directory.exists()):
+        yield
+        return
+    aside = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+    earlier = directory.rename(aside / directory.name)
+    try:
+        yield
+    finally:
+        if not directory.exists():
+            earlier.rename(directory)
+        shutil.rmtree(aside)
 
 
 def _require_store(directory: Path) -> None:
