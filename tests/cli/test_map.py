@@ -121,3 +121,15 @@ def test_analytic_and_simulated_maps_do_not_replace_each_other(vvdp, here):
     assert (here / "m" / "map.csv").read_text() == before
     assert vvdp("map", "prototype-constant-load", "--analytic", *one, "a").code == 0
     assert "holds an analytic map" in vvdp("map", "prototype-constant-load", *one, "a").err
+
+
+def test_force_replaces_another_map_and_nothing_else(vvdp, here):
+    quick = ("map", "prototype", "--analytic", *SMALL, "--no-report", "--out", "m")
+    assert vvdp(*quick).code == 0
+    (here / "m" / "old.txt").write_text("of the earlier map")
+    assert vvdp(*quick, "--force").code == 0
+    assert not (here / "m" / "old.txt").exists()
+    (here / "mine").mkdir()
+    (here / "mine" / "thesis.txt").write_text("years of work")
+    assert vvdp(*quick[:-1], "mine", "--force").code == 2
+    assert (here / "mine" / "thesis.txt").is_file()

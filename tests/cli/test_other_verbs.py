@@ -162,3 +162,33 @@ def test_check_finds_programs_on_the_path(vvdp, tmp_path, monkeypatch):
     found = vvdp("check").out
     assert str(program) in found
     assert "not found" in next(line for line in found.splitlines() if "slurm" in line)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "geometry prototype --fineness 10 --frames 0",
+        "design temperature prototype --from 38degC --to 42degC",
+        "compare estimators --seeds 1 --scenario step --estimator m-over-t",
+    ],
+)
+def test_without_a_report_there_is_none(vvdp, here, command):
+    answer = vvdp(*command.split(), "--no-report", "--out", "r")
+    assert answer.code == 0, answer.err
+    assert "report" not in answer.out
+    assert (here / "r" / "meta.json").is_file()
+    assert not (here / "r" / "report.html").exists()
+
+
+def test_verbs_that_list_and_write_print_json(vvdp, here):
+    assert json.loads(vvdp("new", "mine", "--from", "prototype", "--json").out) == {
+        "system": "mine",
+        "out": "mine.toml",
+    }
+    listed = json.loads(vvdp("list", "--json").out)
+    assert "prototype" in listed["systems"]
+    assert listed["files"]["mine.toml"]["title"] == "mine"
+    library = json.loads(vvdp("list", "--components", "--json").out)
+    assert library["nodes"].keys() & {"volume", "tank"}
+    assert "diameter" in str(library["components"]["orifice"]["values"]) + str(library["components"])
+    assert json.loads(vvdp("check", "--json").out)["vvdp"]

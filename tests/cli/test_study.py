@@ -92,3 +92,21 @@ def test_engines_that_cannot_be_are_refused(vvdp, here, words, message):
     refused = vvdp("study", "duty.toml", *words)
     assert refused.code == 2 and message in refused.err
     assert not (here / "results").exists()
+
+
+def test_force_starts_a_study_over_once_it_can_begin(vvdp, here):
+    good = (
+        'system = "prototype"\nuntil = "0.01 s"\noutputs = ["duration_s"]\n[grid]\n"operation.duty_ratio" = ["0.5"]\n'
+    )
+    (here / "one.toml").write_text(good)
+    assert vvdp("study", "one.toml", "--out", "kept").code == 0
+    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").out
+    (here / "bad.toml").write_text(good.replace("duration_s", "duratio"))
+    assert vvdp("study", "bad.toml", "--out", "kept", "--force").code == 2
+    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").out
+    assert "1 cases run" in vvdp("study", "one.toml", "--out", "kept", "--force").out
+    assert {path.name for path in here.iterdir()} == {"one.toml", "bad.toml", "kept"}
+    (here / "mine").mkdir()
+    (here / "mine" / "thesis.txt").write_text("years of work")
+    assert vvdp("study", "one.toml", "--out", "mine", "--force").code == 2
+    assert (here / "mine" / "thesis.txt").is_file()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Protocol, TypeVar
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import Force, default_directory, out_option, parsed_option
+from vvdp.cli.options import AsJson, Force, NoReport, Verb, default_directory, out_option, parsed_option
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -32,39 +32,40 @@ Chosen = TypeVar("Chosen", bound=_Named)
 
 @app.callback()
 def compare() -> None:
-    """Compare methods with each other, against a known truth."""
+    """Compare estimators on simulated data."""
 
 
-@app.command()
+@app.command(cls=Verb)
 def estimators(
     scenario: Annotated[
-        list[str] | None, typer.Option("--scenario", metavar="NAME", help="Only this one; may be repeated.")
+        list[str] | None, typer.Option("--scenario", metavar="NAME", help="Run this scenario only (repeatable).")
     ] = None,
     estimator: Annotated[
-        list[str] | None, typer.Option("--estimator", metavar="NAME", help="Only this one; may be repeated.")
+        list[str] | None, typer.Option("--estimator", metavar="NAME", help="Run this estimator only (repeatable).")
     ] = None,
-    seeds: Annotated[int, typer.Option("--seeds", min=1, help="Random runs of each scenario.")] = 200,
-    sectors: Annotated[int, typer.Option("--sectors", min=2, help="Of the code wheel, bright and dark.")] = 8,
+    seeds: Annotated[
+        int, typer.Option("--seeds", metavar="N", min=1, help="Number of random runs per scenario.")
+    ] = 200,
+    sectors: Annotated[
+        int,
+        typer.Option("--sectors", metavar="N", min=2, help="Number of sectors of the code wheel, bright plus dark."),
+    ] = 8,
     rate: Annotated[
-        str, typer.Option("--rate", metavar="FREQUENCY", help='At which the encoder is sampled, for example "1 kHz".')
+        str, typer.Option("--rate", metavar="FREQUENCY", help='Sample rate of the encoder, for example "1 kHz".')
     ] = "1 kHz",
-    out: Annotated[
-        Path | None,
-        out_option("Where to write; by default results/compare-estimators-DATE-TIME."),
-    ] = None,
+    out: Annotated[Path | None, out_option("results/compare-estimators-DATE-TIME")] = None,
     force: Force = False,
     on: On = HERE,
     workers: Workers = None,
     cores: Cores = None,
     sbatch: Sbatch = None,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print all scores as one JSON object in SI units, and nothing else.")
-    ] = False,
-    show: Annotated[bool, typer.Option("--list", help="List scenarios and estimators, and run nothing.")] = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+    show: Annotated[bool, typer.Option("--list", help="List scenarios and estimators without running any.")] = False,
 ) -> None:
     """Run estimators on the same readings of a simulated encoder.
 
-    Ctrl-C ends the comparison early and keeps the runs that are done.
+    Ctrl-C stops the comparison early and keeps the completed runs.
     """
     from vvdp.base.kinds import FREQUENCY
     from vvdp.cli.progress import counted
@@ -88,12 +89,13 @@ def estimators(
         with counted("runs") as progress:
             found = compare(chosen, rivals, seeds, engine=engine, progress=progress, say=say)
         write_comparison(folder, found)
-        write_comparison_report(folder)
+        if not no_report:
+            write_comparison_report(folder)
     if json:
         print_json({**found.content, "out": str(directory)})
     else:
         _print(found)
-        typer.echo(f"results: {directory}\nreport: {directory / 'report.html'}")
+        typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
     if not found.finished:
         done = sum(played.runs for played in found.scenarios.values())
         say(f"interrupted after {done} of {seeds * len(chosen)} runs; these were written")

@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option, parsed_option
+from vvdp.cli.options import (
+    AsJson,
+    Force,
+    NoReport,
+    Seed,
+    Settings,
+    SystemName,
+    Verb,
+    default_directory,
+    out_option,
+    parsed_option,
+)
 
 if TYPE_CHECKING:
     from vvdp.design.optimise import Moved, Optimum
@@ -36,26 +47,24 @@ app = typer.Typer(cls=_OptimumUnlessNamed, no_args_is_help=True, rich_markup_mod
 Bounds = Annotated[
     list[str] | None,
     typer.Option(
-        "--bound", metavar="STATEMENT", help='Bound of a variable, as "radial_clearance <= 22.5 um"; may be repeated.'
+        "--bound",
+        metavar="STATEMENT",
+        help='Bound of a variable, for example "radial_clearance <= 22.5 um" (repeatable).',
     ),
 ]
 Limits = Annotated[
     list[str] | None,
     typer.Option(
-        "--subject-to", metavar="STATEMENT", help='Demand on a result, as "pwm_frequency >= 72 Hz"; may be repeated.'
+        "--subject-to", metavar="STATEMENT", help='Constraint, for example "pwm_frequency >= 72 Hz" (repeatable).'
     ),
 ]
 Cycle = Annotated[
     Path | None,
-    typer.Option("--cycle", metavar="FILE", help="Operating points with weights, a TOML file; see docs/design.md."),
+    typer.Option("--cycle", metavar="FILE", help="Weighted operating points, a TOML file."),
 ]
 NoUsualLimits = Annotated[
     bool,
-    typer.Option("--no-usual-limits", help="Demand nothing but what --subject-to says; see docs/design.md."),
-]
-Out = Annotated[
-    Path | None,
-    out_option("Where to write; by default results/design-SYSTEM-DATE-TIME."),
+    typer.Option("--no-usual-limits", help="Drop the default constraints."),
 ]
 
 
@@ -63,7 +72,7 @@ Out = Annotated[
 def design() -> None:
     """Design a rotary valve: optimum, trade-offs, tolerances.
 
-    `vvdp design SYSTEM` finds the optimum, as `vvdp design optimum SYSTEM` does.
+    `vvdp design SYSTEM` is short for `vvdp design optimum SYSTEM`.
     """
 
 
@@ -77,27 +86,35 @@ def _bench_system(verb: str, name: str, settings: list[str] | None) -> "System":
     return loaded
 
 
-@app.command()
+def _print_report(directory: Path, no_report: bool) -> None:
+    if not no_report:
+        typer.echo(f"report: {directory / 'report.html'}")
+
+
+@app.command(cls=Verb)
 def optimum(
     system: SystemName,
     minimise: Annotated[
-        str, typer.Option("--minimise", metavar="QUANTITY", help="What to make small, as loss_total.")
+        str, typer.Option("--minimise", metavar="QUANTITY", help="Quantity to minimise, for example loss_total.")
     ] = "loss_total",
     subject_to: Limits = None,
     bound: Bounds = None,
     cycle: Cycle = None,
     settings: Settings = None,
-    starts: Annotated[int, typer.Option("--starts", min=1, help="Random starting points.")] = 20,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the random starting points.")] = 1,
-    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Do not simulate before and after.")] = False,
+    starts: Annotated[int, typer.Option("--starts", metavar="N", min=1, help="Number of random starting points.")] = 20,
+    seed: Seed = 1,
+    no_simulation: Annotated[
+        bool, typer.Option("--no-simulation", help="Do not simulate the original and the optimum.")
+    ] = False,
     no_usual_limits: NoUsualLimits = False,
-    out: Out = None,
+    out: Annotated[Path | None, out_option("results/design-SYSTEM-DATE-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
+    no_report: NoReport = False,
 ) -> None:
-    """Find the best valve, and write it as a new system.
+    """Find the best valve and write it as a new system.
 
-    Free are spool radius, nozzle area, outlet area and radial clearance, and what a --bound names.
+    Spool radius, nozzle area, outlet area and radial clearance are varied, and any variable that a --bound names.
     """
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
@@ -129,7 +146,8 @@ def optimum(
             interrupted = len(curves) < len(movable(found))
         warnings = [*simulation_doubts(found, proven), *doubted]
         write_design(folder, found, proven, doubted, curves)
-        write_design_report(folder)
+        if not no_report:
+            write_design_report(folder)
     if json:
         simulated = {
             f"{p.design}_simulated_{key}": value for p in proven if p.point == 0 for key, value in p.found.items()
@@ -139,37 +157,38 @@ def optimum(
     else:
         _print(found, proven, warnings)
         typer.echo(f"system: {directory / SYSTEM}   run it with: vvdp run {directory / SYSTEM}")
-        typer.echo(f"report: {directory / 'report.html'}")
+        _print_report(directory, no_report)
     if interrupted:
         say("interrupted; what was found until then is written")
         raise typer.Exit(INTERRUPTED)
 
 
-@app.command()
+@app.command(cls=Verb)
 def pareto(
     system: SystemName,
     minimise: Annotated[
-        list[str] | None, typer.Option("--minimise", metavar="QUANTITY", help="To be small; may be repeated.")
+        list[str] | None, typer.Option("--minimise", metavar="QUANTITY", help="Quantity to minimise (repeatable).")
     ] = None,
     maximise: Annotated[
-        list[str] | None, typer.Option("--maximise", metavar="QUANTITY", help="To be large; may be repeated.")
+        list[str] | None, typer.Option("--maximise", metavar="QUANTITY", help="Quantity to maximise (repeatable).")
     ] = None,
     subject_to: Limits = None,
     bound: Bounds = None,
     cycle: Cycle = None,
     settings: Settings = None,
-    points: Annotated[int, typer.Option("--points", min=8, help="How many designs to spread over the front.")] = 60,
-    generations: Annotated[int, typer.Option("--generations", min=1, help="Of the evolution.")] = 60,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the evolution.")] = 1,
+    points: Annotated[int, typer.Option("--points", metavar="N", min=8, help="Number of designs on the front.")] = 60,
+    generations: Annotated[int, typer.Option("--generations", metavar="N", min=1, help="Number of generations.")] = 60,
+    seed: Seed = 1,
     no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Do not simulate the designs.")] = False,
     no_usual_limits: NoUsualLimits = False,
-    out: Out = None,
+    out: Annotated[Path | None, out_option("results/pareto-SYSTEM-DATE-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
+    no_report: NoReport = False,
 ) -> None:
-    """Find the designs between which only a choice decides: small loss, ripple and size, high PWM frequency.
+    """Compute the Pareto front.
 
-    Each is written as a system.
+    By default loss, ripple and size are minimised and the PWM frequency is maximised. Each design is a system file.
     """
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
@@ -197,13 +216,15 @@ def pareto(
             except KeyboardInterrupt:
                 finished = False
         study.write_front(folder, found)
-        write_front_report(folder)
+        if not no_report:
+            write_front_report(folder)
     if json:
         told = {"warnings": "; ".join(found.warnings), "out": str(directory)}
         print_json({"system": loaded.name, **study.flat_front(found), **told})
     else:
         _print_front(found)
-        typer.echo(f"systems: {directory / 'systems'}\nreport: {directory / 'report.html'}")
+        typer.echo(f"systems: {directory / 'systems'}")
+        _print_report(directory, no_report)
     if not finished:
         say("interrupted; the designs found until then are written")
         raise typer.Exit(INTERRUPTED)
@@ -244,7 +265,7 @@ def _limit(limit: "Limit") -> str:
     return f"{limit} (usual limit)" if limit.usual else str(limit)
 
 
-@app.command()
+@app.command(cls=Verb)
 def tolerance(
     system: SystemName,
     spread: Annotated[
@@ -252,17 +273,23 @@ def tolerance(
         typer.Option(
             "--spread",
             metavar="STATEMENT",
-            help='Another spread, as "radial_clearance: 10 um to 16 um"; may be repeated.',
+            help='Spread of an input, for example "radial_clearance: 10 um to 16 um" (repeatable).',
         ),
     ] = None,
-    samples: Annotated[int, typer.Option("--samples", min=1, help="Base samples, a power of two.")] = 1024,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    samples: Annotated[
+        int, typer.Option("--samples", metavar="N", min=1, help="Number of base samples, a power of two.")
+    ] = 1024,
+    seed: Seed = 1,
     settings: Settings = None,
-    out: Out = None,
+    out: Annotated[Path | None, out_option("results/tolerance-SYSTEM-DATE-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
+    no_report: NoReport = False,
 ) -> None:
-    """Show how drop, PWM frequency and efficiency scatter with parts and oil, and which input matters."""
+    """Show how results scatter with tolerances.
+
+    The scatter of drop, PWM frequency and efficiency is split into the shares of valve and oil parameters.
+    """
     from vvdp.cli.screen import print_json
     from vvdp.design import tolerance as study
     from vvdp.design.results import write_columns, write_numbers
@@ -276,25 +303,27 @@ def tolerance(
         found = study.tolerance(loaded, taken, samples=samples, seed=seed)
         write_numbers(folder, TOLERANCE, study.tolerance_content(found))
         write_columns(folder / "draws.csv", study.columns(found))
-        write_tolerance_report(folder)
+        if not no_report:
+            write_tolerance_report(folder)
     if json:
         print_json({"system": loaded.name, **study.flat_tolerance(found), "out": str(directory)})
         return
     _print_tolerance(found)
-    typer.echo(f"report: {directory / 'report.html'}")
+    _print_report(directory, no_report)
 
 
-@app.command()
+@app.command(cls=Verb)
 def temperature(
     system: SystemName,
-    coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil.")] = "10 degC",
-    hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil.")] = "80 degC",
+    coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil temperature.")] = "10 degC",
+    hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil temperature.")] = "80 degC",
     settings: Settings = None,
-    out: Out = None,
+    out: Annotated[Path | None, out_option("results/temperature-SYSTEM-DATE-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
+    no_report: NoReport = False,
 ) -> None:
-    """Show the valve from cold to hot oil, and where its model is in doubt."""
+    """Show the valve from cold to hot oil."""
     from vvdp.base.kinds import TEMPERATURE as KIND
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json
@@ -311,13 +340,14 @@ def temperature(
             found = study.over_temperature(loaded, coldest=low, hottest=high, progress=progress)
         write_numbers(folder, TEMPERATURE, study.temperature_content(found))
         write_columns(folder / "temperature.csv", study.temperature_columns(found))
-        write_temperature_report(folder)
+        if not no_report:
+            write_temperature_report(folder)
     if json:
         columns = {name: column.tolist() for name, column in study.temperature_columns(found).items()}
         print_json({"system": loaded.name, **columns, "warnings": "; ".join(found.warnings), "out": str(directory)})
         return
     _print_temperature(found)
-    typer.echo(f"report: {directory / 'report.html'}")
+    _print_report(directory, no_report)
 
 
 def _print_temperature(found: "OverTemperature") -> None:

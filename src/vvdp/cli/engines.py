@@ -15,18 +15,24 @@ On = Annotated[
     typer.Option(
         "--on",
         metavar="WHERE",
-        help=f"{HERE}: in this process; {DASK}: processes of this machine; {SLURM}: jobs; or the address of a Dask "
-        "scheduler, for example tcp://head:8786. See docs/studies.md.",
+        help=f"Where to compute: {HERE} (this process), {DASK} (local worker processes), {SLURM} (batch jobs), or the "
+        "address of a Dask scheduler, for example tcp://head:8786.",
     ),
 ]
-Workers = Annotated[int | None, typer.Option("--workers", min=1, help=f"How many, with --on {DASK} and --on {SLURM}.")]
-Cores = Annotated[int | None, typer.Option("--cores", min=1, help="How many for each worker; here by default all.")]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", metavar="N", min=1, help=f"Number of workers, with --on {DASK} or --on {SLURM}."),
+]
+Cores = Annotated[
+    int | None,
+    typer.Option("--cores", metavar="N", min=1, help="Number of cores per worker (default: all, if computed here)."),
+]
 Sbatch = Annotated[
     list[str] | None,
     typer.Option(
         "--sbatch",
         metavar="OPTION",
-        help=f"Goes to sbatch as it is, with --on {SLURM}: --sbatch=--partition=short; may be repeated.",
+        help=f"Option passed on to sbatch, with --on {SLURM}, for example --sbatch=--partition=short (repeatable).",
     ),
 ]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, default_directory, out_option
+from vvdp.cli.options import AsJson, Force, NoReport, default_directory, out_option
 
 if TYPE_CHECKING:
     from vvdp.base.errors import ConfigError
@@ -19,53 +19,58 @@ INTERRUPTED = 130
 
 
 def estimate(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="CSV, TDMS, MDF4, HDF5, MATLAB or Parquet.")],
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="A CSV, TDMS, MDF4, HDF5, MATLAB or Parquet file.")],
     edges: Annotated[
-        str | None, typer.Option("--edges", metavar="COLUMN", help="Column of edge times, one row for each edge.")
+        str | None, typer.Option("--edges", metavar="COLUMN", help="Column of edge times, one row per edge.")
     ] = None,
     falling: Annotated[
-        str | None, typer.Option("--falling", metavar="COLUMN", help="Column of the falling edges, if apart.")
+        str | None, typer.Option("--falling", metavar="COLUMN", help="Column of the falling edges, if separate.")
     ] = None,
-    counts: Annotated[str | None, typer.Option("--counts", metavar="COLUMN", help="Counter of edges.")] = None,
-    wave: Annotated[str | None, typer.Option("--wave", metavar="COLUMN", help="Wave of a photodiode.")] = None,
+    counts: Annotated[str | None, typer.Option("--counts", metavar="COLUMN", help="Column of an edge counter.")] = None,
+    wave: Annotated[str | None, typer.Option("--wave", metavar="COLUMN", help="Column of a photodiode signal.")] = None,
     sectors: Annotated[
-        int | None, typer.Option("--sectors", metavar="N", help="Bright and dark sectors together; by default 8.")
+        int | None, typer.Option("--sectors", metavar="N", help="Number of sectors, bright plus dark (default: 8).")
     ] = None,
     index_shift: Annotated[
-        float | None, typer.Option("--index-shift", metavar="SHARE", help="Of the index edge, in sectors.")
+        float | None, typer.Option("--index-shift", metavar="SHARE", help="Offset of the index edge in sectors.")
     ] = None,
     sample_rate: Annotated[
-        str | None, typer.Option("--sample-rate", metavar="RATE", help='Without a clock, for example "10 kHz".')
+        str | None,
+        typer.Option(
+            "--sample-rate", metavar="RATE", help='Sample rate if the log has no time channel, for example "10 kHz".'
+        ),
     ] = None,
-    clock: Annotated[str | None, typer.Option("--time", metavar="COLUMN", help="The clock of the log.")] = None,
+    clock: Annotated[str | None, typer.Option("--time", metavar="COLUMN", help="Time channel of the log.")] = None,
     pressure: Annotated[
-        str | None, typer.Option("--pressure", metavar="COLUMN", help="Inlet pressure, for the duty ratio.")
+        str | None,
+        typer.Option("--pressure", metavar="COLUMN", help="Column of the inlet pressure, which gives the duty ratio."),
     ] = None,
-    fuse: Annotated[bool, typer.Option("--fuse", help="Let the pressure's edges tell the angle as well.")] = False,
+    fuse: Annotated[bool, typer.Option("--fuse", help="Fuse inlet-pressure edges into the estimate.")] = False,
     sections: Annotated[
-        int | None, typer.Option("--sections", metavar="N", help="PWM periods in a turn; by default 3.")
+        int | None, typer.Option("--sections", metavar="N", help="PWM periods per revolution (default: 3).")
     ] = None,
     output_rate: Annotated[
-        str | None, typer.Option("--output-rate", metavar="RATE", help='Of the result; by default "1 kHz".')
+        str | None, typer.Option("--output-rate", metavar="RATE", help="Output sample rate (default: 1 kHz).")
     ] = None,
-    smooth: Annotated[bool, typer.Option("--smooth", help="Also what the whole log tells of each instant.")] = False,
+    smooth: Annotated[bool, typer.Option("--smooth", help="Add the fixed-interval smoothed estimate.")] = False,
     fit: Annotated[
-        bool, typer.Option("--fit", help="Fit the noise settings of the filter to the beginning of the log.")
+        bool, typer.Option("--fit", help="Fit the noise settings of the filter to the start of the log.")
     ] = False,
     config: Annotated[
-        Path | None, typer.Option("--config", metavar="FILE", help="Settings, a TOML file; options go before it.")
+        Path | None, typer.Option("--config", metavar="FILE", help="Settings, a TOML file; options override it.")
     ] = None,
     write_config: Annotated[
-        Path | None, typer.Option("--write-config", metavar="FILE", help="Write a config to start from; run nothing.")
+        Path | None,
+        typer.Option("--write-config", metavar="FILE", help="Write a config file to start from, without estimating."),
     ] = None,
-    out: Annotated[Path | None, out_option("Where to write; by default results/LOG-DATE-TIME.")] = None,
+    out: Annotated[Path | None, out_option("results/LOG-DATE-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
+    no_report: NoReport = False,
 ) -> None:
     """Estimate the spool's angle and speed from a measured log.
 
-    One of --wave, --counts and --edges names the channel, or a config does. Ctrl-C keeps what was reached.
+    Name the channel with --wave, --counts or --edges, or in a config file. Ctrl-C keeps the results so far.
     """
     from vvdp.cli.progress import reached
     from vvdp.cli.screen import plain, print_json, say

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option, parsed_option
+from vvdp.cli.options import AsJson, Force, NoReport, Settings, SystemName, default_directory, out_option, parsed_option
 
 if TYPE_CHECKING:
     from vvdp.geometry.measure import Comparison
@@ -18,28 +18,33 @@ INTERRUPTED = 130
 
 def geometry(
     system: SystemName,
-    out: Annotated[
-        Path | None,
-        out_option("Where to write; by default results/geometry-SYSTEM-DATE-TIME."),
-    ] = None,
+    out: Annotated[Path | None, out_option("results/geometry-SYSTEM-DATE-TIME")] = None,
     shape: Annotated[
         Path | None,
-        typer.Option("--shape", metavar="FILE", help="TOML with a table [geometry] of lengths other than shipped."),
+        typer.Option("--shape", metavar="FILE", help="TOML file whose table [geometry] replaces shipped lengths."),
     ] = None,
     angle: Annotated[
-        str, typer.Option("--angle", metavar="ANGLE", help="Spool angle of the oil's volumes; 0 is open to the load.")
+        str,
+        typer.Option(
+            "--angle", metavar="ANGLE", help="Spool angle for the oil volumes; at 0 the valve is open to the load."
+        ),
     ] = "0 deg",
-    fineness: Annotated[float, typer.Option("--fineness", min=10, max=200, help="Edges per spool radius.")] = 25.0,
-    frames: Annotated[int, typer.Option("--frames", min=0, help="Of the film of one PWM period; 0 for none.")] = 48,
-    step: Annotated[bool, typer.Option("--step", help="Write STEP files too; needs the cad extra.")] = False,
+    fineness: Annotated[
+        float, typer.Option("--fineness", metavar="N", min=10, max=200, help="Number of mesh edges per spool radius.")
+    ] = 25.0,
+    frames: Annotated[
+        int, typer.Option("--frames", metavar="N", min=0, help="Number of animation frames; 0 for none.")
+    ] = 48,
+    step: Annotated[bool, typer.Option("--step", help="Also write STEP files; needs the extra [cad].")] = False,
     settings: Settings = None,
     force: Force = False,
     json: AsJson = False,
+    no_report: NoReport = False,
 ) -> None:
-    """Build spool, sleeve and oil volumes as solids, and draw them.
+    """Build spool, sleeve and oil volumes as solids and draw them.
 
-    The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set as
-    --set geometry.KEY=VALUE. Ctrl-C keeps what is made.
+    The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set with
+    --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.
     """
     from vvdp.base.kinds import ANGLE
     from vvdp.base.signal import signal_value
@@ -72,6 +77,7 @@ def geometry(
         fineness=fineness,
         frames=frames,
         step=step,
+        report=not no_report,
     )
     directory = out if out is not None else default_directory(f"geometry-{loaded.name}")
     with result_directory(directory, force=force) as folder:
@@ -80,7 +86,7 @@ def geometry(
         print_json({**product.summary, "out": str(directory)})
     else:
         _print(loaded, product)
-        typer.echo(f"results: {directory}\nreport: {directory / 'report.html'}")
+        typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
     if not product.finished:
         say("interrupted; what was made is written")
         raise typer.Exit(INTERRUPTED)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vvdp.cli.options import AsJson
+
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
     from vvdp.base.params import Params
@@ -16,32 +18,54 @@ if TYPE_CHECKING:
 
 def systems(
     components: Annotated[
-        bool, typer.Option("--components", help="List what a file may draw a circuit from: the library.")
+        bool, typer.Option("--components", help="List the component library for drawing circuits.")
     ] = False,
+    json: AsJson = False,
 ) -> None:
-    """List shipped systems, circuits, and systems in this folder."""
-    if components:
-        _library()
-        return
-    from vvdp.base.tables import parsed_table
-    from vvdp.cli.screen import console, grid
-    from vvdp.systems.system import shipped
+    """List systems and circuits, shipped and in this folder."""
+    from vvdp.cli.screen import print_json
 
-    table = grid("system", "circuit", "title", title="Shipped systems")
-    for name, text in shipped().items():
-        content = parsed_table(text, name).content
-        table.add_row(name, _circuit(content), str(content.get("title", "")))
-    console().print(table)
-    table = grid("circuit", "tables", "what it is", title="Circuits")
-    for row in _circuits():
+    if components:
+        _library(json)
+        return
+    shipped, circuits, own = list(_shipped_systems()), list(_circuits()), list(_own_systems(Path.cwd()))
+    if json:
+        print_json(
+            {
+                "systems": _entries(shipped, ("circuit", "title")),
+                "circuits": _entries(circuits, ("tables", "title")),
+                "files": _entries(own, ("circuit", "title")),
+            }
+        )
+        return
+    _print("Shipped systems", ("system", "circuit", "title"), shipped)
+    _print("Circuits", ("circuit", "tables", "what it is"), circuits)
+    if own:
+        _print("Systems in this folder", ("file", "circuit", "title"), own)
+
+
+def _print(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    from vvdp.cli.screen import console, grid
+
+    table = grid(*columns, title=title)
+    for row in rows:
         table.add_row(*row)
     console().print(table)
-    found = list(_own_systems(Path.cwd()))
-    if found:
-        table = grid("file", "circuit", "title", title="Systems in this folder")
-        for row in found:
-            table.add_row(*row)
-        console().print(table)
+
+
+def _entries(rows: Sequence[Sequence[Any]], keys: Sequence[str]) -> dict[str, Any]:
+    """The rows by their first column, for a program."""
+    return {name: dict(zip(keys, cells, strict=True)) for name, *cells in rows}
+
+
+def _shipped_systems() -> Iterator[tuple[str, str, str]]:
+    """Name, circuit and title of every shipped system."""
+    from vvdp.base.tables import parsed_table
+    from vvdp.systems.system import shipped
+
+    for name, text in shipped().items():
+        content = parsed_table(text, name).content
+        yield name, _circuit(content), str(content.get("title", ""))
 
 
 def _circuit(content: Mapping[str, Any]) -> str:
@@ -79,31 +103,45 @@ def _own_systems(folder: Path) -> Iterator[tuple[str, str, str]]:
             yield path.name, _circuit(content), str(content.get("title", ""))
 
 
-def _library() -> None:
+NODE_COLUMNS = ("type", "values")
+COMPONENT_COLUMNS = ("type", "ports", "inputs", "values", "outputs", "symbol")
+PROGRAM_COLUMNS = ("type", "reads", "commands", "values")
+
+
+def _library(json: bool) -> None:
     """Prints all that a file may draw a circuit from."""
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.screen import console, print_json
     from vvdp.components.library import COMPONENTS, PROGRAMS
     from vvdp.network.assembly import Assembly
     from vvdp.systems.drawn import NODES
 
-    out = console()
-    table = grid("type", "values", title="Nodes: [nodes] NAME = { type = ... }")
-    for name, node in NODES.items():
-        table.add_row(name, "\n".join(_values(node.table)))
-    out.print(table)
+    nodes = [(name, _values(node.table)) for name, node in NODES.items()]
+    parts = [
+        (name, *(_assembly(part) if isinstance(part, Assembly) else _component(part)), part.symbol)
+        for name, part in COMPONENTS.items()
+    ]
+    programs = [(name, *_program(program)) for name, program in PROGRAMS.items()]
+    if json:
+        print_json(
+            {
+                "nodes": _entries(nodes, NODE_COLUMNS[1:]),
+                "components": _entries(parts, COMPONENT_COLUMNS[1:]),
+                "programs": _entries(programs, PROGRAM_COLUMNS[1:]),
+            }
+        )
+        return
+    _print("Nodes: [nodes] NAME = { type = ... }", NODE_COLUMNS, _lines(nodes))
     title = "Components: [components.NAME] with its type, the node at each port, inputs and values"
-    table = grid("type", "ports", "inputs", "values", "outputs", "symbol", title=title)
-    for name, component in COMPONENTS.items():
-        cells = _assembly(component) if isinstance(component, Assembly) else _component(component)
-        table.add_row(name, *("\n".join(cell) for cell in cells), component.symbol)
-    out.print(table)
-    title = "Programs: [programs.NAME] with its type, values and what it reads"
-    table = grid("type", "reads", "commands", "values", title=title)
-    for name, program in PROGRAMS.items():
-        table.add_row(name, *("\n".join(cell) for cell in _program(program)))
-    out.print(table)
-    out.print("A value is written with its unit, as in the examples; the one in brackets holds where none is given.")
+    _print(title, COMPONENT_COLUMNS, _lines(parts))
+    _print("Programs: [programs.NAME] with its type, values and what it reads", PROGRAM_COLUMNS, _lines(programs))
+    out = console()
+    out.print("Values are written with their unit, as in the examples; a value in brackets is the default.")
     out.print('An input is a value, a signal over time, or { from = "NAME.OUTPUT" }.')
+
+
+def _lines(rows: Sequence[Sequence[Any]]) -> list[list[str]]:
+    """The cells of each row as text, a list with one line for each entry."""
+    return [[cell if isinstance(cell, str) else "\n".join(cell) for cell in row] for row in rows]
 
 
 def _component(component: "Component") -> Sequence[list[str]]:

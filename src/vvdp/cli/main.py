@@ -3,13 +3,15 @@
 import gc
 import io
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
 from vvdp.cli import check, compare, design, estimate, geometry, listing, new, report, rig, run, show, study, valve
 from vvdp.cli import map as maps
+from vvdp.cli.options import Verb
 
 BAD_INPUT = 2
 FAILED = 1
@@ -17,29 +19,43 @@ INTERRUPTED = 130
 COLLECT_AFTER = 50_000
 """New objects between two searches for garbage. While libraries load, nearly all are kept: a tenth of a short run."""
 
+ORDER = ("run", "valve", "map", "rig", "study", "design", "compare", "estimate", "geometry")
+"""Verbs that compute, in the order of their use; the others follow."""
+
+
+class _InOrder(TyperGroup):
+    """The verbs, those that compute before those that list and write files; Typer puts groups last."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of all verbs, in order."""
+        names = super().list_commands(ctx)
+        return sorted(names, key=lambda name: ORDER.index(name) if name in ORDER else len(ORDER) + names.index(name))
+
+
 app = typer.Typer(
-    help="Simulate and judge virtually variable displacement pumps and other digital hydraulics.",
-    epilog="Exit codes: 0 fine, 1 failed, 2 bad input, 3 result not trusted, 130 interrupted.",
+    cls=_InOrder,
+    help="Simulate and evaluate virtually variable displacement pumps and other digital hydraulics.",
+    epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 balances do not close, 130 interrupted.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,  # rich would triple the time of --help
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command("run")(run.run)
-app.command("valve")(valve.valve)
-app.command("study")(study.study)
-app.command("estimate")(estimate.estimate)
-app.add_typer(compare.app, name="compare")
-app.add_typer(design.app, name="design")
-app.command("map")(maps.map)
+app.command("run", cls=Verb)(run.run)
+app.command("valve", cls=Verb)(valve.valve)
+app.command("map", cls=Verb)(maps.map)
 app.add_typer(rig.app, name="rig")
-app.command("geometry")(geometry.geometry)
-app.command("list")(listing.systems)
-app.command("show")(show.show)
-app.command("new")(new.new)
-app.command("report")(report.report)
-app.command("check")(check.check)
+app.command("study", cls=Verb)(study.study)
+app.add_typer(design.app, name="design")
+app.add_typer(compare.app, name="compare")
+app.command("estimate", cls=Verb)(estimate.estimate)
+app.command("geometry", cls=Verb)(geometry.geometry)
+app.command("show", cls=Verb)(show.show)
+app.command("list", cls=Verb)(listing.systems)
+app.command("new", cls=Verb)(new.new)
+app.command("report", cls=Verb)(report.report)
+app.command("check", cls=Verb)(check.check)
 
 
 def _version(wanted: bool) -> None:

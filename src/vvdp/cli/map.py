@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, Settings, SystemName, out_option
+from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, out_option
 
 if TYPE_CHECKING:
     from vvdp.base.errors import Fault
@@ -24,23 +24,23 @@ MOST_TABLES = 8
 
 Span = Annotated[
     tuple[str, str, int] | None,
-    typer.Option("--duty", metavar="FROM TO COUNT", help="Duty ratios; by default 12 up to 1."),
+    typer.Option("--duty", metavar="FROM TO COUNT", help="Duty ratios (default: 12 up to 1)."),
 ]
 Levels = Annotated[
     tuple[str, str, int] | None,
     typer.Option(
         "--pressure",
         metavar="FROM TO COUNT",
-        help='Load pressures, for example "10 bar" "110 bar" 10; by default 10 up to 95 % of the relief setting.',
+        help='Load pressures, for example "10 bar" "110 bar" 10 (default: 10 up to 95 % of the relief setting).',
     ),
 ]
 Speeds = Annotated[
     list[str] | None,
-    typer.Option("--speed", metavar="SPEED", help='Pump speed, as "1500 rpm"; may be repeated.'),
+    typer.Option("--speed", metavar="SPEED", help='Pump speed, for example "1500 rpm" (repeatable).'),
 ]
 Temperatures = Annotated[
     list[str] | None,
-    typer.Option("--temperature", metavar="TEMP", help='Oil temperature, as "40 degC"; may be repeated.'),
+    typer.Option("--temperature", metavar="TEMP", help='Oil temperature, for example "40 degC" (repeatable).'),
 ]
 
 
@@ -48,27 +48,25 @@ def map(  # noqa: A001 - the name of the verb
     system: SystemName,
     settings: Settings = None,
     analytic: Annotated[
-        bool, typer.Option("--analytic", help="By quasi-steady averages instead of simulation; at once.")
+        bool, typer.Option("--analytic", help="Compute quasi-steady averages at once instead of simulating.")
     ] = False,
     duty: Span = None,
     pressure: Levels = None,
     speed: Speeds = None,
     temperature: Temperatures = None,
-    out: Annotated[
-        Path | None,
-        out_option("Where to write; by default results/map-SYSTEM."),
-    ] = None,
+    out: Annotated[Path | None, out_option("results/map-SYSTEM")] = None,
     on: On = HERE,
     workers: Workers = None,
     cores: Cores = None,
     sbatch: Sbatch = None,
+    force: Restart = False,
     json: AsJson = False,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
+    no_report: NoReport = False,
 ) -> None:
     """Map flow and efficiencies over duty ratio and load pressure.
 
-    Every point is simulated to its periodic steady state; finished points are kept, and the same command goes on where
-    an earlier one stopped. Pump speed and oil temperature may be further axes.
+    Every point is simulated to its periodic steady state. Finished points are kept; rerun the same command to resume.
+    Pump speed and oil temperature can be further axes.
     """
     from vvdp.base.errors import unusable
     from vvdp.cli.progress import counted
@@ -88,7 +86,7 @@ def map(  # noqa: A001 - the name of the verb
     engine = chosen_engine(on, workers, cores, sbatch, directory)
     if analytic and on != HERE:
         raise unusable("--on", f"{on!r}; an analytic map is worked out at once, here")
-    with map_directory(directory, simulated=not analytic):
+    with map_directory(directory, simulated=not analytic, force=force):
         if analytic:
             found = analytic_map(held, axes, cores=cores, say=say)
         else:
@@ -105,7 +103,7 @@ def map(  # noqa: A001 - the name of the verb
         typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
     if not found.finished:
         missing = found.reasons.count(NOT_RUN)
-        say(f"interrupted with {missing} points to go; the same command goes on from here")
+        say(f"interrupted with {missing} points to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
     if result.numbers.get("untrusted_points", 0.0) > 0.0:
         say("not trusted: the balances of some points are above the limit; see the column trusted")

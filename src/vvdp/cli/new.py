@@ -6,19 +6,21 @@ from typing import Annotated
 
 import typer
 
-from vvdp.cli.options import Force
+from vvdp.cli.options import AsJson, Force
 
 _TITLE_LINE = re.compile(r"""^[ \t]*title[ \t]*=[ \t]*(?:"(?:[^"\\\n]|\\.)+"|'[^'\n]+')""", re.MULTILINE)
 
 
 def new(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new system; NAME.toml is written.")],
-    source: Annotated[str, typer.Option("--from", metavar="SYSTEM", help="A shipped system or a TOML file.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new system, written to NAME.toml.")],
+    source: Annotated[str, typer.Option("--from", metavar="SYSTEM", help="The shipped system or TOML file to copy.")],
     force: Force = False,
+    json: AsJson = False,
 ) -> None:
     """Write a system file of your own, a commented copy of another."""
     from vvdp.base.errors import unusable
     from vvdp.base.tables import write_new
+    from vvdp.cli.screen import print_json
     from vvdp.systems.system import load_system, source_text
 
     load_system(source)  # a copy of something broken helps nobody
@@ -27,7 +29,10 @@ def new(
         raise unusable(path, "is no name for a system; use letters, digits and hyphens")
     text = _titled(source_text(source), path.stem)
     write_new(path, text, force=force)
-    typer.echo(f"{path} written; run it with: vvdp run {path}")
+    if json:
+        print_json({"system": path.stem, "out": str(path)})
+    else:
+        typer.echo(f"{path} written; run it with: vvdp run {path}")
 
 
 def _titled(text: str, title: str) -> str:

@@ -1,13 +1,41 @@
-"""Arguments and options that several verbs share."""
+"""Arguments and options that several verbs share, and how their help is laid out."""
 
+import re
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
+
+
+class Verb(TyperCommand):
+    """A command whose help names its arguments as the guide does, without braces and Python types."""
+
+    def collect_usage_pieces(self, ctx: Any) -> list[str]:
+        """The words of the usage line."""
+        return [piece.strip("{}") for piece in super().collect_usage_pieces(ctx)]
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Writes arguments and options, each with its help."""
+        for title, what in (("Arguments", "argument"), ("Options", "option")):
+            records = [param.get_help_record(ctx) for param in self.get_params(ctx) if param.param_type_name == what]
+            rows = [_plain_record(*record) for record in records if record]
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
+
+
+def _plain_record(name: str, text: str) -> tuple[str, str]:
+    """Name and help of a parameter without Python types, and with its range in words."""
+    if not name.startswith("-"):
+        text = text.removesuffix("  [required]")
+    text = re.sub(r"(\d+)<=x<=(\d+)\]$", r"\1 to \2]", text)
+    return name.partition(" <")[0], re.sub(r"x>=(\d+)\]$", r"at least \1]", text)
+
 
 SystemName = Annotated[
     str, typer.Argument(metavar="SYSTEM", help="A shipped system (see `vvdp list`) or the path of a TOML file.")
@@ -17,17 +45,20 @@ Settings = Annotated[
     typer.Option(
         "--set",
         metavar="TABLE.KEY=VALUE",
-        help="Replace a value, for example operation.duty_ratio=0.4; may be repeated.",
+        help="Set a value, for example operation.duty_ratio=0.4 (repeatable).",
     ),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one flat JSON object in SI units, and nothing else.")]
-Cores = Annotated[int | None, typer.Option("--cores", min=1, help="How many; by default all.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object in SI units and nothing else.")]
+Cores = Annotated[int | None, typer.Option("--cores", metavar="N", min=1, help="Number of cores (default: all).")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an existing result.")]
+Restart = Annotated[bool, typer.Option("--force", help="Start over and discard what an earlier call has finished.")]
+NoReport = Annotated[bool, typer.Option("--no-report", help="Do not write a report.")]
+Seed = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Random seed.")]
 
 
-def out_option(told: str) -> Any:
-    """The option --out of a verb, the directory that it writes to."""
-    return typer.Option("--out", metavar="DIR", parser=_directory, help=told)
+def out_option(default: str) -> Any:
+    """The option --out of a verb that writes to `default` if it is not given."""
+    return typer.Option("--out", metavar="DIR", parser=_directory, help=f"Output directory (default: {default}).")
 
 
 def _directory(text: str) -> Path:

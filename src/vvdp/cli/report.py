@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from vvdp.cli.options import AsJson
+
 RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
@@ -20,11 +22,13 @@ WRITERS = {
 
 def report(
     directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="What a command with a report has written, but `vvdp geometry`.")
+        Path, typer.Argument(metavar="DIR", help="Result directory of any command except `vvdp geometry`.")
     ],
+    json: AsJson = False,
 ) -> None:
-    """Write the report of a result directory anew."""
+    """Rebuild the report of a result directory."""
     from vvdp.base.errors import unusable
+    from vvdp.cli.screen import print_json
     from vvdp.comparison.results import is_comparison
     from vvdp.logs.kept import is_estimate
 
@@ -40,4 +44,7 @@ def report(
         page = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
     except (KeyError, TypeError) as problem:
         raise unusable(directory, f"is damaged or not complete: {problem!r}") from None
-    typer.echo(str(page))
+    if json:
+        print_json({"report": str(page)})
+    else:
+        typer.echo(str(page))

@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.map import Levels, Span, Speeds, Temperatures, chosen_axes
-from vvdp.cli.options import AsJson, Cores, Force, Settings, SystemName, default_directory, out_option
+from vvdp.cli.options import (
+    AsJson,
+    Cores,
+    Force,
+    NoReport,
+    Restart,
+    Settings,
+    SystemName,
+    Verb,
+    default_directory,
+    out_option,
+)
 
 if TYPE_CHECKING:
     from vvdp.rigs.result import RigResult
@@ -18,22 +29,18 @@ INTERRUPTED = 130
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
-Out = Annotated[
-    Path | None,
-    out_option("Where to write; by default results/RIG-SYSTEM-DATE-TIME."),
-]
-NoReport = Annotated[bool, typer.Option("--no-report", help="Write no report.")]
+Out = Annotated[Path | None, out_option("results/RIG-SYSTEM-DATE-TIME")]
 Steps = Annotated[
-    tuple[float, float], typer.Option("--step", metavar="FROM TO", help="Duty ratios between which is stepped.")
+    tuple[float, float], typer.Option("--step", metavar="FROM TO", help="Duty ratios before and after the step.")
 ]
 
 
 @app.callback()
 def rig() -> None:
-    """Put a system on a virtual test rig, in the manner of a standard."""
+    """Run a virtual test based on an ISO standard."""
 
 
-@app.command("pressure-drop")
+@app.command("pressure-drop", cls=Verb)
 def pressure_drop(
     system: SystemName,
     settings: Settings = None,
@@ -43,7 +50,7 @@ def pressure_drop(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Pressure drop of the valve and its sections against flow, in the manner of ISO 4411."""
+    """Measure pressure drop against flow, based on ISO 4411."""
     from vvdp.rigs.pressure_drop import pressure_drop as measured
 
     def work(held: "Stand") -> "RigResult":
@@ -53,7 +60,7 @@ def pressure_drop(
     _run("pressure-drop", system, settings, work, out, force, json, no_report)
 
 
-@app.command()
+@app.command(cls=Verb)
 def ripple(
     system: SystemName,
     settings: Settings = None,
@@ -63,14 +70,17 @@ def ripple(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Pressure ripple over duty ratio, PWM frequency and accumulator, in the manner of ISO 10767."""
+    """Measure pressure ripple, based on ISO 10767.
+
+    The ripple is found over duty ratio, PWM frequency and accumulator.
+    """
     from vvdp.cli.screen import say
     from vvdp.rigs.ripple import ripple as measured
 
     _run("ripple", system, settings, lambda held: measured(held, cores=cores, say=say), out, force, json, no_report)
 
 
-@app.command()
+@app.command(cls=Verb)
 def step(
     system: SystemName,
     settings: Settings = None,
@@ -81,7 +91,10 @@ def step(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Step and frequency response of the delivered flow to the duty ratio, in the manner of ISO 17559."""
+    """Measure step and frequency response, based on ISO 17559.
+
+    The response is that of the delivered flow to the duty ratio.
+    """
     from vvdp.cli.screen import say
     from vvdp.rigs.step import dynamics
 
@@ -91,7 +104,7 @@ def step(
     _run("step", system, settings, work, out, force, json, no_report)
 
 
-@app.command()
+@app.command(cls=Verb)
 def pump(
     system: SystemName,
     settings: Settings = None,
@@ -100,17 +113,16 @@ def pump(
     speed: Speeds = None,
     temperature: Temperatures = None,
     between: Steps = (0.4, 0.6),
-    out: Annotated[
-        Path | None,
-        out_option("Where to write; by default results/pump-SYSTEM."),
-    ] = None,
+    out: Annotated[Path | None, out_option("results/pump-SYSTEM")] = None,
+    force: Restart = False,
     cores: Cores = None,
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """The VVDP as an electrically controlled pump, steady and dynamic, in the manner of ISO 17559 and ISO 4409.
+    """Test it as a controlled pump, based on ISO 17559 and 4409.
 
-    Finished points of the steady maps are kept, and the same command goes on where an earlier one stopped.
+    The test covers steady and dynamic behaviour. Finished points of the steady maps are kept; rerun the same command to
+    resume.
     """
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import say
@@ -127,7 +139,7 @@ def pump(
     held = stand(loaded, "rig pump")
     axes = chosen_axes(held, duty, pressure, speed, temperature, pump_axes(held))
     directory = out if out is not None else Path("results", f"pump-{loaded.name}")
-    with map_directory(directory, "pump"):
+    with map_directory(directory, "pump", force=force):
         with counted("points") as progress:
             result = measured(held, directory, axes, between, cores=cores, progress=progress, say=say)
         write_rig(directory, result, resolved_text(loaded))
@@ -135,11 +147,11 @@ def pump(
             write_rig_report(directory)
     _show(result, directory, json, no_report or not result.finished)
     if not result.finished:
-        say("interrupted; the same command goes on from here")
+        say("interrupted; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
 
 
-@app.command()
+@app.command(cls=Verb)
 def claims(
     system: SystemName,
     settings: Settings = None,
@@ -149,7 +161,10 @@ def claims(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """What is claimed of the rotary valve: against throttling, against a linear valve, driven or not, its ripple."""
+    """Check the published claims for the rotary valve.
+
+    They compare it with throttling and with a linear valve, self-spinning with driven, and judge its ripple.
+    """
     from vvdp.cli.screen import say
     from vvdp.rigs.claims import claims as worked_out
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.cli.options import AsJson, Force, Settings, SystemName, default_directory, out_option
+from vvdp.cli.options import AsJson, Force, NoReport, Settings, SystemName, default_directory, out_option
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -29,22 +29,19 @@ def run(
     system: SystemName,
     settings: Settings = None,
     until: Annotated[
-        str | None, typer.Option("--until", metavar="TIME", help='Simulated time, for example "2 s".')
+        str | None, typer.Option("--until", metavar="TIME", help='Time to simulate, for example "2 s".')
     ] = None,
-    out: Annotated[
-        Path | None,
-        out_option("Where to write; by default results/SYSTEM-DATE-TIME."),
-    ] = None,
+    out: Annotated[Path | None, out_option("results/SYSTEM-DATE-TIME")] = None,
     force: Force = False,
     json: AsJson = False,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.")] = False,
+    no_report: NoReport = False,
     check: Annotated[
-        bool, typer.Option("--check", help="Run again at a tenth of the tolerance, and say what moves.")
+        bool, typer.Option("--check", help="Repeat the run at a tenth of the tolerance and show what changes.")
     ] = False,
 ) -> None:
-    """Simulate a system; write its results and a report.
+    """Simulate a system and write its results and a report.
 
-    Ctrl-C ends the simulation early and keeps what was reached.
+    Ctrl-C stops the simulation early and keeps the results so far.
     """
     from vvdp.cli.progress import reached
     from vvdp.cli.screen import plain, print_json, say

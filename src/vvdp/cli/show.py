@@ -19,11 +19,11 @@ def show(
     system: SystemName,
     settings: Settings = None,
     json: AsJson = False,
-    text: Annotated[bool, typer.Option("--text", help="Print the circuit as it is written out and simulated.")] = False,
+    text: Annotated[bool, typer.Option("--text", help="Print the generated Python text of the circuit.")] = False,
 ) -> None:
     """Show nodes, components and values of a system.
 
-    Each value has its status and source; pressure levels are shown gauge and absolute.
+    Each value is shown with its status and source; pressure levels are shown gauge and absolute.
     """
     from vvdp.cli.screen import print_json
     from vvdp.systems.system import load_system

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, out_option
+from vvdp.cli.options import AsJson, Restart, out_option
 
 if TYPE_CHECKING:
     from vvdp.studies.results import StudyResults
@@ -15,27 +15,29 @@ INTERRUPTED = 130
 
 
 def study(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The study, a TOML file; see docs/studies.md.")],
-    out: Annotated[Path | None, out_option("Where the cases are kept; by default results/NAME.")] = None,
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The study, a TOML file.")],
+    out: Annotated[Path | None, out_option("results/FILE")] = None,
     on: On = HERE,
     workers: Workers = None,
     cores: Cores = None,
     sbatch: Sbatch = None,
+    force: Restart = False,
     json: AsJson = False,
 ) -> None:
-    """Run many cases of a system; a rerun goes on where it stopped.
+    """Run many cases of a system; rerun to resume.
 
-    Ctrl-C ends the study after the batches at hand. All columns are written to study.csv.
+    Ctrl-C stops after the current batches. All columns are written to study.csv.
     """
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say, warn
     from vvdp.studies.run import run_study
+    from vvdp.studies.store import set_aside
     from vvdp.studies.study import load_study
 
     wanted = load_study(file)
     directory = out if out is not None else Path("results", file.stem)
     engine = chosen_engine(on, workers, cores, sbatch, directory)
-    with counted("cases") as progress:
+    with set_aside(directory, force=force), counted("cases") as progress:
         results = run_study(wanted, directory, engine=engine, progress=progress, say=say)
     results.write_csv(directory / "study.csv")
     if json:

@@ -18,20 +18,19 @@ def valve(
     system: SystemName,
     flow: Annotated[
         list[str] | None,
-        typer.Option("--flow", metavar="FLOW", help='Pump flow, for example "40 lpm"; may be repeated.'),
+        typer.Option("--flow", metavar="FLOW", help='Pump flow, for example "40 lpm" (repeatable).'),
     ] = None,
     temperature: Annotated[
         list[str] | None,
-        typer.Option("--temperature", metavar="TEMP", help='Oil temperature, as "40 degC"; may be repeated.'),
+        typer.Option("--temperature", metavar="TEMP", help='Oil temperature, for example "40 degC" (repeatable).'),
     ] = None,
     settings: Settings = None,
     json: AsJson = False,
 ) -> None:
     """Show the valve's drops, torques, speeds and losses.
 
-    They come from closed forms, without a simulation. Flow and temperature are those at the start of the run unless
-    given; several give one row for each pair. The load pressure is the prescribed one, or where the load makes its
-    own, the initial one.
+    They are analytic, without a simulation. Flow and temperature default to those at the start of the run; several
+    values give one row per pair. The load pressure is the prescribed one, or the initial one if the load makes its own.
     """
     from vvdp.base.kinds import FLOW, TEMPERATURE
     from vvdp.base.signal import signal_value

@@ -68,6 +68,7 @@ class Order:
     fineness: float
     frames: int
     step: bool
+    report: bool = True
 
 
 @dataclass
@@ -103,7 +104,8 @@ def write_product(folder: Path, order: Order, say: Say) -> Product:
     page = Page(
         order.title, s, product.comparisons, product.domains, product.drawn, order.rows, product.shut, product.finished
     )
-    write_geometry_report(folder, page)
+    if order.report:
+        write_geometry_report(folder, page)
     return product
 
 

@@ -6,6 +6,7 @@ every point. Finished points of a simulated map are kept at once, so an interrup
 
 import hashlib
 import itertools
+import shutil
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -374,10 +375,11 @@ def _points_done(stand: Stand, cache: Path | None, batch: Sequence[_Wanted], cor
 
 
 @contextmanager
-def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True) -> Iterator[None]:
+def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True, force: bool = False) -> Iterator[None]:
     """Makes `directory` the place of a map, new or gone on with, and removes it again if nothing came into it.
 
-    `rig` says of which rig the map is a part. A simulated map and an analytic one do not replace each other.
+    `rig` says of which rig the map is a part. Without `force` a simulated map and an analytic one do not replace each
+    other; with it an earlier map is discarded.
 
     Raises ConfigError where it holds something else or cannot be written.
     """
@@ -386,6 +388,8 @@ def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True) 
     known = ("rig.json", f"{STORE}/study.json")
     if directory.exists() and any(directory.iterdir()) and not any((directory / name).is_file() for name in known):
         raise unusable(directory, "holds something else than a map; choose another directory")
+    if force and directory.exists():
+        shutil.rmtree(directory)
     if (directory / "rig.json").is_file() and read_rig(directory).rig != rig:
         raise unusable(directory, "holds the result of another rig; choose another directory")
     stored = (directory / STORE).exists()

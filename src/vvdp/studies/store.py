@@ -14,7 +14,10 @@ import json
 import math
 import os
 import secrets
-from collections.abc import Mapping, Sequence
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,10 +44,7 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
 
     Raises ConfigError where it holds something else, cannot be written, or has a damaged file.
     """
-    if directory.exists() and not directory.is_dir():
-        raise unusable(directory, "is not a directory")
-    if directory.exists() and any(directory.iterdir()) and not (directory / DESCRIPTION).exists():
-        raise unusable(directory, "holds something else than a study; choose another directory")
+    _require_store(directory)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         _write(directory / DESCRIPTION, {"format": FORMAT, **description})
@@ -58,6 +58,33 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
         rows = {name: (mark, [_row(case) for case in cases]) for name, (mark, cases) in unknown.items()}
         write_index(directory, rows, gone)
     return _by_key(found)
+
+
+@contextmanager
+def set_aside(directory: Path, *, force: bool) -> Iterator[None]:
+    """With `force`, puts an earlier study away while another begins; it comes back if that does not begin.
+
+    Raises ConfigError where `directory` holds something else than a study.
+    """
+    _require_store(directory)
+    if not (force and directory.exists()):
+        yield
+        return
+    aside = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+    earlier = directory.rename(aside / directory.name)
+    try:
+        yield
+    finally:
+        if not directory.exists():
+            earlier.rename(directory)
+        shutil.rmtree(aside)
+
+
+def _require_store(directory: Path) -> None:
+    if directory.exists() and not directory.is_dir():
+        raise unusable(directory, "is not a directory")
+    if directory.exists() and any(directory.iterdir()) and not (directory / DESCRIPTION).exists():
+        raise unusable(directory, "holds something else than a study; choose another directory")
 
 
 def finished_cases(directory: Path) -> dict[str, Finished]:
