@@ -167,16 +167,15 @@ def is_loop_compiled() -> bool:
 
 def compiled_loop(say: Callable[[str], None]) -> Any:
     """The compiled loop; Numba is loaded here, and only here."""
-    with one_at_a_time:
+    with one_at_a_time, registries_left_out(), warnings.catch_warnings():
         _drop_stale_loop()
         if not is_loop_compiled():
             say("compiling the simulation loop (once for each installation, about half a minute)")
-    with one_at_a_time, registries_left_out(), warnings.catch_warnings():
         # That a function may be handed to another is new in Numba, and says so at the first run of an installation.
         warnings.filterwarnings("ignore", message="First-class function type feature is experimental")
         from vvdp.simulation import loop
 
-    return loop
+        return loop
 
 
 @cache
