@@ -15,6 +15,7 @@ import numpy.typing as npt
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.simulation.batch import BatchRun, simulate_batch
+from vvdp.simulation.crew import never
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, Window
@@ -79,6 +80,7 @@ def periodic_states(
     periods: Sequence[float],
     *,
     cores: int | None = None,
+    stop: Callable[[], bool] = never,
     cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> list[Periodic]:
@@ -88,6 +90,9 @@ def periodic_states(
     period for each unknown and one more; a step that leads into the impossible is halved. Raises ParameterError where
     the cases differ in shape or a period is not above zero.
 
+    `stop` is asked every few milliseconds; once it says so, the states found by then are kept, and the other cases have
+    that as their reason.
+
     Source  ours, docs/models/periodic-states.md
     """
     if len(periods) != len(cases) or not all(p > 0.0 for p in periods):
@@ -95,18 +100,22 @@ def periodic_states(
     unknown = _unknowns(cases[0])
     scale = np.array([kind.scale if kind else 1.0 for _, _, kind in leaves(cases[0].state)])[unknown]
     stepping = replace(stepping, relative_tolerance=min(stepping.relative_tolerance, TOLERANCE))
-    run = _Runner(model, stepping, unknown, scale, cores, cache, say)
+    run = _Runner(model, stepping, unknown, scale, cores, stop, cache, say)
     guesses = [flat(case.state)[unknown] for case in cases]
     found: list[Periodic | None] = [None] * len(cases)
     best = [np.inf] * len(cases)
     expected = list(periods)
+    missing = f"no periodic state after {MOST_ROUNDS} rounds"
     last: list[tuple[Array, Array] | None] = [None] * len(cases)  # the state a step began from, and the step
     for rounds in range(1, MOST_ROUNDS + 1):
         open_ = [i for i, done in enumerate(found) if done is None]
         if not open_:
             break
-        for i, shot in zip(open_, run.shots([cases[i] for i in open_], [guesses[i] for i in open_],
-                                            [expected[i] for i in open_]), strict=True):  # fmt: skip
+        shots = run.shots([cases[i] for i in open_], [guesses[i] for i in open_], [expected[i] for i in open_])
+        if shots is None:
+            missing = f"stopped in round {rounds}, before the periodic state was found"
+            break
+        for i, shot in zip(open_, shots, strict=True):
             step = last[i]
             if isinstance(shot, str):
                 if step is None:
@@ -127,7 +136,6 @@ def periodic_states(
             best[i] = min(best[i], residual)
             last[i] = guesses[i], delta
             guesses[i] = guesses[i] + np.clip(delta, -SHRINK * np.abs(guesses[i]), GROW * np.abs(guesses[i]) + scale)
-    missing = f"no periodic state after {MOST_ROUNDS} rounds"
     return [
         done or Periodic(case, None, worst, np.inf, period, MOST_ROUNDS, missing)
         for done, case, worst, period in zip(found, cases, best, expected, strict=True)
@@ -162,11 +170,17 @@ class _Runner:
     unknown: npt.NDArray[np.intp]
     scale: Array
     cores: int | None
+    stop: Callable[[], bool]
     cache: Path | None
     say: Callable[[str], None]
 
-    def shots(self, cases: Sequence[Case], guesses: Sequence[Array], periods: Sequence[float]) -> list[_Shot | str]:
-        """For each case its shot, or why there is none. Cases of alike periods run together."""
+    def shots(
+        self, cases: Sequence[Case], guesses: Sequence[Array], periods: Sequence[float]
+    ) -> list[_Shot | str] | None:
+        """For each case its shot, or why there is none; None where they were stopped.
+
+        Cases of alike periods run together.
+        """
         found: list[_Shot | str] = [""] * len(cases)
         groups: dict[int, list[int]] = {}
         for i, period in enumerate(periods):
@@ -175,6 +189,8 @@ class _Runner:
             until, waiting = MARGIN * max(periods[i] for i in members), members
             for patience in range(MOST_PATIENCE + 1):
                 part = self._together([cases[i] for i in waiting], [guesses[i] for i in waiting], until)
+                if part is None:
+                    return None
                 late = []
                 for i, shot in zip(waiting, part, strict=True):
                     if shot is None and patience < MOST_PATIENCE:
@@ -186,7 +202,7 @@ class _Runner:
                 until, waiting = 2.0 * until, late
         return found
 
-    def _together(self, cases: Sequence[Case], guesses: Sequence[Array], until: float) -> list[_Shot | str | None]:
+    def _together(self, cases: Sequence[Case], guesses: Sequence[Array], until: float) -> list[_Shot | str | None] | None:
         n = self.unknown.size
         rows: list[Case] = []
         steps: list[Array] = []
@@ -201,7 +217,11 @@ class _Runner:
                     shifted[self.unknown[column]] += delta[column]
                 rows.append(replace(case, state=as_value(case.state, shifted)))
         stepping = replace(self.stepping, until=until)
-        run = simulate_batch(self.model, rows, stepping, 0.0, cores=self.cores, cache=self.cache, say=self.say)
+        run = simulate_batch(
+            self.model, rows, stepping, 0.0, cores=self.cores, stop=self.stop, cache=self.cache, say=self.say
+        )
+        if run.stopped:
+            return None
         return [self._shot(run, i * (n + 1), steps[i]) for i in range(len(cases))]
 
     def _shot(self, run: BatchRun, row: int, delta: Array) -> _Shot | str | None:

@@ -1,8 +1,7 @@
 """Many cases of one model at once, on all cores; nothing is recorded but what a summary needs."""
 
 import time
-from collections.abc import Callable, Hashable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +12,7 @@ import numpy.typing as npt
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.simulation import places
+from vvdp.simulation.crew import Crew, never
 from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
 from vvdp.simulation.layout import case_form
 from vvdp.simulation.layout import case_shape as case_shape
@@ -36,7 +36,8 @@ class BatchRun:
     """What a batch has left: a row for every case, columns in the order of the state.
 
     Marks are those from `marks_from` on; a case without any has NaN for their times and states. `reasons` says why a
-    case could not be carried to the end, None where it was; the row of such a case holds what it had reached.
+    case could not be carried to the end, None where it was; the row of such a case holds what it had reached. `stopped`
+    says whether somebody stopped the batch; cases that had ended by then are as they would be anyway.
     """
 
     model: Model
@@ -63,6 +64,7 @@ class BatchRun:
     seconds: float
     digest: str
     lanes: tuple[bool, ...]  # whether a case ran in a lane beside others, or alone
+    stopped: bool
     why_alone: str | None  # why all of them did; None where only those did that are stiff or cannot go on
 
     def outcome(self, case: int) -> Outcome | None:
@@ -101,6 +103,7 @@ def simulate_batch(
     *,
     cores: int | None = None,
     lanes: bool = True,
+    stop: Callable[[], bool] = never,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
 ) -> BatchRun:
@@ -110,10 +113,12 @@ def simulate_batch(
     within the tolerance, and to the last bit with any other batch that they are in, on any number of cores. Without,
     and where the result says that a case ran alone, they agree with `simulate` to the last bit.
 
-    A case that fails is reported in the result and stops no other. Raises ParameterError where the cases are not of
-    one shape, or `cores` (all, unless said) is not a number of them.
+    A case that fails is reported in the result and stops no other. `stop` is asked every few milliseconds, in the
+    thread of the caller; once it says so, no case goes on, and those that have not ended are reported likewise. Raises
+    ParameterError where the cases are not of one shape, or `cores` (all, unless said) is not a number of them.
     """
     _are_of_one_shape(cases)
+    crew = Crew(_threads(cores), stop)
     began = time.perf_counter()
     ready = prepared(model, cases[0], stepping, cache, say)
     loop = compiled_loop(say)
@@ -123,13 +128,13 @@ def simulate_batch(
     elif lanes:
         code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
     rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
-    part = _carried(loop, ready, code, cases, stepping, marks_from, rows, cores)
+    part = _carried(loop, ready, code, cases, stepping, marks_from, rows, crew)
     crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # their middle mark has been written over
     if crowded.size:
         room = int(part.clocks[crowded, places.MARKS].max()) + 1
         at_once = max(1, _places(ready, room))
         for some in np.split(crowded, range(at_once, crowded.size, at_once)):
-            again = _carried(loop, ready, code, [cases[row] for row in some], stepping, marks_from, room, cores)
+            again = _carried(loop, ready, code, [cases[row] for row in some], stepping, marks_from, room, crew)
             for whole, piece in zip(part, again, strict=True):
                 whole[some] = piece
     clocks = part.clocks
@@ -158,6 +163,7 @@ def simulate_batch(
         seconds=time.perf_counter() - began,
         digest=ready.linked.digest,
         lanes=tuple(part.lanes.tolist()),
+        stopped=crew.is_halted,
         why_alone=code if isinstance(code, str) else None,
         **_counts(part),
     )
@@ -183,6 +189,8 @@ def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
         check_start(case)
     except RunError as problem:
         return str(problem)
+    if status in (places.PAUSED, places.HANDED):
+        return f"stopped at t = {clock[places.TIME]:.6g} s"
     return None if status == places.DONE else failure(case, clock, state, status)
 
 
@@ -225,34 +233,26 @@ def _carried(
     stepping: Stepping,
     marks_from: float,
     rows: int,
-    cores: int | None,
+    crew: Crew,
 ) -> _Carried:
     count, n = len(cases), ready.vectors.state.size
     state, command, memory, params = rows_of(cases)
     start, others = state.copy(), started(ready, stepping)[3:]
     begun = Reached(state, command, memory, *(np.stack([part] * count) for part in others))
-    low, high, status = np.zeros((count, n)), np.zeros((count, n)), np.full(count, places.HANDED)
+    low, high, status = state.copy(), state.copy(), np.full(count, places.HANDED)
     times, states = np.zeros((count, rows)), np.zeros((count, rows, n))
     kept = (times, states, low, high, status)
-    with _threads(cores) as threads:
-        if isinstance(code, SideBySide):
-            fresh = begun.copy()
-            run_lanes(code, ready, stepping, marks_from, begun, params, kept, threads)
-            alone = np.flatnonzero(status == places.HANDED)
-            for part, first in zip(begun, fresh, strict=True):
-                part[alone] = first[alone]
-        alone = np.flatnonzero(status == places.HANDED)
-        # Each thread takes a block of rows, and neighbours take alike long: deal the cases out in turn.
-        order = np.concatenate([alone[first::threads] for first in range(threads)])
-        rest = (
-            Reached._make(part[order] for part in begun),
-            tuple(np.zeros_like(part[:1], shape=(order.size, *part.shape[1:])) for part in kept),
-        )
-        _run_alone(loop, ready, stepping, marks_from, rest[0], params[order], rest[1])
-        for whole, piece in zip((*begun, *kept), (*rest[0], *rest[1]), strict=True):
-            whole[order] = piece
-    clocks, beside = begun.clock, np.ones(count, bool)
-    beside[order] = False
+    if isinstance(code, SideBySide):
+        fresh = begun.copy()
+        run_lanes(code, ready, stepping, marks_from, begun, params, kept, crew)
+        beside = status != places.HANDED
+        alone = np.flatnonzero(~beside)
+        for part, first in zip(begun, fresh, strict=True):
+            part[alone] = first[alone]
+    else:
+        beside, alone = np.zeros(count, bool), np.arange(count)
+    _run_alone(loop, ready, stepping, marks_from, begun, params, kept, alone, crew)
+    clocks = begun.clock
     marks = clocks[:, places.STORED].astype(np.int64)
     row, last = np.arange(count), np.clip(marks - 1, 0, rows - 1)
     mark_times = np.stack([times[:, 0], times[row, last // 2], times[row, last]], axis=1)
@@ -265,16 +265,31 @@ def _carried(
 
 
 def _run_alone(
-    loop: Any, ready: Prepared, stepping: Stepping, marks_from: float, begun: Reached, params: Array, kept: Any
+    loop: Any,
+    ready: Prepared,
+    stepping: Stepping,
+    marks_from: float,
+    begun: Reached,
+    params: Array,
+    kept: Any,
+    order: npt.NDArray[np.int64],
+    crew: Crew,
 ) -> None:
-    """Runs each case by itself; all arrays are changed in place."""
-    loop.batch(
-        *ready.linked[:4],
-        *(*begun[:3], params, ready.plan, *begun[3:]),
-        *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern),
-        *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
-        *kept,
-    )
+    """Runs each case of these rows by itself; all arrays are changed in place."""
+    nothing = [np.zeros((0, part.shape[1])) for part in begun[:3]]
+
+    def work(queue: npt.NDArray[np.int64]) -> None:
+        bench = loop.workbench(ready.plan, begun.state.shape[1], ready.width.size, ready.pattern)
+        loop.batch(
+            *ready.linked[:4],
+            *(*begun[:3], params, ready.plan, *begun[3:]),
+            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, bench),
+            *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
+            *(np.zeros(0), *nothing, *kept, order, queue),
+        )
+
+    if order.size:
+        crew.carry_out(work)
 
 
 def _difference(shape: tuple[tuple[str, object], ...], other: tuple[tuple[str, object], ...]) -> str | None:
@@ -293,17 +308,11 @@ def _form(found: object) -> str:
     return "a number" if found in (0, ()) else f"an array of {found if isinstance(found, tuple) else f'{found} axes'}"
 
 
-@contextmanager
-def _threads(cores: int | None) -> Iterator[int]:
-    """The number of threads that compiled loops use within the block: `cores`, or all."""
+def _threads(cores: int | None) -> int:
+    """How many threads carry out a batch: `cores`, or as many as Numba is allowed to use."""
     import numba
 
     most = int(vars(numba.config)["NUMBA_NUM_THREADS"])
     if cores is not None and not 1 <= cores <= most:
         raise ParameterError(f"{cores} cores; expected 1 to {most}")
-    before = numba.get_num_threads()
-    numba.set_num_threads(cores or most)
-    try:
-        yield numba.get_num_threads()
-    finally:
-        numba.set_num_threads(before)
+    return cores or most

@@ -11,6 +11,7 @@ import shutil
 import stat
 import sys
 import tempfile
+import threading
 import types
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -21,6 +22,10 @@ from vvdp.simulation.loading import registries_left_out
 
 TEXT, SUMS = "linked.py", "sums"
 ADVICE = "set VVDP_CACHE to a folder of your own"
+
+
+one_at_a_time = threading.RLock()
+"""Held while code is compiled or read: a module is known by its name before it is complete."""
 
 
 def quiet(message: str) -> None:
@@ -49,24 +54,28 @@ def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.Mod
 
     Raises RunError where the cache cannot be written, or can be by others.
     """
-    if found := sys.modules.get(_module_name(wanted.name)):
-        return found
-    try:
-        cache.mkdir(mode=0o700, parents=True, exist_ok=True)
-        check_private(cache)
-        folder = cache / f"{wanted.name}-{_processor()}"
-        if folder.exists():
-            check_private(folder)
-            found = _kept(wanted, folder)
-            if found:
-                return found
-            say(f"compiled code in {folder} is damaged; compiling it anew")
-            shutil.rmtree(folder, ignore_errors=True)
-        elif wanted.announcement:
-            say(wanted.announcement)
-        return _compiled(wanted, folder)
-    except OSError as problem:
-        raise RunError(f"compiled code cannot be kept in {cache} ({problem.strerror}); {ADVICE}") from None
+    with one_at_a_time:
+        if found := sys.modules.get(_module_name(wanted.name)):
+            return found
+        try:
+            return _read_or_compiled(wanted, cache, say)
+        except OSError as problem:
+            raise RunError(f"compiled code cannot be kept in {cache} ({problem.strerror}); {ADVICE}") from None
+
+
+def _read_or_compiled(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
+    cache.mkdir(mode=0o700, parents=True, exist_ok=True)
+    check_private(cache)
+    folder = cache / f"{wanted.name}-{_processor()}"
+    if folder.exists():
+        check_private(folder)
+        if found := _kept(wanted, folder):
+            return found
+        say(f"compiled code in {folder} is damaged; compiling it anew")
+        shutil.rmtree(folder, ignore_errors=True)
+    elif wanted.announcement:
+        say(wanted.announcement)
+    return _compiled(wanted, folder)
 
 
 def check_private(folder: Path) -> None:

@@ -16,7 +16,7 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 
 from vvdp.simulation import lane_math, lane_values
-from vvdp.simulation.cache import default_cache, kept, quiet
+from vvdp.simulation.cache import default_cache, kept, one_at_a_time, quiet
 from vvdp.simulation.lane_math import FUNCTIONS
 from vvdp.simulation.lane_values import DOUBLE, Code, Mask, Vector
 from vvdp.simulation.symbols import Node, Op
@@ -55,9 +55,10 @@ def lane_rates(graph: Graph, cache: Path | None = None, say: Callable[[str], Non
         say("compiling rates for many cases at once")
         return compiled(lane_text(graph, host_width(), is_fused()).replace(NAME, symbol))
 
-    if symbol not in _loaded:
-        _loaded[symbol] = loaded(kept(symbol, make, cache or default_cache()))
-        llvm.add_symbol(symbol, _loaded[symbol].get_function_address(symbol))
+    with one_at_a_time:
+        if symbol not in _loaded:
+            _loaded[symbol] = loaded(kept(symbol, make, cache or default_cache()))
+            llvm.add_symbol(symbol, _loaded[symbol].get_function_address(symbol))
     return LaneRates(host_width(), _loaded[symbol].get_function_address(symbol), symbol)
 
 

@@ -37,7 +37,6 @@ from vvdp.simulation.lane_vectors import (
     norms,
     scatter,
     sweep,
-    take,
     tell,
 )
 from vvdp.simulation.loop import (
@@ -63,10 +62,12 @@ from vvdp.simulation.places import (
     DONE,
     EVALUATIONS,
     HAIR,
+    HALT,
     HANDED,
     HASTY,
     LANDED,
     MARK_BEFORE,
+    PAUSED,
     PERIOD,
     REFUSED,
     REJECTED,
@@ -75,6 +76,7 @@ from vvdp.simulation.places import (
     STEPS,
     TIME,
 )
+from vvdp.simulation.queue import take
 from vvdp.simulation.schedule import begin, instant, next_due
 from vvdp.simulation.steps import copy, turning_value
 
@@ -322,6 +324,15 @@ def unload(cases, lanes, status, lane):
     cases.status[case] = status
 
 
+@njit(**BARE)
+def put_down(cases, lanes, y):
+    """Keeps what all lanes have reached by now."""
+    for lane in range(WIDTH):
+        if lanes.case[lane] >= 0:
+            gather(cases.y[lanes.case[lane]], y, lane)
+            unload(cases, lanes, PAUSED, lane)
+
+
 @njit(**BARE, inline="always")
 def put_back(lanes, y, y_before, k, k_before, lane):
     """Leaves a lane where it was before its step."""
@@ -341,7 +352,8 @@ def run_lanes(all_rates, all_events, signals, rates, sample, events, stop, cases
     """Carries cases from the queue to `t_end`, each in a lane; `status` says which are to be run by themselves.
 
     all_rates, all_events  addresses of the code for all lanes
-    queue                  the number of the next case, shared with others who do the same with lanes of their own
+    queue                  the number of the next case, shared with others who do the same with lanes of their own,
+                           and whether to stop: what is in the lanes is then put down as it is
     """
     y, trial, first, last, live = lanes.y, lanes.trial, 0, 6, 0
     modes = bench.rate.size - cases.y.shape[1]
@@ -349,6 +361,9 @@ def run_lanes(all_rates, all_events, signals, rates, sample, events, stop, cases
     for lane in range(WIDTH):
         live += load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue, y, first, lane)
     while live > 0:
+        if queue[HALT] != 0:
+            put_down(cases, lanes, y)
+            break
         aim(cases, rules, lanes)
         sweep(all_rates, signals, cases, lanes, y, trial, first, last)
         norms(rules, lanes, y, trial)

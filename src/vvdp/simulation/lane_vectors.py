@@ -108,17 +108,6 @@ def call(typing, place, t, y, u, p, s, result):
 
 
 @intrinsic
-def take(typing, queue):
-    """The first number of `queue`, which is one more afterwards, whoever else takes one at the same time."""
-
-    def generate(context, builder, signature, arguments):
-        place = make_array(signature.args[0])(context, builder, arguments[0]).data
-        return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "monotonic")
-
-    return types.int64(queue), generate
-
-
-@intrinsic
 def combine(typing, result, place, y, h, weights, stages):
     """Writes y + h * (weights[0] * stages[0] + ...) for all lanes of the number that begins at `place`.
 

@@ -1,7 +1,6 @@
 """Whether the cases of a model can run side by side in the lanes of a vector, and the arrays in which they do."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +10,7 @@ import numpy.typing as npt
 from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
 from vvdp.simulation import places
+from vvdp.simulation.crew import Crew
 from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
 from vvdp.simulation.link import Hashed, default_cache, quiet
@@ -78,9 +78,9 @@ def run_lanes(
     begun: Reached,
     params: Array,
     kept: tuple[Array, Array, Array, Array, npt.NDArray[np.int64]],
-    threads: int,
+    crew: Crew,
 ) -> None:
-    """Runs the cases of the rows of `begun` and `params`, all changed in place, on so many threads.
+    """Runs the cases of the rows of `begun` and `params`, all changed in place.
 
     `kept` are the times of marks and the states at them, the lowest and highest states, and what has become of each
     case, all to be filled in; HANDED where it is to be run by itself.
@@ -110,21 +110,13 @@ def run_lanes(
         reads=np.array(code.commands, np.int64),
         stiff_from=lane_loop.STIFF_FOR_GOOD if stepping.method is Method.AUTOMATIC else np.inf,
     )
-    queue = np.array([params.shape[0]], np.int64)
 
-    def work(_: int) -> None:
+    def work(queue: npt.NDArray[np.int64]) -> None:
         room = _room(n, modes, positions, active, ready.vectors.command.size, code)
         bench = loop.workbench(ready.plan, n, positions, ready.pattern)
         lane_loop.run_lanes(code.rates, code.events, code.signals, *ready.linked[:4], cases, rules, room, bench, queue)
 
-    # With nothing in the queue at first: Numba looks for the right version of a function, as threads must not at once.
-    work(0)
-    queue[0] = 0
-    if threads == 1:
-        work(0)
-        return
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(work, range(threads)))
+    crew.carry_out(work)
 
 
 def _room(n: int, modes: int, positions: int, active: int, commands: int, code: SideBySide) -> Any:

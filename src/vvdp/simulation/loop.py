@@ -8,7 +8,7 @@ the last bit.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import float64, int64, njit, prange, types
+from numba import float64, int64, njit, types
 
 from vvdp.numerics.sparse import Pattern
 from vvdp.simulation.landing import GRAIN, changed, follow, forget, guess, hold, is_left, lateness, positions, settle
@@ -25,6 +25,7 @@ from vvdp.simulation.places import (
     FASTEST,
     FIRST,
     HAIR,
+    HALT,
     HASTY,
     LANDED,
     LAST,
@@ -47,6 +48,7 @@ from vvdp.simulation.places import (
     TIME,
     TOO_MANY_WAITING,
 )
+from vvdp.simulation.queue import take
 from vvdp.simulation.schedule import begin, instant, next_due
 from vvdp.simulation.steps import between, copy, explicit_step, fill, widen
 from vvdp.simulation.stiff import stiff_step
@@ -137,7 +139,7 @@ RUN = int64(
 )  # fmt: skip
 
 
-@njit(RUN, **BARE)
+@njit(RUN, **BARE, nogil=True)
 def run(
     rates, sample, events, stop,
     y, command, memory, params, plan, agenda, waiting, clock, course, atol, rtol, scale, width,
@@ -317,35 +319,43 @@ def workbench(plan, n, positions, pattern):
     )
 
 
+PORTION = 2000.0
+"""Evaluations of a case in a batch between two looks at whether all are to stop: at most some milliseconds."""
+
 BATCH = types.void(
     RATES, SAMPLE, EVENT_LIST, STOP,
     MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, float64[:, :, :, ::1], MATRIX, CUBE, VECTOR, VECTOR, VECTOR, VECTOR,
-    PATTERN, float64, float64, float64, int64,
-    MATRIX, CUBE, MATRIX, MATRIX, int64[::1],
+    PATTERN, BENCH, float64, float64, float64, int64, VECTOR, MATRIX, MATRIX, MATRIX,
+    MATRIX, CUBE, MATRIX, MATRIX, INTS, INTS, INTS,
 )  # fmt: skip
 
 
-@njit(BATCH, cache=True, error_model="numpy", nogil=True, parallel=True)
+@njit(BATCH, **BARE, nogil=True)
 def batch(
     rates, sample, events, stop,
     y, command, memory, params, plan, agenda, waiting, clocks, course, atol, rtol, scale, width,
-    pattern, t_end, longest, marks_from, method,
-    mark_times, mark_states, low, high, status,
+    pattern, bench, t_end, longest, marks_from, method, record_times, record, record_command, record_memory,
+    mark_times, mark_states, low, high, status, order, queue,
 ):  # fmt: skip
-    """Runs one case per row of `params` and `y` on all cores; of the marks keeps the first and the last.
+    """Runs the cases of these rows, in this order, one after the other; of the marks keeps the first and the last.
 
-    `y`, `command`, `memory`, `agenda`, `waiting`, `clocks` and `course` are changed in place.
+    order  rows of the arrays that have one for each case; `y` and the like are changed in place
+    queue  the place of the next case in `order`, shared with others who do the same with workbenches of their own
     """
-    for case in prange(params.shape[0]):
-        n = y.shape[1]
+    while queue[HALT] == 0:
+        place = take(queue)
+        if place >= order.size:
+            break
+        case = order[place]
         copy(low[case], y[case])
         copy(high[case], y[case])
-        bench = workbench(plan, n, width.size, pattern)
-        status[case] = run(
-            rates, sample, events, stop,
-            y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],
-            course[case], atol, rtol, scale, width,
-            pattern, bench, t_end, longest, marks_from, method, 1e300, 1,
-            np.zeros(0), np.zeros((0, n)), np.zeros((0, command.shape[1])), np.zeros((0, memory.shape[1])),
-            mark_times[case], mark_states[case], low[case], high[case],
-        )  # fmt: skip
+        status[case] = PAUSED
+        while status[case] == PAUSED and queue[HALT] == 0:
+            status[case] = run(
+                rates, sample, events, stop,
+                y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],
+                course[case], atol, rtol, scale, width,
+                pattern, bench, t_end, longest, marks_from, method, PORTION, 1,
+                record_times, record, record_command, record_memory,
+                mark_times[case], mark_states[case], low[case], high[case],
+            )  # fmt: skip

@@ -31,5 +31,8 @@ NUMBER, CALLS, LEVEL, SERVED, HEAD, WAITING, DUE = range(7)
 DEPTH = 16
 AGENDA = DUE + DEPTH
 
+# A queue that threads share: the number of the next case, and whether all are to stop where they are.
+NEXT, HALT = 0, 1
+
 # Instants nearer to each other than this share of the time are one: two ways of rounding the same multiple.
 HAIR = 2e-15

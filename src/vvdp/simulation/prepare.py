@@ -15,6 +15,7 @@ from vvdp.base.books import NOTHING
 from vvdp.base.kinds import KINK
 from vvdp.numerics.sparse import Pattern, pattern
 from vvdp.simulation import places
+from vvdp.simulation.cache import one_at_a_time
 from vvdp.simulation.check import check_model, check_times
 from vvdp.simulation.layout import Vectors, command_parts, vectors
 from vvdp.simulation.link import Linked, link, quiet
@@ -26,8 +27,8 @@ from vvdp.simulation.trace import dependencies, trace
 from vvdp.simulation.values import leaves
 
 LOOP = (
-    *("landing", "lane_code", "lane_loop", "lane_vectors", "loop", "marks", "pace", "places", "schedule", "steps"),
-    "stiff",
+    *("landing", "lane_code", "lane_loop", "lane_vectors", "loop", "marks", "pace", "places", "queue", "schedule"),
+    *("steps", "stiff"),
 )
 """The modules that the compiled loop is written in."""
 MOST_MODES = 8
@@ -166,15 +167,15 @@ def is_loop_compiled() -> bool:
 
 def compiled_loop(say: Callable[[str], None]) -> Any:
     """The compiled loop; Numba is loaded here, and only here."""
-    _drop_stale_loop()
-    if not is_loop_compiled():
-        say("compiling the simulation loop (once for each installation, about half a minute)")
-    with registries_left_out(), warnings.catch_warnings():
+    with one_at_a_time, registries_left_out(), warnings.catch_warnings():
+        _drop_stale_loop()
+        if not is_loop_compiled():
+            say("compiling the simulation loop (once for each installation, about half a minute)")
         # That a function may be handed to another is new in Numba, and says so at the first run of an installation.
         warnings.filterwarnings("ignore", message="First-class function type feature is experimental")
         from vvdp.simulation import loop
 
-    return loop
+        return loop
 
 
 @cache

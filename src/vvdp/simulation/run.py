@@ -2,9 +2,10 @@
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.books import NOTHING
 from vvdp.base.errors import RunError
 from vvdp.simulation import places
+from vvdp.simulation.crew import first_call
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
@@ -23,8 +25,11 @@ from vvdp.simulation.stepping import Method as Method
 from vvdp.simulation.stepping import Stepping as Stepping
 from vvdp.simulation.values import as_series, as_value, leaves, names
 
-PORTION = 2e6
-"""Evaluations between two looks at the keyboard: about a second."""
+FIRST_PORTION = 1e3
+"""Evaluations of the first portion of a run; the next ones are as large as the time for them allows."""
+PROMPT, UNHURRIED = 5e-3, 5e-2
+"""How long a portion may take where somebody may stop the run, and where only the keyboard may [s]."""
+MOST_GROWTH = 20.0
 MOST_MARKS = 1e6
 MANY_JUMPS = 5
 """From so many places on at which steps were refused in series, and no stop was named, a run has a remark."""
@@ -151,9 +156,10 @@ def simulate(
     *,
     continue_from: Run | None = None,
     progress: Callable[[float], None] | None = None,
+    stop: Callable[[], bool] | None = None,
     say: Callable[[str], None] = quiet,
     cache: Path | None = None,
-    portion: float = PORTION,
+    portion: float | None = None,
 ) -> Run:
     """The run of `case` to `stepping.until`.
 
@@ -161,8 +167,9 @@ def simulate(
     memory and commands, those that wait included, and with the parameters and settings of `case`. Where that run ended
     on a sample, the result is to the last bit that of a run without a break.
 
-    `progress` hears the time [s] reached after every portion; Ctrl-C ends the run there and keeps what was reached
-    (`Run.finished` is False). Raises RunError when the state becomes infinite or the step vanishes, with the time and
+    A run goes in portions of a few milliseconds, or of so many evaluations as `portion` says, without the interpreter's
+    lock. After each one `progress` hears the time [s] reached, and `stop` is asked whether to end the run there; then,
+    as after Ctrl-C, what was reached is kept (`Run.finished` is False). Raises RunError when the state becomes infinite or the step vanishes, with the time and
     the states concerned.
     """
     if continue_from is not None:
@@ -172,7 +179,7 @@ def simulate(
     before = carried_on(continue_from, ready, stepping) if continue_from else started(ready, stepping)
     reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
     try:
-        _carry(loop, ready, stepping, reached, rows, case, progress, portion)
+        finished = _carry(loop, ready, stepping, reached, rows, case, _Watcher(progress, stop, portion))
     except KeyboardInterrupt:
         finished = False
     counts = _counts(before, reached)
@@ -223,20 +230,24 @@ def _carry(
     reached: Reached,
     rows: _Rows,
     case: Case,
-    progress: Any,
-    portion: float,
-) -> None:
-    status, clock = places.PAUSED, reached.clock
+    watcher: "_Watcher",
+) -> bool:
+    """Whether the run came to its end; False where the watcher stopped it."""
+    status, clock, budget = places.PAUSED, reached.clock, watcher.portion or FIRST_PORTION
+    turn: AbstractContextManager[Any] = first_call
     bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
-    while status != places.DONE:
-        status = loop.run(
-            *ready.linked[:4],
-            *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, bench),
-            *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, portion, 0),
-            *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
-            *(rows.low, rows.high),
-        )
+    while True:
+        began, before = time.perf_counter(), clock[places.EVALUATIONS]
+        with turn:
+            status = loop.run(
+                *ready.linked[:4],
+                *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
+                *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, bench),
+                *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, budget, 0),
+                *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
+                *(rows.low, rows.high),
+            )
+        turn = nullcontext()
         if status == places.MARKS_FULL:
             if rows.mark_times.size > MOST_MARKS:
                 until = f"until t = {clock[places.TIME]:.6g} s"
@@ -245,8 +256,29 @@ def _carry(
             rows.mark_states = np.concatenate([rows.mark_states, np.zeros_like(rows.mark_states)])
         elif status not in (places.DONE, places.PAUSED):
             raise RunError(failure(case, clock, reached.state, status))
-        if progress:
-            progress(float(clock[places.TIME]))
+        stops = watcher.hears(float(clock[places.TIME]))
+        if status == places.DONE or stops:
+            return status == places.DONE
+        budget = watcher.next_portion(clock[places.EVALUATIONS] - before, time.perf_counter() - began)
+
+
+class _Watcher(NamedTuple):
+    """Who hears of a run between its portions, and how large these are."""
+
+    progress: Callable[[float], None] | None
+    stop: Callable[[], bool] | None
+    portion: float | None
+
+    def hears(self, now: float) -> bool:
+        """Tells the time [s] that is reached; whether the run is to stop there."""
+        if self.progress:
+            self.progress(now)
+        return self.stop is not None and self.stop()
+
+    def next_portion(self, spent: float, seconds: float) -> float:
+        """Evaluations of the next portion, after one of so many that took so long [s]."""
+        allowed = UNHURRIED if self.stop is None else PROMPT
+        return self.portion or max(1.0, spent * min(allowed / max(seconds, 1e-9), MOST_GROWTH))
 
 
 def _counts(before: Reached, reached: Reached) -> dict[str, Any]:

@@ -96,12 +96,12 @@ class Remembered(Generic[Result]):
 
     def get(self, key: Hashable | None, holds: Callable[[Result], bool] = lambda _: True) -> Result | None:
         """What is remembered by `key`; None where that is nothing, or a function has changed, or it no more `holds`."""
-        if key is None or key not in self._found:
+        if key is None or (known := self._found.get(key)) is None:
             return None
-        watch, result = self._found[key]
+        watch, result = known
         if watch.unchanged() and holds(result):
             return result
-        del self._found[key]
+        self._found.pop(key, None)  # another thread may have done it by now
         return None
 
     def put(self, key: Hashable | None, functions: Functions, result: Result) -> None:
@@ -113,7 +113,7 @@ class Remembered(Generic[Result]):
         except RunError:
             return
         while len(self._found) >= self._most:
-            del self._found[next(iter(self._found))]
+            self._found.pop(next(iter(self._found)), None)
         self._found[key] = watch, result
 
 

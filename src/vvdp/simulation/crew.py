@@ -1,0 +1,60 @@
+"""The threads that carry out the compiled work of a batch, and who may stop them."""
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from vvdp.simulation import places
+
+LOOK = 5e-3
+"""Between two questions whether to stop [s]."""
+
+Queue = npt.NDArray[np.int64]  # (2,), see `vvdp.simulation.places`
+
+first_call = threading.Lock()
+"""Held at the first call of a compiled function that takes others: Numba then looks for the version of it that fits, as
+two threads must not do at once."""
+
+
+def never() -> bool:
+    """Does not stop anything."""
+    return False
+
+
+@dataclass(frozen=True)
+class Crew:
+    """So many threads, for one piece of work after the other until `stop` says so; then all is left as it is."""
+
+    threads: int
+    stop: Callable[[], bool] = never
+    queue: Queue = field(default_factory=lambda: np.zeros(2, np.int64))
+
+    @property
+    def is_halted(self) -> bool:
+        """Whether the threads were stopped."""
+        return bool(self.queue[places.HALT])
+
+    def carry_out(self, work: Callable[[Queue], None]) -> None:
+        """Calls `work`, compiled code without the interpreter's lock, on each thread, with a queue that they share.
+
+        Ctrl-C, or whatever else `stop` raises, halts the threads and is raised again when they have ended.
+        """
+        with first_call:
+            work(np.array([np.iinfo(np.int64).max // 2, 0]))
+        self.queue[places.NEXT] = 0
+        with ThreadPoolExecutor(self.threads) as pool:
+            try:
+                at_work = {pool.submit(work, self.queue) for _ in range(self.threads)}
+                while at_work:
+                    if self.stop():
+                        self.queue[places.HALT] = 1
+                    ended, at_work = wait(at_work, LOOK)
+                    for each in ended:
+                        each.result()
+            except BaseException:
+                self.queue[places.HALT] = 1
+                raise
