@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
     from vvdp.rigs.maps import Axes, PumpMap
     from vvdp.rigs.result import RigResult
-    from vvdp.rigs.stand import Stand
+    from vvdp.steady.test_stand import Stand
 
 INTERRUPTED = 130
 NOT_TRUSTED = 3
@@ -75,7 +75,7 @@ def map(  # noqa: A001 - the name of the verb
     from vvdp.rigs.map_result import map_result
     from vvdp.rigs.maps import NOT_RUN, analytic_map, map_directory, simulated_map
     from vvdp.rigs.result import write_rig
-    from vvdp.rigs.stand import stand
+    from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 

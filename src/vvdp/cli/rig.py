@@ -22,7 +22,7 @@ from vvdp.cli.options import (
 
 if TYPE_CHECKING:
     from vvdp.rigs.result import RigResult
-    from vvdp.rigs.stand import Stand
+    from vvdp.steady.test_stand import Stand
     from vvdp.systems.system import System
 
 INTERRUPTED = 130
@@ -131,7 +131,7 @@ def pump(
     from vvdp.rigs.pump import pump as measured
     from vvdp.rigs.pump import pump_axes
     from vvdp.rigs.result import write_rig
-    from vvdp.rigs.stand import stand
+    from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
@@ -185,8 +185,8 @@ def _run(
     from vvdp.cli.screen import say
     from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.result import write_rig
-    from vvdp.rigs.stand import stand
     from vvdp.simulation.results import result_directory
+    from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 

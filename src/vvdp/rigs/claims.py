@@ -16,9 +16,9 @@ from vvdp.hydraulics.pump import pump_friction_power
 from vvdp.rigs.conditions import LPM, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.ripple import line_capacity, power_of, ripple, with_gas
-from vvdp.rigs.stand import SetPoint, Stand
-from vvdp.rigs.steady import Steady, steady_states
 from vvdp.simulation.link import quiet
+from vvdp.steady.steady_states import Steady, steady_states
+from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.valve.geometry import nozzle_length, transition_fraction
 from vvdp.valve.losses import full_open_drop
 from vvdp.valve.rotary import RotaryValve

@@ -4,7 +4,7 @@ import numpy as np
 
 from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.rigs.stand import Stand
+from vvdp.steady.test_stand import Stand
 
 BAR, LPM, RPM, CELSIUS = 1e5, 1e-3 / 60.0, 2.0 * np.pi / 60.0, 273.15
 

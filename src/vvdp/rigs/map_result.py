@@ -5,9 +5,9 @@ import numpy as np
 from vvdp.base.units import ATMOSPHERE
 from vvdp.rigs.conditions import BAR, CELSIUS, LPM, RPM, conditions, span
 from vvdp.rigs.maps import NOT_RUN, PumpMap, usable
-from vvdp.rigs.periodic import DISTANCE, LIMIT
 from vvdp.rigs.result import Column, RigResult, Sheet
-from vvdp.rigs.steady import HELD
+from vvdp.steady.shooting import DISTANCE, LIMIT
+from vvdp.steady.steady_states import HELD
 from vvdp.systems.summary import summary_unit
 
 MANNER = (

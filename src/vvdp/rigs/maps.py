@@ -25,16 +25,16 @@ from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.fluid.oil import dynamic_viscosity
 from vvdp.hydraulics.spool_drive import drive_power
-from vvdp.rigs import periodic, steady
-from vvdp.rigs.averages import averages
 from vvdp.rigs.conditions import BAR, CELSIUS, RPM, gauge
-from vvdp.rigs.cycle import CycleMeans
 from vvdp.rigs.result import read_rig
-from vvdp.rigs.stand import SetPoint, Stand
-from vvdp.rigs.steady import Steady, steady_states
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.run import compiled_loop
 from vvdp.simulation.values import flat, leaves
+from vvdp.steady.averages import averages
+from vvdp.steady.cycle_means import CycleMeans
+from vvdp.steady.shooting import DISTANCE, LIMIT, TOLERANCE
+from vvdp.steady.steady_states import HELD, Steady, steady_states
+from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import interrupts_held, silent
 from vvdp.studies.store import Finished, opened_store
@@ -410,8 +410,8 @@ def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True, 
 
 def _key(stand: Stand, point: SetPoint, digest: str) -> str:
     """What a point is known by: everything that its result depends on."""
-    tolerance = min(stand.stepping.relative_tolerance, periodic.TOLERANCE)
-    solver = (periodic.LIMIT, periodic.DISTANCE, tolerance, steady.HELD, stand.stepping.method)
+    tolerance = min(stand.stepping.relative_tolerance, TOLERANCE)
+    solver = (LIMIT, DISTANCE, tolerance, HELD, stand.stepping.method)
     found = hashlib.sha256(repr((vvdp.__version__, digest, solver, tuple(point))).encode())
     for _, table in sorted(stand.bench.tables.items()):
         found.update(repr([path for path, _, _ in leaves(table)]).encode())

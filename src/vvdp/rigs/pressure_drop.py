@@ -11,7 +11,7 @@ from vvdp.base.arrays import Array
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.rigs.conditions import BAR, CELSIUS, LPM, conditions, span
 from vvdp.rigs.result import Column, RigResult, Sheet
-from vvdp.rigs.stand import Stand
+from vvdp.steady.test_stand import Stand
 from vvdp.valve.branch import turbulent_drops
 from vvdp.valve.operating_point import TURBULENT, nozzle_reynolds_number
 

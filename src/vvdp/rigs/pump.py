@@ -12,9 +12,9 @@ from vvdp.rigs.conditions import BAR, LPM
 from vvdp.rigs.map_result import map_result
 from vvdp.rigs.maps import Axes, PumpMap, default_axes, simulated_map
 from vvdp.rigs.result import RigResult
-from vvdp.rigs.stand import Stand
 from vvdp.rigs.step import STEPS, checked_steps, dynamics
 from vvdp.simulation.link import quiet
+from vvdp.steady.test_stand import Stand
 from vvdp.studies.engine import ThisProcess
 from vvdp.studies.run import silent
 

@@ -13,10 +13,10 @@ from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.volume import Vessel, pressure_rate
 from vvdp.rigs.conditions import BAR, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
-from vvdp.rigs.stand import SetPoint, Stand
-from vvdp.rigs.steady import Steady, steady_states
-from vvdp.rigs.waveform import Waveform, harmonics, waveform
 from vvdp.simulation.link import quiet
+from vvdp.steady.steady_states import Steady, steady_states
+from vvdp.steady.test_stand import SetPoint, Stand
+from vvdp.steady.waveform import Waveform, harmonics, waveform
 
 DUTY_RATIOS = tuple(float(d) for d in np.round(np.linspace(0.15, 0.95, 9), 6))
 FREQUENCIES = (20.0, 30.0, 40.0, 60.0, 80.0, 120.0, 160.0)

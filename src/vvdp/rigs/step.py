@@ -13,11 +13,11 @@ from vvdp.base.signal import Signal, sine, step
 from vvdp.rigs.conditions import LPM, conditions, gauge
 from vvdp.rigs.result import Column, RigResult, Sheet
 from vvdp.rigs.ripple import line_capacity
-from vvdp.rigs.stand import Stand
-from vvdp.rigs.steady import Steady, steady_states
-from vvdp.rigs.waveform import whole_run
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case
+from vvdp.steady.steady_states import Steady, steady_states
+from vvdp.steady.test_stand import Stand
+from vvdp.steady.waveform import whole_run
 from vvdp.systems.bench import BenchSeries
 
 STEPS = (0.4, 0.6)
