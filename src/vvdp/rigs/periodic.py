@@ -202,7 +202,9 @@ class _Runner:
                 until, waiting = 2.0 * until, late
         return found
 
-    def _together(self, cases: Sequence[Case], guesses: Sequence[Array], until: float) -> list[_Shot | str | None] | None:
+    def _together(
+        self, cases: Sequence[Case], guesses: Sequence[Array], until: float
+    ) -> list[_Shot | str | None] | None:
         n = self.unknown.size
         rows: list[Case] = []
         steps: list[Array] = []
