@@ -7,6 +7,7 @@ import pytest
 
 from vvdp.rigs import averages
 from vvdp.rigs.averages import flow_map
+from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import quasi_steady_mean
 
 TANK, RELIEF, FLOW, RHO = 101325.0, 121.01325e5, 40e-3 / 60.0, 876.0
@@ -22,7 +23,8 @@ def test_same_as_over_whole_arrays(source_stand, override, lap):
     found = flow_map(DUTIES, LOADS, *rest)
     for row, load in enumerate(LOADS):
         for column, duty in enumerate(DUTIES):
-            known = quasi_steady_mean(duty, load, *rest)
+            at = Condition(flow=FLOW, load_pressure=load, relief_pressure=RELIEF, tank_pressure=TANK, density=RHO)
+            known = quasi_steady_mean(duty, at, valve, override)
             one = [values[row, column] for values in found]
             scales = (FLOW, FLOW, FLOW, known.inlet_pressure, FLOW * RELIEF)
             for value, expected, scale in zip(one, known, scales, strict=True):
