@@ -263,7 +263,7 @@ ONLY_FORWARD = {
 }  # fmt: skip
 # Tables and texts over many angles, searches, and energies under a law that is handed over: not for the loop.
 NOT_IN_THE_LOOP = {
-    "quasi_steady_cycle", "quasi_steady_mean", "mean_load_flow", "averaged_spool_speed", "operating_point",
+    "quasi_steady_cycle", "quasi_steady_mean", "averaged_spool_speed", "operating_point",
     "range_warnings", "best_relief_pressure", "bearing_eccentricity", "specific_volume_exponent", "mean_modulus",
     "modulus.compression_energy_per_volume", "modulus.compression_energy_per_mass",
 }  # fmt: skip
@@ -341,7 +341,7 @@ def components():
         switching_valve,
         unsteady_friction,
     )
-    from vvdp.valve import branch, geometry, torque
+    from vvdp.valve import branch, condition, geometry, torque
 
     values = {}
     for name in shipped():
@@ -412,6 +412,13 @@ def components():
             return values[line.Line]
         by_class = {
             mixture.FluidState: lambda: mixture.fluid_state(float(rng.uniform(2e5, 2e7)), oil),
+            condition.Condition: lambda: condition.Condition(
+                flow=float(rng.uniform(1e-4, 1e-3)),
+                load_pressure=float(rng.uniform(5e6, 1e7)),
+                relief_pressure=float(rng.uniform(1.15e7, 1.4e7)),
+                tank_pressure=float(rng.uniform(1e5, 3e5)),
+                density=float(rng.uniform(800.0, 900.0)),
+            ),
             branch.BranchFlow: lambda: branch.branch_flow(float(rng.uniform(-1e6, 1e6)), 0.5, 870.0, valve),
             branch.BranchDrops: lambda: branch.turbulent_drops(float(rng.uniform(2e-4, 1e-3)), 1.0, 870.0, valve),
             branch.BranchLaw: lambda: branch.branch_law(870.0, valve),

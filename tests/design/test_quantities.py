@@ -7,7 +7,7 @@ from vvdp.design.quantities import Quantities, key, quantities, setup
 from vvdp.design.variables import VARIABLES, changed, redesigned, value_in, written
 from vvdp.systems.system import load_system
 from vvdp.valve.losses import full_open_loss
-from vvdp.valve.operating_point import operating_point
+from vvdp.valve.operating_point import SetPoint, operating_point
 
 
 def test_prototype(prototype):
@@ -31,9 +31,14 @@ def test_prototype(prototype):
 def test_same_as_the_operating_point(prototype):
     at = setup(prototype)
     q = quantities(at)
-    point = operating_point(
-        at.flow, at.temperature, at.duty_ratio, at.load_pressure, at.relief_pressure, at.inlet_volume, at.oil, at.valve
+    set_point = SetPoint(
+        flow=at.flow,
+        temperature=at.temperature,
+        duty_ratio=at.duty_ratio,
+        load_pressure=at.load_pressure,
+        relief_pressure=at.relief_pressure,
     )
+    point = operating_point(set_point, at.inlet_volume, at.oil, at.valve)
     assert q.pressure_drop_total == point.total_drop
     assert q.pwm_frequency == pytest.approx(point.full_open_pwm_frequency, rel=1e-14)
     assert q.loss_transition == point.transition_loss

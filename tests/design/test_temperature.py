@@ -9,7 +9,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.design.quantities import quantities, setup
 from vvdp.design.temperature import over_temperature, temperature_columns
 from vvdp.systems.system import load_system
-from vvdp.valve.operating_point import operating_point
+from vvdp.valve.operating_point import SetPoint, operating_point
 
 
 @pytest.fixture(scope="module")
@@ -31,9 +31,14 @@ def test_rows_are_the_operating_point(prototype, warmed):
     at = setup(prototype)
     for celsius in (10, 60, 80):
         temperature = celsius + 273.15
-        point = operating_point(
-            at.flow, temperature, at.duty_ratio, at.load_pressure, at.relief_pressure, at.inlet_volume, at.oil, at.valve
+        set_point = SetPoint(
+            flow=at.flow,
+            temperature=temperature,
+            duty_ratio=at.duty_ratio,
+            load_pressure=at.load_pressure,
+            relief_pressure=at.relief_pressure,
         )
+        point = operating_point(set_point, at.inlet_volume, at.oil, at.valve)
         assert column(warmed, "pwm_frequency", celsius) == pytest.approx(point.full_open_pwm_frequency)
         assert column(warmed, "pwm_frequency_averaged", celsius) == pytest.approx(point.averaged_pwm_frequency)
         assert column(warmed, "loss_transition", celsius) == pytest.approx(point.transition_loss)

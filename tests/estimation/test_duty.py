@@ -32,6 +32,7 @@ from vvdp.simulation.replay import Replay
 from vvdp.simulation.run import simulate
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import branch_flow
+from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import quasi_steady_cycle
 from vvdp.valve.geometry import port_shape
 
@@ -83,7 +84,14 @@ def test_excess_by_hand():
 @given(st.floats(-0.05, 1.05), st.floats(40e5, 100e5))
 def test_correction_inverts_the_quasi_steady_wave(duty, level):
     """The wave of an ideal relief valve and stiff oil, at any duty ratio, crossed on 1000 angles of half a period."""
-    cycle = quasi_steady_cycle(duty, 100e5 + TANK, 120e5 + TANK, 0.0, TANK, FLOW, DENSITY, VALVE)
+    at = Condition(
+        flow=FLOW,
+        load_pressure=100e5 + TANK,
+        relief_pressure=120e5 + TANK,
+        tank_pressure=TANK,
+        density=DENSITY,
+    )
+    cycle = quasi_steady_cycle(duty, at, VALVE)
     share = (np.arange(1000) + 0.5) / 1000.0
     above = np.flatnonzero(cycle.inlet_pressure > level + TANK)
     if above.size in (0, 1000):

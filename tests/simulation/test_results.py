@@ -3,10 +3,13 @@
 import json
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
+import vvdp
 from vvdp.base.errors import ConfigError
+from vvdp.simulation.record import record_bytes
 from vvdp.simulation.results import read_results, result_directory, write_results
 from vvdp.simulation.run import Stepping, simulate
 
@@ -20,7 +23,13 @@ def run(switching):
 @pytest.fixture
 def written(run, tmp_path):
     with result_directory(tmp_path / "out") as folder:
-        write_results(folder, run, system="[oil]\n", summary={"mean_bar": 1.0}, more={"more": 2})
+        write_results(
+            folder,
+            run,
+            system="[oil]\n",
+            summary={"mean_bar": 1.0},
+            more={"more": 2, "system": "switching", "title": "A title"},
+        )
     return tmp_path / "out"
 
 
@@ -80,3 +89,49 @@ def test_a_stopped_run_is_written_as_far_as_it_went(run, tmp_path):
     with result_directory(tmp_path / "part") as folder:
         write_results(folder, part, system="", summary={}, more={})
     assert read_results(tmp_path / "part").memory["display.mean"].values.shape == (3,)
+
+
+def test_every_recorded_dataset_has_the_dimension_time_and_marks_have_their_own(written):
+    """As netCDF has it: by scales, which xarray and others read as dimensions."""
+    firsts = {}
+
+    def look(name, item):
+        if isinstance(item, h5py.Dataset) and not item.is_scale:
+            firsts[name] = item.dims[0][0].name
+            assert all(len(axis) == 1 for axis in item.dims), name
+            assert name.rpartition("/")[2] != "time" or name == "marks/time"  # else it would pass for the dimension
+
+    with h5py.File(written / "result.h5") as file:
+        file.visititems(look)
+        assert file["time"].is_scale and file["time"].attrs["units"] == "s"
+    assert {"states/inlet_pressure", "commands/display/mean", "readings/display/load_pressure"} <= firsts.keys()
+    assert {name: scale for name, scale in firsts.items() if not name.startswith("marks/")} == {
+        name: "/time" for name in firsts if not name.startswith("marks/")
+    }
+    assert {scale for name, scale in firsts.items() if name.startswith("marks/")} == {"/marks/mark"}
+
+
+def test_the_file_says_what_it_is(written):
+    with h5py.File(written / "result.h5") as file:
+        said = dict(file.attrs)
+    assert said == {
+        "Conventions": "CF-1.11",
+        "title": "A title",
+        "system": "switching",
+        "vvdp": vvdp.__version__,
+        "format": 2,
+    }
+
+
+def test_the_same_run_is_written_as_the_same_bytes(run):
+    assert record_bytes(run, {"format": 2}) == record_bytes(run, {"format": 2})
+
+
+def test_xarray_opens_every_group_with_the_dimension_time(run, written):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    with xarray.open_datatree(written / "result.h5", engine="h5netcdf") as tree:
+        assert tree["states"].to_dataset().inlet_pressure.dims == ("time",)
+        assert tree["states"].to_dataset().inlet_pressure.attrs["units"] == "Pa"
+        assert np.array_equal(tree["states"].to_dataset().time, run.times)
+        assert tree["marks/states"].to_dataset().inlet_pressure.dims == ("mark",)

@@ -9,11 +9,16 @@ from vvdp.steady import cycle_means as module
 from vvdp.steady.averages import averages
 from vvdp.steady.cycle_means import SLOWEST, CyclePoint, cycle_means, half_period, speed_after
 from vvdp.valve import flow_map
+from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_mean
 from vvdp.valve.losses import closed_form_load_flow
 from vvdp.valve.torque import friction_coefficient
 
 TANK, RELIEF, FLOW, RHO, MU = 101325.0, 121.01325e5, 40e-3 / 60.0, 876.0, 0.0387
+
+
+def condition(load):
+    return Condition(flow=FLOW, load_pressure=load, relief_pressure=RELIEF, tank_pressure=TANK, density=RHO)
 
 
 def point(duty=0.5, load=101.01325e5, override=0.0, leakage=0.0):
@@ -33,8 +38,8 @@ def test_same_as_over_whole_arrays(source_stand, duty, load, override, lap):
         patched.setattr(module, "ANGLES", 60)
         patched.setattr(flow_map, "ANGLES", 60)
         found = cycle_means(point(duty, load, override), valve)
-        known = quasi_steady_mean(duty, load, RELIEF, override, TANK, FLOW, RHO, valve)
-        speed = averaged_spool_speed(duty, load, RELIEF, override, TANK, FLOW, RHO, MU, valve)
+        known = quasi_steady_mean(duty, condition(load), valve, override)
+        speed = averaged_spool_speed(duty, condition(load), MU, valve, override)
     assert found.load_flow == pytest.approx(known.load_flow, abs=1e-9 * FLOW)
     assert found.tank_flow == pytest.approx(known.tank_flow, abs=1e-9 * FLOW)
     assert found.inlet_pressure == pytest.approx(known.inlet_pressure, rel=1e-9)
@@ -45,7 +50,7 @@ def test_closed_form_where_it_holds(source_stand):
     """Q d - lost; 2e-4 is what neglecting the centre section's exponent below a* costs, docs/models/rotary-valve.md."""
     valve = source_stand.bench.valve
     found = cycle_means(point(0.5), valve).load_flow
-    assert found == pytest.approx(closed_form_load_flow(0.5, FLOW, 101.01325e5, RELIEF, TANK, RHO, valve), rel=2e-4)
+    assert found == pytest.approx(closed_form_load_flow(0.5, condition(101.01325e5), valve), rel=2e-4)
 
 
 def test_flows_add_up_with_pump_leakage(source_stand):

@@ -6,7 +6,8 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from vvdp.valve.branch import branch_flow
-from vvdp.valve.flow_map import averaged_spool_speed, mean_load_flow, quasi_steady_cycle, quasi_steady_mean
+from vvdp.valve.condition import Condition
+from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_cycle, quasi_steady_mean
 from vvdp.valve.geometry import port_openings
 from vvdp.valve.losses import closed_form_load_flow, full_open_loss, transition_loss
 from vvdp.valve.torque import pwm_frequency, spool_inertia, spool_torque
@@ -16,18 +17,24 @@ BAR, T = 1e5, 101325.0
 Q = 40.0 / 6e4
 
 
+def condition(load=100.0, relief=120.0, flow=Q):
+    return Condition(
+        flow=flow, load_pressure=load * BAR + T, relief_pressure=relief * BAR + T, tank_pressure=T, density=RHO
+    )
+
+
 def mean(valve, duty, load=100.0, relief=120.0, override=0.0, flow=Q):
-    return quasi_steady_mean(duty, load * BAR + T, relief * BAR + T, override * BAR, T, flow, RHO, valve)
+    return quasi_steady_mean(duty, condition(load, relief, flow), valve, override * BAR)
 
 
 def cycle(valve, duty, load=100.0, relief=120.0, override=0.0):
-    return quasi_steady_cycle(duty, load * BAR + T, relief * BAR + T, override * BAR, T, Q, RHO, valve)
+    return quasi_steady_cycle(duty, condition(load, relief), valve, override * BAR)
 
 
 @pytest.mark.parametrize("duty", [0.35, 0.5, 0.65])
 def test_loss_agrees_with_the_closed_form(prototype, duty):
     # The closed form takes the centre section's drop as quadratic while the port is nearly shut: 1e-4 of the total.
-    closed = full_open_loss(Q, RHO, prototype) + transition_loss(Q, 100e5 + T, 120e5 + T, T, RHO, prototype).loss
+    closed = full_open_loss(Q, RHO, prototype) + transition_loss(condition(), prototype).loss
     assert closed == pytest.approx(1778.3, abs=0.06)
     assert mean(prototype, duty).loss == pytest.approx(closed, rel=2e-4)
 
@@ -35,18 +42,15 @@ def test_loss_agrees_with_the_closed_form(prototype, duty):
 @pytest.mark.parametrize("lap", [1.0, 1.2, 1.5])
 def test_flows_agree_with_the_closed_form_with_overlap(prototype, lap):
     valve = replace(prototype, lap_ratio=lap)
-    closed = transition_loss(Q, 100e5 + T, 120e5 + T, T, RHO, valve)
+    closed = transition_loss(condition(), valve)
     found = mean(valve, 0.5)
-    assert found.load_flow == pytest.approx(
-        closed_form_load_flow(0.5, Q, 100e5 + T, 120e5 + T, T, RHO, valve), rel=2e-4
-    )
+    assert found.load_flow == pytest.approx(closed_form_load_flow(0.5, condition(), valve), rel=2e-4)
     assert found.relief_flow == pytest.approx(closed.relief_flow, rel=5e-4)
     assert found.loss == pytest.approx(closed.loss + full_open_loss(Q, RHO, valve), rel=2e-4)
 
 
 def test_load_flow_of_the_prototype(prototype):
-    found = mean_load_flow(0.5, 100e5 + T, 120e5 + T, 0.0, T, Q, RHO, prototype)
-    assert found / Q == pytest.approx(0.43106, abs=1e-4)
+    assert mean(prototype, 0.5).load_flow / Q == pytest.approx(0.43106, abs=1e-4)
 
 
 @pytest.mark.parametrize(("duty", "fraction"), [(0.16, 0.122), (0.087, 0.022)])
@@ -128,7 +132,7 @@ def test_load_flow_grows_with_duty_and_falls_with_load_pressure(prototype):
 @pytest.mark.parametrize(("s", "hertz"), [(0.0, 63.1), (1.0, 89.2)])
 def test_averaged_frequency(prototype, s, hertz):
     valve = replace(prototype, jet_exponent=s)
-    omega = averaged_spool_speed(0.5, 100e5 + T, 120e5 + T, 0.0, T, Q, RHO, MU, valve)
+    omega = averaged_spool_speed(0.5, condition(), MU, valve)
     assert pwm_frequency(omega, valve) == pytest.approx(hertz, rel=1e-3)
 
 
@@ -151,6 +155,6 @@ def test_averaged_speed_against_the_turning_spool(prototype, s):
     run = solve_ivp(rates, (0.0, 0.5), [0.0, 150.0], max_step=2e-4, rtol=1e-7, dense_output=True)
     angles = run.sol(np.array([0.3, 0.5]))[0]
     speed = (angles[1] - angles[0]) / 0.2
-    found = averaged_spool_speed(0.5, 100e5 + T, 120e5 + T, 0.0, T, Q, RHO, MU, valve)
+    found = averaged_spool_speed(0.5, condition(), MU, valve)
     # the ripple, 3.5 %, enters squared; 0.2 s is not a whole number of periods: 0.2 % of the ripple
     assert found == pytest.approx(speed, rel=3e-3)

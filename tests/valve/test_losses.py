@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from vvdp.fluid.mixture import bulk_modulus, mean_bulk_modulus, specific_volume_ratio
+from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import nozzle_width, pitch, transition_fraction
 from vvdp.valve.losses import (
     best_relief_pressure,
@@ -27,8 +28,12 @@ Q = 40.0 / 6e4
 P_L = 100.0 * BAR + T
 
 
+def condition(relief):
+    return Condition(flow=Q, load_pressure=P_L, relief_pressure=relief * BAR + T, tank_pressure=T, density=RHO)
+
+
 def at_relief(bar, valve):
-    return transition_loss(Q, P_L, bar * BAR + T, T, RHO, valve)
+    return transition_loss(condition(bar), valve)
 
 
 @pytest.mark.parametrize(
@@ -121,7 +126,7 @@ def test_overlap_adds_a_blocked_dwell(prototype):
 
 
 def test_load_flow_in_closed_form(prototype):
-    flow = closed_form_load_flow(0.5, Q, P_L, 120.0 * BAR + T, T, RHO, prototype)
+    flow = closed_form_load_flow(0.5, condition(120.0), prototype)
     assert flow / Q == pytest.approx(0.43106, abs=6e-6)
 
 
@@ -160,7 +165,7 @@ def test_compression_regime(prototype):
 
 
 def warnings(valve, duty=0.5, relief=120.0):
-    return range_warnings(duty, Q, P_L, relief * BAR + T, T, RHO, valve)
+    return range_warnings(duty, condition(relief), valve)
 
 
 def test_no_warning_where_the_closed_form_holds(prototype):

@@ -1,22 +1,19 @@
 import pytest
 
-from vvdp.valve.operating_point import nozzle_reynolds_number, operating_point
+from vvdp.valve.operating_point import SetPoint, nozzle_reynolds_number, operating_point
 
 BAR, T = 1e5, 101325.0
 
 
 def point(valve, oil, **changes):
-    given = {
-        "flow": 40.0 / 6e4,
-        "temperature": 313.15,
-        "duty_ratio": 0.5,
-        "load_pressure": 100.0 * BAR + T,
-        "relief_pressure": 120.0 * BAR + T,
-        "inlet_volume": 12.7e-6,
-        "oil": oil,
-        "valve": valve,
-    }
-    return operating_point(**(given | changes))
+    usual = SetPoint(
+        flow=40.0 / 6e4,
+        temperature=313.15,
+        duty_ratio=0.5,
+        load_pressure=100.0 * BAR + T,
+        relief_pressure=120.0 * BAR + T,
+    )
+    return operating_point(usual._replace(**changes), 12.7e-6, oil, valve)
 
 
 def test_nozzle_reynolds_number(prototype):

@@ -61,7 +61,7 @@ def ramp(before: float, after: float, begin: float, end: float) -> Signal:
 
 def sine(mean: float, amplitude: float, frequency: float, phase: float = 0.0) -> Signal:
     """A signal `mean + amplitude sin(2 pi frequency t + phase)`, `frequency` in Hz and `phase` in rad."""
-    return Signal(float(mean), (), (), (), (float(amplitude),), (float(frequency),), (float(phase),))
+    return Signal(float(mean), amplitude=(float(amplitude),), frequency=(float(frequency),), phase=(float(phase),))
 
 
 def table(times: Sequence[float], values: Sequence[float]) -> Signal:
@@ -75,11 +75,8 @@ def table(times: Sequence[float], values: Sequence[float]) -> Signal:
     if any(t1 < t0 for (t0, _), (t1, _) in pairs):
         raise ValueError("the times of a table must not go backwards")
     kept = [(t0, t1 - t0, v1 - v0) for (t0, v0), (t1, v1) in pairs if v1 != v0]
-    return (
-        Signal(float(values[0]), *(tuple(column) for column in zip(*kept, strict=True)))
-        if kept
-        else constant(values[0])
-    )
+    starts, durations, changes = zip(*kept, strict=True) if kept else ((), (), ())
+    return Signal(float(values[0]), start=starts, duration=durations, change=changes)
 
 
 def signal_value(t: float, signal: Signal) -> float:

@@ -40,9 +40,9 @@ class Sourced:
     value: float | Signal | tuple[float, ...]
     kind: Kind
     status: str
-    source: str
-    where: str
-    note: str
+    source: str = ""
+    where: str = ""
+    note: str = ""
 
     @property
     def displayed(self) -> str:
@@ -165,7 +165,7 @@ def build(
     for key, kind in kinds.items():
         if key not in table and key in defaults:
             if kind is not None:
-                rows.append(Sourced(name, key, defaults[key], kind, "assumed", "", "", "default"))
+                rows.append(Sourced(name, key, defaults[key], kind, status="assumed", note="default"))
             continue
         if key not in table:
             example = f', for example "{kind.example}"' if kind else ""
@@ -210,7 +210,16 @@ def _sourced(
     except ParameterError as problem:
         faults.append(_fault(origin, path, str(problem)))
         return None
-    return Sourced(name, key, value, kind, status, text["source"], text["where"], text["note"])
+    return Sourced(
+        table=name,
+        key=key,
+        value=value,
+        kind=kind,
+        status=status,
+        source=text["source"],
+        where=text["where"],
+        note=text["note"],
+    )
 
 
 def _list(fields: Mapping[str, Any], kind: Kind) -> tuple[float, ...]:

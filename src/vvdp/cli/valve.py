@@ -91,13 +91,16 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
     """Everything that docs/keys.md describes for `vvdp valve`."""
     from vvdp.base.errors import ParameterError
     from vvdp.base.signal import signal_value
-    from vvdp.valve.operating_point import operating_point
+    from vvdp.valve.operating_point import SetPoint, operating_point
 
     reference, load = bench.reference, bench.load_pressure
     duty_ratio = float(signal_value(0.0, bench.duty_ratio))
     relief = bench.relief_valve.cracking_pressure
+    set_point = SetPoint(
+        flow=flow, temperature=temperature, duty_ratio=duty_ratio, load_pressure=load, relief_pressure=relief
+    )
     try:
-        point = operating_point(flow, temperature, duty_ratio, load, relief, bench.inlet_volume, bench.oil, bench.valve)
+        point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
         raise ParameterError(f"{bench.system.name}: the closed forms have no value here ({problem})") from None
     numbers = {

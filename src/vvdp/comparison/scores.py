@@ -71,9 +71,16 @@ def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sect
     unknown = 2.0 * sector * np.round(0.5 * at_begin / sector)
     angle = np.mod(apart - unknown + 0.5 * TURN, TURN) - 0.5 * TURN
     speed = traces.speed[part] - truth.speed[part]
+    angle_off, speed_off = _sizes(angle), _sizes(speed)
     return Score(
-        *_sizes(angle),
-        *_sizes(speed),
+        angle_mean_square=angle_off.mean_square,
+        angle_tail=angle_off.tail,
+        angle_worst=angle_off.worst,
+        angle_bias=angle_off.bias,
+        speed_mean_square=speed_off.mean_square,
+        speed_tail=speed_off.tail,
+        speed_worst=speed_off.worst,
+        speed_bias=speed_off.bias,
         settling=settling_time(truth.time, traces.speed, motion),
         delay=equivalent_delay(time, traces.speed[part], motion),
         lost_sectors=abs(float(np.round((at_end - at_begin) / sector))),
@@ -81,11 +88,24 @@ def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sect
     )
 
 
-def _sizes(error: Array) -> tuple[float, float, float, float]:
+class _Size(NamedTuple):
     """Mean square, what is exceeded in 5 % of the time, the worst, and the mean of an error."""
+
+    mean_square: float
+    tail: float
+    worst: float
+    bias: float
+
+
+def _sizes(error: Array) -> _Size:
     size = np.abs(error)
     tail = np.partition(size, int(0.95 * size.size))[int(0.95 * size.size)]
-    return float(np.mean(error * error)), float(tail), float(np.max(size)), float(np.mean(error))
+    return _Size(
+        mean_square=float(np.mean(error * error)),
+        tail=float(tail),
+        worst=float(np.max(size)),
+        bias=float(np.mean(error)),
+    )
 
 
 def _mean_nis(innovation: Array, deviation: Array) -> float:

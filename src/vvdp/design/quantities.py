@@ -25,6 +25,7 @@ from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.simulation.values import names
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
+from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.losses import (
@@ -154,10 +155,11 @@ def quantities(at: Setup) -> Quantities:
     omega = driven_speed(at.spool_motor_speed, at.coupling, Q, rho, mu, valve)
     f = pwm_frequency(omega, valve)
     drive = at.coupling * (at.spool_motor_speed - omega) * at.spool_motor_speed
-    transition = transition_loss(Q, P_L, at.relief_pressure, P_T, rho, valve).loss
+    condition = Condition(flow=Q, load_pressure=P_L, relief_pressure=at.relief_pressure, tank_pressure=P_T, density=rho)
+    transition = transition_loss(condition, valve).loss
     leakage = leakage_loss(P_L - P_T, mu, valve)
     compression = compressibility_loss(f, at.inlet_volume, P_L, P_T, oil)
-    load_flow = closed_form_load_flow(d, Q, P_L, at.relief_pressure, P_T, rho, valve)
+    load_flow = closed_form_load_flow(d, condition, valve)
     open_loss, passed = Q * total, (P_L - P_T) * load_flow
     return Quantities(
         pressure_drop_total=total,

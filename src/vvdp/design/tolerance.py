@@ -21,6 +21,7 @@ from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup, unchecked
 from vvdp.fluid.oil import Oil, density
 from vvdp.systems.system import System
+from vvdp.valve.condition import Condition
 from vvdp.valve.losses import range_warnings
 from vvdp.valve.rotary import RotaryValve
 
@@ -159,12 +160,14 @@ class Tolerance:
         """What to know before the numbers are relied on, a sentence each: where the closed form of the losses does not
         hold at the nominal values, and where samples are few."""
         at = setup(self.system)
-        rho = density(at.temperature, at.oil)
-        told = list(
-            range_warnings(
-                at.duty_ratio, at.flow, at.load_pressure, at.relief_pressure, at.tank_pressure, rho, at.valve
-            )
+        condition = Condition(
+            flow=at.flow,
+            load_pressure=at.load_pressure,
+            relief_pressure=at.relief_pressure,
+            tank_pressure=at.tank_pressure,
+            density=density(at.temperature, at.oil),
         )
+        told = list(range_warnings(at.duty_ratio, condition, at.valve))
         worst = max(max(each.whole_error.values()) for each in self.scatter.values())
         if worst > COARSE:
             told.append(

@@ -100,8 +100,15 @@ def stations(shape: ValveShape, valve: RotaryValve) -> Stations:
     channel_start = ring_end + travel + shape.seal_length
     chamber_end = channel_start + shape.outlet_height
     spool_end = chamber_end + travel + valve.land_length
-    found = (tip, pocket_end, window_end, ring_end, channel_start, chamber_end, spool_end)
-    return Stations(*(float(z) for z in found))
+    return Stations(
+        tip=float(tip),
+        pocket_end=float(pocket_end),
+        window_end=float(window_end),
+        ring_end=float(ring_end),
+        channel_start=float(channel_start),
+        chamber_end=float(chamber_end),
+        spool_end=float(spool_end),
+    )
 
 
 def stroke(shape: ValveShape, valve: RotaryValve) -> float:

@@ -58,12 +58,12 @@ def layered_rate(
     drop = sigma**2 * layer_resistance(viscosity, line) * clinging
     rate = line_flow_rate(z, a, b, density, viscosity, line) - drop / inertance(density, line)
     return LayeredState(
-        rate,
-        LAYER_RATES[0] * pace * (z - state[1]),
-        LAYER_RATES[1] * pace * (z - state[2]),
-        LAYER_RATES[2] * pace * (z - state[3]),
-        LAYER_RATES[3] * pace * (z - state[4]),
-        LAYER_RATES[4] * pace * (z - state[5]),
+        flow=rate,
+        layer_1=LAYER_RATES[0] * pace * (z - state.layer_1),
+        layer_2=LAYER_RATES[1] * pace * (z - state.layer_2),
+        layer_3=LAYER_RATES[2] * pace * (z - state.layer_3),
+        layer_4=LAYER_RATES[3] * pace * (z - state.layer_4),
+        layer_5=LAYER_RATES[4] * pace * (z - state.layer_5),
     )
 
 

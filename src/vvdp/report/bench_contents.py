@@ -14,6 +14,7 @@ from vvdp.report.verdict import Badge, Notice, cavitating, manner, notices, sett
 from vvdp.report.wording import fixed, number, percent, plain
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.bench import RotaryBench
+from vvdp.valve.condition import Condition
 from vvdp.valve.losses import range_warnings
 
 
@@ -136,12 +137,11 @@ class BenchContents(Contents):
         bench, flow = self.bench, self.bench.nominal_flow
         if flow <= 0.0:
             return ()
-        return range_warnings(
-            signal_value(0.0, bench.duty_ratio),
-            flow,
-            self.reading.number("pressure_mean_load_line_Pa") + bench.reference,
-            bench.relief_valve.cracking_pressure,
-            signal_value(0.0, bench.operation.tank_pressure),
-            density(signal_value(0.0, bench.operation.oil_temperature), bench.oil),
-            bench.valve,
+        at = Condition(
+            flow=flow,
+            load_pressure=self.reading.number("pressure_mean_load_line_Pa") + bench.reference,
+            relief_pressure=bench.relief_valve.cracking_pressure,
+            tank_pressure=signal_value(0.0, bench.operation.tank_pressure),
+            density=density(signal_value(0.0, bench.operation.oil_temperature), bench.oil),
         )
+        return range_warnings(signal_value(0.0, bench.duty_ratio), at, bench.valve)

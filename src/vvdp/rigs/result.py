@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 import vvdp
 from vvdp.base.errors import ConfigError, unusable
-from vvdp.studies.store import write_whole
+from vvdp.base.files import write_whole
 
 FORMAT = 1
 

@@ -259,9 +259,21 @@ def _carried(
     first, latest = states[:, 0].copy(), states[row, last]
     for found in (mark_times, first, latest):
         found[marks == 0] = np.nan
-    samples = begun.agenda[:, 0, places.CALLS].astype(np.int64)
-    parts = (start, *begun[:3], low, high, clocks, status, samples, mark_times, first, latest, beside)
-    return _Carried._make(parts)
+    return _Carried(
+        start=start,
+        final=begun.state,
+        commands=begun.command,
+        memories=begun.memory,
+        low=low,
+        high=high,
+        clocks=clocks,
+        status=status,
+        samples=begun.agenda[:, 0, places.CALLS].astype(np.int64),
+        mark_times=mark_times,
+        first_marks=first,
+        last_marks=latest,
+        lanes=beside,
+    )
 
 
 def _run_alone(

@@ -168,9 +168,9 @@ def _is_same(typing: Any, one: Any, other: Any) -> Any:
 @register_jitable(**COMPILING)
 def signal(t: float, base: float, place: float, changes: float, sines: float, parameters: int) -> Any:
     """The signal of these numbers, worked out at the time `t` [s]."""
-    unknown = Signal(base, place, changes, sines, parameters, t, base)
+    unknown = Signal(base=base, place=place, changes=changes, sines=sines, parameters=parameters, time=t, value=base)
     value = _moving(t, unknown) if place > 0.0 else base
-    return Signal(base, place, changes, sines, parameters, t, value)
+    return Signal(base=base, place=place, changes=changes, sines=sines, parameters=parameters, time=t, value=value)
 
 
 def _record_value(t: float, signal: Any) -> Any:

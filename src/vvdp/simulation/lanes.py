@@ -91,8 +91,23 @@ def run_lanes(
         from vvdp.simulation.lane_vectors import WIDTH, Cases, Rules
 
     moving = (params[:, [place + 1 for place in code.places]] > 0.0).any(axis=1).astype(np.int64)
-    before, after = begun[:3], begun[3:]
-    cases = Cases(*before, params, *after, *kept, moving)
+    mark_times, mark_states, low, high, status = kept
+    cases = Cases(
+        y=begun.state,
+        command=begun.command,
+        memory=begun.memory,
+        params=params,
+        agenda=begun.agenda,
+        waiting=begun.waiting,
+        clocks=begun.clock,
+        course=begun.course,
+        mark_times=mark_times,
+        mark_states=mark_states,
+        low=low,
+        high=high,
+        status=status,
+        moving=moving,
+    )
     width, active = WIDTH, ready.pattern.group.size
     modes = int(ready.plan[0, places.LAST] - ready.plan[0, places.FIRST])
     n, positions = ready.vectors.state.size, ready.width.size
@@ -127,17 +142,30 @@ def _room(n: int, modes: int, positions: int, active: int, commands: int, code: 
     def rows(count: int) -> Array:
         return np.zeros(count * width)
 
-    return Lanes._make(
-        [
-            *(rows(n) for _ in range(3)),
-            *(rows(active) for _ in range(5)),
-            np.zeros((7, (n + modes) * width)),
-            *(rows(count) for count in (commands, code.reads, signals, positions, 1, 1, 1)),
-            np.ones(width),
-            np.zeros(signals),
-            np.zeros(len(code.commands)),
-            np.zeros((width, OWN)),
-            *(np.zeros((width, positions)) for _ in range(4)),
-            np.full(width, -1, np.int64),
-        ]
+    return Lanes(
+        y=rows(n),
+        trial=rows(n),
+        nothing=rows(n),
+        error=rows(active),
+        lean=rows(active),
+        turned=rows(active),
+        low=rows(active),
+        high=rows(active),
+        k=np.zeros((7, (n + modes) * width)),
+        u=rows(commands),
+        p=rows(code.reads),
+        s=rows(signals),
+        x=rows(positions),
+        time=rows(1),
+        stage=rows(1),
+        h=rows(1),
+        one=np.ones(width),
+        values=np.zeros(signals),
+        command=np.zeros(len(code.commands)),
+        own=np.zeros((width, OWN)),
+        before=np.zeros((width, positions)),
+        reached=np.zeros((width, positions)),
+        held=np.zeros((width, positions)),
+        tried=np.zeros((width, positions)),
+        case=np.full(width, -1, np.int64),
     )

@@ -73,7 +73,9 @@ def averaging_window(run: Run, average_from: float) -> Window:
     inside = np.flatnonzero(run.mark_times >= begin)
     if inside.size < 2:
         row = min(int(np.searchsorted(run.times, begin)), run.times.size - 1)
-        return Window(float(run.times[row]), run.end, run.states[row], run.final, 0, False)
+        return Window(
+            begin=float(run.times[row]), end=run.end, first=run.states[row], last=run.final, periods=0, settled=False
+        )
     first, middle, last = (int(inside[place]) for place in (0, (inside.size - 1) // 2, inside.size - 1))
     times = float(run.mark_times[first]), float(run.mark_times[middle]), float(run.mark_times[last])
     return marked_window(times, run.mark_states[first], run.mark_states[last], inside.size)
@@ -85,4 +87,5 @@ def marked_window(times: tuple[float, float, float], first: Array, last: Array, 
     early_periods = (marks - 1) // 2
     early = early_periods / (middle - begin) if early_periods else np.nan
     late = (marks - 1 - early_periods) / (end - middle)
-    return Window(begin, end, first, last, marks - 1, bool(abs(late / early - 1.0) < SETTLED))
+    settled = bool(abs(late / early - 1.0) < SETTLED)
+    return Window(begin=begin, end=end, first=first, last=last, periods=marks - 1, settled=settled)

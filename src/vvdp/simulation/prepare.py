@@ -157,7 +157,15 @@ def started(ready: Prepared, stepping: Stepping) -> Reached:
     clock[places.STEP] = min(1e-3 * stepping.sample_period, stepping.longest_step)
     clock[places.METHOD] = places.STIFF if stepping.method is Method.STIFF else places.EXPLICIT
     agenda, waiting = np.zeros((programs, places.AGENDA)), np.zeros((programs, places.DEPTH, command.size))
-    return Reached(state, command, memory, agenda, waiting, clock, np.zeros((3, ready.width.size)))
+    return Reached(
+        state=state,
+        command=command,
+        memory=memory,
+        agenda=agenda,
+        waiting=waiting,
+        clock=clock,
+        course=np.zeros((3, ready.width.size)),
+    )
 
 
 def is_loop_compiled() -> bool:

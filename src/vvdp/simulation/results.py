@@ -2,7 +2,7 @@
 
     system.toml     the system as it was resolved
     result.h5       times, states, outputs, marks; commands, memory and readings of each program; every dataset with
-                    `units` and `long_name`, time first
+                    `units` and `long_name`, time first, as its dimension (`simulation.record`)
     summary.json    the numbers that the run comes to
     meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
 
@@ -25,13 +25,11 @@ import numpy as np
 import vvdp
 from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
-from vvdp.base.kinds import Kind
+from vvdp.base.files import write_whole
+from vvdp.simulation.record import TIME_VALUE, record_bytes
 from vvdp.simulation.run import Run
-from vvdp.simulation.values import leaves
 
 FORMAT = 2
-COMPRESSED_FROM = 10_000
-"""Datasets of so many numbers and more are compressed."""
 GROUPS = ("states", "outputs", "commands", "memory", "readings")
 
 
@@ -99,7 +97,6 @@ def _refuse_to_replace(directory: Path, force: bool) -> None:
 
 def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, Any], more: Mapping[str, Any]) -> None:
     """Writes a run into `folder`: the text of the resolved `system`, its `summary`, and `more` for meta.json."""
-    import h5py
     import numba
 
     (folder / "system.toml").write_text(system, encoding="utf-8")
@@ -121,43 +118,13 @@ def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, 
     if run.remarks:
         meta["remarks"] = list(run.remarks)
     _write_json(folder / "meta.json", meta)
-    temporary = folder / "result.h5.tmp"
-    with h5py.File(temporary, "w") as file:
-        _dataset(file, "time", run.times, "s", "time")
-        for group, value in _groups(run).items():
-            for path, leaf, kind in leaves(value):
-                if path.rpartition(".")[2] != "unused":
-                    _dataset(file, f"{group}/{path}", np.moveaxis(leaf, -1, 0), *_described(path, kind))
-        _dataset(file, "marks/time", run.mark_times, "s", "time of each mark")
-        for column, (path, _, kind) in enumerate(leaves(run.case.state)):
-            _dataset(file, f"marks/states/{path}", run.mark_states[:, column], *_described(path, kind))
-    temporary.replace(folder / "result.h5")
-
-
-def _groups(run: Run) -> dict[str, Any]:
-    """What is written over time, an array with time as its last axis at each leaf."""
-    return {
-        "states": run.state,
-        "outputs": run.outputs,
-        "commands": run.command,
-        **{f"memory/{name}": value for name, value in run.memory.items()},
-        **{f"readings/{name}": value for name, value in run.readings.items()},
+    attributes = {
+        "title": str(more.get("title", "")),
+        "system": str(more.get("system", "")),
+        "vvdp": vvdp.__version__,
+        "format": FORMAT,
     }
-
-
-def _described(path: str, kind: Kind | None) -> tuple[str, str]:
-    words = path.removeprefix("books.").replace(".", ", ").replace("_", " ")
-    unit = kind.unit if kind else "1"
-    if kind and kind.name == "pressure level":
-        words += " (absolute)"
-    return unit, words
-
-
-def _dataset(file: Any, name: str, values: Array, unit: str, long_name: str) -> None:
-    options = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if values.size >= COMPRESSED_FROM else {}
-    dataset = file.create_dataset(name.replace(".", "/"), data=values, **options)
-    dataset.attrs["units"] = unit
-    dataset.attrs["long_name"] = long_name
+    write_whole(folder / "result.h5", record_bytes(run, attributes))
 
 
 def _write_json(path: Path, content: Mapping[str, Any]) -> None:
@@ -206,6 +173,7 @@ def read_results(directory: Path) -> Results:
 def _series(group: Any, path: str = "") -> dict[str, Series]:
     found: dict[str, Series] = {}
     for name, item in group.items():
+        name = "time" if name == TIME_VALUE else name
         full = f"{path}.{name}" if path else name
         if hasattr(item, "shape"):
             found[full] = Series(item[:], str(item.attrs["units"]), str(item.attrs["long_name"]))

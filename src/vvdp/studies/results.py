@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from vvdp.studies.store import write_whole
+from vvdp.base.files import write_whole
 
 
 @dataclass(frozen=True)

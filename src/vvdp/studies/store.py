@@ -12,8 +12,6 @@ Many processes write files, one the index.
 import hashlib
 import json
 import math
-import os
-import secrets
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import ConfigError, unusable
+from vvdp.base.files import write_whole
 from vvdp.studies.index import Row, Stamp, indexed, stamp, write_index
 
 FORMAT = 1
@@ -177,18 +176,3 @@ def is_store(directory: Path) -> bool:
 
 def _write(path: Path, content: Mapping[str, Any]) -> None:
     write_whole(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Writes a file that is never seen in part, and is on the disk when this returns."""
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")  # unlike that of any other machine
-    with temporary.open("w", encoding="utf-8", newline="") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)

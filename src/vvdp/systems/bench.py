@@ -22,7 +22,7 @@ from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation,
 from vvdp.systems.extras import Extras, Line, Summary
 from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
 from vvdp.valve.losses import full_open_loss
-from vvdp.valve.operating_point import OperatingPoint, operating_point
+from vvdp.valve.operating_point import OperatingPoint, SetPoint, operating_point
 from vvdp.valve.rotary import RotaryValve
 
 if TYPE_CHECKING:
@@ -365,16 +365,14 @@ class RotaryBench(Extras):
 
     def operating_point(self, load_pressure: float) -> OperatingPoint:
         """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""
-        return operating_point(
-            self.nominal_flow,
-            signal_value(0.0, self.operation.oil_temperature),
-            signal_value(0.0, self.duty_ratio),
-            load_pressure,
-            self.relief_valve.cracking_pressure,
-            self.inlet_volume,
-            self.oil,
-            self.valve,
+        set_point = SetPoint(
+            flow=self.nominal_flow,
+            temperature=signal_value(0.0, self.operation.oil_temperature),
+            duty_ratio=signal_value(0.0, self.duty_ratio),
+            load_pressure=load_pressure,
+            relief_pressure=self.relief_valve.cracking_pressure,
         )
+        return operating_point(set_point, self.inlet_volume, self.oil, self.valve)
 
 
 def rotary_bench(system: "System", verb: str) -> RotaryBench:

@@ -49,12 +49,12 @@ def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
         if name in hidden:
             continue
         if isinstance(node, HydraulicNode):
-            values = (float(found[f"pressure_{which}_{name}_Pa"]) for which in ("mean", "min", "max"))
-            yield NodeLine(name, "pressure", "bar", *values)
+            mean, low, high = (float(found[f"pressure_{which}_{name}_Pa"]) for which in ("mean", "min", "max"))
+            yield NodeLine(name=name, quantity="pressure", unit="bar", mean=mean, low=low, high=high)
         elif isinstance(node, Shaft | Rod):
             rate, unit, shown = ("speed", "rad", "rpm") if isinstance(node, Shaft) else ("velocity", "m", "m/s")
-            values = (float(found[f"{rate}_{which}_{name}_{unit}_s"]) for which in ("mean", "min", "max"))
-            yield NodeLine(name, rate, shown, *values)
+            mean, low, high = (float(found[f"{rate}_{which}_{name}_{unit}_s"]) for which in ("mean", "min", "max"))
+            yield NodeLine(name=name, quantity=rate, unit=shown, mean=mean, low=low, high=high)
         if isinstance(node, Rod):
             low, high = (float(found[f"position_{which}_{name}_m"]) for which in ("min", "max"))
             yield NodeLine(name=name, quantity="position", unit="mm", mean=None, low=low, high=high)

@@ -12,6 +12,7 @@ import numpy as np
 from vvdp.base.kinds import Flow, Power, Pressure
 from vvdp.base.select import maximum, minimum, select
 from vvdp.valve.branch import BranchFlow, branch_flow
+from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import Openings, port_openings
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import spool_torque
@@ -40,132 +41,78 @@ class CycleMean(NamedTuple):
     loss: Power
 
 
-def quasi_steady_cycle(
-    duty_ratio: float,
-    load_pressure: float,
-    relief_pressure: float,
-    relief_override: float,
-    tank_pressure: float,
-    flow: float,
-    density: float,
-    valve: RotaryValve,
-) -> Cycle:
+def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve, relief_override: float = 0.0) -> Cycle:
     """State of the valve at equally spaced angles over half a PWM period.
 
     At each angle the inlet pressure is the one at which both branches and the relief valve together take the pump
     flow.
 
-    duty_ratio                                     axial position over helix length, any value [1]
-    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
-    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
-    flow                                           of the pump [m^3/s]
-    density                                        [kg/m^3]
+    duty_ratio       axial position over helix length, any value [1]
+    at               with the relief pressure highest
+    relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
 
     Source  ours, docs/models/rotary-valve.md
     """
     angle: Any = np.pi / valve.sections * (np.arange(ANGLES) + 0.5) / ANGLES
     openings = port_openings(angle, duty_ratio * valve.helix_length, valve)
-    low: Any = np.full(ANGLES, minimum(load_pressure, tank_pressure))
-    high: Any = np.full(ANGLES, relief_pressure + relief_override)
+    low: Any = np.full(ANGLES, minimum(at.load_pressure, at.tank_pressure))
+    high: Any = np.full(ANGLES, at.relief_pressure + relief_override)
     # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
-    relief_conductance = select(relief_override > 0.0, flow / select(relief_override > 0.0, relief_override, 1.0), 0.0)
+    yields = relief_override > 0.0
+    relief_conductance = select(yields, at.flow / select(yields, relief_override, 1.0), 0.0)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        load = branch_flow(middle - load_pressure, openings.load, density, valve)
-        tank = branch_flow(middle - tank_pressure, openings.tank, density, valve)
-        relief = relief_conductance * maximum(middle - relief_pressure, 0.0)
-        short = load.flow + tank.flow + relief < flow
+        load = branch_flow(middle - at.load_pressure, openings.load, at.density, valve)
+        tank = branch_flow(middle - at.tank_pressure, openings.tank, at.density, valve)
+        relief = relief_conductance * maximum(middle - at.relief_pressure, 0.0)
+        short = load.flow + tank.flow + relief < at.flow
         low, high = select(short, middle, low), select(short, high, middle)
-    load = branch_flow(high - load_pressure, openings.load, density, valve)
-    tank = branch_flow(high - tank_pressure, openings.tank, density, valve)
-    return Cycle(openings, high, load, tank, maximum(flow - load.flow - tank.flow, 0.0))
+    load = branch_flow(high - at.load_pressure, openings.load, at.density, valve)
+    tank = branch_flow(high - at.tank_pressure, openings.tank, at.density, valve)
+    spilled = maximum(at.flow - load.flow - tank.flow, 0.0)
+    return Cycle(openings=openings, inlet_pressure=high, load=load, tank=tank, relief_flow=spilled)
 
 
-def quasi_steady_mean(
-    duty_ratio: float,
-    load_pressure: float,
-    relief_pressure: float,
-    relief_override: float,
-    tank_pressure: float,
-    flow: float,
-    density: float,
-    valve: RotaryValve,
-) -> CycleMean:
+def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve, relief_override: float = 0.0) -> CycleMean:
     """Mean flows, inlet pressure and power lost over a PWM period [m^3/s, Pa, W].
 
     The loss is the pump's power less the load's, both against the tank.
 
-    duty_ratio                                     axial position over helix length, any value [1]
-    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
-    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
-    flow                                           of the pump [m^3/s]
-    density                                        [kg/m^3]
+    duty_ratio       axial position over helix length, any value [1]
+    at               with the relief pressure highest
+    relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
 
     Source  ours, docs/models/rotary-valve.md
     """
-    cycle = quasi_steady_cycle(
-        duty_ratio, load_pressure, relief_pressure, relief_override, tank_pressure, flow, density, valve
-    )
+    cycle = quasi_steady_cycle(duty_ratio, at, valve, relief_override)
     load_flow, inlet = float(np.mean(cycle.load.flow)), float(np.mean(cycle.inlet_pressure))
-    loss = flow * (inlet - tank_pressure) - load_flow * (load_pressure - tank_pressure)
-    return CycleMean(load_flow, float(np.mean(cycle.tank.flow)), float(np.mean(cycle.relief_flow)), inlet, loss)
-
-
-def mean_load_flow(
-    duty_ratio: float,
-    load_pressure: float,
-    relief_pressure: float,
-    relief_override: float,
-    tank_pressure: float,
-    flow: float,
-    density: float,
-    valve: RotaryValve,
-) -> float:
-    """Mean flow to the load over a PWM period [m^3/s].
-
-    duty_ratio                                     axial position over helix length, any value [1]
-    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
-    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
-    flow                                           of the pump [m^3/s]
-    density                                        [kg/m^3]
-
-    Source  ours, docs/models/rotary-valve.md
-    """
-    return quasi_steady_mean(
-        duty_ratio, load_pressure, relief_pressure, relief_override, tank_pressure, flow, density, valve
-    ).load_flow
+    return CycleMean(
+        load_flow=load_flow,
+        tank_flow=float(np.mean(cycle.tank.flow)),
+        relief_flow=float(np.mean(cycle.relief_flow)),
+        inlet_pressure=inlet,
+        loss=at.flow * (inlet - at.tank_pressure) - load_flow * (at.load_pressure - at.tank_pressure),
+    )
 
 
 def averaged_spool_speed(
-    duty_ratio: float,
-    load_pressure: float,
-    relief_pressure: float,
-    relief_override: float,
-    tank_pressure: float,
-    flow: float,
-    density: float,
-    viscosity: float,
-    valve: RotaryValve,
+    duty_ratio: float, at: Condition, viscosity: float, valve: RotaryValve, relief_override: float = 0.0
 ) -> float:
     """Speed at which the torques balance on average over a PWM period, ports partly open included [rad/s].
 
     The torque is linear in the speed, so its means at two speeds give the balance. The speed's own ripple within a
     period is left out.
 
-    duty_ratio                                     axial position over helix length, any value [1]
-    load_pressure, relief_pressure, tank_pressure  absolute; relief highest [Pa]
-    relief_override                                rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
-    flow                                           of the pump [m^3/s]
-    density                                        [kg/m^3]
-    viscosity                                      dynamic [Pa s]
+    duty_ratio       axial position over helix length, any value [1]
+    at               with the relief pressure highest
+    viscosity        dynamic [Pa s]
+    relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
 
     Source  ours, docs/models/rotary-valve.md
     """
-    cycle = quasi_steady_cycle(
-        duty_ratio, load_pressure, relief_pressure, relief_override, tank_pressure, flow, density, valve
-    )
-    at_rest = _mean_net_torque(cycle, 0.0, density, viscosity, valve)
-    turning = _mean_net_torque(cycle, 1.0, density, viscosity, valve)
+    cycle = quasi_steady_cycle(duty_ratio, at, valve, relief_override)
+    at_rest = _mean_net_torque(cycle, 0.0, at.density, viscosity, valve)
+    turning = _mean_net_torque(cycle, 1.0, at.density, viscosity, valve)
     return at_rest / (at_rest - turning)
 
 

@@ -13,6 +13,7 @@ from vvdp.base.select import maximum, select
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.fluid.oil import Oil
 from vvdp.valve.branch import BranchDrops, turbulent_drops
+from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import barrier_width, nozzle_width, pitch, transition_fraction
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
@@ -84,29 +85,20 @@ def port_ramp(port_pressure: float, relief_pressure: float, tank_pressure: float
     return PortRamp(a, Qv, excess)
 
 
-def transition_loss(
-    flow: float,
-    load_pressure: float,
-    relief_pressure: float,
-    tank_pressure: float,
-    density: float,
-    valve: RotaryValve,
-) -> TransitionLoss:
+def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     """Mean power lost while ports open and close, beyond the loss of the fully open valve, and its flows [W, m^3/s, 1].
 
     L = (2 d_c / pitch) Q (E_load + E_tank) + 2 max(b - d_c, 0) / pitch Q (P_R - P_T - dP_open), E from `port_ramp`,
     for an ideal relief valve, constant load pressure and stiff oil. It does not depend on the spool speed, nor on the
     duty ratio while that lies between kappa and 1 - kappa; `range_warnings` tells where it holds.
 
-    flow                                           of the pump, > 0 [m^3/s]
-    load_pressure, relief_pressure, tank_pressure  absolute [Pa]
-    density                                        [kg/m^3]
+    at  with a flow > 0
 
     Source  ours, docs/models/rotary-valve.md
     """
-    Q, P_R, P_T = flow, relief_pressure, tank_pressure
-    drops = full_open_drop(flow, density, valve)
-    load = port_ramp(load_pressure, P_R, P_T, drops)
+    Q, P_R, P_T = at.flow, at.relief_pressure, at.tank_pressure
+    drops = full_open_drop(Q, at.density, valve)
+    load = port_ramp(at.load_pressure, P_R, P_T, drops)
     tank = port_ramp(P_T, P_R, P_T, drops)
     ramps = 2.0 * nozzle_width(valve) / pitch(valve)
     blocked = 2.0 * maximum(barrier_width(valve) - nozzle_width(valve), 0.0) / pitch(valve)
@@ -114,34 +106,23 @@ def transition_loss(
     load_lost = ramps * (load.relief_opening - load.relieved_port_flow)
     tank_lost = ramps * (tank.relief_opening - tank.relieved_port_flow)
     return TransitionLoss(
-        Q * (ramps * (load.excess_drop + tank.excess_drop) + blocked * (P_R - P_T - open_drop)),
-        Q * (load_lost + 0.5 * blocked),
-        Q * (load_lost + tank_lost + blocked),
-        load.relief_opening,
-        tank.relief_opening,
+        loss=Q * (ramps * (load.excess_drop + tank.excess_drop) + blocked * (P_R - P_T - open_drop)),
+        load_flow_lost=Q * (load_lost + 0.5 * blocked),
+        relief_flow=Q * (load_lost + tank_lost + blocked),
+        load_relief_opening=load.relief_opening,
+        tank_relief_opening=tank.relief_opening,
     )
 
 
-def closed_form_load_flow(
-    duty_ratio: float,
-    flow: float,
-    load_pressure: float,
-    relief_pressure: float,
-    tank_pressure: float,
-    density: float,
-    valve: RotaryValve,
-) -> float:
+def closed_form_load_flow(duty_ratio: float, at: Condition, valve: RotaryValve) -> float:
     """Mean flow to the load, Q d_0 less what the transitions send over the relief valve [m^3/s].
 
-    duty_ratio                                     d_0, between kappa and 1 - kappa [1]
-    flow                                           of the pump, > 0 [m^3/s]
-    load_pressure, relief_pressure, tank_pressure  absolute [Pa]
-    density                                        [kg/m^3]
+    duty_ratio  d_0, between kappa and 1 - kappa [1]
+    at          with a flow > 0
 
     Source  ours, docs/models/rotary-valve.md
     """
-    lost = transition_loss(flow, load_pressure, relief_pressure, tank_pressure, density, valve).load_flow_lost
-    return flow * duty_ratio - lost
+    return at.flow * duty_ratio - transition_loss(at, valve).load_flow_lost
 
 
 def compressibility_loss(pwm_frequency: float, volume: float, pressure: float, tank_pressure: float, oil: Oil) -> float:
@@ -200,21 +181,10 @@ def friction_loss(spool_speed: float, friction_coefficient: float) -> float:
     return friction_coefficient * spool_speed * spool_speed
 
 
-def range_warnings(
-    duty_ratio: float,
-    flow: float,
-    load_pressure: float,
-    relief_pressure: float,
-    tank_pressure: float,
-    density: float,
-    valve: RotaryValve,
-) -> tuple[str, ...]:
+def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tuple[str, ...]:
     """What puts the closed form of the transition loss in doubt at an operating point, in sentences; empty if nothing.
 
-    duty_ratio                                     [1]
-    flow                                           [m^3/s]
-    load_pressure, relief_pressure, tank_pressure  absolute [Pa]
-    density                                        [kg/m^3]
+    duty_ratio  [1]
 
     Source  ours, docs/models/rotary-valve.md
     """
@@ -231,9 +201,8 @@ def range_warnings(
             f"duty ratio {duty_ratio:.4g} lies outside {kappa:.4g} to {1.0 - kappa:.4g}: the {port} port is never "
             f"fully open, and the closed form of the transition loss does not hold"
         )
-    open_drop = full_open_loss(flow, density, valve) / flow
-    needed = load_pressure - tank_pressure + open_drop
-    setting = relief_pressure - tank_pressure
+    needed = at.load_pressure - at.tank_pressure + full_open_loss(at.flow, at.density, valve) / at.flow
+    setting = at.relief_pressure - at.tank_pressure
     if setting <= needed:
         found.append(
             f"the relief setting of {1e-5 * setting:.4g} bar does not exceed the {1e-5 * needed:.4g} bar that the load "
@@ -263,14 +232,23 @@ def best_relief_pressure(
 
     Source  ours, docs/models/rotary-valve.md
     """
+
+    def loss(relief_pressure: float) -> float:
+        at = Condition(
+            flow=flow,
+            load_pressure=load_pressure,
+            relief_pressure=relief_pressure,
+            tank_pressure=tank_pressure,
+            density=density,
+        )
+        return transition_loss(at, valve).loss
+
     open_drop = full_open_loss(flow, density, valve) / flow
     low = load_pressure + open_drop
     high = low + 3.0 * open_drop + (load_pressure - tank_pressure)
     shrink = 0.5 * (5.0**0.5 - 1.0)
     for _ in range(60):
         left, right = high - shrink * (high - low), low + shrink * (high - low)
-        at_left = transition_loss(flow, load_pressure, left, tank_pressure, density, valve).loss
-        at_right = transition_loss(flow, load_pressure, right, tank_pressure, density, valve).loss
-        falling = at_left > at_right
+        falling = loss(left) > loss(right)
         low, high = select(falling, left, low), select(falling, high, right)
     return 0.5 * (low + high)

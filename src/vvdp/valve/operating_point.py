@@ -2,9 +2,20 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Fraction, Frequency, Power, PressureDifference, Ratio, Speed
+from vvdp.base.kinds import (
+    Flow,
+    Fraction,
+    Frequency,
+    Power,
+    Pressure,
+    PressureDifference,
+    Ratio,
+    Speed,
+    Temperature,
+)
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
+from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import CycleMean, averaged_spool_speed, quasi_steady_mean
 from vvdp.valve.geometry import nozzle_hydraulic_diameter, transition_fraction
 from vvdp.valve.losses import (
@@ -29,6 +40,16 @@ from vvdp.valve.torque import (
 )
 
 TURBULENT = 2300.0  # Reynolds number
+
+
+class SetPoint(NamedTuple):
+    """Where the valve works: pump flow, oil temperature, duty ratio, absolute pressures of load and relief valve."""
+
+    flow: Flow
+    temperature: Temperature
+    duty_ratio: Fraction
+    load_pressure: Pressure
+    relief_pressure: Pressure
 
 
 class OperatingPoint(NamedTuple):
@@ -76,68 +97,58 @@ def nozzle_reynolds_number(flow: float, density: float, viscosity: float, valve:
     return density * flow / valve.nozzle_area * nozzle_hydraulic_diameter(valve) / viscosity
 
 
-def operating_point(
-    flow: float,
-    temperature: float,
-    duty_ratio: float,
-    load_pressure: float,
-    relief_pressure: float,
-    inlet_volume: float,
-    oil: Oil,
-    valve: RotaryValve,
-) -> OperatingPoint:
+def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: RotaryValve) -> OperatingPoint:
     """Drops, torques, speeds, losses and warnings at one operating point; the tank is at the oil's reference pressure.
 
-    flow                            of the pump, > 0 [m^3/s]
-    temperature                     of the oil [K]
-    duty_ratio                      axial position over helix length [1]
-    load_pressure, relief_pressure  absolute [Pa]
-    inlet_volume                    between pump and ports [m^3]
+    set_point     with a flow > 0
+    inlet_volume  between pump and ports [m^3]
 
     Source  ours, docs/models/rotary-valve.md
     """
-    Q, rho, mu, tank = flow, density(temperature, oil), dynamic_viscosity(temperature, oil), oil.reference_pressure
+    Q, T, duty_ratio = set_point.flow, set_point.temperature, set_point.duty_ratio
+    rho, mu = density(T, oil), dynamic_viscosity(T, oil)
+    load_pressure, tank = set_point.load_pressure, oil.reference_pressure
+    at = Condition(
+        flow=Q, load_pressure=load_pressure, relief_pressure=set_point.relief_pressure, tank_pressure=tank, density=rho
+    )
     drops = full_open_drop(Q, rho, valve)
     omega = equilibrium_speed(Q, rho, mu, valve)
     k_f = friction_coefficient(mu, valve)
-    averaged = pwm_frequency(
-        averaged_spool_speed(duty_ratio, load_pressure, relief_pressure, 0.0, tank, Q, rho, mu, valve), valve
-    )
-    transition = transition_loss(Q, load_pressure, relief_pressure, tank, rho, valve)
-    losses = (
-        full_open_loss(Q, rho, valve),
-        transition.loss,
-        leakage_loss(load_pressure - tank, mu, valve),
-        compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil),
-    )
+    averaged = pwm_frequency(averaged_spool_speed(duty_ratio, at, mu, valve), valve)
+    transition, open_loss = transition_loss(at, valve), full_open_loss(Q, rho, valve)
+    leakage = leakage_loss(load_pressure - tank, mu, valve)
+    compression = compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil)
     regime = compression_regime(
         averaged, inlet_volume, load_pressure - tank, mean_bulk_modulus(load_pressure, oil), Q, valve
     )
     reynolds = nozzle_reynolds_number(Q, rho, mu, valve)
-    warnings = range_warnings(duty_ratio, Q, load_pressure, relief_pressure, tank, rho, valve)
+    warnings = range_warnings(duty_ratio, at, valve)
     if reynolds < TURBULENT:
         warnings += (
             f"the Reynolds number of the nozzles is {reynolds:.4g}: a discharge coefficient from a turbulent model is "
             f"uncertain",
         )
     return OperatingPoint(
-        drops.nozzle,
-        drops.centre_section,
-        drops.outlet_turbine,
-        drops.nozzle + drops.centre_section + drops.outlet_turbine,
-        inlet_torque(Q, 1.0, rho, valve),
-        outlet_torque(Q, omega, rho, valve),
-        k_f * omega,
-        omega,
-        pwm_frequency(omega, valve),
-        averaged,
-        transition_fraction(valve),
-        *losses,
-        sum(losses),
-        friction_loss(omega, k_f),
-        regime,
-        reynolds,
-        transition,
-        quasi_steady_mean(duty_ratio, load_pressure, relief_pressure, 0.0, tank, Q, rho, valve),
-        warnings,
+        nozzle_drop=drops.nozzle,
+        centre_drop=drops.centre_section,
+        outlet_drop=drops.outlet_turbine,
+        total_drop=drops.nozzle + drops.centre_section + drops.outlet_turbine,
+        inlet_torque=inlet_torque(Q, 1.0, rho, valve),
+        outlet_torque=outlet_torque(Q, omega, rho, valve),
+        friction_torque=k_f * omega,
+        spool_speed=omega,
+        full_open_pwm_frequency=pwm_frequency(omega, valve),
+        averaged_pwm_frequency=averaged,
+        transition_fraction=transition_fraction(valve),
+        full_open_loss=open_loss,
+        transition_loss=transition.loss,
+        leakage_loss=leakage,
+        compressibility_loss=compression,
+        total_loss=open_loss + transition.loss + leakage + compression,
+        friction_loss=friction_loss(omega, k_f),
+        compression_regime=regime,
+        nozzle_reynolds_number=reynolds,
+        transition=transition,
+        cycle=quasi_steady_mean(duty_ratio, at, valve),
+        warnings=warnings,
     )
