@@ -1,11 +1,14 @@
 """A result on the screen: title, conditions, listings, tables, findings."""
 
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vvdp.cli.screen import console, grid, warn
+from vvdp.cli.screen import console, grid, print_json, warn
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.table import Table as Grid
 
     from vvdp.results.result import Listing, Result, Table
@@ -33,6 +36,28 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
             out.print(finding.text, soft_wrap=True)
 
 
+def write_with_report(folder: "Path", result: "Result", system: str, *, no_report: bool) -> None:
+    """Writes a result with the text of its resolved `system`, and its page unless `no_report`."""
+    from vvdp.report.result_page import write_result_report
+    from vvdp.results.store import write_result
+
+    write_result(folder, result, system, ("vvdp", *sys.argv[1:]))
+    if not no_report:
+        write_result_report(folder)
+
+
+def show_result(result: "Result", directory: "Path", *, json: bool, no_report: bool) -> None:
+    """Prints a result that stands in `directory`: as one JSON object, or its listings and findings for a person."""
+    if json:
+        print_json({**result.flat, "out": str(directory)})
+        return
+    print_result(result, tuple(result.listings))
+    out = console()
+    out.print(f"results: {directory}", soft_wrap=True)
+    if not no_report:
+        out.print(f"report: {directory / 'report.html'}", soft_wrap=True)
+
+
 def listing_grid(listing: "Listing") -> "Grid":
     """A listing as a table of the screen."""
     from vvdp.results.cells import row_unit, shown_cell
@@ -57,5 +82,5 @@ def table_grid(name: str, table: "Table") -> "Grid":
     right = tuple(head for head, key in zip(heads, keys, strict=True) if table.columns[key].kind)
     found = grid(*heads, title=title, right=right)
     for place in places:
-        found.add_row(*(table_cell(table.columns[key], place) for key in keys))
+        found.add_row(*(table_cell(table, key, place) for key in keys))
     return found
