@@ -174,8 +174,8 @@ def _print(result: "RigResult", found: "PumpMap") -> None:
     """Overall efficiency over pressure and duty ratio at each temperature and speed, and what was found."""
     import numpy as np
 
+    from vvdp.base.display import number
     from vvdp.cli.screen import console, grid, warn
-    from vvdp.report.wording import number
     from vvdp.rigs.conditions import CELSIUS, RPM
 
     out = console()

@@ -31,8 +31,7 @@ def write_page(
     folder = directory / "figures"
     folder.mkdir(exist_ok=True)
     files = {f"{name}.svg": svg.encode() for name, svg in more.items()}
-    for each in drawn:
-        files |= {f"{each.name}.svg": each.svg.encode(), f"{each.name}.png": each.png}
+    files |= {f"{each.name}.svg": each.svg.encode() for each in drawn}
     for stale in sorted(folder.iterdir()):
         if stale.name not in files and stale.suffix in (".svg", ".png"):
             stale.unlink()

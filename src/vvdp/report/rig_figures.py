@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import plain
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn, legend
-from vvdp.report.reading import BAR, LPM
-from vvdp.report.wording import plain
 from vvdp.rigs.conditions import CELSIUS, RPM
 from vvdp.rigs.result import RigResult, Sheet
+
+BAR = 1e5
+LPM = 1e-3 / 60.0
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,15 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
+from vvdp.base.display import number
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
 from vvdp.report.page import opening, write_page
-from vvdp.report.reading import BAR, LPM
 from vvdp.report.references import bibliography
 from vvdp.report.rig_figures import rig_figures
-from vvdp.report.wording import number
 from vvdp.rigs.conditions import CELSIUS, RPM
 from vvdp.rigs.result import RigResult, Sheet, read_rig
+
+BAR = 1e5
+LPM = 1e-3 / 60.0
 
 MOST_ROWS = 150
 WRAPPED = "th.n { white-space: normal; }\n"
