@@ -66,6 +66,7 @@ def estimators(
 
     Ctrl-C ends the comparison early and keeps the runs that are done.
     """
+    from vvdp.base.files import result_directory
     from vvdp.base.kinds import FREQUENCY
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
@@ -74,7 +75,6 @@ def estimators(
     from vvdp.comparison.scenarios import scenarios
     from vvdp.comparison.trials import compare
     from vvdp.report.comparison import write_comparison_report
-    from vvdp.simulation.results import result_directory
 
     frequency = parsed_option("--rate", rate, FREQUENCY)
     chosen = _chosen("--scenario", scenario, scenarios(sectors, frequency))

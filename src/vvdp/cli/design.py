@@ -99,6 +99,7 @@ def optimum(
 
     Free are spool radius, nozzle area, outlet area and radial clearance, and what a --bound names.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design.optimise import movable, moved, optimised
@@ -106,7 +107,6 @@ def optimum(
     from vvdp.design.proof import doubts, proofs, simulation_doubts
     from vvdp.design.results import SYSTEM, flat_results, write_design
     from vvdp.report.design_report import write_design_report
-    from vvdp.simulation.results import result_directory
 
     loaded = _bench_system("optimum", system, settings)
     asked = problem(loaded, minimise, subject_to or (), bound or (), cycle)
@@ -171,13 +171,13 @@ def pareto(
 
     Each is written as a system.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design import pareto as study
     from vvdp.design.problem import problem, with_usual_limits
     from vvdp.design.proof import simulated_designs
     from vvdp.report.design_report import write_front_report
-    from vvdp.simulation.results import result_directory
 
     wanted = study.objectives(minimise or (), maximise or ())
     loaded = _bench_system("pareto", system, settings)
@@ -263,11 +263,11 @@ def tolerance(
     json: AsJson = False,
 ) -> None:
     """Show how drop, PWM frequency and efficiency scatter with parts and oil, and which input matters."""
+    from vvdp.base.files import result_directory
     from vvdp.cli.screen import print_json
     from vvdp.design import tolerance as study
     from vvdp.design.results import write_columns, write_numbers
     from vvdp.report.design_report import TOLERANCE, write_tolerance_report
-    from vvdp.simulation.results import result_directory
 
     loaded = _bench_system("tolerance", system, settings)
     taken = study.spreads(loaded, spread or ())
@@ -295,13 +295,13 @@ def temperature(
     json: AsJson = False,
 ) -> None:
     """Show the valve from cold to hot oil, and where its model is in doubt."""
+    from vvdp.base.files import result_directory
     from vvdp.base.kinds import TEMPERATURE as KIND
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json
     from vvdp.design import temperature as study
     from vvdp.design.results import write_columns, write_numbers
     from vvdp.report.design_report import TEMPERATURE, write_temperature_report
-    from vvdp.simulation.results import result_directory
 
     loaded = _bench_system("temperature", system, settings)
     low, high = parsed_option("--from", coldest, KIND), parsed_option("--to", hottest, KIND)

@@ -67,12 +67,12 @@ def estimate(
 
     One of --wave, --counts and --edges names the channel, or a config does. Ctrl-C keeps what was reached.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.progress import reached
     from vvdp.cli.screen import plain, print_json, say
     from vvdp.logs.config import SOURCES, Option, load_estimation
     from vvdp.logs.estimate import estimate as estimated
     from vvdp.logs.estimate import opened
-    from vvdp.simulation.results import result_directory
 
     named = {
         "sensor.edges": ("--edges", edges),

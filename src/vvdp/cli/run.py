@@ -1,7 +1,7 @@
 """`vvdp run`."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -46,9 +46,10 @@ def run(
 
     Ctrl-C ends the simulation early and keeps what was reached.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.progress import reached
     from vvdp.cli.screen import plain, print_json, say
-    from vvdp.simulation.results import result_directory, write_results
+    from vvdp.simulation.results import write_results
     from vvdp.simulation.run import simulate
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.summary import summary
@@ -71,6 +72,7 @@ def run(
             more["check"] = {move.key: move.change for move in changes}
         _copy_module(loaded, folder)
         write_results(folder, done, system=resolved_text(loaded), summary=plain(found), more=plain(more))
+        reported = not no_report and _reported(folder, say)
     if json:
         told = {"check": more["check"]} if changes else {}
         print_json({"system": loaded.name, **found, **told, "out": str(directory)})
@@ -78,18 +80,26 @@ def run(
         _print(loaded, done, found)
         _print_check(changes)
         typer.echo(f"results: {directory}")
-    if not no_report:
-        from vvdp.report.report import write_report
-
-        report = write_report(directory)
-        if not json:
-            typer.echo(f"report: {report}")
+    if reported and not json:
+        typer.echo(f"report: {directory / 'report.html'}")
     if not found.get("trusted", True):
         say("not trusted: the books of this run do not balance; see energy_residual and mass_residual")
     if not done.finished:
         raise typer.Exit(INTERRUPTED)
     if not found.get("trusted", True):
         raise typer.Exit(NOT_TRUSTED)
+
+
+def _reported(folder: Path, say: Callable[[str], None]) -> bool:
+    """Writes the report beside the results, so that both are put in place together; Ctrl-C leaves it out."""
+    from vvdp.report.report import write_report
+
+    try:
+        write_report(folder)
+    except KeyboardInterrupt:
+        say("interrupted; the report is left out, the results are written")
+        return False
+    return True
 
 
 def _checked(system: "System", found: dict[str, Any], say: Any) -> "tuple[Move, ...]":
