@@ -81,7 +81,7 @@ class _Disk(io.FileIO):
                 view = view[super().write(view) :]
         except OSError as problem:
             self.problem = problem
-        return len(content)
+        return memoryview(content).nbytes
 
     def truncate(self, size: int | None = None) -> int:
         try:
@@ -110,8 +110,11 @@ class Store:
         try:
             if kind is None:
                 self.flush()
-        finally:
             self.file.close()
+        except (OSError, RuntimeError):
+            if self._disk.problem is None:
+                raise
+        finally:
             self._disk.close()
         self._check()
 

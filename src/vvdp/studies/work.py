@@ -37,13 +37,16 @@ class Batching(NamedTuple):
     group: Callable[[Any], object] = type
 
 
+FOR_CASES = Batching()
+
+
 def kept_batches(
     task: Task[Case, Finished],
     cases: Sequence[Case],
     directory: Path,
     engine: Engine,
     interrupted: threading.Event,
-    batching: Batching = Batching(),
+    batching: Batching = FOR_CASES,
 ) -> Iterator[list[Finished]]:
     """Yields the finished cases of each batch as they come, written to the store `directory` and its index.
 
@@ -60,7 +63,7 @@ def batches(
     cases: Sequence[Case],
     engine: Engine,
     interrupted: threading.Event,
-    batching: Batching = Batching(),
+    batching: Batching = FOR_CASES,
 ) -> Iterator[list[Result]]:
     """Yields what `task` makes of each batch of `cases` as they come.
 
