@@ -96,7 +96,7 @@ def test_force_replaces_results_and_nothing_else(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes.txt").write_text("keep")
     for force in (False, True):
-        with pytest.raises(ConfigError, match="already exists|something else"):
+        with pytest.raises(ConfigError, match=r"already exists|something else"):
             write_results(tmp_path / "mine", "new", force=force)
     assert content(tmp_path) == {"out/meta.json": "new", "mine/notes.txt": "keep"}
 
@@ -184,7 +184,8 @@ from vvdp.base.files import result_directory
 left = int(sys.argv[2])
 def counted(event, arguments):
     global left
-    if event in {"os.rename", "os.remove", "os.rmdir", "os.mkdir", "shutil.rmtree"} or event == "open" and ".out." in str(arguments[0]):
+    changes = event in {"os.rename", "os.remove", "os.rmdir", "os.mkdir", "shutil.rmtree"}
+    if changes or event == "open" and ".out." in str(arguments[0]):
         left -= 1
         if left < 0:
             os._exit(9)

@@ -1,7 +1,7 @@
 """`vvdp run`."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -48,6 +48,7 @@ def run(
     """
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import reached
+    from vvdp.cli.report import RUN, add_report
     from vvdp.cli.screen import plain, print_json, say
     from vvdp.simulation.results import write_results
     from vvdp.simulation.run import simulate
@@ -72,7 +73,7 @@ def run(
             more["check"] = {move.key: move.change for move in changes}
         _copy_module(loaded, folder)
         write_results(folder, done, system=resolved_text(loaded), summary=plain(found), more=plain(more))
-        reported = not no_report and _reported(folder, say)
+        reported = not no_report and add_report(RUN, folder)
     if json:
         told = {"check": more["check"]} if changes else {}
         print_json({"system": loaded.name, **found, **told, "out": str(directory)})
@@ -88,18 +89,6 @@ def run(
         raise typer.Exit(INTERRUPTED)
     if not found.get("trusted", True):
         raise typer.Exit(NOT_TRUSTED)
-
-
-def _reported(folder: Path, say: Callable[[str], None]) -> bool:
-    """Writes the report beside the results, so that both are put in place together; Ctrl-C leaves it out."""
-    from vvdp.report.report import write_report
-
-    try:
-        write_report(folder)
-    except KeyboardInterrupt:
-        say("interrupted; the report is left out, the results are written")
-        return False
-    return True
 
 
 def _checked(system: "System", found: dict[str, Any], say: Any) -> "tuple[Move, ...]":
