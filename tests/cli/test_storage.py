@@ -257,9 +257,9 @@ def test_what_nobody_expected_is_one_line(vvdp, place, monkeypatch, problem, wor
 
 
 def test_too_little_memory_is_one_line_and_leaves_nothing(place):
-    """A run of 2000 s records what does not fit into 1 GB more than the program itself takes."""
-    words = ("--until", "3000 s", "--set", "run.window=3000 s", "--no-report")
-    limit = 3_000_000_000
+    """A hundred seconds recorded finely take 1.4 GB at once."""
+    words = ("--until", "300 s", "--set", "run.window=100 s", "--no-report")
+    limit = 1_500_000_000
     ended = run_process("run", *words, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
     assert ended.returncode == 1, ended.stderr
     assert ended.stderr.splitlines()[-1].startswith("vvdp: not enough memory")

@@ -26,7 +26,7 @@ COLLECT_AFTER = 50_000
 
 app = typer.Typer(
     help="Simulate and judge virtually variable displacement pumps and other digital hydraulics.",
-    epilog="Exit codes: 0 fine, 1 failed, 2 bad input, 3 result not trusted, 130 interrupted; 143, 129 by SIGTERM, SIGHUP.",
+    epilog="Exit codes: 0 fine, 1 failed, 2 bad input, 3 result not trusted, 130 interrupted (SIGTERM 143, SIGHUP 129).",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,  # rich would triple the time of --help
