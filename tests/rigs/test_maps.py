@@ -285,7 +285,6 @@ def test_points_are_known_by_the_tolerance_they_were_stepped_with(source_stand, 
 
 
 def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch):
-    monkeypatch.setattr(work, "FIRST_BATCH", 4)
     monkeypatch.setattr(work, "LARGEST_BATCH", 4)
 
     def interrupting(done: int, total: int) -> None:
@@ -324,7 +323,7 @@ from vvdp.rigs import maps
 from vvdp.rigs.stand import stand
 from vvdp.studies import work
 from vvdp.systems.system import load_system
-work.FIRST_BATCH = work.LARGEST_BATCH = 4
+work.LARGEST_BATCH = 4
 held = stand(load_system("prototype-constant-load"))
 axes = maps.default_axes(held, 12, 5)
 maps.simulated_map(held, axes, Path({folder!r}), progress=lambda done, total: print(done, flush=True))

@@ -39,12 +39,29 @@ def report(
         writer = LOG
     elif is_comparison(directory):
         writer = COMPARISON
-    module, name = writer
     try:
-        page = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
+        page = _write(writer, directory)
     except (KeyError, TypeError) as problem:
         raise unusable(directory, f"is damaged or not complete: {problem!r}") from None
     if json:
         print_json({"report": str(page)})
     else:
         typer.echo(str(page))
+
+
+def add_report(writer: tuple[str, str], folder: Path) -> bool:
+    """Writes the report beside results that are about to be put in place; Ctrl-C leaves it out, and gives False."""
+    from vvdp.cli.screen import say
+
+    try:
+        _write(writer, folder)
+    except KeyboardInterrupt:
+        say("interrupted; the report is left out, the results are written")
+        return False
+    return True
+
+
+def _write(writer: tuple[str, str], directory: Path) -> Path:
+    module, name = writer
+    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
+    return page

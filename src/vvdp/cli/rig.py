@@ -182,11 +182,11 @@ def _run(
     no_report: bool,
 ) -> None:
     """Puts a system on its stand, has `work` done there, and writes and shows what comes of it."""
+    from vvdp.base.files import result_directory
     from vvdp.cli.screen import say
     from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.result import write_rig
     from vvdp.rigs.stand import stand
-    from vvdp.simulation.results import result_directory
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 

@@ -38,6 +38,7 @@ def run(
     """
     from vvdp.base.files import result_directory
     from vvdp.cli.progress import reached
+    from vvdp.cli.report import RUN, add_report
     from vvdp.cli.screen import print_json, say
     from vvdp.runs.simulate import check_accuracy, run_system, save_run
     from vvdp.systems.system import load_system
@@ -55,16 +56,13 @@ def run(
             with reached(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
                 changes = check_accuracy(done, progress)
         save_run(folder, done)
-        if not no_report:
-            from vvdp.report.report import write_report
-
-            write_report(folder)
+        reported = not no_report and add_report(RUN, folder)
     if json:
         checked = {"check": {move.key: move.change for move in changes}} if changes else {}
         print_json({"system": loaded.name, **done.summary, **checked, "out": str(directory)})
     else:
         _print(done, changes)
-        typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
+        typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
     _exit(done)
 
 

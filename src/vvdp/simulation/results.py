@@ -1,21 +1,15 @@
 """The result directory: what a run leaves on disk, and reading it back.
 
-    system.toml     the system as it was resolved
-    result.h5       times, states, outputs, marks; commands, memory and readings of each program; every dataset with
-                    `units` and `long_name`, time first, as its dimension (`simulation.record`)
-    summary.json    the numbers that the run comes to
-    meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
-
-Everything is written to a temporary folder beside and renamed at the end, so a directory is whole or absent.
+system.toml     the system as it was resolved
+result.h5       times, states, outputs, marks; commands, memory and readings of each program; every dataset with
+                `units` and `long_name`, time first, as its dimension (`simulation.record`)
+summary.json    the numbers that the run comes to
+meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
 """
 
 import json
-import os
 import platform
-import shutil
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,41 +34,6 @@ class Results:
     summary: Mapping[str, Any]
     meta: Mapping[str, Any]
     record: Record
-
-
-@contextmanager
-def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
-    """A temporary folder that becomes `directory` when the block ends well, and vanishes when it does not.
-
-    Raises ConfigError before anything is run where `directory` exists (without `force`), holds something else than
-    results (even with it), or cannot be written.
-    """
-    named, directory = directory, Path(os.path.realpath(directory))
-    try:
-        if directory.exists():
-            _refuse_to_replace(named, force)
-        directory.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
-    except OSError as problem:
-        raise unusable(named, f"cannot be written ({problem.strerror}: {problem.filename})") from None
-    try:
-        yield temporary
-        temporary.chmod(0o755)
-        if directory.exists():
-            shutil.rmtree(directory)
-        temporary.replace(directory)
-    except BaseException:
-        shutil.rmtree(temporary, ignore_errors=True)
-        raise
-
-
-def _refuse_to_replace(directory: Path, force: bool) -> None:
-    if not force:
-        raise unusable(directory, "already exists; choose another directory or use --force")
-    if not directory.is_dir():
-        raise unusable(directory, "is not a directory")
-    if any(directory.iterdir()) and not (directory / "meta.json").is_file():
-        raise unusable(directory, "holds something else than results; choose another directory")
 
 
 def origin(run: Run) -> dict[str, Any]:
