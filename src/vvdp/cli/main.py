@@ -42,7 +42,7 @@ class _InOrder(TyperGroup):
 app = typer.Typer(
     cls=_InOrder,
     help="Simulate and evaluate virtually variable displacement pumps and other digital hydraulics.",
-    epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 balances do not close, 130 interrupted (SIGTERM 143, SIGHUP 129).",
+    epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 not balanced, 130 interrupted (by a signal 143, 129).",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,  # rich would triple the time of --help

@@ -116,8 +116,8 @@ def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
     yield (
         "The analytic formulas count volumes (the oil keeps its volume under pressure), with ideal conditions: "
         "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of 1 to 2 % are "
-        "to be expected. Their sum is an upper estimate, because part of the compression happens while flow would be lost "
-        "over the relief valve anyway. In the simulation compression shows as throttling, so it is counted within the "
+        "to be expected. Their sum is an upper estimate, because part of the compression happens while flow would be "
+        "lost over the relief valve anyway. In the simulation compression shows as throttling, so it is part of the "
         "transition."
     )
     if run.varies:
