@@ -22,6 +22,7 @@ NAMES = (
     "logs",
     "networks",
     "chain",
+    "server",
 )
 README = HERE / "README.md"
 BEGIN, END = "<!-- written by `python -m benchmarks.run --write` -->", "<!-- end of what is written -->"

@@ -107,7 +107,7 @@ def test_a_full_disk_is_told_in_a_line(vvdp, here, monkeypatch):
     monkeypatch.setattr("vvdp.simulation.results.write_results", full)
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 1
-    assert answer.err.splitlines() == ["vvdp: [Errno 28] No space left on device"]
+    assert answer.err.splitlines() == ["out: cannot be written (No space left on device)"]
     assert not list(here.iterdir())
 
 

@@ -31,6 +31,7 @@ MADE_FOR = {
     ("simulation/landing.py", "numba"),
     ("simulation/lane_loop.py", "numba"),
     ("simulation/lane_vectors.py", "numba"),
+    ("simulation/queue.py", "numba"),
     ("simulation/loop.py", "numba"),
     ("simulation/marks.py", "numba"),
     ("simulation/pace.py", "numba"),

@@ -2,7 +2,8 @@ import shutil
 
 import pytest
 
-from vvdp.simulation.results import result_directory, write_results
+from vvdp.base.files import result_directory
+from vvdp.simulation.results import write_results
 from vvdp.simulation.run import simulate
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary

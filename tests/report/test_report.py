@@ -9,9 +9,10 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import result_directory
 from vvdp.report.reading import reading
 from vvdp.report.report import contents, write_report
-from vvdp.simulation.results import result_directory, write_results
+from vvdp.simulation.results import write_results
 from vvdp.simulation.run import simulate
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary

@@ -10,16 +10,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from vvdp.report.rig_figures import rig_figures
+from vvdp.report.rig_report import thinned_rows
+from vvdp.rigs.result import read_rig, write_rig
 
 from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.base.signal import constant
-from vvdp.report.rig_figures import rig_figures
-from vvdp.report.rig_report import thinned_rows
 from vvdp.rigs import maps
 from vvdp.rigs.map_result import map_result
 from vvdp.rigs.maps import Axes, analytic_map, default_axes, map_directory, simulated_map, usable
 from vvdp.rigs.pressure_drop import pressure_drop
-from vvdp.rigs.result import read_rig, write_rig
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
 from vvdp.steady.steady_states import steady_states
@@ -285,7 +285,6 @@ def test_points_are_known_by_the_tolerance_they_were_stepped_with(source_stand, 
 
 
 def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch):
-    monkeypatch.setattr(work, "FIRST_BATCH", 4)
     monkeypatch.setattr(work, "LARGEST_BATCH", 4)
 
     def interrupting(done: int, total: int) -> None:
@@ -324,7 +323,7 @@ from vvdp.rigs import maps
 from vvdp.steady.test_stand import stand
 from vvdp.studies import work
 from vvdp.systems.system import load_system
-work.FIRST_BATCH = work.LARGEST_BATCH = 4
+work.LARGEST_BATCH = 4
 held = stand(load_system("prototype-constant-load"))
 axes = maps.default_axes(held, 12, 5)
 maps.simulated_map(held, axes, Path({folder!r}), progress=lambda done, total: print(done, flush=True))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
+from vvdp.rigs import maps
 from vvdp.rigs.maps import Axes, simulated_map
 from vvdp.rigs.pump import control_numbers, dead_band, linearity, pump, pump_axes
 from vvdp.studies import work
@@ -50,8 +51,7 @@ def test_whole_test_and_going_on(source_stand, tmp_path):
 
 
 def test_interrupted_test_leaves_out_the_dynamics(source_stand, tmp_path, monkeypatch):
-    monkeypatch.setattr(work, "FIRST_BATCH", 2)
-    monkeypatch.setattr(work, "LARGEST_BATCH", 2)
+    monkeypatch.setattr(maps, "BATCHING", work.Batching(least=2, seconds=0.0))
     axes = replace(pump_axes(source_stand), duty_ratios=(0.4, 0.6), load_pressures=(41e5,))
     part = pump(
         source_stand, tmp_path, axes, progress=lambda done, total: done == 2 and os.kill(os.getpid(), signal.SIGINT)

@@ -17,11 +17,13 @@ from vvdp.base.errors import RunError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, constant, signal_stop, signal_value, table
+from vvdp.simulation import link as linking
 from vvdp.simulation.cache import check_private
 from vvdp.simulation.layout import as_memory, case_shape, command_parts, memory_parts, rows, vectors
 from vvdp.simulation.link import Hashed, link
 from vvdp.simulation.model import Case, Model, Program
-from vvdp.simulation.parts import measure_part, rates_part
+from vvdp.simulation.parts import Part, measure_part, rates_part
+from vvdp.simulation.text import Classes
 
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
 Prescribed = Annotated[Signal, Kind("plain number", "1", -1e9, 1e9, "1")]
@@ -369,6 +371,43 @@ def folders(cache: Path) -> set[str]:
     return {path.name for path in cache.iterdir()}
 
 
+class Bulky(NamedTuple):
+    """What stands for a part of a model that takes so long to compile."""
+
+    digest: str
+    seconds: float
+    part: Part
+
+
+def test_time_left_while_compiling_by_hand(tmp_path, monkeypatch):
+    """Parts of 2, 6 and 12 s, one of no title; the first takes 5 s, and the others are then expected to take 45."""
+    now = [100.0]
+    monkeypatch.setattr(linking.time, "monotonic", lambda: now[0])
+    names = {"pending_a": (2.0, "the circuit"), "pending_b": (6.0, ""), "pending_c": (12.0, "the program p")}
+    parts = [Bulky(name, seconds, Part("", {}, Classes(), title)) for name, (seconds, title) in names.items()]
+    pending = linking.Pending(parts, tmp_path)
+    assert pending.words(parts[0]) == "compiling the circuit, once for each: part 1 of 3, about 20 s left"
+    now[0] += 5.0
+    assert pending.words(parts[1]) == ""
+    now[0] += 15.0
+    assert pending.words(parts[2]) == "compiling the program p, once for each: part 3 of 3, about 30 s left"
+    alone = linking.Pending(parts[:1], tmp_path)
+    assert alone.words(parts[0]) == "compiling the circuit, once for each: about 2 s left"
+
+
+def test_each_part_with_a_title_is_told_with_its_place_among_all(tmp_path, fresh):
+    """Rates, jumps and events; then sensor and step of two programs, and what joins them: nine with the conditions."""
+    said: list[str] = []
+    link(TANK, tank_case(), tmp_path, said.append)
+    assert [text.partition(":")[0] for text in said] == [
+        "compiling the circuit tank, once for each",
+        "compiling the program controller, once for each",
+        "compiling the program counter, once for each",
+    ]
+    places = [text.partition(": ")[2].partition(",")[0] for text in said]
+    assert places == [f"part {number} of 9" for number in (1, 5, 7)]
+
+
 def other_controller(t, memory, reading, settings):
     return memory, Flow(reading.flow - settings.gains[0])
 
@@ -388,7 +427,7 @@ def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_pa
     programs = {**PROGRAMS, "controller": Program(flow_sensor, other_controller, Flow(0.0))}
     link(Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case(), tmp_path, said.append)
     assert len(folders(tmp_path) - before) == 2  # the step, and what joins the programs
-    assert said == ["compiling the program controller (once for each, a few seconds)"]
+    assert said == ["compiling the program controller, once for each: part 1 of 2, about 1 s left"]
 
     before = folders(tmp_path)
     link(Model(other_tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark), tank_case(), tmp_path)

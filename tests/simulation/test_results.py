@@ -9,8 +9,9 @@ import pytest
 
 import vvdp
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import result_directory
 from vvdp.simulation.record import record_bytes
-from vvdp.simulation.results import read_results, result_directory, write_results
+from vvdp.simulation.results import read_results, write_results
 from vvdp.simulation.run import Stepping, simulate
 
 

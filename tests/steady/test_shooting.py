@@ -104,3 +104,10 @@ def test_case_without_a_mark_has_a_reason(source_stand):
     (found,) = periodic_states(braked.model, [still], braked.stepping, [0.001])
     assert found.outcome is None
     assert found.reason is not None
+
+
+def test_a_search_that_is_stopped_says_so(held):
+    stand, case = held["orifice"].stand, held["orifice"].periodic.case
+    found = periodic_states(stand.model, [case], stand.stepping, [held["orifice"].periodic.period], stop=lambda: True)
+    assert found[0].outcome is None
+    assert found[0].reason == "stopped in round 1, before the periodic state was found"

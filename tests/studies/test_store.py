@@ -14,7 +14,7 @@ from vvdp.studies import store, work
 from vvdp.studies.engine import HERE, ThisProcess
 from vvdp.studies.index import NAME, indexed
 from vvdp.studies.store import Finished, finished_cases, keep_finished, opened_store, write_finished
-from vvdp.studies.work import kept_batches
+from vvdp.studies.work import Batching, kept_batches
 
 
 def finished(key: str) -> Finished:
@@ -165,7 +165,11 @@ def test_batches_leave_something_for_every_worker_and_grow_with_speed(tmp_path: 
 
 def test_a_batch_has_one_group_and_an_interruption_ends_the_batches(tmp_path: Path) -> None:
     opened_store(tmp_path, {})
-    assert carried_out(["a1", "a2", "b1", "a3"], tmp_path, group=lambda case: case[0]) == [["a1", "a2"], ["b1"], ["a3"]]
+    assert carried_out(["a1", "a2", "b1", "a3"], tmp_path, batching=Batching(group=lambda case: case[0])) == [
+        ["a1", "a2"],
+        ["b1"],
+        ["a3"],
+    ]
     stop = threading.Event()
     found = kept_batches(done, [str(number) for number in range(40)], tmp_path, Counting(2), stop)
     assert len(next(found)) == 16

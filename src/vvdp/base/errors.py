@@ -20,6 +20,13 @@ class RunError(VvdpError, RuntimeError):
     """A simulation could not be carried to its end."""
 
 
+class WriteError(VvdpError, OSError):
+    """What was to be kept could not be put on the disk: number and words of the system, and the path."""
+
+    def __str__(self) -> str:
+        return f"{self.filename}: cannot be written ({self.strerror})"
+
+
 @dataclass(frozen=True)
 class Fault:
     """One thing wrong with a file: where it is, the key as the user wrote it, and what was expected."""

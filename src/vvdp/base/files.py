@@ -1,31 +1,207 @@
-"""Files that are whole or absent: written under another name, synced, renamed."""
+"""Files and result directories that are whole or absent, whatever happens to the process that writes them.
 
+Everything is made under a name of its own, `.NAME.HOST-PROCESS-TOKEN.KIND`, synced, and renamed. It is locked while it
+is made, so that a later call on the same host knows what a dead process has left, and clears it away.
+"""
+
+import errno
+import fcntl
 import os
-import secrets
+import re
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from vvdp.base.errors import WriteError, unusable
+
+HOST = re.sub(r"[^A-Za-z0-9]", "_", os.uname().nodename)[:40]
+FILE, NEW, OLD = "tmp", "new", "old"
+"""A file, a directory that is being made, and one that makes way for it."""
+UNFINISHED = re.compile(
+    rf"\.(?P<name>.+)\.(?P<host>\w+)-(?P<process>\d+)-(?P<token>[0-9a-f]{{16}})\.(?P<kind>{FILE}|{NEW}|{OLD})"
+)
+FAULTS_OF_A_DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
     """Writes a file that is never seen in part, and is on the disk when this returns.
 
-    Raises OSError where it cannot be written; nothing of it is left then.
+    Raises WriteError where it cannot be written; nothing of it is left then, and an earlier file is as it was.
     """
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")  # unlike that of any other machine
+    temporary = _unfinished(path, os.urandom(8).hex(), FILE)
     try:
-        with temporary.open("wb") as file:
-            file.write(content.encode() if isinstance(content, str) else content)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
+        try:
+            with temporary.open("wb") as file:
+                _lock(file.fileno())
+                file.write(content.encode() if isinstance(content, str) else content)
+                file.flush()
+                os.fsync(file.fileno())
+                temporary.replace(path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+        _sync(path.parent)
+    except OSError as problem:
+        raise write_error(path, problem) from None
+
+
+@contextmanager
+def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
+    """A temporary folder that becomes `directory` when the block ends well, and vanishes when it does not.
+
+    With `force` it takes the place of earlier results, which are there until it is whole. What dead processes have left
+    beside it is cleared away first. Raises ConfigError, before anything is run where that can be known, where
+    `directory` exists (without `force`), holds something else than results (even with it), is being written by another
+    process, or cannot be written; WriteError where the disk fails.
+    """
+    named, directory = directory, Path(os.path.realpath(directory))
+    new = _unfinished(directory, os.urandom(8).hex(), NEW)
+    try:
+        clear_unfinished(directory.parent)
+        _refuse_to_replace(directory, named, force)
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        _refuse_company(directory, named)
+        new.mkdir()
+        lock = os.open(new, os.O_RDONLY)
+    except OSError as problem:
+        raise unusable(named, f"cannot be written ({problem.strerror}: {problem.filename})") from None
+    old = new.with_suffix(f".{OLD}")
+    try:
+        _lock(lock)
+        yield new
+        _sync_all(new)
+        while not _put_in_place(new, directory):
+            _refuse_to_replace(directory, named, force)
+            _move_aside(directory, old)
+        _sync(directory.parent)
+    except OSError as problem:
+        if problem.errno in FAULTS_OF_A_DISK:
+            raise write_error(named, problem) from None
         raise
-    sync_folder(path.parent)
+    finally:
+        os.close(lock)
+        _settle(directory, {NEW: new, OLD: old})
 
 
-def sync_folder(folder: Path) -> None:
-    """Returns when the names in `folder` are on the disk."""
-    opened = os.open(folder, os.O_RDONLY)
+def clear_unfinished(folder: Path) -> None:
+    """Removes from `folder` what dead processes of this host have left there, and finishes what they had nearly done.
+
+    A process that dies between the two renames of an exchange leaves both directories under temporary names: the new
+    one, which is whole then, is put in place.
+    """
+    found: dict[tuple[str, int, str], dict[str, Path]] = {}
+    for path in folder.iterdir() if folder.is_dir() else ():
+        match = UNFINISHED.fullmatch(path.name)
+        if match and match["host"] == HOST:
+            known = match["name"], int(match["process"]), match["token"]
+            found.setdefault(known, {})[match["kind"]] = path
+    for (name, process, _), parts in found.items():
+        with suppress(OSError):  # what cannot be removed stays
+            if all(_is_abandoned(path, process) for path in parts.values()):
+                _settle(folder / name, parts)
+
+
+def write_error(path: Path, problem: OSError) -> WriteError:
+    """A `WriteError` about `path`, for a `problem` with it or with something inside of it."""
+    return WriteError(problem.errno, problem.strerror or str(problem), str(path))
+
+
+def _refuse_to_replace(directory: Path, named: Path, force: bool) -> None:
+    if not directory.exists():
+        return
+    if not force:
+        raise unusable(named, "already exists; choose another directory or use --force")
+    if not directory.is_dir():
+        raise unusable(named, "is not a directory")
+    if any(directory.iterdir()) and not (directory / "meta.json").is_file():
+        raise unusable(named, "holds something else than results; choose another directory")
+
+
+def _refuse_company(directory: Path, named: Path) -> None:
+    """Raises ConfigError where another process is at work on `directory`: one of the two would work for nothing."""
+    for path in directory.parent.iterdir():
+        match = UNFINISHED.fullmatch(path.name)
+        if match and match["name"] == directory.name and match["kind"] == NEW and _is_locked(path):
+            raise unusable(named, f"is being written by process {match['process']}; choose another directory")
+
+
+def _put_in_place(new: Path, directory: Path) -> bool:
+    """Renames `new`; False where something is in its place."""
+    try:
+        new.rename(directory)
+    except OSError as problem:
+        if problem.errno in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
+            return False
+        raise
+    return True
+
+
+def _move_aside(directory: Path, old: Path) -> None:
+    shutil.rmtree(old, ignore_errors=True)
+    with suppress(FileNotFoundError):  # another process was faster
+        directory.rename(old)
+
+
+def _settle(target: Path, parts: Mapping[str, Path]) -> None:
+    """Finishes an exchange that was left between its two renames, and removes what else is left of it."""
+    if NEW in parts and OLD in parts and parts[OLD].exists() and not target.exists():
+        with suppress(FileNotFoundError):  # another process was faster
+            parts[NEW].rename(target)
+    for path in parts.values():
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
+
+
+def _unfinished(path: Path, token: str, kind: str) -> Path:
+    return path.with_name(f".{path.name}.{HOST}-{os.getpid()}-{token}.{kind}")
+
+
+def _is_abandoned(path: Path, process: int) -> bool:
+    """Whether nobody is at work on `path` any more; the lock speaks for processes that have numbers of their own."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return not _is_locked(path)
+    except PermissionError:  # alive, and another person's
+        return False
+    return False
+
+
+def _lock(opened: int) -> None:
+    """Locks an open file or folder for as long as it is open, where the file system knows locks."""
+    with suppress(OSError):
+        fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _is_locked(path: Path) -> bool:
+    try:
+        opened = os.open(path, os.O_RDONLY)
+    except FileNotFoundError:
+        return False
+    try:
+        fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:  # no locks here
+        return False
+    finally:
+        os.close(opened)
+    return False
+
+
+def _sync_all(folder: Path) -> None:
+    """Returns when everything in `folder` is on the disk."""
+    for place, _, names in os.walk(folder):
+        for name in names:
+            _sync(Path(place, name))
+        _sync(Path(place))
+
+
+def _sync(path: Path) -> None:
+    opened = os.open(path, os.O_RDONLY)
     try:
         os.fsync(opened)
     finally:

@@ -67,6 +67,7 @@ def estimators(
 
     Ctrl-C stops the comparison early and keeps the completed runs.
     """
+    from vvdp.base.files import result_directory
     from vvdp.base.kinds import FREQUENCY
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
@@ -75,7 +76,6 @@ def estimators(
     from vvdp.comparison.scenarios import scenarios
     from vvdp.comparison.trials import compare
     from vvdp.report.comparison import write_comparison_report
-    from vvdp.simulation.results import result_directory
 
     frequency = parsed_option("--rate", rate, FREQUENCY)
     chosen = _chosen("--scenario", scenario, scenarios(sectors, frequency))

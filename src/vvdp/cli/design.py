@@ -116,6 +116,7 @@ def optimum(
 
     Spool radius, nozzle area, outlet area and radial clearance are varied, and any variable that a --bound names.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design.optimise import movable, moved, optimised
@@ -123,7 +124,6 @@ def optimum(
     from vvdp.design.proof import doubts, proofs, simulation_doubts
     from vvdp.design.results import SYSTEM, flat_results, write_design
     from vvdp.report.design_report import write_design_report
-    from vvdp.simulation.results import result_directory
 
     loaded = _bench_system("optimum", system, settings)
     asked = problem(loaded, minimise, subject_to or (), bound or (), cycle)
@@ -190,13 +190,13 @@ def pareto(
 
     By default loss, ripple and size are minimised and the PWM frequency is maximised. Each design is a system file.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json, say
     from vvdp.design import pareto as study
     from vvdp.design.problem import problem, with_usual_limits
     from vvdp.design.proof import simulated_designs
     from vvdp.report.design_report import write_front_report
-    from vvdp.simulation.results import result_directory
 
     wanted = study.objectives(minimise or (), maximise or ())
     loaded = _bench_system("pareto", system, settings)
@@ -290,11 +290,11 @@ def tolerance(
 
     The scatter of drop, PWM frequency and efficiency is split into the shares of valve and oil parameters.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.screen import print_json
     from vvdp.design import tolerance as study
     from vvdp.design.results import write_columns, write_numbers
     from vvdp.report.design_report import TOLERANCE, write_tolerance_report
-    from vvdp.simulation.results import result_directory
 
     loaded = _bench_system("tolerance", system, settings)
     taken = study.spreads(loaded, spread or ())
@@ -324,13 +324,13 @@ def temperature(
     no_report: NoReport = False,
 ) -> None:
     """Show the valve from cold to hot oil."""
+    from vvdp.base.files import result_directory
     from vvdp.base.kinds import TEMPERATURE as KIND
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import print_json
     from vvdp.design import temperature as study
     from vvdp.design.results import write_columns, write_numbers
     from vvdp.report.design_report import TEMPERATURE, write_temperature_report
-    from vvdp.simulation.results import result_directory
 
     loaded = _bench_system("temperature", system, settings)
     low, high = parsed_option("--from", coldest, KIND), parsed_option("--to", hottest, KIND)

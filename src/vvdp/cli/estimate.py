@@ -72,12 +72,13 @@ def estimate(
 
     Name the channel with --wave, --counts or --edges, or in a config file. Ctrl-C keeps the results so far.
     """
+    from vvdp.base.files import result_directory
     from vvdp.cli.progress import reached
+    from vvdp.cli.report import LOG, add_report
     from vvdp.cli.screen import plain, print_json, say
     from vvdp.logs.config import SOURCES, Option, load_estimation
     from vvdp.logs.estimate import estimate as estimated
     from vvdp.logs.estimate import opened
-    from vvdp.simulation.results import result_directory
 
     named = {
         "sensor.edges": ("--edges", edges),
@@ -112,17 +113,14 @@ def estimate(
                 )
             if not done.finished:
                 say("interrupted; what was reached is kept")
+            reported = not no_report and add_report(LOG, folder)
     if json:
         print_json({"log": str(log), **done.summary, "out": str(directory)})
     else:
         _print(log, wanted, done.summary, done.findings)
         typer.echo(f"results: {directory}")
-    if not no_report:
-        from vvdp.report.log_report import write_log_report
-
-        report = write_log_report(directory)
-        if not json:
-            typer.echo(f"report: {report}")
+    if reported and not json:
+        typer.echo(f"report: {directory / 'report.html'}")
     if not done.finished:
         raise typer.Exit(INTERRUPTED)
 

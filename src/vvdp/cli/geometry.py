@@ -46,13 +46,13 @@ def geometry(
     The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set with
     --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.
     """
+    from vvdp.base.files import result_directory
     from vvdp.base.kinds import ANGLE
     from vvdp.base.signal import signal_value
     from vvdp.cli.screen import print_json, say
     from vvdp.geometry.domains import require_within_stroke
     from vvdp.geometry.shape import given_shape
     from vvdp.report.geometry_product import Order, write_product
-    from vvdp.simulation.results import result_directory
     from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
 

@@ -2,7 +2,14 @@
 
 import gc
 import io
+import os
+import signal
 import sys
+import threading
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
 from typing import Annotated, Any
 
 import typer
@@ -35,7 +42,7 @@ class _InOrder(TyperGroup):
 app = typer.Typer(
     cls=_InOrder,
     help="Simulate and evaluate virtually variable displacement pumps and other digital hydraulics.",
-    epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 balances do not close, 130 interrupted.",
+    epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 not balanced, 130 interrupted (by a signal 143, 129).",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,  # rich would triple the time of --help
@@ -81,13 +88,64 @@ def main(arguments: list[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a file's name may hold bytes that are no text
             stream.reconfigure(errors="backslashreplace")
+    with _ended_as_by_ctrl_c() as came:
+        code = _run(arguments)
+    sys.exit(128 + came[-1] if code == INTERRUPTED and came else code)
+
+
+def _run(arguments: list[str] | None) -> int:
+    """Runs a verb; its exit code. What went wrong is told in lines that a person can act on."""
     try:
         app(arguments, prog_name="vvdp")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
+    except (ConfigError, NetworkError, ParameterError) as problem:
+        return _tell(str(problem), BAD_INPUT)
     except VvdpError as problem:
-        typer.echo(str(problem), err=True)
-        sys.exit(BAD_INPUT if isinstance(problem, ConfigError | NetworkError | ParameterError) else FAILED)
+        return _tell(str(problem), FAILED)
     except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+        return INTERRUPTED
     except OSError as problem:
-        typer.echo(f"vvdp: {problem}", err=True)
-        sys.exit(FAILED)
+        return _tell(f"vvdp: {problem}", FAILED)
+    except MemoryError as problem:
+        return _tell(" ".join(f"vvdp: not enough memory. {problem}".split()), FAILED)
+    except (ArithmeticError, RecursionError) as problem:
+        at = traceback.extract_tb(problem.__traceback__)[-1]
+        what = f"{type(problem).__name__}: {problem} ({at.filename}:{at.lineno})"
+        return _tell(f"vvdp: {what}. This is a mistake of vvdp; please report it", FAILED)
+    return 0
+
+
+def _tell(line: str, code: int) -> int:
+    with suppress(OSError):  # nobody can be told
+        typer.echo(line, err=True)
+    return code
+
+
+@contextmanager
+def _ended_as_by_ctrl_c() -> Iterator[list[int]]:
+    """Within the block SIGTERM and SIGHUP do what Ctrl-C does at that moment; yields those that have come.
+
+    What is ignored stays so (`nohup`). A terminal that has gone is written to no more: what was reached is kept, where
+    an error of writing would lose it.
+    """
+    came: list[int] = []
+    terminals = [number for number in (1, 2) if os.isatty(number)]
+
+    def end(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        if number == signal.SIGHUP:
+            for terminal in terminals:
+                os.dup2(os.open(os.devnull, os.O_WRONLY), terminal)
+        ctrl_c = signal.getsignal(signal.SIGINT)
+        if not callable(ctrl_c):
+            raise KeyboardInterrupt
+        ctrl_c(number, frame)
+
+    signals = [signal.SIGTERM, signal.SIGHUP] if threading.current_thread() is threading.main_thread() else []
+    before = {number: signal.signal(number, end) for number in signals if signal.getsignal(number) is signal.SIG_DFL}
+    try:
+        yield came
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

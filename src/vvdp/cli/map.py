@@ -89,10 +89,10 @@ def map(  # noqa: A001 - the name of the verb
             with counted("points") as progress:
                 found = simulated_map(held, axes, directory, engine=engine, progress=progress, say=say)
         result = map_result(found)
-        write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
+        reported = write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
     if not json:
         say(f"{found.ran} points run in {found.seconds:.2f} s")
-    show_result(result, directory, json=json, no_report=no_report)
+    show_result(result, directory, json=json, reported=reported)
     if not found.finished:
         missing = found.reasons.count(NOT_RUN)
         say(f"interrupted with {missing} points to go; rerun the same command to resume")

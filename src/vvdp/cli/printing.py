@@ -36,17 +36,16 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
             out.print(finding.text, soft_wrap=True)
 
 
-def write_with_report(folder: "Path", result: "Result", system: str, *, no_report: bool) -> None:
-    """Writes a result with the text of its resolved `system`, and its page unless `no_report`."""
-    from vvdp.report.result_page import write_result_report
+def write_with_report(folder: "Path", result: "Result", system: str, *, no_report: bool) -> bool:
+    """Writes a result with its resolved `system`, and the page unless `no_report`; tells whether that is there."""
+    from vvdp.cli.report import RESULT, add_report
     from vvdp.results.store import write_result
 
     write_result(folder, result, system, ("vvdp", *sys.argv[1:]))
-    if not no_report:
-        write_result_report(folder)
+    return not no_report and add_report(RESULT, folder)
 
 
-def show_result(result: "Result", directory: "Path", *, json: bool, no_report: bool) -> None:
+def show_result(result: "Result", directory: "Path", *, json: bool, reported: bool) -> None:
     """Prints a result that stands in `directory`: as one JSON object, or its listings and findings for a person."""
     if json:
         print_json({**result.flat, "out": str(directory)})
@@ -54,7 +53,7 @@ def show_result(result: "Result", directory: "Path", *, json: bool, no_report: b
     print_result(result, tuple(result.listings))
     out = console()
     out.print(f"results: {directory}", soft_wrap=True)
-    if not no_report:
+    if reported:
         out.print(f"report: {directory / 'report.html'}", soft_wrap=True)
 
 

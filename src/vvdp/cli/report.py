@@ -8,10 +8,11 @@ import typer
 
 from vvdp.cli.options import AsJson
 
+RESULT = ("result_page", "write_result_report")
 RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
-    "result.json": ("result_page", "write_result_report"),
+    "result.json": RESULT,
     "design.json": ("design_report", "write_design_report"),
     "front.json": ("design_report", "write_front_report"),
     "tolerance.json": ("design_report", "write_tolerance_report"),
@@ -39,12 +40,29 @@ def report(
         writer = LOG
     elif is_comparison(directory):
         writer = COMPARISON
-    module, name = writer
     try:
-        page = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
+        page = _write(writer, directory)
     except (KeyError, TypeError) as problem:
         raise unusable(directory, f"is damaged or not complete: {problem!r}") from None
     if json:
         print_json({"report": str(page)})
     else:
         typer.echo(str(page))
+
+
+def add_report(writer: tuple[str, str], folder: Path) -> bool:
+    """Writes the report beside results that are about to be put in place; Ctrl-C leaves it out, and gives False."""
+    from vvdp.cli.screen import say
+
+    try:
+        _write(writer, folder)
+    except KeyboardInterrupt:
+        say("interrupted; the report is left out, the results are written")
+        return False
+    return True
+
+
+def _write(writer: tuple[str, str], directory: Path) -> Path:
+    module, name = writer
+    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
+    return page

@@ -140,9 +140,9 @@ def pump(
     with map_directory(directory, "rig pump", force=force):
         with counted("points") as progress:
             result = measured(held, directory, axes, between, cores=cores, progress=progress, say=say)
-        no_report = no_report or not result.finished
-        write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
-    show_result(result, directory, json=json, no_report=no_report)
+        leave_out = no_report or not result.finished
+        reported = write_with_report(directory, result, resolved_text(loaded), no_report=leave_out)
+    show_result(result, directory, json=json, reported=reported)
     if not result.finished:
         say("interrupted; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
@@ -179,8 +179,8 @@ def _run(
     no_report: bool,
 ) -> None:
     """Puts a system on its stand, has `work` done there, and writes and shows what comes of it."""
+    from vvdp.base.files import result_directory
     from vvdp.cli.screen import say
-    from vvdp.simulation.results import result_directory
     from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
@@ -194,8 +194,8 @@ def _run(
         except KeyboardInterrupt:
             say("interrupted; a part of this has no meaning, nothing is written")
             raise
-        write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
-    show_result(result, directory, json=json, no_report=no_report)
+        reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
+    show_result(result, directory, json=json, reported=reported)
     if not result.finished:
         say("interrupted; what was finished is written")
         raise typer.Exit(INTERRUPTED)

@@ -8,6 +8,7 @@ findings.json   what is wrong or in doubt, in words
 meta.json       versions, hash of the log, options, seconds
 """
 
+import io
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -19,6 +20,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
+from vvdp.base.files import write_error
 
 FORMAT = 1
 KIND = "estimate"
@@ -64,14 +66,39 @@ EDGES: Mapping[str, tuple[str, str]] = {
 }
 
 
+class _Disk(io.FileIO):
+    """A file for HDF5 in which writing never fails: HDF5 cannot be closed after a failure, and crashes the process.
+
+    The first `problem` is kept for whoever writes, and nothing is written after it.
+    """
+
+    problem: OSError | None = None
+
+    def write(self, content: Any) -> int:
+        view = memoryview(content).cast("B")
+        try:
+            while view and self.problem is None:
+                view = view[super().write(view) :]
+        except OSError as problem:
+            self.problem = problem
+        return memoryview(content).nbytes
+
+    def truncate(self, size: int | None = None) -> int:
+        try:
+            return super().truncate(size)
+        except OSError as problem:
+            self.problem = self.problem or problem
+            return size or 0
+
+
 class Store:
-    """Datasets that grow, in an HDF5 file under a temporary name until it is whole."""
+    """Datasets that grow, in an HDF5 file that is whole once the block ends. Raises WriteError where the disk fails."""
 
     def __init__(self, path: Path) -> None:
         import h5py
 
-        self._path, self._temporary = path, path.with_name(f"{path.name}.tmp")
-        self.file = h5py.File(self._temporary, "w")
+        self._path, self._disk = path, _Disk(path, "w+")
+        self.file = h5py.File(self._disk, "w")
         self._waiting: dict[str, list[Array]] = {}
 
     def __enter__(self) -> Self:
@@ -80,11 +107,20 @@ class Store:
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is None:
-            self.flush()
-        self.file.close()
-        if kind is None:
-            self._temporary.replace(self._path)
+        try:
+            if kind is None:
+                self.flush()
+            self.file.close()
+        except (OSError, RuntimeError):
+            if self._disk.problem is None:
+                raise
+        finally:
+            self._disk.close()
+        self._check()
+
+    def _check(self) -> None:
+        if self._disk.problem is not None:
+            raise write_error(self._path, self._disk.problem) from None
 
     def columns(self, group: str, named: Mapping[str, tuple[str, str]]) -> None:
         """Empty datasets to be filled by `append`."""
@@ -118,6 +154,7 @@ class Store:
         size = dataset.shape[0]
         dataset.resize((size + rows.size,))
         dataset[size:] = rows
+        self._check()
 
     def put(self, name: str, values: Array, unit: str, words: str) -> None:
         """A dataset as a whole; replaces one of that name."""

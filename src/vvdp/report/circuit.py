@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from vvdp.base.display import signal_with_unit, with_unit
 from vvdp.base.kinds import AREA, DISPLACEMENT, FRACTION, PRESSURE_LEVEL, SPEED, TIME, VOLUME, Kind
 from vvdp.base.params import Params, default_values, field_kinds
 from vvdp.base.signal import Signal
@@ -21,7 +22,6 @@ from vvdp.network.nodes import (
     Tank,
 )
 from vvdp.network.paths import paths_of
-from vvdp.report.wording import rounded, rounded_signal
 from vvdp.systems.overview import inside
 
 Lines = tuple[str, ...]
@@ -59,14 +59,14 @@ def _kind_and_labels(node: Node) -> tuple[NodeKind, Lines]:
     match node:
         case OilVolume():
             if isinstance(node.values, Vessel) and node.values.gas_volume > 0.0:
-                oil, gas = (rounded(volume, VOLUME) for volume in (node.values.oil_volume, node.values.gas_volume))
-                charge = rounded(node.values.precharge_pressure, PRESSURE_LEVEL)
+                oil, gas = (with_unit(volume, VOLUME) for volume in (node.values.oil_volume, node.values.gas_volume))
+                charge = with_unit(node.values.precharge_pressure, PRESSURE_LEVEL)
                 return NodeKind.ACCUMULATOR, (oil, f"gas {gas} at {charge}")
             return NodeKind.VOLUME, main_values(node.values)
         case Tank():
             pressure = node.pressure
             is_usual = pressure.is_constant and pressure.base == node.oil.reference_pressure
-            return NodeKind.TANK, (() if is_usual else (rounded_signal(pressure, PRESSURE_LEVEL),))
+            return NodeKind.TANK, (() if is_usual else (signal_with_unit(pressure, PRESSURE_LEVEL),))
         case PressureSource():
             return NodeKind.PRESSURE, (source_words(node.pressure, PRESSURE_LEVEL),)
         case DrivenShaft():
@@ -125,7 +125,7 @@ def source_words(source: Source, kind: Kind | None) -> str:
         inner = (s if isinstance(s, str) else f"{s.base:.4g}" for s in source.sources if not isinstance(s, Params))
         return f"{source.function.__name__.replace('_', ' ')} of {', '.join(inner)}"
     if isinstance(source, Signal):
-        return rounded_signal(source, kind) if kind else f"{source.base:.4g}"
+        return signal_with_unit(source, kind) if kind else f"{source.base:.4g}"
     return f"{source:.4g}"
 
 
@@ -148,6 +148,6 @@ def main_values(values: Params | None) -> Lines:
         if "(" in kind.shown or (kind.unit in units and kind.unit not in SIZES):
             continue
         units.add(kind.unit)
-        found.append((kind, rounded(value, kind)))
+        found.append((kind, with_unit(value, kind)))
     found.sort(key=lambda entry: entry[0] not in FIRST)
     return tuple(text for _, text in found[:MOST_LABELS])

@@ -4,13 +4,13 @@ import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from vvdp.base.display import fixed, number
 from vvdp.comparison.results import Comparison, read_comparison
 from vvdp.comparison.scores import Measured
 from vvdp.report.comparison_figures import comparison_figures
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, group, row, table, text
 from vvdp.report.page import opening, write_page
-from vvdp.report.wording import fixed, number
 
 HEAD = (
     "", "speed rms<br>rad/s", "95 %", "worst", "mean", "angle rms<br>rad", "95 %", "worst", "settles<br>ms",

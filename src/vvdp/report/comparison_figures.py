@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.display import plain
 from vvdp.comparison.results import Comparison, Traced
 from vvdp.report.drawing import INK, INLET, LOAD, Drawn, drawn
-from vvdp.report.wording import plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from vvdp.base.display import number, plain, unit_symbol
 from vvdp.base.units import ATMOSPHERE, in_unit
 from vvdp.design.quantities import KINDS
 from vvdp.design.variables import VARIABLES
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, RELIEF, TANK, Drawn, drawn
-from vvdp.report.wording import number, plain, unit_shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +43,7 @@ def in_shown(value: Any, name: str) -> tuple[Any, str]:
     """A quantity [SI] in the unit that people read, and that unit."""
     kind = KINDS[name] if name in KINDS else VARIABLES[name].kind
     unit = kind.shown
-    return np.asarray(value, float) * in_unit(1.0, kind, unit), unit_shown(unit)
+    return np.asarray(value, float) * in_unit(1.0, kind, unit), unit_symbol(unit)
 
 
 def optimum_figures(found: Mapping[str, Any]) -> Iterator[Drawn]:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from vvdp.base.display import fixed, number, percent, plain, unit_symbol
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.units import ATMOSPHERE, in_unit
 from vvdp.design.pareto import NUMBERS_OF_FRONT
@@ -16,7 +17,6 @@ from vvdp.report.design_figures import front_figures, optimum_figures, temperatu
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
 from vvdp.report.page import opening, write_page
-from vvdp.report.wording import fixed, number, percent, plain, unit_shown
 
 SOURCE_OPTIMUM = 2.48e5
 """Full-open drop that wang2017, section 2.6, states for its optimum [Pa]."""
@@ -49,7 +49,7 @@ def quantity(value: float | None, name: str, digits: int = 4) -> str:
         return text(f"{number((value - ATMOSPHERE) / 1e5, digits)} bar")
     if kind.unit == "1":
         return text(plain(value, digits))
-    return text(f"{plain(in_unit(value, kind, kind.shown), digits)} {unit_shown(kind.shown)}")
+    return text(f"{plain(in_unit(value, kind, kind.shown), digits)} {unit_symbol(kind.shown)}")
 
 
 def _optimum(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[str]:

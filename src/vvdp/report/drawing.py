@@ -49,11 +49,15 @@ class Drawn:
     name: str
     caption: str
     svg: str
-    png: bytes
 
 
 def drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], None]) -> Drawn:
     """The figure that `draw` fills, as wide as the page and `height` inches high."""
+    return Drawn(name, caption, image(name, height, draw, "svg").decode())
+
+
+def image(name: str, height: float, draw: Callable[["Figure"], None], form: str) -> bytes:
+    """A figure in the form "svg", "png" or "pdf"."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -64,10 +68,10 @@ def drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], Non
         FigureCanvasAgg(figure)
         draw(figure)
         _settle(figure)
-        svg, png = io.StringIO(), io.BytesIO()
-        figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
-        figure.savefig(png, format="png", dpi=DOTS, metadata={"Software": None})
-    return Drawn(name, caption, svg.getvalue(), png.getvalue())
+        content = io.BytesIO()
+        dateless: dict[str, Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
+        figure.savefig(content, format=form, dpi=DOTS, metadata=dateless.get(form, {"Date": None, "Creator": None}))
+    return content.getvalue()
 
 
 def _settle(figure: "Figure") -> None:

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from vvdp.base.display import number
 from vvdp.base.tables import Sourced
 from vvdp.geometry.domains import Domain
 from vvdp.geometry.measure import Comparison
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
 from vvdp.report.page import opening, write_page
-from vvdp.report.wording import number
 
 FILM = "period.gif"
 SHOWN = {

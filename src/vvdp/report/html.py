@@ -10,10 +10,11 @@ def text(value: object) -> str:
     return escape(str(value), quote=True)
 
 
-def table(head: Sequence[str], rows: Iterable[str], numeric: Sequence[int] = ()) -> str:
+def table(head: Sequence[str], rows: Iterable[str], numeric: Sequence[int] = (), kind: str = "") -> str:
     """A table with `rows` made by `row` or `group`; the columns `numeric` are aligned right."""
     cells = "".join(f"<th{' class=n' if i in numeric else ''}>{name}</th>" for i, name in enumerate(head))
-    return f"<table>\n<thead><tr>{cells}</tr></thead>\n<tbody>\n" + "\n".join(rows) + "\n</tbody>\n</table>"
+    opening = f'<table class="{kind}">' if kind else "<table>"
+    return f"{opening}\n<thead><tr>{cells}</tr></thead>\n<tbody>\n" + "\n".join(rows) + "\n</tbody>\n</table>"
 
 
 def row(cells: Sequence[str], classes: Sequence[str] = (), kind: str = "") -> str:

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import fixed, number, plain
 from vvdp.base.units import ATMOSPHERE
 from vvdp.logs.kept import Kept
 from vvdp.report.drawing import FAINT, INK, INLET, LOAD, TANK, Drawn, drawn, legend
-from vvdp.report.reading import BAR
-from vvdp.report.wording import fixed, number, plain
+
+BAR = 1e5
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from vvdp.base.display import fixed, number, percent, plain
 from vvdp.base.units import ATMOSPHERE
 from vvdp.logs.kept import Finding, Kept, read_kept
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, row, table, text
 from vvdp.report.log_figures import RPM, log_figures
 from vvdp.report.page import opening, write_page
-from vvdp.report.reading import BAR
-from vvdp.report.wording import fixed, number, percent, plain
+
+BAR = 1e5
 
 FORM = ("", "n", "u")
 SOURCES = {"wave": "a photodiode's wave", "counts": "a counter", "edges": "a column of edge times"}

@@ -5,6 +5,7 @@ from importlib import resources
 from pathlib import Path
 from types import MappingProxyType
 
+from vvdp.base.files import clear_unfinished, write_whole
 from vvdp.report.drawing import Drawn
 
 NAME = "report.html"
@@ -30,19 +31,14 @@ def write_page(
     page = "\n".join(lines) + "\n"
     folder = directory / "figures"
     folder.mkdir(exist_ok=True)
+    for place in (directory, folder):
+        clear_unfinished(place)
     files = {f"{name}.svg": svg.encode() for name, svg in more.items()}
-    for each in drawn:
-        files |= {f"{each.name}.svg": each.svg.encode(), f"{each.name}.png": each.png}
+    files |= {f"{each.name}.svg": each.svg.encode() for each in drawn}
     for stale in sorted(folder.iterdir()):
         if stale.name not in files and stale.suffix in (".svg", ".png"):
             stale.unlink()
     for name, content in files.items():
-        _replaced(folder / name, content)
-    return _replaced(directory / NAME, page.encode())
-
-
-def _replaced(path: Path, content: bytes) -> Path:
-    """Writes a file under a temporary name, so that it is whole or the old one."""
-    temporary = path.with_name(f".{path.name}.tmp")
-    temporary.write_bytes(content)
-    return temporary.replace(path)
+        write_whole(folder / name, content)
+    write_whole(directory / NAME, page)
+    return directory / NAME

@@ -1,12 +1,12 @@
 """A chart as a printed figure: SVG for the page, PNG for other documents; drawn again it has the same bytes."""
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.base.arrays import Array
+from vvdp.base.arrays import Array, Rows
 from vvdp.base.display import DisplayUnit, display_unit, plain
 from vvdp.report.drawing import Drawn, drawn
 from vvdp.results.chart import Bars, Chart, Colour, Field, Level, Line, Lines, Panel, Stroke
@@ -21,7 +21,7 @@ ORDER = (Colour.LOAD, Colour.INLET, Colour.TANK, Colour.RELIEF, Colour.GREEN, Co
 STROKES = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
 MOST_ABOVE = 6
 """Names of lines that stand above a panel; more stand beside it."""
-MOST_POINTS = 4000
+MOST_POINTS = 2000
 """Points of a printed line; of more, the lowest and highest of each part are drawn."""
 EDGE = 0.07
 """Of the width and height of a picture: closer to its edge no label of a contour stands."""
@@ -78,17 +78,16 @@ def axis_label(columns: Sequence[Column], label: str = "") -> str:
     return words + _unit(columns[0]).bracketed
 
 
-def thinned(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:
-    """A line with at most about `most` points that looks the same: lowest and highest of each part, in their order."""
+def kept_places(y: Array, most: int = MOST_POINTS) -> Rows:
+    """Places of at most about `most` values of a line that looks the same: lowest and highest of each part."""
     if y.size <= most:
-        return x, y
+        return np.arange(y.size)
     edges = np.linspace(0, y.size, most // 2 + 1).astype(int)
-    filled = np.where(np.isfinite(y), y, np.inf)
-    low = [begin + int(np.argmin(filled[begin:end])) for begin, end in itertools.pairwise(edges)]
-    filled = np.where(np.isfinite(y), y, -np.inf)
-    high = [begin + int(np.argmax(filled[begin:end])) for begin, end in itertools.pairwise(edges)]
-    kept = np.unique([0, *low, *high, y.size - 1])
-    return x[kept], y[kept]
+    kept = [np.zeros(1, int), np.full(1, y.size - 1)]
+    for sign in (1.0, -1.0):
+        filled = np.where(np.isfinite(y), sign * y, np.inf)
+        kept.append(np.array([begin + int(np.argmin(filled[begin:end])) for begin, end in pairwise(edges)]))
+    return np.unique(np.concatenate(kept))
 
 
 def _unit(column: Column) -> DisplayUnit:
@@ -161,11 +160,13 @@ def _draw_line(axes: "Axes", line: Line, table: Table, place: int) -> None:
     label = line_label(line, table)
     if line.low:
         low, high = (_shown(table, key, line.rows) for key in (line.low, line.high))
-        axes.fill_between(x, low, high, facecolor=colour, alpha=0.25, linewidth=0.0)
+        kept = np.union1d(kept_places(low), kept_places(high))
+        axes.fill_between(x[kept], low[kept], high[kept], facecolor=colour, alpha=0.25, linewidth=0.0)
     if line.stroke is Stroke.STEMS:
         axes.vlines(x, 0.0, y, color=colour, linewidth=line.width, label=label)
         return
-    x, y = thinned(x, y)
+    kept = kept_places(y)
+    x, y = x[kept], y[kept]
     style: dict[str, Any] = {"color": colour, "linewidth": line.width, "label": label}
     if line.stroke is Stroke.POINTS:
         axes.plot(x, y, linestyle="none", marker="o", markersize=3.2, **style)

@@ -1,30 +1,19 @@
-"""The report of a run, from its result directory to a page that can be printed."""
+"""The report of a run: its result, the circuit, the parameters and their origin on one page."""
 
-from collections.abc import Iterator
-from datetime import datetime
 from pathlib import Path
-from typing import Any
 
-from vvdp.report.bench_contents import BenchContents
-from vvdp.report.circuit import graph_of
-from vvdp.report.contents import Contents
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import DURATION, FLOW, GAUGE_PRESSURE
+from vvdp.report.circuit import Lines, graph_of
 from vvdp.report.diagram import diagram
 from vvdp.report.drawing import Drawn
-from vvdp.report.html import figure, text
-from vvdp.report.page import opening, write_page
-from vvdp.report.reading import Reading, reading
+from vvdp.report.html import text
 from vvdp.report.references import bibliography
-from vvdp.report.tables import (
-    assumed_table,
-    balances,
-    component_table,
-    node_table,
-    parameter_table,
-    reference_list,
-    share_of_assumed,
-)
-from vvdp.report.verdict import remarks
-from vvdp.systems.bench import RotaryBench
+from vvdp.report.result_page import Page, write_result_page
+from vvdp.report.tables import assumed_table, parameter_table
+from vvdp.runs.result import run_result
+from vvdp.runs.run import RecordedRun, open_run
+from vvdp.systems.overview import flow_lines, node_lines
 
 DIAGRAM = "circuit"
 
@@ -35,95 +24,37 @@ def write_report(directory: Path) -> Path:
     All is made from the files in the directory; made again, it has the same bytes.
     Raises ConfigError where the directory is no result directory or the system in it cannot be read.
     """
-    read = reading(directory)
-    shown = contents(read)
-    course, losses = tuple(shown.course()), tuple(shown.losses())
-    drawing = diagram(graph_of(read.network, read.system.title), shown.values())
-    return write_page(directory, _page(shown, drawing, course, losses), (*course, *losses), {DIAGRAM: drawing})
+    run = open_run(directory)
+    ready = {
+        "parameters": parameter_table(run.system, bibliography()),
+        "assumed": assumed_table(run.system),
+        "equations": '<details class="code"><summary>Show the text of the circuit</summary>\n'
+        f"<pre>{text(run.system.circuit.text)}</pre></details>",
+    }
+    circuit = Drawn(DIAGRAM, _caption(run), circuit_svg(run))
+    return write_result_page(directory, Page(run_result(run), run.meta, ready, {DIAGRAM: circuit}))
 
 
-def contents(read: Reading) -> Contents:
-    """What the page shows of what was simulated."""
-    extras = read.system.extras
-    return BenchContents(read, extras) if isinstance(extras, RotaryBench) else Contents(read)
+def circuit_svg(run: RecordedRun) -> str:
+    """The diagram of the circuit with mean pressures and flows."""
+    return diagram(graph_of(run.network, run.system.title), _values(run))
 
 
-def _page(shown: Contents, drawing: str, course: tuple[Drawn, ...], losses: tuple[Drawn, ...]) -> Iterator[str]:
-    read = shown.reading
-    title = text(read.system.title)
-    yield opening(title)
-    yield from _head(shown, title)
-    yield "<h2>Circuit</h2>"
-    yield figure(drawing, DIAGRAM, 1, shown.circuit_caption())
-    yield '<section class="together">\n<h2>Key numbers</h2>'
-    means = "Means over the averaging window; lowest and highest over every step of the run, its start included."
-    yield f'<p class="small">{means} Pressures are gauge.</p>'
-    yield f"{shown.key_numbers()}\n</section>"
-    yield f"<h3>Nodes</h3>\n{node_table(read)}\n<h3>Components</h3>\n{component_table(read)}"
-    yield from _course(shown, course)
-    yield '<h2 class="page">Losses</h2>'
-    yield from (figure(each.svg, each.name, len(course) + 2, text(each.caption)) for each in losses)
-    yield shown.loss_tables()
-    yield "<h2>Computation</h2>\n<p>A residual above the limit marks the run as not to be trusted.</p>"
-    yield balances(read)
-    if found := remarks(read):
-        yield f"<h3>Remarks of the run</h3>\n<ul>{''.join(f'<li>{text(remark)}</li>' for remark in found)}</ul>"
-    yield from _origin(read)
-    yield from _equations(read)
-    yield "</body>\n</html>"
+def _values(run: RecordedRun) -> dict[str, Lines]:
+    """Lines of text in the diagram by name of node or component: mean pressures and flows."""
+    lines: dict[str, list[str]] = {}
+    for node in node_lines(run.system, run.summary):
+        if node.kind is GAUGE_PRESSURE and (node.low != node.high or node.name in run.volumes):
+            lines[node.name] = [f"mean {with_unit(node.mean or 0.0, node.kind)}"]
+    for flow in flow_lines(run.system, run.summary):
+        words = with_unit(flow.flow, FLOW)
+        lines.setdefault(flow.component, []).append(f"{flow.port} {words}" if flow.port else f"mean {words}")
+    return {name: tuple(texts) for name, texts in lines.items()}
 
 
-def _equations(read: Reading) -> Iterator[str]:
-    """The text that the circuit is made into, folded away."""
-    yield "<h2>Equations</h2>\n<p>The network as it is written out and simulated.</p>"
-    words = "Show the text of the circuit"
-    yield f'<details class="code"><summary>{words}</summary>\n<pre>{text(read.system.circuit.text)}</pre></details>'
-
-
-def _head(shown: Contents, title: str) -> Iterator[str]:
-    read = shown.reading
-    meta = read.results.meta
-    name = f"System <b>{text(read.system.name)}</b>, " if read.system.name else ""
-    circuit = f"circuit {text(read.system.circuit_name)}"
-    facts = [f"{name}{circuit}", _date(meta.get("written")), f"vvdp {text(meta['vvdp'])}"]
-    yield f'<h1>{title}</h1>\n<p class="facts">{" &middot; ".join(facts)}</p>'
-    marks = "".join(
-        f'<li class="{b.grade}">{text(b.words)}</li>' if b.grade else f"<li>{text(b.words)}</li>"
-        for b in shown.badges()
+def _caption(run: RecordedRun) -> str:
+    begin, end = (with_unit(run.number(f"averaged_{which}_s"), DURATION) for which in ("from", "to"))
+    return (
+        f"The circuit with the values of this run, and mean pressures (gauge) and flows from {begin} to {end}; flows "
+        "are counted in volumes at tank conditions, into a port where one is named."
     )
-    yield f'<ul class="badges">{marks}</ul>'
-    for notice in shown.notices():
-        grade = "notice bad" if notice.grave else "notice"
-        words = f"<p>{text(notice.found)}</p><p>{text(notice.remedy)}</p>"
-        yield f'<div class="{grade}"><strong>{text(notice.title)}</strong>{words}</div>'
-    yield f'<p class="lead">{text(shown.in_words())}</p>'
-
-
-def _date(date: Any) -> str:
-    if not date:
-        return "date of the run not recorded"
-    try:
-        when = datetime.fromisoformat(str(date))
-    except ValueError:
-        return f"run of {text(date)}"
-    zone = f" {when.tzname()}" if when.tzinfo else ""
-    return f"run of {when.day} {when:%B %Y, %H:%M}{zone}"
-
-
-def _course(shown: Contents, drawn: tuple[Drawn, ...]) -> Iterator[str]:
-    yield '<h2 class="page">Course of the run</h2>'
-    for number, each in enumerate(drawn, 2):
-        yield figure(each.svg, each.name, number, text(each.caption))
-    yield shown.remark_on_course(drawn)
-
-
-def _origin(read: Reading) -> Iterator[str]:
-    known = bibliography()
-    yield f"<h2>Assumed values</h2>\n<p>{share_of_assumed(read)} are merely assumed. Results hang on them.</p>"
-    if read.system.assumed:
-        yield assumed_table(read)
-    yield "<h2>Parameters</h2>"
-    levels = "Pressure levels are gauge, against 1.01325 bar, unless marked abs."
-    yield f'<p class="small">{levels} Given: by the user, without a source.</p>'
-    yield parameter_table(read, known)
-    yield f"<h2>References</h2>\n{reference_list(read, known)}"

@@ -1,9 +1,8 @@
 """The page of a result: one layout for all that vvdp finds, from the files in its directory."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from vvdp.base.kinds import GAUGE_PRESSURE, PRESSURE_LEVEL
@@ -16,8 +15,6 @@ from vvdp.results.cells import column_head, row_unit, shown_cell, shown_columns,
 from vvdp.results.result import Finding, Grade, Listing, Result, Row, Section, Table
 from vvdp.results.store import read_meta, read_result
 
-NOTHING: Mapping[str, str] = MappingProxyType({})
-
 
 @dataclass(frozen=True)
 class Page:
@@ -25,8 +22,8 @@ class Page:
 
     result: Result
     meta: Mapping[str, Any]
-    ready: Mapping[str, str] = NOTHING
-    drawings: Mapping[str, Drawn] = MappingProxyType({})
+    ready: Mapping[str, str] = field(default_factory=dict)
+    drawings: Mapping[str, Drawn] = field(default_factory=dict)
 
 
 def write_result_report(directory: Path) -> Path:
@@ -151,7 +148,7 @@ def listing_html(listing: Listing) -> str:
         lines.append(_listing_row(each, noted))
     title = f"<h3>{text(listing.title)}</h3>\n" if listing.title else ""
     note = f'<p class="small">{text(listing.note)}</p>\n' if listing.note else ""
-    return title + note + table([*heads, *([""] if noted else [])], lines, numeric)
+    return title + note + table([*heads, *([""] if noted else [])], lines, numeric, "listing")
 
 
 def _listing_row(each: Row, noted: bool) -> str:

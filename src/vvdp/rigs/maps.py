@@ -21,6 +21,7 @@ import vvdp
 from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ParameterError, unusable
+from vvdp.base.files import clear_unfinished
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.fluid.mixture import compression_energy_per_volume
 from vvdp.fluid.oil import density, dynamic_viscosity
@@ -39,13 +40,15 @@ from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import interrupts_held, silent
 from vvdp.studies.store import Finished, opened_store
-from vvdp.studies.work import check_same, kept_batches
+from vvdp.studies.work import Batching, check_same, kept_batches
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.losses import full_open_drop
 from vvdp.valve.torque import pwm_frequency
 
 STORE = "points"
 """Folder of the finished points in that of a simulated map."""
+BATCHING = Batching(least=4, seconds=0.5)
+"""A point is worth more than a case of a study: a killed map loses half a second of work, or four points."""
 
 SET = ("duty_ratio", "load_pressure_Pa", "pump_speed_rad_s", "oil_temperature_K")
 FOUND = (
@@ -294,7 +297,7 @@ def simulated_map(
         compiled_loop(say)  # here, so that workers find it compiled
     ran = 0
     with interrupts_held() as interrupted:
-        for done in kept_batches(partial(_points_done, stand, cache), pending, store, engine, interrupted):
+        for done in kept_batches(partial(_points_done, stand, cache), pending, store, engine, interrupted, BATCHING):
             finished |= {each.key: each for each in done}
             ran += len(done)
             progress(len(points) - len(pending) + ran, len(points))
@@ -340,6 +343,7 @@ def map_directory(directory: Path, verb: str = "map", *, simulated: bool = True,
     if simulated and not stored and (directory / DESCRIPTION).is_file():
         raise unusable(directory, "holds an analytic map; choose another directory for a simulated one")
     try:
+        clear_unfinished(directory)
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise unusable(directory, f"cannot be written ({problem.strerror})") from None

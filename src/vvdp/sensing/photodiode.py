@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Fraction, Length
 from vvdp.base.params import Params
 from vvdp.base.select import clip, select
@@ -16,6 +17,10 @@ class LightSpot(Params):
     width: Length
     track_radius: Length
     roundness: Fraction
+
+    def check(self) -> None:
+        if not self.track_radius > 0.0:
+            raise ParameterError(f"track_radius = {self.track_radius:g} m; expected more than 0 m")
 
 
 def ramp_width(spot: LightSpot) -> float:

@@ -300,7 +300,7 @@ def _run_alone(
             *(np.zeros(0), *nothing, *kept, order, queue),
         )
 
-    if order.size:
+    if order.size and not crew.is_halted:
         crew.carry_out(work)
 
 

@@ -40,13 +40,16 @@ def default_cache() -> Path:
 
 
 class Wanted(NamedTuple):
-    """A module: its name, its text, the names that it finds around itself, and what to do and say to compile it."""
+    """A module: its name, its text, the names that it finds around itself, and what to do and say to compile it.
+
+    Where there is nothing to say `announce` returns an empty text.
+    """
 
     name: str
     source: str
     known: Mapping[str, Any]
     prepare: Callable[[], None]
-    announcement: str
+    announce: Callable[[], str]
 
 
 def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
@@ -73,8 +76,8 @@ def _read_or_compiled(wanted: Wanted, cache: Path, say: Callable[[str], None]) -
             return found
         say(f"compiled code in {folder} is damaged; compiling it anew")
         shutil.rmtree(folder, ignore_errors=True)
-    elif wanted.announcement:
-        say(wanted.announcement)
+    elif words := wanted.announce():
+        say(words)
     return _compiled(wanted, folder)
 
 
@@ -170,6 +173,11 @@ def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
 def is_loaded(name: str) -> bool:
     """Whether the module of this name is in this process already."""
     return _module_name(name) in sys.modules
+
+
+def is_kept(name: str, cache: Path) -> bool:
+    """Whether the module of this name need not be compiled."""
+    return is_loaded(name) or (cache / f"{name}-{_processor()}").exists()
 
 
 def _module_name(name: str) -> str:

@@ -8,7 +8,8 @@ changed is not compiled again. A program's step knows nothing of the circuit, so
 
 import hashlib
 import platform
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from functools import cache as remembered
 from pathlib import Path
 from types import ModuleType
@@ -17,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import RunError
-from vvdp.simulation.cache import Wanted, default_cache, is_loaded, loaded, quiet
+from vvdp.simulation.cache import Wanted, default_cache, is_kept, is_loaded, loaded, quiet
 from vvdp.simulation.layout import arrays, blocks
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import (
@@ -41,6 +42,8 @@ from vvdp.simulation.watch import Remembered, model_key
 WRITERS = ("compiled", "in_place", "lane_code", "lane_math", "lane_values")
 BASE = ("powers", "select", "signal")
 """Modules that compiled code is made by or with, whatever the model."""
+SECONDS_EACH, SECONDS_PER_BYTE = 0.3, 1.5e-4
+"""About how long a part takes to compile, and each byte of the code that it reaches, on an idle machine of 2024."""
 
 __all__ = ["Hashed", "Linked", "default_cache", "link", "quiet"]
 
@@ -84,13 +87,16 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
         programs += [measure, step]
         sampled.append(Sampled(symbol(measure.digest), symbol(step.digest), blocks(case).programs[name], size))
     sample = Hashed(sample_part(None if held is None else symbol(held.digest), sampled))
-    found = {part.digest: part.module(place, say) for part in (rates, stop, events)}
-    for outside in (*programs, *([held] if held else [])):
-        outside.export(place, say)
+    outside = [*programs, *([held] if held else [])]
+    parts = (rates, stop, events, *outside, sample)
+    pending = Pending(parts, place)
+    found = {part.digest: part.module(place, say, pending) for part in (rates, stop, events)}
+    for each in outside:
+        each.export(place, say, pending)
     digest = hashlib.sha256("".join([*found, sample.digest]).encode()).hexdigest()[:16]
-    linked = (found[rates.digest].rates, sample.module(place, say).sample, found[events.digest].events)
+    joined = sample.module(place, say, pending).sample
+    linked = (found[rates.digest].rates, joined, found[events.digest].events)
     done = Linked(*linked, found[stop.digest].stop, digest)
-    parts = (rates, stop, events, sample, *programs, *([held] if held else []))
     functions = {key: entry for part in parts for key, entry in part.functions.items()}
     # How many numbers a reading with an array has may depend on the values of a case.
     if not any(arrays(example_reading(model, program, case)) for program in model.programs.values()):
@@ -124,10 +130,20 @@ class Hashed:
         told = [part.source, repr(classes), *words(self.functions), _versions()]
         self.digest = hashlib.sha256("\n".join(told).encode()).hexdigest()[:16]
 
-    def module(self, cache: Path, say: Callable[[str], None]) -> ModuleType:
-        """The compiled module. Raises RunError where a function cannot be compiled, with the place."""
+    @property
+    def seconds(self) -> float:
+        """About how long it takes to compile [s]."""
+        length = sum(len(function.__code__.co_code) for function, _ in self.functions.values())
+        return SECONDS_EACH + SECONDS_PER_BYTE * self.part.effort * length
+
+    def module(self, cache: Path, say: Callable[[str], None], pending: "Pending | None" = None) -> ModuleType:
+        """The compiled module. Raises RunError where a function cannot be compiled, with the place.
+
+        pending  the parts of which it is one; without them it stands alone
+        """
         known = {**dict(self.part.classes.tuples()), **self.part.called}
-        wanted = Wanted(self.digest, self.part.source, known, self._prepare, self.part.announcement)
+        within = pending or Pending([self], cache)
+        wanted = Wanted(self.digest, self.part.source, known, self._prepare, lambda: within.words(self))
         try:
             return loaded(wanted, cache, say)
         except RunError:
@@ -135,11 +151,11 @@ class Hashed:
         except Exception as problem:
             raise RunError(reason(problem, self.functions)) from None
 
-    def export(self, cache: Path, say: Callable[[str], None]) -> None:
+    def export(self, cache: Path, say: Callable[[str], None], pending: "Pending") -> None:
         """Compiles the module and lets others find its function by its symbol."""
         import llvmlite.binding as llvm
 
-        (result,) = self.module(cache, say).exported.overloads.values()
+        (result,) = self.module(cache, say, pending).exported.overloads.values()
         # The entry that Numba makes for calls by pointer: plain C, and compiled already.
         place = result.library.get_pointer_to_function(result.fndesc.llvm_cfunc_wrapper_name)
         llvm.add_symbol(symbol(self.digest), place)
@@ -149,6 +165,25 @@ class Hashed:
 
         for function, constants in self.functions.values():
             make_compilable(function, compiled_form(function), own_words(function, constants))
+
+
+class Pending:
+    """Those of `parts` that must be compiled, in this order, and how long that may still take."""
+
+    def __init__(self, parts: Sequence[Hashed], cache: Path) -> None:
+        self._seconds = {part.digest: part.seconds for part in parts if not is_kept(part.digest, cache)}
+        self._began = time.monotonic()
+
+    def words(self, part: Hashed) -> str:
+        """What to say before `part` is compiled: its place among the others, and the time left at the pace so far."""
+        if not part.part.title:
+            return ""
+        digests = list(self._seconds)
+        number = digests.index(part.digest) if part.digest in digests else 0
+        past, left = (sum(self._seconds[name] for name in some) for some in (digests[:number], digests[number:]))
+        pace = (time.monotonic() - self._began) / past if past else 1.0
+        place = f"part {number + 1} of {len(digests)}, " if len(digests) > 1 else ""
+        return f"compiling {part.part.title}, once for each: {place}about {max(1.0, pace * left):.0f} s left"
 
 
 @remembered

@@ -12,16 +12,22 @@ from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, 
 from vvdp.simulation.values import names
 
 VECTOR = "float64[::1]"
+STEP_EFFORT = 3.5
+"""A sampled step has loops and branches, which formulas have not."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """A module to be compiled: its text, the functions called in it by name, and what to say before compiling."""
+    """A module to be compiled: its text, the functions called in it by name, and what it is to a person.
+
+    What has no title is compiled without a word. `effort` is how much longer it takes than formulas of the same length.
+    """
 
     source: str
     called: Mapping[str, Callable[..., Any]]
     classes: Classes
-    announcement: str = ""
+    title: str = ""
+    effort: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -56,8 +62,7 @@ def rates_part(model: Model, case: Case) -> Part:
     if "modes" in names(case.command):
         write(case.command.modes, "modes", "dy", place, lines)
     name = getattr(model.circuit, "__name__", "circuit").removesuffix("circuit").strip("_")
-    announcement = f"compiling the circuit{f' {name}' if name else ''} (once for each, a few seconds)"
-    return Part(_source(a.classes, lines), {"circuit": model.circuit}, a.classes, announcement)
+    return Part(_source(a.classes, lines), {"circuit": model.circuit}, a.classes, f"the circuit {name}".rstrip())
 
 
 def stop_part(model: Model, case: Case) -> Part:
@@ -133,8 +138,7 @@ def step_part(model: Model, name: str, case: Case) -> Part:
     if hasattr(case.command, name):
         write(getattr(case.command, name), "command", "c", Place(0, "c_from"), lines)
     lines += remember(case.memory[name], "memory", "m_from", str(end))
-    announcement = f"compiling the program {name} (once for each, a few seconds)"
-    return Part(_source(classes, lines), {"step": program.step}, classes, announcement)
+    return Part(_source(classes, lines), {"step": program.step}, classes, f"the program {name}", STEP_EFFORT)
 
 
 def sample_part(held: str | None, programs: Sequence[Sampled]) -> Part:

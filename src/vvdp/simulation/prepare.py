@@ -180,7 +180,7 @@ def compiled_loop(say: Callable[[str], None]) -> Any:
         if not is_loop_compiled():
             say("compiling the simulation loop (once for each installation, about half a minute)")
         # That a function may be handed to another is new in Numba, and says so at the first run of an installation.
-        warnings.filterwarnings("ignore", message="First-class function type feature is experimental")
+        warnings.filterwarnings("ignore", message=".*First-class function type feature is experimental")
         from vvdp.simulation import loop
 
         return loop

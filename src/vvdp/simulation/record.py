@@ -5,15 +5,18 @@ fails again while it closes a file that it could not write.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import Kind
+from vvdp.base.kinds import DURATION, PRESSURE_LEVEL, Kind, kind_named
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
 
+GROUPS = ("states", "outputs", "commands", "memory", "readings")
 CONVENTIONS = "CF-1.11"
 COMPRESSED_FROM = 10_000
 """Datasets of so many numbers and more are compressed."""
@@ -22,8 +25,70 @@ TIME_VALUE = "time_value"
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
 
 
-def record_bytes(run: Run, attributes: Mapping[str, str | int]) -> bytes:
-    """The HDF5 file of everything that `run` has recorded; the same run gives the same bytes.
+@dataclass(frozen=True)
+class Series:
+    """A recorded quantity: values over time [SI], time first, what it is, and in words; None where no kind is known."""
+
+    values: Array
+    kind: Kind | None
+    long_name: str
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of the values."""
+        return self.kind.unit if self.kind else "1"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """All that a run has recorded; the same in memory as read back from a file.
+
+    Commands are by "program.field", and "held.field" for the conditions; memory and readings by "program.field".
+    """
+
+    times: Array  # (rows,)
+    states: Mapping[str, Series]
+    outputs: Mapping[str, Series]
+    commands: Mapping[str, Series]
+    memory: Mapping[str, Series]
+    readings: Mapping[str, Series]
+    mark_times: Array  # (marks,)
+    mark_states: Mapping[str, Series]
+
+    @property
+    def groups(self) -> dict[str, Mapping[str, Series]]:
+        """What is recorded over time, by group."""
+        return {name: getattr(self, name) for name in GROUPS}
+
+
+def record_of(run: Run) -> Record:
+    """What a run in memory has recorded."""
+    paths = [(path, kind) for path, _, kind in leaves(run.case.state)]
+    marks = {path: _series(path, run.mark_states[:, place], kind) for place, (path, kind) in enumerate(paths)}
+    return Record(
+        times=run.times,
+        states=_all_series(run.state),
+        outputs=_all_series(run.outputs),
+        commands=_all_series(run.command),
+        memory={f"{name}.{path}": s for name, value in run.memory.items() for path, s in _all_series(value).items()},
+        readings={f"{name}.{path}": s for name, v in run.readings.items() for path, s in _all_series(v).items()},
+        mark_times=run.mark_times,
+        mark_states=marks,
+    )
+
+
+def _all_series(value: Any) -> dict[str, Series]:
+    named = ((path, leaf, kind) for path, leaf, kind in leaves(value) if path.rpartition(".")[2] != "unused")
+    return {path: _series(path, np.moveaxis(leaf, -1, 0), kind) for path, leaf, kind in named}
+
+
+def _series(path: str, values: Array, kind: Kind | None) -> Series:
+    words = path.removeprefix("books.").replace(".", ", ").replace("_", " ")
+    return Series(values, kind, words + (" (absolute)" if kind is PRESSURE_LEVEL else ""))
+
+
+def record_bytes(record: Record, attributes: Mapping[str, str | int]) -> bytes:
+    """The HDF5 file of a record; the same record gives the same bytes.
 
     Dataset `time` is the scale of the first axis of all but the marks, whose dimension is `mark`: as `time` it would
     contradict that of the file, and readers of all groups at once would refuse it. An axis of a value that is itself an
@@ -33,32 +98,49 @@ def record_bytes(run: Run, attributes: Mapping[str, str | int]) -> bytes:
 
     with h5py.File("record", "w", driver="core", backing_store=False) as file:
         file.attrs.update({"Conventions": CONVENTIONS, **attributes})
-        time = _create(file, "time", run.times, ("s", "time"))
+        time = _create(file, "time", Series(record.times, DURATION, "time"))
         time.make_scale("time")
-        for group, value in _recorded(run).items():
-            for path, leaf, kind in leaves(value):
-                if path.rpartition(".")[2] != "unused":
-                    name = _dataset_name(f"{group}.{path}")
-                    _add_dataset(file, name, np.moveaxis(leaf, -1, 0), _description(path, kind), time)
-        marks = _length_scale(file, "marks/mark", run.mark_times.size)
-        _add_dataset(file, "marks/time", run.mark_times, ("s", "time of each mark"), marks)
-        for column, (path, _, kind) in enumerate(leaves(run.case.state)):
-            values = run.mark_states[:, column]
-            _add_dataset(file, _dataset_name(f"marks.states.{path}"), values, _description(path, kind), marks)
+        for group, members in record.groups.items():
+            for path, series in members.items():
+                _add_dataset(file, _dataset_name(f"{group}.{path}"), series, time)
+        marks = _length_scale(file, "marks/mark", record.mark_times.size)
+        _add_dataset(file, "marks/time", Series(record.mark_times, DURATION, "time of each mark"), marks)
+        for path, series in record.mark_states.items():
+            _add_dataset(file, _dataset_name(f"marks.states.{path}"), series, marks)
         file.flush()
         image: bytes = file.id.get_file_image()
     return image
 
 
-def _recorded(run: Run) -> dict[str, Any]:
-    """What is recorded over time, an array with time as its last axis at each leaf."""
-    return {
-        "states": run.state,
-        "outputs": run.outputs,
-        "commands": run.command,
-        **{f"memory.{name}": value for name, value in run.memory.items()},
-        **{f"readings.{name}": value for name, value in run.readings.items()},
-    }
+def read_record(path: Path) -> Record:
+    """The record in an HDF5 file. Raises OSError, KeyError or ValueError where it holds none."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        return Record(
+            times=file["time"][:],
+            **{name: _read_series(file.get(name, {})) for name in GROUPS},
+            mark_times=file["marks/time"][:],
+            mark_states=_read_series(file["marks/states"]),
+        )
+
+
+def _read_series(group: Any, path: str = "") -> dict[str, Series]:
+    found: dict[str, Series] = {}
+    for name, item in group.items():
+        name = "time" if name == TIME_VALUE else name
+        full = f"{path}.{name}" if path else name
+        if hasattr(item, "shape"):
+            found[full] = Series(item[:], _read_kind(item.attrs), str(item.attrs["long_name"]))
+        else:
+            found |= _read_series(item, full)
+    return found
+
+
+def _read_kind(attributes: Any) -> Kind | None:
+    """The kind of a dataset; one that vvdp does not know is made from its name and unit."""
+    name, unit = str(attributes.get("kind", "")), str(attributes["units"])
+    return kind_named(name) or (Kind(name or "quantity", unit, -np.inf, np.inf, f"1 {unit}") if unit != "1" else None)
 
 
 def _dataset_name(path: str) -> str:
@@ -66,27 +148,21 @@ def _dataset_name(path: str) -> str:
     return "/".join([*groups, TIME_VALUE if name == "time" else name])
 
 
-def _description(path: str, kind: Kind | None) -> tuple[str, str]:
-    """Unit and name in words of a recorded quantity."""
-    words = path.removeprefix("books.").replace(".", ", ").replace("_", " ")
-    unit = kind.unit if kind else "1"
-    if kind and kind.name == "pressure level":
-        words += " (absolute)"
-    return unit, words
-
-
-def _add_dataset(file: Any, name: str, values: Array, description: tuple[str, str], first: Any) -> None:
-    dataset = _create(file, name, values, description)
+def _add_dataset(file: Any, name: str, series: Series, first: Any) -> None:
+    dataset = _create(file, name, series)
     dataset.dims[0].attach_scale(first)
     for axis in range(1, dataset.ndim):
         length = dataset.shape[axis]
         dataset.dims[axis].attach_scale(_length_scale(file, f"length_{length}", length))
 
 
-def _create(file: Any, name: str, values: Array, description: tuple[str, str]) -> Any:
+def _create(file: Any, name: str, series: Series) -> Any:
+    values = series.values
     options = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if values.size >= COMPRESSED_FROM else {}
     dataset = file.create_dataset(name, data=values, **options)
-    dataset.attrs["units"], dataset.attrs["long_name"] = description
+    dataset.attrs["units"], dataset.attrs["long_name"] = series.unit, series.long_name
+    if series.kind:
+        dataset.attrs["kind"] = series.kind.name
     return dataset
 
 

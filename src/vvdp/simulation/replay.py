@@ -16,7 +16,7 @@ from vvdp.base.errors import RunError
 from vvdp.simulation.cache import default_cache, quiet
 from vvdp.simulation.layout import Packed
 from vvdp.simulation.link import Hashed
-from vvdp.simulation.parts import Part
+from vvdp.simulation.parts import STEP_EFFORT, Part
 from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, write
 from vvdp.simulation.values import as_value, flat, leaves
 
@@ -105,5 +105,6 @@ def _part(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> P
         source="\n".join([*classes.heading(), "", "", *lines]) + "\n",
         called={"step": step},
         classes=classes,
-        announcement=f"compiling {step.__name__} (once for each, a few seconds)",
+        title=step.__name__,
+        effort=STEP_EFFORT,
     )

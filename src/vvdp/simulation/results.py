@@ -1,21 +1,15 @@
 """The result directory: what a run leaves on disk, and reading it back.
 
-    system.toml     the system as it was resolved
-    result.h5       times, states, outputs, marks; commands, memory and readings of each program; every dataset with
-                    `units` and `long_name`, time first, as its dimension (`simulation.record`)
-    summary.json    the numbers that the run comes to
-    meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
-
-Everything is written to a temporary folder beside and renamed at the end, so a directory is whole or absent.
+system.toml     the system as it was resolved
+result.h5       times, states, outputs, marks; commands, memory and readings of each program; every dataset with
+                `units` and `long_name`, time first, as its dimension (`simulation.record`)
+summary.json    the numbers that the run comes to
+meta.json       versions, hash of the linked equations, tolerances, residuals, seconds
 """
 
 import json
-import os
 import platform
-import shutil
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,85 +17,30 @@ from typing import Any
 import numpy as np
 
 import vvdp
-from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.base.files import write_whole
-from vvdp.simulation.record import TIME_VALUE, record_bytes
+from vvdp.simulation.record import Record, read_record, record_bytes
 from vvdp.simulation.run import Run
 
 FORMAT = 2
-GROUPS = ("states", "outputs", "commands", "memory", "readings")
-
-
-@dataclass(frozen=True)
-class Series:
-    """A recorded quantity: values over `Results.times`, SI unit, and what it is; time is the first axis."""
-
-    values: Array
-    unit: str
-    long_name: str
 
 
 @dataclass(frozen=True)
 class Results:
-    """A result directory read back."""
+    """What a result directory holds: the text of the system, the numbers of the run, its origin and its record."""
 
     directory: Path
     system: str
     summary: Mapping[str, Any]
     meta: Mapping[str, Any]
-    times: Array  # (rows,)
-    states: Mapping[str, Series]
-    outputs: Mapping[str, Series]
-    commands: Mapping[str, Series]  # by "<program>.<field>", and "held.<field>" for the conditions
-    memory: Mapping[str, Series]  # by "<program>.<field>", as the readings are
-    readings: Mapping[str, Series]
-    mark_times: Array  # (marks,)
-    mark_states: Mapping[str, Series]
+    record: Record
 
 
-@contextmanager
-def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
-    """A temporary folder that becomes `directory` when the block ends well, and vanishes when it does not.
-
-    Raises ConfigError before anything is run where `directory` exists (without `force`), holds something else than
-    results (even with it), or cannot be written.
-    """
-    named, directory = directory, Path(os.path.realpath(directory))
-    try:
-        if directory.exists():
-            _refuse_to_replace(named, force)
-        directory.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
-    except OSError as problem:
-        raise unusable(named, f"cannot be written ({problem.strerror}: {problem.filename})") from None
-    try:
-        yield temporary
-        temporary.chmod(0o755)
-        if directory.exists():
-            shutil.rmtree(directory)
-        temporary.replace(directory)
-    except BaseException:
-        shutil.rmtree(temporary, ignore_errors=True)
-        raise
-
-
-def _refuse_to_replace(directory: Path, force: bool) -> None:
-    if not force:
-        raise unusable(directory, "already exists; choose another directory or use --force")
-    if not directory.is_dir():
-        raise unusable(directory, "is not a directory")
-    if any(directory.iterdir()) and not (directory / "meta.json").is_file():
-        raise unusable(directory, "holds something else than results; choose another directory")
-
-
-def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, Any], more: Mapping[str, Any]) -> None:
-    """Writes a run into `folder`: the text of the resolved `system`, its `summary`, and `more` for meta.json."""
+def origin(run: Run) -> dict[str, Any]:
+    """What meta.json says of how a run was computed."""
     import numba
 
-    (folder / "system.toml").write_text(system, encoding="utf-8")
-    _write_json(folder / "summary.json", summary)
-    meta = {
+    found = {
         "format": FORMAT,
         "vvdp": vvdp.__version__,
         "python": platform.python_version(),
@@ -113,28 +52,25 @@ def write_results(folder: Path, run: Run, *, system: str, summary: Mapping[str, 
         "until_s": run.stepping.until,
         "finished": run.finished,
         "seconds": run.seconds,
-        **more,
     }
-    if run.remarks:
-        meta["remarks"] = list(run.remarks)
-    _write_json(folder / "meta.json", meta)
-    attributes = {
-        "title": str(more.get("title", "")),
-        "system": str(more.get("system", "")),
-        "vvdp": vvdp.__version__,
-        "format": FORMAT,
-    }
-    write_whole(folder / "result.h5", record_bytes(run, attributes))
+    return found | ({"remarks": list(run.remarks)} if run.remarks else {})
+
+
+def write_results(folder: Path, results: Results) -> None:
+    """Writes a run into `folder`; each file is whole or absent. `results.directory` is not looked at."""
+    write_whole(folder / "system.toml", results.system)
+    _write_json(folder / "summary.json", results.summary)
+    _write_json(folder / "meta.json", results.meta)
+    attributes: dict[str, str | int] = {name: str(results.meta.get(name, "")) for name in ("title", "system", "vvdp")}
+    write_whole(folder / "result.h5", record_bytes(results.record, attributes | {"format": FORMAT}))
 
 
 def _write_json(path: Path, content: Mapping[str, Any]) -> None:
-    path.write_text(json.dumps(dict(content), indent=1) + "\n", encoding="utf-8")
+    write_whole(path, json.dumps(dict(content), indent=1) + "\n")
 
 
 def read_results(directory: Path) -> Results:
     """The content of a result directory. Raises ConfigError where it is none, or from another format."""
-    import h5py
-
     if not directory.is_dir():
         raise unusable(directory, "is not a directory" if directory.exists() else "no such directory")
     missing = [n for n in ("system.toml", "result.h5", "summary.json", "meta.json") if not (directory / n).is_file()]
@@ -150,33 +86,12 @@ def read_results(directory: Path) -> Results:
             directory, f"was written in format {form}; this version reads format {FORMAT}: run its system.toml again"
         )
     try:
-        text = (directory / "system.toml").read_text("utf-8")
-        summary = json.loads((directory / "summary.json").read_text("utf-8"))
-        with h5py.File(directory / "result.h5", "r") as file:
-            groups = {name: _series(file.get(name, {})) for name in GROUPS}
-            mark_states = _series(file["marks/states"])
-            times, marks = file["time"][:], file["marks/time"][:]
+        return Results(
+            directory=directory,
+            system=(directory / "system.toml").read_text("utf-8"),
+            summary=json.loads((directory / "summary.json").read_text("utf-8")),
+            meta=meta,
+            record=read_record(directory / "result.h5"),
+        )
     except (OSError, KeyError, ValueError) as problem:
         raise unusable(directory, f"is damaged: {problem}") from None
-    return Results(
-        directory=directory,
-        system=text,
-        summary=summary,
-        meta=meta,
-        times=times,
-        mark_times=marks,
-        mark_states=mark_states,
-        **groups,
-    )
-
-
-def _series(group: Any, path: str = "") -> dict[str, Series]:
-    found: dict[str, Series] = {}
-    for name, item in group.items():
-        name = "time" if name == TIME_VALUE else name
-        full = f"{path}.{name}" if path else name
-        if hasattr(item, "shape"):
-            found[full] = Series(item[:], str(item.attrs["units"]), str(item.attrs["long_name"]))
-        else:
-            found |= _series(item, full)
-    return found

@@ -169,8 +169,8 @@ def simulate(
 
     A run goes in portions of a few milliseconds, or of so many evaluations as `portion` says, without the interpreter's
     lock. After each one `progress` hears the time [s] reached, and `stop` is asked whether to end the run there; then,
-    as after Ctrl-C, what was reached is kept (`Run.finished` is False). Raises RunError when the state becomes infinite or the step vanishes, with the time and
-    the states concerned.
+    as after Ctrl-C, what was reached is kept (`Run.finished` is False). Raises RunError when the state becomes infinite
+    or the step vanishes, with the time and the states concerned.
     """
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
@@ -258,7 +258,7 @@ def _carry(
             raise RunError(failure(case, clock, reached.state, status))
         stops = watcher.hears(float(clock[places.TIME]))
         if status == places.DONE or stops:
-            return status == places.DONE
+            return bool(status == places.DONE)
         budget = watcher.next_portion(clock[places.EVALUATIONS] - before, time.perf_counter() - began)
 
 

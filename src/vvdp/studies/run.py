@@ -29,7 +29,7 @@ from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.results import Column, Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
-from vvdp.studies.work import check_same, kept_batches
+from vvdp.studies.work import Batching, check_same, kept_batches
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import simulated_summary, summary_unit
 from vvdp.systems.system import System, lasting, load_system
@@ -86,8 +86,9 @@ def run_study(
     if pending:
         compiled_loop(say)  # here, so that workers find it compiled
     task = functools.partial(_finished_batch, base, cache, vvdp.__version__)
+    batching = Batching(group=attrgetter("group"))
     with interrupts_held() as interrupted:
-        for done in kept_batches(task, pending, directory, engine, interrupted, attrgetter("group")):
+        for done in kept_batches(task, pending, directory, engine, interrupted, batching):
             finished |= {case.key: case for case in done}
             ran += len(done)
             progress(len(planned) - len(pending) + ran, len(planned))

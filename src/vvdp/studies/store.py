@@ -4,9 +4,9 @@
     cases-<hash>.json   finished cases by key: what was set, results, or why it failed
     index.sqlite        the same cases in one table
 
-A file is written under another name, synced and renamed: whatever happens, it is whole or absent. The files count; the
-index only saves opening them all, answers questions, and is made anew from them where it is missing, damaged or old.
-Many processes write files, one the index.
+Whatever happens, a file is whole or absent (`base.files`). The files count; the index only saves opening them all,
+answers questions, and is made anew from them where it is missing, damaged or old. Many processes write files, one the
+index.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import ConfigError, unusable
-from vvdp.base.files import write_whole
+from vvdp.base.files import clear_unfinished, write_whole
 from vvdp.studies.index import Row, Stamp, indexed, stamp, write_index
 
 FORMAT = 1
@@ -45,6 +45,7 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
     """
     _require_store(directory)
     try:
+        clear_unfinished(directory)
         directory.mkdir(parents=True, exist_ok=True)
         _write(directory / DESCRIPTION, {"format": FORMAT, **description})
     except OSError as problem:

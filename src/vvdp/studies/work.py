@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
-from typing import Generic, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -16,15 +16,28 @@ from vvdp.base.errors import RunError
 from vvdp.studies.engine import Engine, Result
 from vvdp.studies.store import Finished, is_store, keep_finished, write_finished
 
-BATCH_SECONDS = 4.0
-"""What a batch should take: no more than that is lost when a machine is switched off."""
-
-FIRST_BATCH, LARGEST_BATCH = 16, 1000
-"""Cases in the first batches, which show how long they take, and in any at most."""
+LARGEST_BATCH = 1000
+"""Cases in a batch at most."""
 
 Case = TypeVar("Case")
 Task: TypeAlias = Callable[[Sequence[Case], int], list[Result]]
 """Runs a batch of cases on so many cores."""
+
+
+class Batching(NamedTuple):
+    """How cases are put together.
+
+    least    cases in a batch at least, and in the first ones, which show how long they take
+    seconds  what a batch should take: no more than that is lost when a machine is switched off
+    group    cases of a batch are of the same
+    """
+
+    least: int = 16
+    seconds: float = 4.0
+    group: Callable[[Any], object] = type
+
+
+FOR_CASES = Batching()
 
 
 def kept_batches(
@@ -33,14 +46,14 @@ def kept_batches(
     directory: Path,
     engine: Engine,
     interrupted: threading.Event,
-    group: Callable[[Case], object] = type,
+    batching: Batching = FOR_CASES,
 ) -> Iterator[list[Finished]]:
     """Yields the finished cases of each batch as they come, written to the store `directory` and its index.
 
     Batches are those of `batches`. A worker that sees `directory` writes there itself: should the caller be gone by
     then, the next run finds the batch.
     """
-    for done in batches(functools.partial(_kept, task, directory.resolve()), cases, engine, interrupted, group):
+    for done in batches(functools.partial(_kept, task, directory.resolve()), cases, engine, interrupted, batching):
         keep_finished(directory, done)
         yield done
 
@@ -50,14 +63,14 @@ def batches(
     cases: Sequence[Case],
     engine: Engine,
     interrupted: threading.Event,
-    group: Callable[[Case], object] = type,
+    batching: Batching = FOR_CASES,
 ) -> Iterator[list[Result]]:
     """Yields what `task` makes of each batch of `cases` as they come.
 
-    Cases follow one another as given; those of a batch are of the same `group`. Once `interrupted` is set, only the
-    batches at hand are finished. What `task` raises is raised here.
+    Cases follow one another as given. Once `interrupted` is set, only the batches at hand are finished. What `task`
+    raises is raised here.
     """
-    work = _Work(list(cases), engine, group, interrupted)
+    work = _Work(list(cases), engine, batching, interrupted)
     for batch, (done, seconds) in engine.completed(functools.partial(_timed, task), work.batches()):
         work.learn(len(batch), seconds)
         yield done
@@ -88,11 +101,9 @@ def _timed(task: Task[Case, Result], batch: Sequence[Case], cores: int) -> tuple
 class _Work(Generic[Case]):
     """The cases not yet handed out."""
 
-    def __init__(
-        self, cases: list[Case], engine: Engine, group: Callable[[Case], object], interrupted: threading.Event
-    ) -> None:
-        self.cases, self.engine, self.group, self.interrupted = cases, engine, group, interrupted
-        self.least = self.timely = int(np.clip(self.share(), 1, FIRST_BATCH))
+    def __init__(self, cases: list[Case], engine: Engine, batching: Batching, interrupted: threading.Event) -> None:
+        self.cases, self.engine, self.batching, self.interrupted = cases, engine, batching, interrupted
+        self.least = self.timely = int(np.clip(self.share(), 1, batching.least))
 
     def share(self) -> int:
         """The number of cases that leaves as many for every worker."""
@@ -102,11 +113,11 @@ class _Work(Generic[Case]):
         """Batches as they are asked for."""
         while self.cases and not self.interrupted.is_set():
             size = max(self.least, min(self.timely, self.share()))
-            _, alike = next(groupby(self.cases[:size], self.group))
+            _, alike = next(groupby(self.cases[:size], self.batching.group))
             batch = list(alike)
             self.cases = self.cases[len(batch) :]
             yield batch
 
     def learn(self, count: int, seconds: float) -> None:
         """Takes the size of the batches to come from how long one with `count` cases took."""
-        self.timely = int(np.clip(BATCH_SECONDS * count / seconds, self.least, LARGEST_BATCH))
+        self.timely = int(np.clip(self.batching.seconds * count / seconds, self.least, LARGEST_BATCH))

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.systems.extras import Summary
-from vvdp.systems.summary import summary_unit
+from vvdp.systems.quantities import quantities
+from vvdp.systems.system import System
 
 FINER = 0.1
 """Tolerance of the second run of a check, over that of the first."""
@@ -26,7 +27,7 @@ class Move(NamedTuple):
     change: float
 
 
-def moves(found: Summary, finer: Summary) -> tuple[Move, ...]:
+def moves(system: System, found: Summary, finer: Summary) -> tuple[Move, ...]:
     """The changes of all numbers from one summary to that of a finer run, the largest first.
 
     A change is over the value itself or, where that is smaller, over 1/1000 of the largest value of the same unit.
@@ -36,12 +37,13 @@ def moves(found: Summary, finer: Summary) -> tuple[Move, ...]:
         for key, value in finer.items()
         if not isinstance(value, bool) and key not in OF_THE_RUN and key in found
     }
+    units = {key: kind.unit for key, (kind, _) in quantities(system).items()}
     largest: dict[str, float] = {}
     for key, value in values.items():
-        unit = summary_unit(key)
+        unit = units.get(key, key)
         largest[unit] = max(largest.get(unit, 0.0), abs(value))
     changes = []
     for key, value in values.items():
-        size = max(abs(value), SMALL * largest[summary_unit(key)])
+        size = max(abs(value), SMALL * largest[units.get(key, key)])
         changes.append(Move(key, value, abs(float(found[key]) - value) / size if size > 0.0 else 0.0))
     return tuple(sorted(changes, key=lambda move: -move.change))

@@ -18,8 +18,9 @@ from vvdp.simulation.model import Case
 from vvdp.simulation.outcome import Outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
+from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
-from vvdp.systems.extras import Extras, Line, Summary
+from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.operating_point import OperatingPoint, SetPoint, operating_point
@@ -30,18 +31,6 @@ if TYPE_CHECKING:
 
 WATCHING = ("encoder", "spool_filter")
 """Tables of a watched spool; a system file has both or neither."""
-
-ANALYTIC = (
-    "analytic_pwm_frequency_Hz",
-    "analytic_pwm_frequency_full_open_Hz",
-    "analytic_loss_full_open_W",
-    "analytic_loss_transition_W",
-    "analytic_loss_leakage_W",
-    "analytic_loss_compressibility_W",
-    "analytic_loss_total_W",
-    "analytic_load_flow_m3_s",
-)
-"""Keys of the closed forms, in the order of `RotaryBench.closed_forms`."""
 
 
 @dataclass(frozen=True)
@@ -67,38 +56,12 @@ class BenchSeries:
     tank_opening: Array
 
 
-VALVE_LOSS = ("loss_full_open_W", "loss_transition_W")
-
-
 class RotaryBench(Extras):
     """A pump unit with its load, as a system's tables give it; `load_line` is None where a source is the load."""
 
     PERIOD = "PWM period"
-    OVERVIEW = (
-        Line("PWM frequency", ("pwm_frequency_Hz",), "Hz", ("analytic_pwm_frequency_Hz",)),
-        Line("pump flow", ("mean_pump_flow_m3_s",), "lpm"),
-        Line("flow to the load", ("mean_load_flow_m3_s",), "lpm", ("analytic_load_flow_m3_s",)),
-        Line("flow to the tank", ("mean_tank_flow_m3_s",), "lpm"),
-        Line("flow over the relief valve", ("flow_mean_relief_valve_m3_s",), "lpm"),
-        Line("leakage of the valve", ("mean_leakage_flow_m3_s",), "lpm"),
-        Line("inlet pressure, mean", ("pressure_mean_inlet_Pa",), "bar"),
-        Line("inlet pressure, lowest", ("pressure_min_inlet_Pa",), "bar"),
-        Line("inlet pressure, highest", ("pressure_max_inlet_Pa",), "bar"),
-        Line("load pressure, mean", ("pressure_mean_load_line_Pa",), "bar"),
-        Line("load pressure, lowest", ("pressure_min_load_line_Pa",), "bar"),
-        Line("load pressure, highest", ("pressure_max_load_line_Pa",), "bar"),
-        Line("spool angle, error of the estimate", ("spool_angle_error_rms_rad",), "rad"),
-        Line("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), "rad/s"),
-        Line("input power, pump shaft", ("input_power_W",), "W"),
-        Line("input power, spool motor", ("spool_motor_power_W",), "W"),
-        Line("load power", ("load_power_W",), "W"),
-        Line("efficiency", ("efficiency",), ""),
-        Line("loss, valve and relief valve", VALVE_LOSS, "W", tuple(f"analytic_{key}" for key in VALVE_LOSS)),
-        Line("loss, compressibility", (), "W", ("analytic_loss_compressibility_W",)),
-        Line("loss, leakage of the valve", ("loss_valve_leakage_W",), "W", ("analytic_loss_leakage_W",)),
-        Line("taken into store", ("stored_power_W",), "W"),
-        Line("input less load", ("loss_total_W",), "W", ("analytic_loss_total_W",)),
-    )
+    OVERVIEW = OVERVIEW
+    QUANTITIES = QUANTITIES
 
     INLET_TOTAL = "books.totals.inlet_pressure"
     LOAD_TOTAL = "books.totals.load_line_pressure"

@@ -1,11 +1,15 @@
 """What a system may bring along beyond others: numbers, lines on the console, warnings, figures."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+from vvdp.base.kinds import Kind
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
 
 if TYPE_CHECKING:
     from vvdp.simulation.outcome import Outcome
-    from vvdp.simulation.results import Results
+    from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
     from vvdp.systems.system import System
 
@@ -15,25 +19,14 @@ Summary = dict[str, float | bool]
 class Line(NamedTuple):
     """A line of the overview that a person is shown: what it is called, and keys of the summary that are added up.
 
-    `closed_form` are keys of an analytic result beside it; `unit` is bar, lpm, rpm, or the SI unit of the keys.
+    `closed_form` are keys of an analytic result beside it; lines of one `group` stand together.
     """
 
     label: str
     keys: tuple[str, ...]
-    unit: str
+    kind: Kind
     closed_form: tuple[str, ...] = ()
-
-
-class OwnFigure(NamedTuple):
-    """A figure that a report shows: name of its files, words below it, height [inch], and what fills it.
-
-    `draw` is called with an empty `matplotlib.figure.Figure` as wide as the page.
-    """
-
-    name: str
-    caption: str
-    height: float
-    draw: Callable[[Any], None]
+    group: str = ""
 
 
 class Extras:
@@ -46,6 +39,9 @@ class Extras:
     """What passes between two marks of a run."""
     OVERVIEW: tuple[Line, ...] = ()
     """The lines of the overview; where there are none, nodes and components are shown."""
+
+    QUANTITIES: Mapping[str, tuple[Kind, str]] = {}
+    """Kind and label of the numbers that it adds to a summary, by key."""
 
     CLOSED_FORMS: tuple[str, ...] = ()
     """Keys of what `closed_forms` gives."""
@@ -70,6 +66,6 @@ class Extras:
         """What a person has to know before the numbers of a summary, each in one line."""
         yield from ()
 
-    def figures(self, results: "Results") -> Iterable[OwnFigure]:  # noqa: ARG002
-        """Further figures of a report."""
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:  # noqa: ARG002
+        """Further figures of a report, each over the columns of a table."""
         return ()

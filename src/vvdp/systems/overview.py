@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from vvdp.base.display import key_suffix
+from vvdp.base.kinds import GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
 from vvdp.network.paths import flows_of
@@ -10,11 +12,11 @@ from vvdp.systems.system import System
 
 
 class NodeLine(NamedTuple):
-    """What a summary says of a node: mean, lowest and highest of a quantity [SI; gauge], and the unit to show it in."""
+    """What a summary says of a node: mean, lowest and highest of a quantity [SI; gauge]."""
 
     name: str
     quantity: str
-    unit: str
+    kind: Kind
     mean: float | None
     low: float
     high: float
@@ -50,14 +52,15 @@ def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
             continue
         if isinstance(node, HydraulicNode):
             mean, low, high = (float(found[f"pressure_{which}_{name}_Pa"]) for which in ("mean", "min", "max"))
-            yield NodeLine(name=name, quantity="pressure", unit="bar", mean=mean, low=low, high=high)
+            yield NodeLine(name=name, quantity="pressure", kind=GAUGE_PRESSURE, mean=mean, low=low, high=high)
         elif isinstance(node, Shaft | Rod):
-            rate, unit, shown = ("speed", "rad", "rpm") if isinstance(node, Shaft) else ("velocity", "m", "m/s")
-            mean, low, high = (float(found[f"{rate}_{which}_{name}_{unit}_s"]) for which in ("mean", "min", "max"))
-            yield NodeLine(name=name, quantity=rate, unit=shown, mean=mean, low=low, high=high)
+            rate, kind = ("speed", SPEED) if isinstance(node, Shaft) else ("velocity", VELOCITY)
+            ending = f"{name}{key_suffix(kind)}"
+            mean, low, high = (float(found[f"{rate}_{which}_{ending}"]) for which in ("mean", "min", "max"))
+            yield NodeLine(name=name, quantity=rate, kind=kind, mean=mean, low=low, high=high)
         if isinstance(node, Rod):
             low, high = (float(found[f"position_{which}_{name}_m"]) for which in ("min", "max"))
-            yield NodeLine(name=name, quantity="position", unit="mm", mean=None, low=low, high=high)
+            yield NodeLine(name=name, quantity="position", kind=POSITION, mean=None, low=low, high=high)
 
 
 def flow_lines(system: System, found: Mapping[str, Any]) -> Iterator[FlowLine]:

@@ -54,6 +54,7 @@ class EncoderTable(Params):
     def check(self) -> None:
         if self.sectors % 1.0 or self.seed % 1.0:
             raise ParameterError(f"sectors = {self.sectors:g}, seed = {self.seed:g}; expected whole numbers")
+        encoder_of(self)  # here, where the line of the table is known
 
 
 class SpoolEstimate(NamedTuple):

@@ -1,7 +1,8 @@
-"""A result directory as the report reads it: the numbers, the system they belong to, and the rows worth drawing."""
+"""A run with the system it belongs to: the same in memory as read back from its directory."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -9,19 +10,19 @@ import numpy as np
 
 from vvdp.base.arrays import Array, Rows
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, parsed_table
+from vvdp.base.tables import parsed_table
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode, OilVolume
-from vvdp.simulation.results import Results, read_results
+from vvdp.results.result import Number
+from vvdp.simulation.record import Record
+from vvdp.simulation.results import read_results
 from vvdp.systems.overview import flow_ports, inside, period
+from vvdp.systems.quantities import summary_numbers
 from vvdp.systems.system import System, built_system
 
-BAR = 1e5
-LPM = 1e-3 / 60.0
 SHOWN_PERIODS = 3
 WITHOUT_MARKS = 0.05
 """Length of the detailed figures where no period was passed [s]."""
-
 UNSTEADY = 1.5
 """A recorded step above this multiple of the window's interval ends the finely recorded part."""
 
@@ -40,17 +41,30 @@ class Detail:
         return max(self.marks.size - 1, 0)
 
 
-@dataclass(frozen=True)
-class Reading:
-    """A result directory with the system rebuilt from the text in it."""
+@dataclass(frozen=True, eq=False)
+class RecordedRun:
+    """A record with its system, its summary and where it comes from; `directory` is None for one in memory."""
 
-    results: Results
     system: System
+    record: Record = field(repr=False)
+    summary: Mapping[str, Any] = field(repr=False)
+    meta: Mapping[str, Any] = field(repr=False)
+    directory: Path | None = None
 
     @property
     def network(self) -> Network:
         """What was simulated."""
         return self.system.circuit.network
+
+    @property
+    def times(self) -> Array:
+        """Times of the recorded rows [s]."""
+        return self.record.times
+
+    @cached_property
+    def numbers(self) -> Mapping[str, Number]:
+        """The values of the summary with kind and label."""
+        return summary_numbers(self.system, {key: v for key, v in self.summary.items() if isinstance(v, int | float)})
 
     @property
     def period(self) -> str:
@@ -59,23 +73,24 @@ class Reading:
 
     def number(self, key: str) -> float:
         """A value of the summary; nan where it has none."""
-        return float(self.results.summary.get(key, np.nan))
+        value = self.summary.get(key)
+        return np.nan if value is None else float(value)
 
     def has(self, key: str) -> bool:
         """Whether a flag of the summary is set."""
-        return bool(self.results.summary.get(key, False))
+        return bool(self.summary.get(key, False))
 
     def state(self, path: str) -> Array:
-        """A recorded state over `results.times` [SI]."""
-        return self.results.states[path].values
+        """A recorded state over `times` [SI]."""
+        return self.record.states[path].values
 
     def output(self, name: str) -> Array:
-        """A recorded output over `results.times` [SI]."""
-        return self.results.outputs[name].values
+        """A recorded output over `times` [SI]."""
+        return self.record.outputs[name].values
 
     def command(self, path: str) -> Array:
-        """A recorded command, as "program.field", over `results.times` [SI]."""
-        return self.results.commands[path].values
+        """A recorded command, as "program.field", over `times` [SI]."""
+        return self.record.commands[path].values
 
     @property
     def volumes(self) -> tuple[str, ...]:
@@ -85,27 +100,20 @@ class Reading:
         return tuple(name for name, node in nodes if isinstance(node, OilVolume) and name not in hidden)
 
     def pressure(self, node: str) -> Array:
-        """The gauge pressure of a hydraulic node over `results.times` [Pa]."""
+        """The gauge pressure of a hydraulic node over `times` [Pa]."""
         found = self.network.nodes[node]
         assert isinstance(found, HydraulicNode)
         absolute = self.state(node) if isinstance(found, OilVolume) else self.output(f"{node}_pressure")
         return absolute - found.oil.reference_pressure
 
-    def flows(self) -> Iterator[tuple[str, Array]]:
-        """Name and course of every recorded flow of a component [tank volumes, m^3/s]."""
+    def flows(self) -> Iterator[tuple[str, str, Array]]:
+        """Component, port where it has several, and course of every recorded flow [tank volumes, m^3/s]."""
         hidden = inside(self.network)
         for part in self.network.parts.values():
             for name, port in flow_ports(part).items() if part.name not in hidden else ():
-                yield f"{part.name}, {port}" if port else part.name, self.output(name)
+                yield part.name, port, self.output(name)
         for name, group in self.network.groups.items():
-            yield name, self.output(f"{group.parts[-1]}_flow")
-
-    def is_absolute(self, row: Sourced) -> bool:
-        """Whether a pressure level was written as an absolute one."""
-        entry: Any = self.system.content
-        for key in (*row.table.split("."), row.key):
-            entry = entry.get(key, "") if isinstance(entry, dict) else ""
-        return "bara" in str(entry) or "psia" in str(entry)
+            yield name, "", self.output(f"{group.parts[-1]}_flow")
 
     @property
     def varies(self) -> bool:
@@ -114,9 +122,9 @@ class Reading:
 
     def fine_from(self) -> int:
         """Row from which on the run is recorded finely; 0 where it nowhere is."""
-        coarse = np.flatnonzero(np.diff(self.results.times) > UNSTEADY * self.system.stepping.window_interval)
+        coarse = np.flatnonzero(np.diff(self.times) > UNSTEADY * self.system.stepping.window_interval)
         begin = int(coarse[-1]) + 1 if coarse.size else 0
-        return begin if begin < self.results.times.size - 2 else 0
+        return begin if begin < self.times.size - 2 else 0
 
     @property
     def is_fine(self) -> bool:
@@ -126,7 +134,7 @@ class Reading:
     @property
     def fine_interval(self) -> float:
         """Usual interval between the rows of the finely recorded part [s]."""
-        steps = np.diff(self.results.times[self.fine_from() :])
+        steps = np.diff(self.times[self.fine_from() :])
         return float(np.median(steps)) if steps.size else self.system.stepping.record_interval
 
     def fine(self) -> Detail:
@@ -138,8 +146,8 @@ class Reading:
         return self._between(SHOWN_PERIODS)
 
     def _between(self, periods: int | None) -> Detail:
-        t, begin = self.results.times, self.fine_from()
-        marks = self.results.mark_times
+        t, begin = self.times, self.fine_from()
+        marks = self.record.mark_times
         marks = marks[(marks >= t[begin]) & (marks <= t[-1])]
         if marks.size >= 2:
             marks = marks if periods is None else marks[-(periods + 1) :]
@@ -149,29 +157,24 @@ class Reading:
             rows = np.flatnonzero(t >= max(t[begin], t[-1] - length))
         return Detail(rows, marks, self.fine_interval)
 
+    def over_periods(self, means: Array) -> Array:
+        """Values of each period between marks, held over the recorded rows in it; nan outside."""
+        marks = self.record.mark_times
+        place = np.searchsorted(marks, self.times, side="right") - 1
+        inside = (place >= 0) & (place < marks.size - 1)
+        found = np.full(self.times.size, np.nan)
+        found[inside] = means[place[inside]]
+        return found
+
     def period_means(self, path: str) -> Array:
         """Means over each period of what the integral `path` adds up [SI], shape (marks - 1,)."""
-        integral = self.results.mark_states[path].values
-        means: Array = np.diff(integral) / np.diff(self.results.mark_times)
+        means: Array = np.diff(self.record.mark_states[path].values) / np.diff(self.record.mark_times)
         return means
 
-    def period_extremes(self, values: Array) -> tuple[Array, Array, Array]:
-        """Times, and smallest and largest of the recorded `values` between marks, or in 60 parts without marks.
 
-        Both ends of each part are given, so that lines through them make steps over the whole run.
-        """
-        t, marks = self.results.times, self.results.mark_times
-        borders = marks if marks.size >= 2 else np.linspace(t[0], t[-1], 61)
-        cuts = np.unique(np.concatenate([[0], np.searchsorted(t, borders).clip(0, t.size - 1)]))
-        ends = np.append(cuts[1:], t.size - 1)
-        parts = np.split(values, cuts[1:])
-        low, high = (np.array([extreme(part) for part in parts]) for extreme in (np.min, np.max))
-        times = np.stack([t[cuts], t[ends]], axis=1).ravel()
-        return times, np.repeat(low, 2), np.repeat(high, 2)
-
-
-def reading(directory: Path) -> Reading:
-    """The content of a result directory. Raises ConfigError where it is none, or the system in it cannot be read."""
+def open_run(directory: Path) -> RecordedRun:
+    """The run in a result directory. Raises ConfigError where there is none, or the system in it cannot be read."""
     results = read_results(directory)
     table = parsed_table(results.system, str(directory / "system.toml"))
-    return Reading(results, built_system(table, str(results.meta.get("system", "")), directory))
+    system = built_system(table, str(results.meta.get("system", "")), directory)
+    return RecordedRun(system, results.record, results.summary, results.meta, directory)

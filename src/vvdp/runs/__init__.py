@@ -1,0 +1,1 @@
+"""A simulated run as its user meets it: series by name, numbers, a result with tables and charts."""

@@ -1,0 +1,153 @@
+"""The figures of a run of a test bench of the rotary valve, as data."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import ANGLE, FREQUENCY, SPEED
+from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
+from vvdp.results.result import Table
+from vvdp.runs.charts import SERIES, detail_words, upright, whole_words
+from vvdp.runs.run import RecordedRun
+from vvdp.systems.bench import RotaryBench
+from vvdp.systems.spool_encoder import SETTLED
+
+CYCLE, SPECTRUM = "cycle", "spectrum"
+"""Names of the tables beside that of the series."""
+
+
+def bench_charts(run: RecordedRun, bench: RotaryBench, series: Table, more: dict[str, Table]) -> Iterator[Chart]:
+    """The course of a run: last periods over time and angle, whole run, speed, estimate, spectrum."""
+    part = run.detail()
+    rows = tuple(part.rows.tolist())
+    caption = f"Pressures, flows and open areas over time. {detail_words(run, part)}"
+    panels = cycle_panels("time_s", rows, upright(part.marks))
+    yield Chart(name="cycle-time", caption=caption, table=SERIES, panels=panels, height=4.45)
+    if CYCLE in more:
+        caption = (
+            "The same over the spool's angle within a PWM period; periods lie on top of each other where the run "
+            "repeats itself. Load and tank port are open in turn."
+        )
+        panels = cycle_panels("angle_rad", (), ())
+        yield Chart(name="cycle-angle", caption=caption, table=CYCLE, panels=panels, height=4.45)
+    yield _whole(run)
+    yield _speed(run, bench)
+    if bench.is_watched:
+        yield _estimate(run, series)
+    if SPECTRUM in more:
+        yield _spectrum(more[SPECTRUM])
+
+
+def cycle_panels(x: str, rows: tuple[int, ...], levels: tuple[Level, ...]) -> tuple[Lines, ...]:
+    """Pressures, flows and open areas of a bench over a column."""
+
+    def line(y: str, colour: Colour, stroke: Stroke = Stroke.SOLID, width: float = 1.3) -> Line:
+        return Line(x=x, y=y, rows=rows, colour=colour, stroke=stroke, width=width)
+
+    pressures = (line("inlet_pressure_Pa", Colour.INLET), line("load_pressure_Pa", Colour.LOAD, width=1.7))
+    flows = (
+        line("pump_flow_m3_s", Colour.FAINT, width=2.4),
+        line("load_flow_m3_s", Colour.LOAD),
+        line("tank_flow_m3_s", Colour.TANK),
+        line("relief_flow_m3_s", Colour.RELIEF, Stroke.DASHED),
+    )
+    areas = (line("load_port_m2", Colour.LOAD), line("tank_port_m2", Colour.TANK))
+    return (
+        Lines(lines=pressures, label="pressure", levels=levels, height=1.15),
+        Lines(lines=flows, label="flow", levels=levels, height=1.15),
+        Lines(lines=areas, label="open area", levels=levels, height=0.8),
+    )
+
+
+def _whole(run: RecordedRun) -> Chart:
+    ends = (run.numbers[f"pressure_{end}_inlet_Pa"] for end in ("min", "max"))
+    low, high = (with_unit(end.value, end.kind) for end in ends)
+    pressures = [
+        Line(x="time_s", y="inlet_pressure_Pa", colour=Colour.INLET, width=0.5),
+        Line(x="time_s", y="load_pressure_Pa", colour=Colour.LOAD),
+    ]
+    flow = "load_flow_m3_s"
+    if run.record.mark_times.size > 1:
+        pressures.append(Line(x="time_s", y="inlet_pressure_mean_Pa", colour=Colour.INK, stroke=Stroke.DASHED))
+        flow = "load_flow_mean_m3_s"
+    caption = f"{whole_words(run)} Over every step of the run the inlet pressure went from {low} to {high}."
+    panels = (
+        Lines(lines=tuple(pressures), label="pressure", height=1.4),
+        Lines(lines=(Line(x="time_s", y=flow, colour=Colour.LOAD),), label="load flow"),
+    )
+    return Chart(name="run", caption=caption, table=SERIES, panels=panels, height=3.2)
+
+
+def _speed(run: RecordedRun, bench: RotaryBench) -> Chart:
+    analytic = ("analytic_pwm_frequency_full_open_Hz", "analytic_pwm_frequency_Hz")
+    caption = "The spool's speed as PWM frequency: at each instant, and the mean of each period."
+    levels: list[Level] = []
+    if analytic[1] in run.summary:
+        fully, averaged = (with_unit(run.number(key), FREQUENCY, 3) for key in analytic)
+        caption += f" Analytic value of the fully open valve, {fully}, and averaged over the period, {averaged}."
+        caption += " They are those of a spool that nothing drives but the flow." if bench.is_driven else ""
+        for key, words, stroke in zip(
+            analytic, ("analytic, fully open", "analytic, averaged"), (Stroke.DOTTED, Stroke.DASHED), strict=True
+        ):
+            levels.append(Level(value=run.number(key), label=words, colour=Colour.INLET, stroke=stroke))
+    lines = [Line(x="time_s", y="pwm_frequency_Hz", label="at each instant", colour=Colour.TANK, width=0.9)]
+    if run.record.mark_times.size > 1:
+        lines.append(
+            Line(x="time_s", y="pwm_frequency_mean_Hz", label="mean of each period", colour=Colour.LOAD, width=1.6)
+        )
+    panels = [Lines(lines=tuple(lines), label="PWM frequency", levels=tuple(levels), height=1.6)]
+    if not bench.duty_ratio.is_constant:
+        panels.append(Lines(lines=(Line(x="time_s", y="duty_ratio", colour=Colour.INK),)))
+    height = 2.3 if len(panels) == 1 else 2.9
+    return Chart(name="speed", caption=caption, table=SERIES, panels=tuple(panels), height=height)
+
+
+def _estimate(run: RecordedRun, series: Table) -> Chart:
+    caption = (
+        "The spool as its encoder and the event-based Kalman filter see it. Top: speed, true and estimated. Middle: "
+        "error of the angle, within half a turn; until the index of the code wheel is found the angle is off by whole "
+        "sectors. Bottom: error of the speed. Bands: two standard deviations, as the filter states them; it takes the "
+        "acceleration as noise, so the speed's ripple within each PWM period lies outside."
+    )
+    if "spool_angle_error_rms_rad" in run.summary:
+        angle = with_unit(run.number("spool_angle_error_rms_rad"), ANGLE, 3)
+        speed = with_unit(run.number("spool_speed_error_rms_rad_s"), SPEED, 3)
+        caption += f" Root mean square from {SETTLED:g} s on: {angle} and {speed}."
+    settled = run.times >= min(SETTLED, 0.5 * run.times[-1])
+    true = series["spool_speed_rad_s"][settled]
+    room = max(1.5 * float(np.ptp(true)), 0.02 * float(np.abs(true).max()))
+    speeds = Lines(
+        lines=(
+            Line(x="time_s", y="spool_speed_rad_s", colour=Colour.TANK, width=0.9),
+            Line(x="time_s", y="estimated_speed_rad_s", colour=Colour.LOAD, width=1.1),
+        ),
+        label="speed",
+        low=float(true.min()) - room,  # the search at the start would flatten all that follows
+        high=float(true.max()) + room,
+        height=1.3,
+    )
+    errors = (_error(series, name, suffix, settled) for name, suffix in (("angle", "rad"), ("speed", "rad_s")))
+    panels = (speeds, *errors)
+    return Chart(name="estimate", caption=caption, table=SERIES, panels=panels, height=4.3)
+
+
+def _error(series: Table, name: str, suffix: str, settled: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Lines:
+    error, low, high = f"{name}_error_{suffix}", f"{name}_band_low_{suffix}", f"{name}_band_high_{suffix}"
+    reach = 2.4 * max(float(np.abs(series[key][settled]).max()) for key in (error, high))
+    lines = (Line(x="time_s", y=error, colour=Colour.LOAD, width=0.8, low=low, high=high),)
+    return Lines(lines=lines, label=f"{name} error", low=-reach, high=reach)
+
+
+def _spectrum(table: Table) -> Chart:
+    whole = np.flatnonzero(table["order"] == 1.0)
+    base = float(table["frequency_Hz"][whole[0]])
+    apart = with_unit(float(table["frequency_Hz"][0]), FREQUENCY, 3)
+    caption = (
+        f"Amplitudes over whole PWM periods, without a window: lines {apart} apart. Dotted: multiples of the PWM "
+        "frequency. Lines far below the first of them are slow change, not ripple."
+    )
+    line = Line(x="frequency_Hz", y="amplitude_Pa", stroke=Stroke.STEMS, colour=Colour.LOAD, width=1.4)
+    multiples = upright(base * k for k in range(1, round(float(table["order"][-1])) + 1))
+    panel = Lines(lines=(line,), levels=multiples, low=0.0, left=0.0)
+    return Chart(name=SPECTRUM, caption=caption, table=SPECTRUM, panels=(panel,), height=2.4)

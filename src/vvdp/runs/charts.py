@@ -1,0 +1,88 @@
+"""The figures of any circuit's run, as data over its table of series."""
+
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
+
+from vvdp.base.kinds import FLOW, GAUGE_PRESSURE
+from vvdp.results.chart import Bars, Chart, Level, Line, Lines, Stroke
+from vvdp.results.result import Table
+from vvdp.runs.run import Detail, RecordedRun
+
+Groups: TypeAlias = Iterable[tuple[str, list[str]]]
+"""Labels of panels and the columns that they show."""
+SERIES = "series"
+"""Name of the table that holds what is recorded."""
+MOST_LINES = 24
+"""Most lines of one panel."""
+
+
+def run_charts(run: RecordedRun, series: Table) -> Iterator[Chart]:
+    """Pressures and flows over the last periods and over the whole run, then everything that moves."""
+    if run.times.size < 2:
+        return
+    part = run.detail() if run.detail().periods else run.fine()
+    if panels := tuple(_panels(series, _pressures(series), tuple(part.rows.tolist()))):
+        yield _chart("detail", detail_words(run, part), panels)
+        yield _chart("run", whole_words(run), tuple(_panels(series, _pressures(series))))
+    if motion := tuple(_panels(series, _motions(run, series))):
+        yield _chart("motion", "Shafts, rods and the commands of programs over the whole run.", motion)
+
+
+def loss_chart(table: Table, caption: str) -> Chart:
+    """Bars of mean powers, largest first."""
+    name, words, *values = table.columns
+    rows = sorted(range(table.rows), key=lambda row: -table[values[0]][row])
+    shown = tuple(row for row in rows if any(table[key][row] > 0.0 for key in values))
+    bars = Bars(names=name, values=tuple(values), texts=words, rows=shown)
+    height = 0.9 + 0.24 * len(shown) * len(values)
+    return Chart(name=f"losses-{name}", caption=caption, table=f"losses-{name}", panels=(bars,), height=height)
+
+
+def detail_words(run: RecordedRun, part: Detail) -> str:
+    """The caption of a figure of the last periods."""
+    count = part.periods
+    periods = run.period if count == 1 else f"{count} {run.period}s"
+    begin = f"The last {periods}" if count else "The end of the run"
+    coarse = "" if run.is_fine else "; the run ended before its finely recorded part, so details are missing"
+    return f"{begin}, recorded every {1e6 * part.interval:.4g} µs{coarse}."
+
+
+def whole_words(run: RecordedRun) -> str:
+    """The caption of a figure of the whole run."""
+    begin = run.fine_from()
+    words = f"The whole run, recorded every {1e3 * run.system.stepping.record_interval:.4g} ms"
+    words += f" and every {1e6 * run.fine_interval:.4g} µs from {run.times[begin]:.4g} s on" if begin else ""
+    return f"{words}; peaks between the records are not seen here but among the key numbers."
+
+
+def _chart(name: str, caption: str, panels: tuple[Lines, ...]) -> Chart:
+    rows = sum(-(-len(panel.lines) // 4) for panel in panels)
+    return Chart(name=name, caption=caption, table=SERIES, panels=panels, height=0.5 + 1.45 * len(panels) + 0.17 * rows)
+
+
+def _pressures(series: Table) -> list[tuple[str, list[str]]]:
+    keys = series.columns.items()
+    pressures = [key for key, column in keys if key.startswith("pressure_") and column.kind is GAUGE_PRESSURE]
+    flows = [key for key, c in keys if key.startswith("flow_") and c.kind is FLOW and bool((c.values != 0.0).any())]
+    return [("pressure", pressures), ("flow", flows)]
+
+
+def _motions(run: RecordedRun, series: Table) -> Iterator[tuple[str, list[str]]]:
+    for what in ("speed", "position", "velocity"):
+        yield what, [key for key in series.columns if key.startswith(f"{what}_")]
+    for program in run.network.programs:
+        mine = [key for key in series.columns if key.startswith(f"command_{program}_")]
+        for kind in dict.fromkeys(series.columns[key].kind for key in mine):
+            yield program.replace("_", " "), [key for key in mine if series.columns[key].kind is kind]
+
+
+def _panels(series: Table, groups: Groups, rows: tuple[int, ...] = ()) -> Iterator[Lines]:
+    for label, keys in groups:
+        lines = (Line(x="time_s", y=key, rows=rows, label=series.columns[key].label) for key in keys[:MOST_LINES])
+        if keys:
+            yield Lines(lines=tuple(lines), label=label)
+
+
+def upright(values: Iterable[float]) -> tuple[Level, ...]:
+    """Thin upright lines, where periods begin."""
+    return tuple(Level(value=float(v), upright=True, colour="#9aa3ac", stroke=Stroke.DOTTED) for v in values)

@@ -1,0 +1,147 @@
+"""What a reader has to know before the numbers of a run: is it to be trusted, and what lies outside its bounds."""
+
+from collections.abc import Iterator
+
+from vvdp.base.display import display_unit, fixed, number, percent, plain, with_unit
+from vvdp.base.kinds import DURATION, MEAN_POWER, SIGNED_PRESSURE
+from vvdp.results.result import Badge, Finding, Grade
+from vvdp.runs.run import RecordedRun
+from vvdp.simulation.balance import LIMIT
+from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.overview import loss_lines, lowest_volume, node_lines, power_lines
+from vvdp.systems.summary import cavitation_pressure
+
+
+def badges(run: RecordedRun) -> Iterator[Badge]:
+    """The state of a run in a few words."""
+    if "trusted" not in run.summary:
+        yield Badge("not checked: no balances", Grade.WARNING)
+    else:
+        yield Badge("trusted", Grade.GOOD) if run.has("trusted") else Badge("NOT TRUSTED", Grade.BAD)
+    if not run.has("finished"):
+        yield Badge("interrupted", Grade.BAD)
+    if run.record.mark_times.size or "pwm_frequency_Hz" in run.summary:
+        yield _settled(run)
+    yield Badge("cavitation", Grade.BAD) if run.has("cavitation") else Badge("no cavitation", Grade.GOOD)
+    if "motor_overloaded" in run.summary:
+        over = run.has("motor_overloaded")
+        yield Badge("motor overloaded", Grade.BAD) if over else Badge("motor within its rating", Grade.GOOD)
+    if run.has("stiff_method"):
+        yield Badge("stiff method at the end")
+    yield Badge(f"{len(run.system.assumed)} assumed values")
+
+
+def _settled(run: RecordedRun) -> Badge:
+    if not run.number("averaged_periods") >= 1:
+        return Badge(f"no {run.period}", Grade.WARNING)
+    return Badge("settled", Grade.GOOD) if run.has("settled") else Badge("not settled", Grade.WARNING)
+
+
+def warnings(run: RecordedRun) -> Iterator[Finding]:
+    """What may be wrong with the run of any circuit, gravest first."""
+    if "trusted" in run.summary and not run.has("trusted"):
+        energy, mass = (number(run.number(f"{name}_residual"), 3) for name in ("energy", "mass"))
+        tolerance = plain(float(run.meta["relative_tolerance"]))
+        yield Finding(
+            grade=Grade.BAD,
+            title="NOT TRUSTED: the balances do not close",
+            text=f"Energy residual {energy}, oil residual {mass} of the throughput; the limit is {plain(LIMIT)}.",
+            remedy="Do not use these numbers. Run again with a smaller run.relative_tolerance (it was "
+            f"{tolerance}; try a tenth of it). If the residual stays, the circuit's equations lose oil or energy: "
+            "report it.",
+        )
+    if not run.has("finished"):
+        reached, until = run.number("duration_s"), float(run.meta["until_s"])
+        yield Finding(
+            grade=Grade.BAD,
+            title="Interrupted run",
+            text=f"The run was stopped at {with_unit(reached, DURATION)} of {with_unit(until, DURATION)}. "
+            "Means cover what was reached.",
+            remedy="Run again to the end, or ask for a shorter run with --until.",
+        )
+    lowest = lowest_volume(run.system, run.summary)
+    if run.has("cavitation") and lowest is not None:
+        name = lowest[0].replace("_", " ")
+        bar = display_unit(SIGNED_PRESSURE)
+        low, limit = (f"{fixed(bar.shown(p), 3)} bar absolute" for p in (lowest[1], cavitation_pressure(run.system)))
+        yield Finding(
+            grade=Grade.BAD,
+            title=f"Cavitation at the {name}",
+            text=f"The {name} pressure fell to {low}, below the limit of {limit}.",
+            remedy="Below the limit the oil model does not hold. Raise the tank pressure, move things more slowly, or "
+            "enlarge what feeds it.",
+        )
+
+
+def bench_warnings(run: RecordedRun) -> Iterator[Finding]:
+    """What may be wrong with the run of a test bench of the rotary valve."""
+    if run.has("motor_overloaded"):
+        power, rated = run.number("input_power_W"), run.number("motor_rated_power_W")
+        yield Finding(
+            grade=Grade.BAD,
+            title="Motor overloaded",
+            text=f"The pump takes {with_unit(power, MEAN_POWER)} on average; the motor is rated "
+            f"{with_unit(rated, MEAN_POWER)} ({percent(power / rated, 0)}).",
+            remedy="Lower the pump speed, the load pressure or the relief setting, or fit a larger motor.",
+        )
+    if not run.number("averaged_periods") >= 1:
+        yield Finding(
+            grade=Grade.WARNING,
+            title="No PWM period in the averaging window",
+            text="Fewer than two PWM periods were completed: means are taken over plain time and belong to whatever "
+            "opening the spool stood at.",
+            remedy="If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the "
+            "run last longer.",
+        )
+    elif not run.has("settled"):
+        wanted = " Something prescribed changes over time; then this may be what was asked for." if run.varies else ""
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Not settled",
+            text=f"The mean PWM frequency still differs by more than {percent(SETTLED)} between the two halves of the "
+            f"averaging window of {plain(run.number('averaged_periods'))} periods.",
+            remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to the "
+            f"final spool speed.{wanted}",
+        )
+
+
+def in_words(run: RecordedRun) -> str:
+    """The result of a run of any circuit in one paragraph."""
+    begin, end = (with_unit(run.number(f"averaged_{which}_s"), DURATION, 3) for which in ("from", "to"))
+    powers = dict(power_lines(run.system, run.summary))
+    put_in = sum(power for power in powers.values() if power > 0.0)
+    taken = -sum(power for power in powers.values() if power < 0.0)
+    lost = sorted(loss_lines(run.system, run.summary), key=lambda line: -line.loss)
+    words = f"From {begin} to {end} the circuit took in {_power(put_in)}"
+    words += f" and gave {_power(taken)} to the outside" if taken > 0.0 else ""
+    words += f"; its components turned {_power(sum(line.loss for line in lost))} to heat"
+    if lost and lost[0].loss > 0.0:
+        words += f", most of it, {_power(lost[0].loss)}, in {lost[0].component}"
+    pressures = [line for line in node_lines(run.system, run.summary) if line.quantity == "pressure"]
+    if pressures:
+        highest = max(pressures, key=lambda line: line.high)
+        words += f". The highest pressure was {with_unit(highest.high, highest.kind)}, at {highest.name}"
+    return words + "."
+
+
+def bench_in_words(run: RecordedRun) -> str:
+    """The result of a run of a test bench in one paragraph."""
+    n, numbers = run.number, run.numbers
+    text = {key: with_unit(each.value, each.kind) for key, each in numbers.items()}
+    periods = n("averaged_periods")
+    span = f"{with_unit(n('averaged_from_s'), DURATION, 3)} to {with_unit(n('averaged_to_s'), DURATION, 3)}"
+    over = f"Over {plain(periods)} whole PWM periods ({span})" if periods >= 1 else f"From {span}"
+    frequency = f"while the valve switched at {text['pwm_frequency_Hz']}"
+    rated = f" ({percent(n('input_power_W') / n('motor_rated_power_W'), 0)})" if n("motor_rated_power_W") > 0.0 else ""
+    driven = f" The spool's own motor takes {text['spool_motor_power_W']}." if n("spool_motor_power_W") else ""
+    return (
+        f"{over} the load received {text['mean_load_flow_m3_s']} of the pump's {text['mean_pump_flow_m3_s']} "
+        f"({text['load_flow_fraction']}) at a mean pressure of {text['pressure_mean_load_line_Pa']}, "
+        f"{frequency if periods >= 1 else 'without the valve switching'}. Of the power put in, {text['efficiency']} "
+        f"reached the load: {text['load_power_W']}. The pump takes {text['input_power_W']} of the motor's "
+        f"{text['motor_rated_power_W']}{rated}.{driven}"
+    )
+
+
+def _power(watt: float) -> str:
+    return with_unit(watt, MEAN_POWER, 3)

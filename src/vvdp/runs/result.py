@@ -1,0 +1,136 @@
+"""The result of a run: what its page, its screen and a comparison show."""
+
+from vvdp.results.chart import Chart
+from vvdp.results.result import Finding, Grade, Listing, Result, Section, Table, sentences
+from vvdp.runs.bench import (
+    analytic_words,
+    bench_loss_listings,
+    bench_series,
+    causes,
+    components,
+    cycle_table,
+    harmonic_listing,
+    loss_table_columns,
+    range_findings,
+    spectrum_table,
+)
+from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts
+from vvdp.runs.charts import SERIES, loss_chart, run_charts
+from vvdp.runs.findings import badges, bench_in_words, bench_warnings, in_words, warnings
+from vvdp.runs.run import RecordedRun
+from vvdp.runs.tables import (
+    bar_table,
+    component_listing,
+    computation,
+    loss_listing,
+    node_listing,
+    overview,
+    series_table,
+)
+from vvdp.systems.bench import RotaryBench
+from vvdp.systems.overview import loss_lines, power_lines
+
+
+def run_result(run: RecordedRun) -> Result:
+    """Everything that is to be said and drawn of a run."""
+    extras = run.system.extras
+    bench = extras if isinstance(extras, RotaryBench) else None
+    tables = {SERIES: series_table(run)} if bench is None else _bench_tables(run, bench)
+    course = list(run_charts(run, tables[SERIES])) if bench is None else []
+    if bench is not None and run.times.size > 1:
+        course = list(bench_charts(run, bench, tables[SERIES], tables))
+    for place, (chart, table) in enumerate(() if extras is None else extras.charts(run.record)):
+        tables[chart.table or f"own-{place}"] = table
+        course.append(chart)
+    listings = key_listings(run) | {"nodes": node_listing(run), "components": component_listing(run)}
+    listings |= {"computation": computation(run)}
+    losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)
+    of_losses = {"losses": loss_listing(run)} if bench is None else bench_loss_listings(run)
+    harmonics = {"harmonics": harmonic_listing(tables[SPECTRUM])} if SPECTRUM in tables else {}
+    return Result(
+        verb="run",
+        title=run.system.title,
+        system=run.system.name,
+        numbers=run.numbers,
+        listings=listings | of_losses | harmonics,
+        tables=tables,
+        charts={chart.name: chart for chart in (*course, *losses)},
+        badges=tuple(badges(run)),
+        findings=_findings(run, bench),
+        sections=_sections(run, bench, course, losses, tuple(of_losses), tuple(harmonics)),
+        references=tuple(sorted({row.source for row in run.system.rows if row.source})),
+        seconds=float(run.meta.get("seconds", 0.0)),
+        finished=run.has("finished"),
+    )
+
+
+def key_listings(run: RecordedRun) -> dict[str, Listing]:
+    """The overview that the system brings along; none where it brings none."""
+    extras = run.system.extras
+    return {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras.OVERVIEW)}
+
+
+def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...]:
+    found = list(warnings(run))
+    if bench is None:
+        own = () if run.system.extras is None else run.system.extras.warnings(run.summary)
+        return (*found, *sentences(tuple(own), Grade.WARNING), Finding(text=in_words(run)))
+    return (*found, *bench_warnings(run), *range_findings(run, bench), Finding(text=bench_in_words(run)))
+
+
+def _bench_tables(run: RecordedRun, bench: RotaryBench) -> dict[str, Table]:
+    tables = {SERIES: bench_series(run, bench)}
+    cycle = cycle_table(run, bench, tables[SERIES])
+    spectrum = spectrum_table(run, tables[SERIES], bench)
+    return tables | {name: each for name, each in ((CYCLE, cycle), (SPECTRUM, spectrum)) if each is not None}
+
+
+def _losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
+    parts = [line for line in loss_lines(run.system, run.summary) if line.loss > 0.0]
+    if not parts:
+        return []
+    put_in = sum(power for _, power in power_lines(run.system, run.summary) if power > 0.0)
+    labels = tuple(line.component.replace("_", " ") for line in parts)
+    tables["losses-component"] = bar_table("component", {"mean": tuple(p.loss for p in parts)}, labels, put_in)
+    caption = "Mean power turned to heat by each component over the averaging window; shares are of the power put in."
+    return [loss_chart(tables["losses-component"], caption)]
+
+
+def _bench_losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
+    whole = run.number("input_power_W") + run.number("spool_motor_power_W")
+    charts = []
+    for name, losses, caption in (
+        ("component", components(run), "Where the simulated power is lost, mean over the averaging window."),
+        ("cause", causes(run), "Mean losses by cause, simulated and, where there are formulas, analytic."),
+    ):
+        labels = tuple(loss.name for loss in losses)
+        tables[f"losses-{name}"] = bar_table(name, loss_table_columns(losses), labels, whole)
+        charts.append(loss_chart(tables[f"losses-{name}"], caption))
+    return charts
+
+
+def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], losses: list[Chart],
+              of_losses: tuple[str, ...], harmonics: tuple[str, ...]) -> tuple[Section, ...]:  # fmt: skip
+    words = () if bench is None else tuple(analytic_words(run, bench))
+    assumed = f"{len(run.system.assumed)} of {len(run.system.rows)} values are assumptions; the results depend on them."
+    shown = (*(chart.name for chart in course), *harmonics)
+    return (
+        Section(title="Circuit", shows=("circuit",)),
+        Section(title="Key numbers", shows=(*key_listings(run), "nodes", "components")),
+        Section(title="Course of the run", shows=shown, starts_page=True),
+        Section(title="Losses", shows=(*(chart.name for chart in losses), *of_losses), words=(), starts_page=True),
+        *((Section(title="On the analytic losses", words=words),) if words else ()),
+        Section(
+            title="Computation",
+            words=("A residual above the limit marks the run as not to be trusted.", *remarks(run)),
+            shows=("computation",),
+        ),
+        Section(title="Assumed values", words=(assumed,), shows=("assumed",) if run.system.assumed else ()),
+        Section(title="Parameters", shows=("parameters",)),
+        Section(title="Equations", words=("The network as it is written out and simulated.",), shows=("equations",)),
+    )
+
+
+def remarks(run: RecordedRun) -> tuple[str, ...]:
+    """What the simulation itself remarked."""
+    return tuple(map(str, run.meta.get("remarks", ())))

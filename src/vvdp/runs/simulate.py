@@ -1,0 +1,73 @@
+"""A system simulated: from values to a run with its summary, and into a directory."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from vvdp.base.errors import RunError
+from vvdp.base.files import write_whole
+from vvdp.results.store import finite
+from vvdp.runs.run import RecordedRun
+from vvdp.simulation.link import quiet
+from vvdp.simulation.record import record_of
+from vvdp.simulation.results import Results, origin, write_results
+from vvdp.simulation.run import Run, simulate
+from vvdp.systems.accuracy import FINER, Move, moves
+from vvdp.systems.resolved import resolved_text
+from vvdp.systems.summary import summary
+from vvdp.systems.system import System
+
+
+def run_system(
+    system: System,
+    *,
+    progress: Callable[[float], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+    say: Callable[[str], None] = quiet,
+    command: Sequence[str] = (),
+) -> RecordedRun:
+    """Simulates a system to its end, or to where `stop` or Ctrl-C ends it, which is kept.
+
+    `progress` hears the time reached [s]; `command` is what was typed. Raises RunError where nothing was reached, or
+    the simulation fails.
+    """
+    done = simulate(system.model, system.case, system.stepping, progress=progress, stop=stop, say=say)
+    return recorded_run(system, done, command)
+
+
+def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> RecordedRun:
+    """A simulated run with its summary and origin. Raises RunError where it was stopped before its first step."""
+    if not done.end > system.stepping.begin:
+        raise RunError(f"{system.name}: stopped before the first step; there is nothing to keep")
+    found = summary(system, done)
+    balances = {key: found[key] for key in ("energy_residual", "mass_residual", "trusted") if key in found}
+    meta: dict[str, Any] = origin(done) | {
+        "system": system.name,
+        "title": system.title,
+        "circuit": system.circuit_name,
+        "command": list(command),
+        "assumed_values": len(system.assumed),
+        "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+    }
+    return RecordedRun(system, record_of(done), found, meta | balances)
+
+
+def check_accuracy(run: RecordedRun, progress: Callable[[float], None] | None = None) -> tuple[Move, ...]:
+    """How the numbers of a run change at a tenth of its tolerance, the largest change first; empty if interrupted."""
+    stepping = run.system.stepping
+    finer = replace(stepping, relative_tolerance=max(1e-13, FINER * stepping.relative_tolerance))
+    done = simulate(run.system.model, run.system.case, finer, progress=progress)
+    return moves(run.system, dict(run.summary), summary(run.system, done)) if done.finished else ()
+
+
+def save_run(folder: Path, run: RecordedRun) -> None:
+    """Writes a run into `folder`, with the module of its circuit where that lies beside the system file."""
+    system = run.system
+    if system.module is not None:
+        name = str(system.content["circuit"]).partition(":")[0]
+        copy = folder / f"{name.replace('.', '/')}.py"
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(copy, system.module.read_bytes())
+    write_results(folder, Results(folder, resolved_text(system), finite(run.summary), finite(run.meta), run.record))

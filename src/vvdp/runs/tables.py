@@ -1,0 +1,171 @@
+"""The numbers of a run as listings, and its recorded series as one table, for any circuit."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.display import key_suffix
+from vvdp.base.kinds import (
+    COUNT,
+    DURATION,
+    FLOW,
+    GAUGE_PRESSURE,
+    MEAN_POWER,
+    NUMBER,
+    POSITION,
+    SPEED,
+    TIME,
+    VELOCITY,
+    Kind,
+)
+from vvdp.network.nodes import DrivenShaft, Rod, Shaft
+from vvdp.results.result import Column, Listing, Row, Table
+from vvdp.runs.run import RecordedRun
+from vvdp.simulation.balance import LIMIT
+from vvdp.systems.extras import Line
+from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_lines
+
+ROUNDING = 1e-9
+"""What is stored counts as nothing below this share of the largest power."""
+GAUGE = "Pressures are gauge."
+
+
+def overview(run: RecordedRun, lines: tuple[Line, ...]) -> Listing:
+    """The lines that a system brings along, simulated and analytic; those of which nothing is known are left out."""
+
+    def total(keys: tuple[str, ...]) -> float | None:
+        known = [run.number(key) for key in keys if key in run.summary]
+        return sum(known) if known and len(known) == len(keys) else None
+
+    values = ((line, (total(line.keys), total(line.closed_form))) for line in lines)
+    rows = tuple(Row(line.label, line.kind, found, line.group) for line, found in values if found != (None, None))
+    return Listing(title="", heads=("simulated", "analytic"), rows=rows, note=GAUGE)
+
+
+def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
+    """What the screen shows: the overview that the system brings along; else nodes, components and losses."""
+    extras = run.system.extras
+    if extras is not None and extras.OVERVIEW:
+        return (overview(run, extras.OVERVIEW),)
+    return node_listing(run), component_listing(run), loss_listing(run)
+
+
+def node_listing(run: RecordedRun) -> Listing:
+    """Means and extremes of every node."""
+    rows = (
+        Row(f"{line.name.replace('_', ' ')}, {line.quantity}", line.kind, (line.mean, line.low, line.high))
+        for line in node_lines(run.system, run.summary)
+    )
+    note = f"Means over the averaging window; extremes over every step of the run, its start included. {GAUGE}"
+    return Listing(title="Nodes", heads=("mean", "lowest", "highest"), rows=tuple(rows), note=note)
+
+
+def component_listing(run: RecordedRun) -> Listing:
+    """Mean flows of the components, and the power that comes from outside."""
+    rows = []
+    for line in flow_lines(run.system, run.summary):
+        what = f"flow into {line.port}" if line.port else "flow"
+        rows.append(Row(f"{line.component.replace('_', ' ')}, {what}", FLOW, (line.flow,)))
+    rows += [
+        Row(f"{name.replace('_', ' ')}, power into the circuit", MEAN_POWER, (power,))
+        for name, power in power_lines(run.system, run.summary)
+    ]
+    return Listing(title="Components", heads=("mean",), rows=tuple(rows))
+
+
+def loss_listing(run: RecordedRun) -> Listing:
+    """What the components turn to heat, what is stored, and what comes from outside."""
+    powers = [power for _, power in power_lines(run.system, run.summary)]
+    put_in, given = sum(p for p in powers if p > 0.0), -sum(p for p in powers if p < 0.0)
+    stored = run.number("stored_power_W")
+    stored = 0.0 if abs(stored) < ROUNDING * max(map(abs, powers), default=0.0) else stored
+
+    def row(label: str, power: float, *, is_part: bool = False, is_sum: bool = False) -> Row:
+        share = f"{100.0 * power / put_in:.2f} %" if put_in > 0.0 else ""
+        return Row(label, MEAN_POWER, (power,), note=share, is_part=is_part, is_sum=is_sum)
+
+    rows = []
+    for line in loss_lines(run.system, run.summary):
+        rows.append(row(line.component.replace("_", " "), line.loss))
+        rows += [row(f"of it, {name.replace('_', ' ')}", power, is_part=True) for name, power in line.parts]
+    rows += [
+        row("stored in the circuit", stored),
+        row("given to the outside", given),
+        row("put in", put_in, is_sum=True),
+    ]
+    note = "Shares are of the power put in."
+    return Listing(title="Losses by component", heads=("mean",), rows=tuple(rows), note=note)
+
+
+def computation(run: RecordedRun) -> Listing:
+    """How the run was computed, and whether its books balance."""
+    n, meta = run.number, run.meta
+    limit = f"limit {LIMIT:.0e}"
+    ends = "stiff" if run.has("stiff_method") else "explicit"
+    packages = ", ".join(f"{meta.get(name, '–')}" for name in ("python", "numpy", "numba"))
+    rows = [
+        Row("Energy residual, of the throughput", NUMBER, (n("energy_residual"),), note=limit),
+        Row("Oil residual, of the throughput", NUMBER, (n("mass_residual"),), note=limit),
+        Row("Relative tolerance", NUMBER, (float(meta["relative_tolerance"]),)),
+        Row("Steps accepted", COUNT, (n("steps"),)),
+        Row("Steps rejected", COUNT, (n("rejected_steps"),)),
+        Row("Evaluations of the circuit", COUNT, (n("evaluations"),)),
+        Row("Method", None, (run.system.stepping.method.name.lower(),), note=f"{ends} at the end"),
+        Row("Sample period", TIME, (float(meta["sample_period_s"]),)),
+        Row("Simulated time", DURATION, (n("duration_s"),), note=f"of {float(meta['until_s']):g} s"),
+        Row("Wall time", DURATION, (n("wall_time_s"),)),
+        Row("Equations, hash", None, (str(meta["equations"]),)),
+        Row("Python, NumPy, Numba", None, (packages,)),
+    ]
+    return Listing(title="", heads=("",), rows=tuple(rows))
+
+
+def series_table(run: RecordedRun) -> Table:
+    """Everything that a person looks at over time: pressures, flows, motions, commands of programs."""
+    columns = {"time_s": Column(run.times, DURATION, "time", "t")}
+    for name, values, kind, label in _all_series(run):
+        columns[name + key_suffix(kind)] = Column(values, kind, label)
+    return Table(title="Recorded series", columns=columns, is_data=True)
+
+
+def _all_series(run: RecordedRun) -> Iterator[tuple[str, Array, Kind, str]]:
+    for name in run.volumes:
+        yield f"pressure_{name}", run.pressure(name), GAUGE_PRESSURE, name.replace("_", " ")
+    for name, port, values in run.flows():
+        words = name.replace("_", " ")
+        yield f"flow_{name}_{port}".rstrip("_"), values, FLOW, f"{words}, {port}" if port else words
+    for name, node in run.network.nodes.items():
+        yield from _motion(run, name, node)
+    for path, series in run.record.commands.items():
+        program = path.partition(".")[0]
+        if program in run.network.programs and series.values.ndim == 1:
+            yield f"command_{path.replace('.', '_')}", series.values, series.kind or NUMBER, _words(path)
+
+
+def _motion(run: RecordedRun, name: str, node: object) -> Iterator[tuple[str, Array, Kind, str]]:
+    words = name.replace("_", " ")
+    if isinstance(node, Shaft):
+        yield f"speed_{name}", run.state(f"{name}.speed"), SPEED, words
+    elif isinstance(node, Rod):
+        yield f"position_{name}", run.state(f"{name}.position"), POSITION, words
+        yield f"velocity_{name}", run.state(f"{name}.velocity"), VELOCITY, words
+    elif isinstance(node, DrivenShaft) and name in run.record.states and run.times.size > 2:
+        speed = np.gradient(run.state(name), run.times)
+        if np.ptp(speed) > 1e-6 * (1.0 + np.max(np.abs(speed))):
+            yield f"speed_{name}", speed, SPEED, words
+
+
+def _words(path: str) -> str:
+    return path.partition(".")[2].replace("_", " ").replace(".", ", ")
+
+
+def bar_table(name: str, columns: Mapping[str, tuple[float, ...]], labels: tuple[str, ...], whole: float) -> Table:
+    """Mean powers by `labels`, with the words that stand behind the bars of the first column."""
+    first = next(iter(columns.values()))
+    words = [f"{p:.0f} W" if p >= 100.0 else f"{p:.1f} W" for p in first]
+    if whole > 0.0:
+        words = [f"{word}, {100.0 * p / whole:.1f} %" for word, p in zip(words, first, strict=True)]
+    found = {name: Column(np.array(labels), None, name), "words": Column(np.array(words), None, "")}
+    found |= {f"{key}_W": Column(np.array(each), MEAN_POWER, key.replace("_", " ")) for key, each in columns.items()}
+    return Table(title=f"Losses by {name}", columns=found, is_data=True)

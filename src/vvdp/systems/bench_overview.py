@@ -1,0 +1,101 @@
+"""The numbers of a test bench of the rotary valve: what each means, and the lines that a person is shown."""
+
+from collections.abc import Mapping
+
+from vvdp.base.kinds import (
+    ANGLE,
+    COUNT,
+    EFFICIENCY,
+    FLAG,
+    FLOW,
+    FRACTION,
+    FREQUENCY,
+    GAUGE_PRESSURE,
+    MEAN_POWER,
+    SPEED,
+    Kind,
+)
+from vvdp.systems.extras import Line
+
+ANALYTIC = (
+    "analytic_pwm_frequency_Hz",
+    "analytic_pwm_frequency_full_open_Hz",
+    "analytic_loss_full_open_W",
+    "analytic_loss_transition_W",
+    "analytic_loss_leakage_W",
+    "analytic_loss_compressibility_W",
+    "analytic_loss_total_W",
+    "analytic_load_flow_m3_s",
+)
+"""Keys of the closed forms, in the order of `RotaryBench.closed_forms`."""
+
+LEAKAGE = ("analytic_loss_leakage_W",)
+TRANSITION = ("analytic_loss_transition_W", "analytic_loss_compressibility_W")
+QUANTITIES: Mapping[str, tuple[Kind, str]] = {
+    "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
+    "mean_pump_flow_m3_s": (FLOW, "pump flow, mean"),
+    "mean_load_flow_m3_s": (FLOW, "flow to the load, mean"),
+    "mean_tank_flow_m3_s": (FLOW, "flow to the tank through the valve, mean"),
+    "mean_leakage_flow_m3_s": (FLOW, "leakage of the valve, mean"),
+    "load_flow_fraction": (EFFICIENCY, "load flow over pump flow"),
+    "mean_load_opening": (FRACTION, "open fraction of the load port, mean"),
+    "input_power_W": (MEAN_POWER, "input power at the pump shaft"),
+    "spool_motor_power_W": (MEAN_POWER, "input power of the spool motor"),
+    "load_power_W": (MEAN_POWER, "load power"),
+    "efficiency": (EFFICIENCY, "efficiency"),
+    "motor_rated_power_W": (MEAN_POWER, "rated power of the motor"),
+    "motor_overloaded": (FLAG, "motor overloaded"),
+    "loss_nozzle_W": (MEAN_POWER, "loss in the nozzles"),
+    "loss_centre_section_W": (MEAN_POWER, "loss in the centre section"),
+    "loss_outlet_turbine_W": (MEAN_POWER, "loss in the outlet turbine"),
+    "loss_spool_friction_W": (MEAN_POWER, "loss by spool friction"),
+    "spool_shaft_power_W": (MEAN_POWER, "power from the flow to the spool"),
+    "loss_full_open_W": (MEAN_POWER, "loss of the fully open valve"),
+    "loss_transition_W": (MEAN_POWER, "loss by transition and compression"),
+    "loss_total_W": (MEAN_POWER, "input power minus load power"),
+    "steady": (FLAG, "nothing prescribed changes"),
+    "spool_angle_error_rms_rad": (ANGLE, "spool angle, error of the estimate"),
+    "spool_speed_error_rms_rad_s": (SPEED, "spool speed, error of the estimate"),
+    "spool_missed_edges": (COUNT, "edges that the encoder missed"),
+    "analytic_pwm_frequency_Hz": (FREQUENCY, "PWM frequency, analytic"),
+    "analytic_pwm_frequency_full_open_Hz": (FREQUENCY, "PWM frequency, analytic, valve fully open"),
+    "analytic_loss_full_open_W": (MEAN_POWER, "loss of the fully open valve, analytic"),
+    "analytic_loss_transition_W": (MEAN_POWER, "loss by transition, analytic"),
+    "analytic_loss_leakage_W": (MEAN_POWER, "loss by leakage of the valve, analytic"),
+    "analytic_loss_compressibility_W": (MEAN_POWER, "loss by compression, analytic"),
+    "analytic_loss_total_W": (MEAN_POWER, "losses, analytic"),
+    "analytic_load_flow_m3_s": (FLOW, "flow to the load, analytic"),
+}
+"""What a bench adds to a summary."""
+
+OVERVIEW = (
+    Line("PWM frequency", ("pwm_frequency_Hz",), FREQUENCY, ("analytic_pwm_frequency_Hz",), "Valve"),
+    Line("spool speed, lowest", ("speed_min_spool_rad_s",), SPEED, (), "Valve"),
+    Line("spool speed, highest", ("speed_max_spool_rad_s",), SPEED, (), "Valve"),
+    Line("open fraction of the load port, mean", ("mean_load_opening",), FRACTION, (), "Valve"),
+    Line("spool angle, error of the estimate", ("spool_angle_error_rms_rad",), ANGLE, (), "Valve"),
+    Line("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), SPEED, (), "Valve"),
+    Line("pump flow", ("mean_pump_flow_m3_s",), FLOW, (), "Flows, mean"),
+    Line("flow to the load", ("mean_load_flow_m3_s",), FLOW, ("analytic_load_flow_m3_s",), "Flows, mean"),
+    Line("flow to the tank", ("mean_tank_flow_m3_s",), FLOW, (), "Flows, mean"),
+    Line("flow over the relief valve", ("flow_mean_relief_valve_m3_s",), FLOW, (), "Flows, mean"),
+    Line("leakage of the valve", ("mean_leakage_flow_m3_s",), FLOW, (), "Flows, mean"),
+    Line("load flow over pump flow", ("load_flow_fraction",), EFFICIENCY, (), "Flows, mean"),
+    Line("inlet pressure, mean", ("pressure_mean_inlet_Pa",), GAUGE_PRESSURE, (), "Pressures"),
+    Line("inlet pressure, lowest", ("pressure_min_inlet_Pa",), GAUGE_PRESSURE, (), "Pressures"),
+    Line("inlet pressure, highest", ("pressure_max_inlet_Pa",), GAUGE_PRESSURE, (), "Pressures"),
+    Line("load pressure, mean", ("pressure_mean_load_line_Pa",), GAUGE_PRESSURE, (), "Pressures"),
+    Line("load pressure, lowest", ("pressure_min_load_line_Pa",), GAUGE_PRESSURE, (), "Pressures"),
+    Line("load pressure, highest", ("pressure_max_load_line_Pa",), GAUGE_PRESSURE, (), "Pressures"),
+    Line("input power, pump shaft", ("input_power_W",), MEAN_POWER, (), "Power, mean"),
+    Line("input power, spool motor", ("spool_motor_power_W",), MEAN_POWER, (), "Power, mean"),
+    Line("rated power of the motor", ("motor_rated_power_W",), MEAN_POWER, (), "Power, mean"),
+    Line("load power", ("load_power_W",), MEAN_POWER, (), "Power, mean"),
+    Line("efficiency", ("efficiency",), EFFICIENCY, (), "Power, mean"),
+    Line("loss, fully open valve", ("loss_full_open_W",), MEAN_POWER, ("analytic_loss_full_open_W",), "Losses"),
+    Line("loss, transition and compression", ("loss_transition_W",), MEAN_POWER, TRANSITION, "Losses"),
+    Line("loss, leakage of the valve", ("loss_valve_leakage_W",), MEAN_POWER, ("analytic_loss_leakage_W",), "Losses"),
+    Line("power stored in oil and spool", ("stored_power_W",), MEAN_POWER, (), "Losses"),
+    Line("input power minus load power", ("loss_total_W",), MEAN_POWER, ("analytic_loss_total_W",), "Losses"),
+)
+"""Simulated numbers beside the analytic ones."""

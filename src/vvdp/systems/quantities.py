@@ -1,0 +1,84 @@
+"""What the keys of a summary mean: the kind of each and what a person calls it, by the names of the circuit."""
+
+from collections.abc import Iterator, Mapping
+
+from vvdp.base.kinds import (
+    COUNT,
+    DURATION,
+    FLAG,
+    FLOW,
+    GAUGE_PRESSURE,
+    MEAN_POWER,
+    NUMBER,
+    POSITION,
+    SPEED,
+    VELOCITY,
+    Kind,
+)
+from vvdp.network.nodes import HydraulicNode, Rod, Shaft
+from vvdp.network.paths import flows_of
+from vvdp.results.result import Number
+from vvdp.systems.system import System
+
+OF_ANY_RUN: Mapping[str, tuple[Kind, str]] = {
+    "duration_s": (DURATION, "simulated time"),
+    "finished": (FLAG, "finished"),
+    "averaged_from_s": (DURATION, "start of the averaging window"),
+    "averaged_to_s": (DURATION, "end of the averaging window"),
+    "averaged_periods": (COUNT, "periods averaged"),
+    "settled": (FLAG, "settled"),
+    "cavitation": (FLAG, "cavitation"),
+    "stored_power_W": (MEAN_POWER, "power stored in the circuit"),
+    "energy_residual": (NUMBER, "energy residual, of the throughput"),
+    "mass_residual": (NUMBER, "oil residual, of the throughput"),
+    "trusted": (FLAG, "balances within their limit"),
+    "steps": (COUNT, "steps"),
+    "rejected_steps": (COUNT, "rejected steps"),
+    "evaluations": (COUNT, "evaluations of the circuit"),
+    "stiff_method": (FLAG, "stiff method at the end"),
+    "wall_time_s": (DURATION, "wall time"),
+}
+"""Keys that every run has."""
+EXTREMES = {"mean": "mean", "min": "lowest", "max": "highest"}
+
+
+def quantities(system: System) -> dict[str, tuple[Kind, str]]:
+    """Kind and label of every key that a summary of the system may have."""
+    own = {} if system.extras is None else dict(system.extras.QUANTITIES)
+    return dict(OF_ANY_RUN) | dict(_of_nodes(system)) | dict(_of_parts(system)) | own
+
+
+def summary_numbers(system: System, found: Mapping[str, float | bool]) -> dict[str, Number]:
+    """The values of a summary with their kinds; what a user's own circuit adds without a kind is a plain number."""
+    known = quantities(system)
+    return {key: Number(float(value), *known.get(key, (NUMBER, key.replace("_", " ")))) for key, value in found.items()}
+
+
+def _of_nodes(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
+    for name, node in system.circuit.network.nodes.items():
+        words = name.replace("_", " ")
+        for which, label in EXTREMES.items():
+            if isinstance(node, HydraulicNode):
+                yield f"pressure_{which}_{name}_Pa", (GAUGE_PRESSURE, f"{words} pressure, {label}")
+            elif isinstance(node, Shaft):
+                yield f"speed_{which}_{name}_rad_s", (SPEED, f"{words} speed, {label}")
+            elif isinstance(node, Rod):
+                yield f"velocity_{which}_{name}_m_s", (VELOCITY, f"{words} velocity, {label}")
+                yield f"position_{which}_{name}_m", (POSITION, f"{words} position, {label}")
+
+
+def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
+    network = system.circuit.network
+    for name in (*network.nodes, *network.parts):
+        yield f"power_{name}_W", (MEAN_POWER, f"power given by {name.replace('_', ' ')}")
+    for part in network.parts.values():
+        for flow in flows_of(part):
+            key = f"{part.name}_{flow}".removesuffix("_flow")
+            yield f"flow_mean_{key}_m3_s", (FLOW, f"{key.replace('_', ' ')} flow, mean")
+        yield f"flow_mean_{part.name}_m3_s", (FLOW, f"{part.name.replace('_', ' ')} flow, mean")
+        for loss in ("", *part.component.losses):
+            key = "_".join(filter(None, (part.name, loss)))
+            yield f"loss_{key}_W", (MEAN_POWER, f"{key.replace('_', ' ')} loss")
+    for whole in network.groups:
+        yield f"flow_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} flow, mean")
+        yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")
