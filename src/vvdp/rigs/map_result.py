@@ -172,7 +172,7 @@ def _listings(found: PumpMap) -> dict[str, Listing]:
             )
             for row, pressure in enumerate(axes.load_pressures)
         )
-        name = "efficiency" if len(pairs) == 1 else f"efficiency-{len(listings) + 1}"
+        name = "overall-efficiency" + (f"-{len(listings) + 1}" if len(pairs) > 1 else "")
         listings[name] = Listing(
             title="Overall efficiency over load pressure and duty ratio" + (where if len(pairs) > 1 else ""),
             heads=tuple(plain(axes.duty_ratios[place], 3) for place in places),
@@ -241,7 +241,8 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
     if ripples := int(numbers.get("points_with_ripple_at_relief", 0.0)):
         yield Finding(
             text=f"At {ripples} of {count} points the ripple of the load pressure reaches the relief valve, so that "
-            "more oil goes over it than the averages say: these efficiencies are too high. They are marked.",
+            "more oil goes over it than the averages say: the efficiencies there, which are marked, may be ten points and "
+            "more too high.",
             grade=Grade.WARNING,
             title="Too high near the relief setting",
             remedy="Simulate the map: the same command without --analytic.",
