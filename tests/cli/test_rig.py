@@ -23,7 +23,7 @@ FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml"}
             "ripple",
             "prototype",
             {"duty.csv", "frequency.csv", "accumulator.csv", "spectrum.csv", "waveform.csv"},
-            {"ripple", "spectrum"},
+            {"ripple", "harmonics"},
             "ISO 10767",
         ),
         (

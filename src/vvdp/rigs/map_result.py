@@ -241,8 +241,8 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
     if ripples := int(numbers.get("points_with_ripple_at_relief", 0.0)):
         yield Finding(
             text=f"At {ripples} of {count} points the ripple of the load pressure reaches the relief valve, so that "
-            "more oil goes over it than the averages say: the efficiencies there, which are marked, may be ten points and "
-            "more too high.",
+            "more oil goes over it than the averages say: the efficiencies there, which are marked, may be ten points "
+            "and more too high.",
             grade=Grade.WARNING,
             title="Too high near the relief setting",
             remedy="Simulate the map: the same command without --analytic.",
