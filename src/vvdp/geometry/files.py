@@ -1,7 +1,7 @@
 """Meshes as files and back, in metres: STL, binary and ASCII with a solid for each patch, and GLB for viewers.
 
-trimesh writes and reads the formats. Which patch a triangle belongs to, and which corners are the same, is ours: trimesh would
-join corners that lie within 10 nm of each other.
+trimesh writes and reads the formats. Which patch a triangle belongs to, and which corners are the same, is ours: trimesh
+would join corners that lie within 10 nm of each other.
 """
 
 import io
@@ -12,7 +12,6 @@ import numpy as np
 from trimesh import Scene, Trimesh
 from trimesh.exchange.gltf import export_glb, load_glb
 from trimesh.exchange.stl import export_stl, export_stl_ascii, load_stl
-from trimesh.transformations import rotation_matrix
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
@@ -22,6 +21,8 @@ from vvdp.geometry.mesh import Floats, Mesh
 Colour = tuple[float, float, float]
 GREY: Colour = (0.72, 0.74, 0.77)
 HEAD = b"vvdp, lengths in metres".ljust(80)
+UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+"""Turns z upwards where viewers have y."""
 
 
 def _patches(mesh: Mesh) -> list[Trimesh]:
@@ -57,9 +58,8 @@ def read_stl(path: Path) -> Mesh:
 
 
 def write_glb(path: Path, mesh: Mesh, name: str, colours: Mapping[str, Colour] | None = None) -> None:
-    """Binary glTF 2.0, a mesh and a material for each patch; turned so that z points up, where viewers have y."""
+    """Binary glTF 2.0, a mesh and a material for each patch, on nodes below one that is called `name`; z points up."""
     scene = Scene(base_frame=name)
-    upright = rotation_matrix(-0.5 * np.pi, [1.0, 0.0, 0.0])
     for patch, part in zip(mesh.names, _patches(mesh), strict=True):
         material = PBRMaterial(
             name=patch,
@@ -69,7 +69,7 @@ def write_glb(path: Path, mesh: Mesh, name: str, colours: Mapping[str, Colour] |
             doubleSided=True,
         )
         part.visual = TextureVisuals(material=material)
-        scene.add_geometry(part, node_name=patch, geom_name=patch, transform=upright)
+        scene.add_geometry(part, node_name=f"{name}, {patch}", geom_name=patch, transform=UPRIGHT)
     path.write_bytes(export_glb(scene, include_normals=False))
 
 

@@ -1,6 +1,6 @@
 """Closed triangle meshes in double precision, with a name for each patch, and what can be measured on them.
 
-trimesh measures. What it does not know is ours: patches, edges that are open or turned, and the unwrapping of a cylinder.
+trimesh measures. What it does not know is ours: patches, edges that are open or turned, and a cylinder unwrapped.
 """
 
 from dataclasses import dataclass
