@@ -42,8 +42,8 @@ def chosen_engine(
 ) -> "Engine":
     """The engine that the options name; what SLURM jobs print goes to a folder in `directory`.
 
-    Raises ConfigError with every option that does not go with `on`, and where `on` is no place; MissingExtraError before
-    anything is written where Dask is not installed.
+    Raises ConfigError with every option that does not go with `on`, and where `on` is no place; MissingExtraError where
+    Dask is not installed, before anything is written.
     """
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.extras import require

@@ -1,7 +1,7 @@
 """Meshes as files and back, in metres: STL, binary and ASCII with a solid for each patch, and GLB for viewers.
 
-trimesh writes and reads the formats. Which patch a triangle belongs to, and which corners are the same, is ours: trimesh
-would join corners that lie within 10 nm of each other.
+trimesh writes and reads the formats. Which patch a triangle belongs to, and which corners are the same, is ours:
+trimesh would join corners that lie within 10 nm of each other.
 """
 
 import io

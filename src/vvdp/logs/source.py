@@ -21,8 +21,8 @@ def open_log(path: Path, *, time: str | None = None, rate: float | None = None, 
     time       name of the channel that is the clock, where the file does not say which
     rate       samples per second [Hz] of channels that have no clock; refused where they have one
     time_unit  unit of the clock where the file has none written
-    Raises ConfigError where the file is unknown, unreadable or damaged, MissingExtraError where the library that reads it
-    is not installed, ParameterError for options that contradict each other.
+    Raises ConfigError where the file is unknown, unreadable or damaged, MissingExtraError where the library that reads
+    it is not installed, ParameterError for options that contradict each other.
     """
     path = Path(path)
     choice = ClockChoice(time, rate, time_unit)
