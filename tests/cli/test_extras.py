@@ -51,9 +51,10 @@ def _packages(requirements):
     return {re.match(r"[\w-]+", line)[0] for line in requirements}
 
 
-def test_check_lists_every_extra_of_the_package_with_what_it_opens(vvdp, tmp_path, monkeypatch):
+def test_check_lists_every_extra_of_the_package_with_what_it_opens(vvdp, tmp_path, monkeypatch, keys_as_described):
     monkeypatch.setenv("VVDP_CACHE", str(tmp_path / "cache"))
     found = json.loads(vvdp("check", "--json").out)
+    keys_as_described("check", found)
     extras = {name: _packages(lines) for name, lines in PROJECT["optional-dependencies"].items() if name != "dev"}
     told = {name: set(part["packages"]) for name, part in found["extras"].items()}
     assert told == extras, "after a change of extras install vvdp anew: pip install --no-deps -e ."
