@@ -50,6 +50,8 @@ def test_a_cube_by_hand(closing, crossings):
     assert closing(mesh) < 1e-15
     # Integral of x^2 + y^2 over the unit cube at the origin: 1/3 + 1/3.
     assert polar_moment(cube()) == pytest.approx(2.0 / 3.0)
+    # Of a box of 1, 2 and 3 along x, y and z: volume times (1 + 4)/3.
+    assert polar_moment(replace(cube(), vertices=CUBE * [1.0, 2.0, 3.0])) == pytest.approx(10.0)
 
 
 def test_a_hole_is_seen(closing):
