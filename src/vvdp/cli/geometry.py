@@ -46,6 +46,7 @@ def geometry(
     The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set with
     --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.
     """
+    _require_libraries(step)
     from vvdp.base.files import result_directory
     from vvdp.base.kinds import ANGLE
     from vvdp.base.signal import signal_value
@@ -56,10 +57,6 @@ def geometry(
     from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
 
-    if step:
-        from vvdp.geometry.exact import require_cad
-
-        require_cad()
     own = [text for text in settings or () if text.strip().startswith("geometry.")]
     loaded = load_system(system, [text for text in settings or () if text not in own])
     bench = rotary_bench(loaded, "geometry")
@@ -90,6 +87,16 @@ def geometry(
     if not product.finished:
         say("interrupted; what was made is written")
         raise typer.Exit(INTERRUPTED)
+
+
+def _require_libraries(step: bool) -> None:
+    """Raises MissingExtraError where solids, or STEP files of them, cannot be made."""
+    from vvdp.base.extras import require
+
+    for library in ("manifold3d", "trimesh"):
+        require(library, "geometry", "a valve as solids")
+    if step:
+        require("OCP", "cad", "a STEP file")
 
 
 def _print(system: "System", product: "Product") -> None:

@@ -14,8 +14,9 @@ import numpy.typing as npt
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.extras import require
 from vvdp.base.tables import nearest
-from vvdp.design.optimise import Traced, geometry_of, needed, searched, valve_of
+from vvdp.design.optimise import Traced, geometry_of, searched, valve_of
 from vvdp.design.problem import Limit, Problem
 from vvdp.design.proof import TOLERANCE, Simulated
 from vvdp.design.quantities import KINDS, Quantities, key
@@ -196,8 +197,8 @@ def front(
 
     Ctrl-C ends the search and keeps the designs so far. Raises InfeasibleError where no design meets the limits.
     """
-    needed("pymoo", "opt")
-    needed("casadi", "opt")
+    require("pymoo", "opt", "a Pareto front")
+    require("casadi", "opt", "a Pareto front")
     asked = replace(asked, beside=tuple(each.quantity for each in wanted))
     anchors = [_anchor(asked, each, seed) for each in wanted]
     spread, evaluations, finished = _spread(asked, wanted, anchors, points, generations, seed, progress)
