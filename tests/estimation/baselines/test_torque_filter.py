@@ -11,8 +11,7 @@ from scipy.integrate import quad
 from scipy.linalg import expm, solve_discrete_are
 
 from vvdp.base.errors import ParameterError
-from vvdp.estimation.event_filter import Tally
-from vvdp.estimation.torque_filter import (
+from vvdp.estimation.baselines.torque_filter import (
     Spin,
     SpoolBelief,
     TorqueChange,
@@ -30,6 +29,7 @@ from vvdp.estimation.torque_filter import (
     turned,
     widened,
 )
+from vvdp.estimation.event_filter import Tally
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed, observed, propagated
 from vvdp.sensing.reading import Reading
