@@ -24,6 +24,10 @@ def test_nozzle_reynolds_number(prototype):
 def test_prototype_at_its_design_point(prototype, vg46):
     found = point(prototype, vg46)
     assert found.total_drop == pytest.approx(6.6765e5, rel=1e-4)
+    # 876 / 2 (Q / (0.61 x 36.5 mm^2))^2 and 876 / 2 (Q / (0.677 x 46.8 mm^2))^2
+    assert found.nozzle_drop == pytest.approx(3.9269e5, rel=1e-4)
+    assert found.outlet_drop == pytest.approx(1.9392e5, rel=1e-4)
+    assert found.nozzle_drop + found.centre_drop + found.outlet_drop == pytest.approx(found.total_drop, rel=1e-14)
     assert found.inlet_torque == pytest.approx(0.13547, rel=1e-4)
     assert found.inlet_torque + found.outlet_torque == pytest.approx(found.friction_torque, rel=1e-12)
     assert found.full_open_pwm_frequency == pytest.approx(72.0, abs=0.05)

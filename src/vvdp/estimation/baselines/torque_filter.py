@@ -74,18 +74,30 @@ class TorqueReading(NamedTuple):
     temperature: Temperature
 
 
-class SpoolBelief(NamedTuple):
-    """Mean and covariance of angle [rad], speed [rad/s] and excess, the torque over that of the model, less 1 [1]."""
+class SpoolMotion(NamedTuple):
+    """Angle [rad], speed [rad/s] and excess, the torque over that of the model, less 1 [1]."""
 
     angle: float
     speed: float
     excess: float
-    angle_variance: float
+
+
+class SpoolCovariance(NamedTuple):
+    """Variances and covariances of a `SpoolMotion`."""
+
+    angle: float
     angle_speed: float
     angle_excess: float
-    speed_variance: float
+    speed: float
     speed_excess: float
-    excess_variance: float
+    excess: float
+
+
+class SpoolBelief(NamedTuple):
+    """What is believed of the spool."""
+
+    mean: SpoolMotion
+    covariance: SpoolCovariance
 
 
 class TorqueChange(NamedTuple):
@@ -237,23 +249,26 @@ def turned(
     b, q, q_e = spin.drive, acceleration_density, excess_density
     E, f1, f2, f3, f11, f22 = lag(duration, spin.damping)
     g1, g2 = b * f1, b * f2
-    x = belief
-    P11, P12, P13 = x.angle_variance, x.angle_speed, x.angle_excess
-    P22, P23, P33 = x.speed_variance, x.speed_excess, x.excess_variance
+    x, P = belief
+    P11, P12, P13 = P.angle, P.angle_speed, P.angle_excess
+    P22, P23, P33 = P.speed, P.speed_excess, P.excess
     # Rows of F P: r of the angle, s of the speed.
     r1, r2, r3 = P11 + f1 * P12 + g2 * P13, P12 + f1 * P22 + g2 * P23, P13 + f1 * P23 + g2 * P33
     s2, s3 = E * P22 + g1 * P23, E * P23 + g1 * P33
-    return SpoolBelief(
+    mean = SpoolMotion(
         angle=x.angle + f1 * x.speed + g2 * (1.0 + x.excess),
         speed=E * x.speed + g1 * (1.0 + x.excess),
         excess=x.excess,
-        angle_variance=r1 + f1 * r2 + g2 * r3 + q * f11 + q_e * b * b * f22,
+    )
+    covariance = SpoolCovariance(
+        angle=r1 + f1 * r2 + g2 * r3 + q * f11 + q_e * b * b * f22,
         angle_speed=E * r2 + g1 * r3 + 0.5 * q * f1 * f1 + 0.5 * q_e * g2 * g2,
         angle_excess=r3 + q_e * b * f3,
-        speed_variance=E * s2 + g1 * s3 + 0.5 * q * f1 * (1.0 + E) + q_e * b * b * f11,
+        speed=E * s2 + g1 * s3 + 0.5 * q * f1 * (1.0 + E) + q_e * b * b * f11,
         speed_excess=s3 + q_e * g2,
-        excess_variance=P33 + q_e * duration,
+        excess=P33 + q_e * duration,
     )
+    return SpoolBelief(mean=mean, covariance=covariance)
 
 
 def sighted(belief: SpoolBelief, innovation: float, measurement_variance: float) -> SpoolBelief:
@@ -265,22 +280,23 @@ def sighted(belief: SpoolBelief, innovation: float, measurement_variance: float)
 
     Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
     """
-    x, R = belief, measurement_variance
-    P11, P12, P13 = x.angle_variance, x.angle_speed, x.angle_excess
+    (x, P), R = belief, measurement_variance
+    P11, P12, P13 = P.angle, P.angle_speed, P.angle_excess
     S = P11 + R
     k1, k2, k3 = P11 / S, P12 / S, P13 / S
     left = R / S
-    return SpoolBelief(
-        angle=x.angle + k1 * innovation,
-        speed=x.speed + k2 * innovation,
-        excess=x.excess + k3 * innovation,
-        angle_variance=left * P11,
+    mean = SpoolMotion(
+        angle=x.angle + k1 * innovation, speed=x.speed + k2 * innovation, excess=x.excess + k3 * innovation
+    )
+    covariance = SpoolCovariance(
+        angle=left * P11,
         angle_speed=left * P12,
         angle_excess=left * P13,
-        speed_variance=x.speed_variance - k2 * P12,
-        speed_excess=x.speed_excess - k2 * P13,
-        excess_variance=x.excess_variance - k3 * P13,
+        speed=P.speed - k2 * P12,
+        speed_excess=P.speed_excess - k2 * P13,
+        excess=P.excess - k3 * P13,
     )
+    return SpoolBelief(mean=mean, covariance=covariance)
 
 
 def widened(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: float) -> SpoolBelief:
@@ -290,19 +306,17 @@ def widened(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: f
 
     Source  ours, docs/models/torque-filter.md
     """
-    past, x, V = lag(duration, spin.damping), belief, excess_variance
+    past, P, V = lag(duration, spin.damping), belief.covariance, excess_variance
     g1, g2 = spin.drive * past.once, spin.drive * past.twice
-    return SpoolBelief(
-        angle=x.angle,
-        speed=x.speed,
-        excess=x.excess,
-        angle_variance=x.angle_variance + V * g2 * g2,
-        angle_speed=x.angle_speed + V * g2 * g1,
-        angle_excess=x.angle_excess + V * g2,
-        speed_variance=x.speed_variance + V * g1 * g1,
-        speed_excess=x.speed_excess + V * g1,
-        excess_variance=x.excess_variance + V,
+    covariance = SpoolCovariance(
+        angle=P.angle + V * g2 * g2,
+        angle_speed=P.angle_speed + V * g2 * g1,
+        angle_excess=P.angle_excess + V * g2,
+        speed=P.speed + V * g1 * g1,
+        speed_excess=P.speed_excess + V * g1,
+        excess=P.excess + V,
     )
+    return SpoolBelief(mean=belief.mean, covariance=covariance)
 
 
 def doubted(belief: SpoolBelief, settings: TorqueFilter) -> SpoolBelief:
@@ -310,18 +324,16 @@ def doubted(belief: SpoolBelief, settings: TorqueFilter) -> SpoolBelief:
 
     Source  ours, docs/models/event-filter.md
     """
-    x = belief
-    return SpoolBelief(
-        angle=x.angle,
-        speed=x.speed,
-        excess=x.excess,
-        angle_variance=x.angle_variance,
-        angle_speed=x.angle_speed,
-        angle_excess=x.angle_excess,
-        speed_variance=maximum(x.speed * x.speed, settings.speed_variance),
-        speed_excess=x.speed_excess,
-        excess_variance=maximum(x.excess * x.excess, settings.excess_variance),
+    x, P = belief
+    covariance = SpoolCovariance(
+        angle=P.angle,
+        angle_speed=P.angle_speed,
+        angle_excess=P.angle_excess,
+        speed=maximum(x.speed * x.speed, settings.speed_variance),
+        speed_excess=P.speed_excess,
+        excess=maximum(x.excess * x.excess, settings.excess_variance),
     )
+    return SpoolBelief(mean=x, covariance=covariance)
 
 
 def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed: float) -> TorqueFilterMemory:
@@ -333,18 +345,15 @@ def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed
 
     Source  ours, docs/models/torque-filter.md
     """
-    P, V, W = settings.angle_variance, settings.speed_variance, settings.excess_variance
-    belief = SpoolBelief(
-        angle=angle,
-        speed=speed,
-        excess=0.0,
-        angle_variance=P,
+    covariance = SpoolCovariance(
+        angle=settings.angle_variance,
         angle_speed=0.0,
         angle_excess=0.0,
-        speed_variance=V,
+        speed=settings.speed_variance,
         speed_excess=0.0,
-        excess_variance=W,
+        excess=settings.excess_variance,
     )
+    belief = SpoolBelief(mean=SpoolMotion(angle=angle, speed=speed, excess=0.0), covariance=covariance)
     return TorqueFilterMemory(
         time=time,
         belief=belief,
@@ -370,8 +379,8 @@ def torque_filter_step(
     belief = turned(memory.belief, now - memory.time, spin, q, q_e)
     m = memory
     memory = TorqueFilterMemory(time=now, belief=belief, edge=m.edge, tally=m.tally, change=m.change)
-    b = belief
-    motion = AngleSpeed(b.angle, b.speed, b.angle_variance, b.angle_speed, b.speed_variance)
+    x, P = belief
+    motion = AngleSpeed(x.angle, x.speed, P.angle, P.angle_speed, P.speed)
     estimate = believed(motion, innovation, deviation, memory.tally.missed_edges)
     return memory, estimate
 
@@ -382,19 +391,19 @@ def _after_edge(
     wheel, gate, m = settings.wheel, settings.manoeuvre_gate, memory
     prior = turned(m.belief, reading.edge_time - m.time, spin, settings.acceleration_density, settings.excess_density)
     wide = widened(prior, reading.edge_time - m.change.calm_time, spin, settings.change_variance)
-    R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
+    R = edge_angle_variance(prior.mean.speed, reading.edge_interval, settings)
     edges = m.tally.ignored + reading.edges
     if m.tally.started == 0.0:
-        number = first_edge(m.belief.angle, reading.polarity, wheel)
+        number = first_edge(m.belief.mean.angle, reading.polarity, wheel)
         edges = number - m.edge
     elif m.tally.associating == 0.0:
         number = counted_edge(m.edge, edges, reading.polarity)
     else:
         sighting = Sighting(
-            angle=prior.angle,
-            advance=prior.angle - edge_angle(m.edge, wheel),
-            variance=prior.angle_variance + R,
-            manoeuvre_variance=wide.angle_variance + R,
+            angle=prior.mean.angle,
+            advance=prior.mean.angle - edge_angle(m.edge, wheel),
+            variance=prior.covariance.angle + R,
+            manoeuvre_variance=wide.covariance.angle + R,
             manoeuvre_odds=2.0 * SLACK * (gate - m.change.fall),  # in doubt the next edge by count is behind: slower
             ignored=m.tally.ignored,
             fresh=reading.edges,
@@ -414,10 +423,10 @@ def _after_edge(
             ignoring = TorqueFilterMemory(time=m.time, belief=m.belief, edge=m.edge, tally=tally, change=m.change)
             return ignoring, 0.0, 0.0
 
-    innovation = edge_angle(number, wheel) - prior.angle
+    innovation = edge_angle(number, wheel) - prior.mean.angle
     rise, fall = 0.0, 0.0
     if m.tally.associating > 0.0:
-        z = innovation / np.sqrt(prior.angle_variance + R)
+        z = innovation / np.sqrt(prior.covariance.angle + R)
         rise, fall = maximum(m.change.rise + z - SLACK, 0.0), maximum(m.change.fall - z - SLACK, 0.0)
         if maximum(rise, fall) > gate:
             prior, rise, fall = wide, 0.0, 0.0
@@ -429,11 +438,11 @@ def _after_edge(
     if irregular > UNBELIEVABLE:
         prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
     belief = sighted(prior, innovation, R)
-    known = 6.0 * np.sqrt(belief.angle_variance) < sector(wheel)
+    known = 6.0 * np.sqrt(belief.covariance.angle) < sector(wheel)
     limit = settings.association_speed_deviation * settings.association_speed_deviation
     tally = Tally(
         started=1.0,
-        associating=1.0 if associating > 0.0 or (known and belief.speed_variance < limit) else 0.0,
+        associating=1.0 if associating > 0.0 or (known and belief.covariance.speed < limit) else 0.0,
         ignored=0.0,
         missed_edges=m.tally.missed_edges + skipped,
         irregular=irregular,
@@ -441,7 +450,7 @@ def _after_edge(
     calm_time = reading.edge_time if maximum(rise, fall) == 0.0 else m.change.calm_time
     change = TorqueChange(rise=rise, fall=fall, calm_time=calm_time)
     after = TorqueFilterMemory(time=reading.edge_time, belief=belief, edge=number, tally=tally, change=change)
-    return after, innovation, np.sqrt(prior.angle_variance + R)
+    return after, innovation, np.sqrt(prior.covariance.angle + R)
 
 
 def torque_filter_estimator(

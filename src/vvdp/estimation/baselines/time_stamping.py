@@ -1,6 +1,6 @@
 """A polynomial through the last time-stamped edges, carried on to the sample.
 
-The edges are only counted: see vvdp.estimation.finite_difference. Derived in docs/models/simple-estimators.md.
+The edges are only counted: see `counting`. Derived in docs/models/simple-estimators.md.
 """
 
 from typing import NamedTuple
@@ -12,8 +12,8 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count
 from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum, minimum
+from vvdp.estimation.baselines.counting import LastEdge, count_start, counted, overdue_speed, plain_estimate
 from vvdp.estimation.estimator import Estimate, Estimator
-from vvdp.estimation.finite_difference import LastEdge, count_start, counted, overdue_speed, plain_estimate
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle
 

@@ -1,6 +1,6 @@
 """The M/T method: angle over time in a window that begins and ends on edges.
 
-The edges are only counted: see vvdp.estimation.finite_difference. Derived in docs/models/simple-estimators.md.
+The edges are only counted: see `counting`. Derived in docs/models/simple-estimators.md.
 """
 
 from typing import NamedTuple
@@ -8,8 +8,7 @@ from typing import NamedTuple
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Speed, Time
 from vvdp.base.params import Params
-from vvdp.estimation.estimator import Estimate, Estimator
-from vvdp.estimation.finite_difference import (
+from vvdp.estimation.baselines.counting import (
     LastEdge,
     carried_angle,
     count_start,
@@ -17,6 +16,7 @@ from vvdp.estimation.finite_difference import (
     overdue_speed,
     plain_estimate,
 )
+from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel
 

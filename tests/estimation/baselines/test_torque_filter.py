@@ -11,10 +11,11 @@ from scipy.integrate import quad
 from scipy.linalg import expm, solve_discrete_are
 
 from vvdp.base.errors import ParameterError
-from vvdp.estimation.event_filter import Tally
-from vvdp.estimation.torque_filter import (
+from vvdp.estimation.baselines.torque_filter import (
     Spin,
     SpoolBelief,
+    SpoolCovariance,
+    SpoolMotion,
     TorqueChange,
     TorqueFilterMemory,
     TorqueReading,
@@ -30,18 +31,25 @@ from vvdp.estimation.torque_filter import (
     turned,
     widened,
 )
+from vvdp.estimation.event_filter import Tally
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed, observed, propagated
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, equal_wheel
 from vvdp.simulation.replay import Replay
+from vvdp.simulation.values import flat
 from vvdp.systems.system import load_system
 from vvdp.valve.torque import equilibrium_speed, spool_time_constant
 
 WARM = 313.15
 LOW, HIGH = 26.7e-3 / 60.0, 40e-3 / 60.0
 PERIOD = 1e-3
-BELIEF = SpoolBelief(1.0, 140.0, 0.1, 2e-3, 1e-3, -2e-4, 4.0, 0.02, 0.01)
+BELIEF = SpoolBelief(
+    mean=SpoolMotion(angle=1.0, speed=140.0, excess=0.1),
+    covariance=SpoolCovariance(
+        angle=2e-3, angle_speed=1e-3, angle_excess=-2e-4, speed=4.0, speed_excess=0.02, excess=0.01
+    ),
+)
 SEEDS = 200
 
 
@@ -60,19 +68,26 @@ def replayed(turbine_settings):
 
 
 def as_matrices(belief):
-    x = belief
-    mean = np.array([x.angle, x.speed, x.excess])
+    mean, x = np.array(belief.mean), belief.covariance
     return mean, np.array(
         [
-            [x.angle_variance, x.angle_speed, x.angle_excess],
-            [x.angle_speed, x.speed_variance, x.speed_excess],
-            [x.angle_excess, x.speed_excess, x.excess_variance],
+            [x.angle, x.angle_speed, x.angle_excess],
+            [x.angle_speed, x.speed, x.speed_excess],
+            [x.angle_excess, x.speed_excess, x.excess],
         ]
     )
 
 
 def as_belief(mean, P):
-    return SpoolBelief(*map(float, mean), P[0, 0], P[0, 1], P[0, 2], P[1, 1], P[1, 2], P[2, 2])
+    covariance = SpoolCovariance(
+        angle=P[0, 0],
+        angle_speed=P[0, 1],
+        angle_excess=P[0, 2],
+        speed=P[1, 1],
+        speed_excess=P[1, 2],
+        excess=P[2, 2],
+    )
+    return SpoolBelief(mean=SpoolMotion(*map(float, mean)), covariance=covariance)
 
 
 def reference(duration, spin, q, q_e):
@@ -137,7 +152,7 @@ def test_propagation_is_the_matrix_exponential(duration, spin):
     np.testing.assert_allclose(x, F @ mean + drift, rtol=1e-12)
     np.testing.assert_allclose(C, F @ P @ F.T + Q, rtol=1e-11, atol=1e-16)
     # The noise alone, as its smallest entries vanish beside F P F'.
-    _, N = as_matrices(turned(SpoolBelief(*[0.0] * 9), duration, spin, q, q_e))
+    _, N = as_matrices(turned(as_belief(np.zeros(3), np.zeros((3, 3))), duration, spin, q, q_e))
     size = np.sqrt(np.outer(np.diag(Q), np.diag(Q)))
     assert np.all(abs(N - Q) <= 1e-9 * size)
 
@@ -146,25 +161,25 @@ def test_propagation_is_the_matrix_exponential(duration, spin):
 def test_two_intervals_are_one_and_back_is_back(first, second, drive, damping):
     spin = Spin(drive, damping)
     whole = turned(BELIEF, first + second, spin, 0.25, 1e-3)
-    np.testing.assert_allclose(
-        turned(turned(BELIEF, first, spin, 0.25, 1e-3), second, spin, 0.25, 1e-3), whole, rtol=1e-9, atol=1e-12
-    )
+    both = turned(turned(BELIEF, first, spin, 0.25, 1e-3), second, spin, 0.25, 1e-3)
+    np.testing.assert_allclose(flat(both), flat(whole), rtol=1e-9, atol=1e-12)
     if first * damping < 3.0:  # what has decayed further cannot be had back
         back = turned(turned(BELIEF, first, spin, 0.25, 1e-3), -first, spin, 0.25, 1e-3)
-        np.testing.assert_allclose(back, BELIEF, rtol=1e-5, atol=1e-6)
+        np.testing.assert_allclose(flat(back), flat(BELIEF), rtol=1e-5, atol=1e-6)
 
 
 def test_without_torque_it_is_the_constant_speed_model():
     belief = replace_excess(BELIEF)
     moved = turned(belief, 0.01, Spin(0.0, 0.0), 0.25, 0.0)
-    x = belief
-    plain = propagated(AngleSpeed(x.angle, x.speed, x.angle_variance, x.angle_speed, x.speed_variance), 0.01, 0.25)
-    got = [moved.angle, moved.speed, moved.angle_variance, moved.angle_speed, moved.speed_variance]
+    x, P = belief
+    plain = propagated(AngleSpeed(x.angle, x.speed, P.angle, P.angle_speed, P.speed), 0.01, 0.25)
+    got = [*moved.mean[:2], moved.covariance.angle, moved.covariance.angle_speed, moved.covariance.speed]
     np.testing.assert_allclose(got, plain, rtol=1e-14)
 
 
 def replace_excess(belief):
-    return belief._replace(excess=0.0, angle_excess=0.0, speed_excess=0.0, excess_variance=0.0)
+    known = belief.covariance._replace(angle_excess=0.0, speed_excess=0.0, excess=0.0)
+    return SpoolBelief(mean=belief.mean._replace(excess=0.0), covariance=known)
 
 
 def test_speed_at_40_lpm(turbine_settings):
@@ -184,13 +199,15 @@ def test_left_alone_it_goes_to_the_equilibrium_of_the_valve(turbine_settings, te
     oil, valve = turbine_settings.oil, turbine_settings.valve
     rho, mu = density(temperature, oil), dynamic_viscosity(temperature, oil)
     spin = spool_spin(HIGH, temperature, oil, valve)
-    start = replace_excess(BELIEF)._replace(speed=0.0)
+    known = replace_excess(BELIEF)
+    start = known._replace(mean=known.mean._replace(speed=0.0))
     T = spool_time_constant(HIGH, rho, mu, valve)
     final = equilibrium_speed(HIGH, rho, mu, valve)
-    assert turned(start, T, spin, 0.0, 0.0).speed == pytest.approx(final * (1 - np.exp(-1.0)), rel=1e-12)
-    assert turned(start, 40 * T, spin, 0.0, 0.0).speed == pytest.approx(final, rel=1e-12)
+    assert turned(start, T, spin, 0.0, 0.0).mean.speed == pytest.approx(final * (1 - np.exp(-1.0)), rel=1e-12)
+    assert turned(start, 40 * T, spin, 0.0, 0.0).mean.speed == pytest.approx(final, rel=1e-12)
     # An excess of 10 % is 10 % more speed.
-    assert turned(start._replace(excess=0.1), 40 * T, spin, 0.0, 0.0).speed == pytest.approx(1.1 * final, rel=1e-12)
+    more = start._replace(mean=start.mean._replace(excess=0.1))
+    assert turned(more, 40 * T, spin, 0.0, 0.0).mean.speed == pytest.approx(1.1 * final, rel=1e-12)
 
 
 def test_reversed_flow_counts_as_none(turbine_settings):
@@ -208,7 +225,9 @@ def test_pump_delivery_by_hand():
 def test_an_edge_is_one_scalar_measurement():
     mean, P = as_matrices(BELIEF)
     x, C = observed(mean, P, np.array([1.0, 0.0, 0.0]), 0.04, 5e-3)
-    np.testing.assert_allclose(sighted(BELIEF, 0.04, 5e-3), as_belief(x, C), rtol=1e-12)
+    found, P = as_matrices(sighted(BELIEF, 0.04, 5e-3))
+    np.testing.assert_allclose(found, x, rtol=1e-12)
+    np.testing.assert_allclose(P, C, rtol=1e-12)
 
 
 def test_a_sudden_change_of_torque_is_one_more_unknown():
@@ -257,7 +276,7 @@ def test_filter_equals_the_dense_posterior():
         belief = turned(belief, durations[i - 1], spins[i - 1], q, q_e)
         if i in seen:
             k = seen.index(i)
-            belief = sighted(belief, angles[k] - belief.angle, R[k])
+            belief = sighted(belief, angles[k] - belief.mean.angle, R[k])
     x, last = as_matrices(belief)
     np.testing.assert_allclose(x, posterior[-3:], rtol=1e-9)
     np.testing.assert_allclose(last, C[-3:, -3:], rtol=1e-9)
@@ -276,7 +295,7 @@ def test_errors_are_as_large_as_they_are_said_to_be():
         for w in rng.multivariate_normal(np.zeros(3), Q, 40):
             x = F @ x + drift + w
             belief = turned(belief, 5e-3, spin, q, q_e)
-            belief = sighted(belief, x[0] + np.sqrt(R) * rng.standard_normal() - belief.angle, R)
+            belief = sighted(belief, x[0] + np.sqrt(R) * rng.standard_normal() - belief.mean.angle, R)
         m, C = as_matrices(belief)
         total += (x - m) @ np.linalg.solve(C, x - m)
     low, high = stats.chi2.ppf([0.0005, 0.9995], 3 * n)
@@ -286,7 +305,7 @@ def test_errors_are_as_large_as_they_are_said_to_be():
 @given(st.lists(st.tuples(st.floats(1e-6, 0.2), st.floats(0.0, 1e4), st.floats(0.1, 60.0), st.floats(1e-6, 1.0))))
 def test_covariance_stays_one(history):
     """Whatever intervals, flows and edges: symmetric by construction, and without a negative eigenvalue."""
-    belief = SpoolBelief(0.0, 100.0, 0.0, 1000.0, 0.0, 0.0, 1000.0, 0.0, 0.09)
+    belief = as_belief([0.0, 100.0, 0.0], np.diag([1000.0, 1000.0, 0.09]))
     for duration, drive, damping, R in history:
         belief = sighted(turned(belief, duration, Spin(drive, damping), 0.25, 1e-4), 0.01, R)
         _, P = as_matrices(belief)
@@ -391,13 +410,13 @@ def test_excess_is_what_the_model_lacks(turbine_settings, replayed, sampled_edge
     )
     model, _ = speeds_and_lag(settings, HIGH)
     memory = replayed(torque_filter_start(settings, 0.0, 0.0, model), rows).memory
-    deviation = np.sqrt(memory.belief.excess_variance)
+    deviation = np.sqrt(memory.belief.covariance.excess)
     assert deviation < 0.02
-    assert memory.belief.excess == pytest.approx(true / model - 1.0, abs=4.0 * deviation)
+    assert memory.belief.mean.excess == pytest.approx(true / model - 1.0, abs=4.0 * deviation)
     assert true / model - 1.0 > 0.08
     rows[:, 6] = WARM + 4.0
     memory = replayed(torque_filter_start(settings, 0.0, 0.0, true), rows).memory
-    assert memory.belief.excess == pytest.approx(0.0, abs=4.0 * deviation)
+    assert memory.belief.mean.excess == pytest.approx(0.0, abs=4.0 * deviation)
 
 
 def test_a_sudden_change_of_torque_is_noticed(turbine_settings, replayed, sampled_edges):
@@ -442,7 +461,7 @@ def test_samples_without_edges_change_nothing(turbine_settings, replayed, sample
     kept = (rows[:, 1] > 0.0) | (np.arange(1000) % 10 > 0)
     kept[-1] = True
     fewer = replayed(start, rows[kept])
-    np.testing.assert_allclose(fewer.memory.belief, every.memory.belief, rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(flat(fewer.memory.belief), flat(every.memory.belief), rtol=1e-8, atol=1e-10)
     assert every.memory.tally.missed_edges == 0.0
 
 
@@ -473,9 +492,9 @@ def test_where_only_the_samples_tell_the_edge_is_less_certain(turbine_settings, 
         prior = turned(memory.belief, 1e-3, spin, settings.acceleration_density, settings.excess_density)
         reading = TorqueReading(Reading(1e-3, 1.0, 1e-3, interval, 0.0), HIGH, WARM)
         _, estimate = torque_filter_step(memory, reading, settings)
-        passed = max(prior.speed, 2 * np.pi) * interval
+        passed = max(prior.mean.speed, 2 * np.pi) * interval
         # P11 of 1000 rad^2 leaves eleven digits of the rest.
-        rest = estimate.innovation_deviation**2 - prior.angle_variance
+        rest = estimate.innovation_deviation**2 - prior.covariance.angle
         assert rest == pytest.approx(passed**2 / 12 + 3.47e-3, abs=1e-11)
 
 
@@ -510,7 +529,7 @@ def test_a_multiple_of_the_speed_is_not_believed(turbine_settings, replayed, sam
     two edges more than it expects between any two. After half a second it has the speed, within 4 of its deviations."""
     speed, T = speeds_and_lag(turbine_settings, HIGH)
     rows, _, _, _ = spun_up(np.random.default_rng(4), speed, speed, T, sampled_edges, 2.0, flows=(HIGH, HIGH))
-    belief = SpoolBelief(0.0, multiple * speed, multiple - 1.0, 1e-3, 0.0, 0.0, 0.1, 0.0, 1e-5)
+    belief = as_belief([0.0, multiple * speed, multiple - 1.0], np.diag([1e-3, 0.1, 1e-5]))
     memory = TorqueFilterMemory(0.0, belief, 0.0, Tally(1.0, 1.0, 0.0, 0.0, 0.01), TorqueChange(0.0, 0.0, 0.0))
     shown = replayed(memory, rows).shown
     assert np.all(np.abs(shown[500:, 1] - speed) < 4.0 * shown[500:, 3])
@@ -548,7 +567,8 @@ def test_only_late_edges_make_a_lower_torque_likely(turbine_settings, rise, fall
     """
     wheel = turbine_settings.wheel
     speed, _ = speeds_and_lag(turbine_settings, HIGH)
-    belief = SpoolBelief(edge_angle(503.0, wheel), speed, 0.0, 1.1e-3, 7e-3, 0.0, 0.04, 0.0, 1e-5)
+    P = np.array([[1.1e-3, 7e-3, 0.0], [7e-3, 0.04, 0.0], [0.0, 0.0, 1e-5]])
+    belief = as_belief([edge_angle(503.0, wheel), speed, 0.0], P)
     passed = np.pi / speed
     memory = TorqueFilterMemory(0.0, belief, 503.0, Tally(1.0, 1.0, 0.0, 0.0, 0.15), TorqueChange(rise, fall, -0.1))
     reading = TorqueReading(Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), HIGH, WARM)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vvdp.estimation.inverse_time import inverse_time, inverse_time_estimator
+from vvdp.estimation.baselines.inverse_time import inverse_time, inverse_time_estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel, wheel_of_widths
 from vvdp.simulation.replay import Replay

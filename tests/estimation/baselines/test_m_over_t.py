@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vvdp.base.errors import ParameterError
-from vvdp.estimation.inverse_time import inverse_time, inverse_time_estimator
-from vvdp.estimation.m_over_t import m_over_t, m_over_t_estimator
+from vvdp.estimation.baselines.inverse_time import inverse_time, inverse_time_estimator
+from vvdp.estimation.baselines.m_over_t import m_over_t, m_over_t_estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.replay import Replay

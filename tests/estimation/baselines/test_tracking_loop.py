@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from vvdp.base.errors import ParameterError
-from vvdp.estimation.tracking_loop import (
+from vvdp.estimation.baselines.tracking_loop import (
     Tracked,
     tracked,
     tracking_loop,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vvdp.base.errors import ParameterError
-from vvdp.estimation.time_stamping import (
+from vvdp.estimation.baselines.time_stamping import (
     fitted_polynomial,
     polynomial,
     time_stamping,

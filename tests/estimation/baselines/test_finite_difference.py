@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vvdp.base.errors import ParameterError
-from vvdp.estimation.finite_difference import finite_difference, finite_difference_estimator
+from vvdp.estimation.baselines.finite_difference import finite_difference, finite_difference_estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.replay import Replay

@@ -1,6 +1,6 @@
 """A tracking loop of second order (PLL) that follows the count.
 
-The edges are only counted: see vvdp.estimation.finite_difference. Derived in docs/models/simple-estimators.md.
+The edges are only counted: see `counting`. Derived in docs/models/simple-estimators.md.
 """
 
 from typing import Annotated, NamedTuple
@@ -11,8 +11,8 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Kind, Speed, Time
 from vvdp.base.params import Params
 from vvdp.estimation.association import sector
+from vvdp.estimation.baselines.counting import LastEdge, count_start, counted, plain_estimate
 from vvdp.estimation.estimator import Estimate, Estimator
-from vvdp.estimation.finite_difference import LastEdge, count_start, counted, plain_estimate
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
 

@@ -1,14 +1,13 @@
 """Speed as the angle of a sector over the time between its edges.
 
-The edges are only counted: see vvdp.estimation.finite_difference. Derived in docs/models/simple-estimators.md.
+The edges are only counted: see `counting`. Derived in docs/models/simple-estimators.md.
 """
 
 from typing import NamedTuple
 
 from vvdp.base.kinds import Speed
 from vvdp.base.params import Params
-from vvdp.estimation.estimator import Estimate, Estimator
-from vvdp.estimation.finite_difference import (
+from vvdp.estimation.baselines.counting import (
     LastEdge,
     carried_angle,
     count_start,
@@ -16,6 +15,7 @@ from vvdp.estimation.finite_difference import (
     overdue_speed,
     plain_estimate,
 )
+from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel
 
