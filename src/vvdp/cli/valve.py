@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vvdp.base import kinds
 from vvdp.cli.options import AsJson, Settings, SystemName
 
 if TYPE_CHECKING:
@@ -46,7 +47,6 @@ def valve(
     ]
     rows = [_row(bench, q, t) for q, t in product(flows, temperatures)]
     if json:
-        rows = [{**row, "warnings": "; ".join(row["warnings"])} for row in rows]
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
         print_json({"system": loaded.name, **columns})
     elif len(rows) == 1:
@@ -102,7 +102,7 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
     try:
         point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
-        raise ParameterError(f"{bench.system.name}: the closed forms have no value here ({problem})") from None
+        raise ParameterError(f"{bench.system.name}: the formulas have no value here ({problem})") from None
     numbers = {
         "flow_m3_s": flow,
         "temperature_K": temperature,
@@ -130,82 +130,92 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
         "nozzle_reynolds_number": point.nozzle_reynolds_number,
         "mean_load_flow_m3_s": point.cycle.load_flow,
     }
-    return {key: float(value) for key, value in numbers.items()} | {"warnings": point.warnings}
+    return {key: float(value) for key, value in numbers.items()} | {"warnings": list(point.warnings)}
 
 
-# What a person is shown: label, key, name of the unit.
+# What a person is shown: label, key, kind.
 SHOWN = (
-    ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", "bar"),
-    ("pressure drop, centre section", "pressure_drop_centre_section_Pa", "bar"),
-    ("pressure drop, outlet turbine", "pressure_drop_outlet_turbine_Pa", "bar"),
-    ("pressure drop, total", "pressure_drop_total_Pa", "bar"),
-    ("torque, inlet turbine", "torque_inlet_N_m", "N*m"),
-    ("torque, outlet turbine", "torque_outlet_N_m", "N*m"),
-    ("torque, friction", "torque_friction_N_m", "N*m"),
-    ("spool speed, fully open", "spool_speed_rad_s", "rpm"),
-    ("PWM frequency, fully open", "pwm_frequency_Hz", "Hz"),
-    ("PWM frequency, averaged", "pwm_frequency_averaged_Hz", "Hz"),
-    ("transition fraction", "transition_fraction", ""),
-    ("loss, fully open", "loss_full_open_W", "W"),
-    ("loss, transition", "loss_transition_W", "W"),
-    ("loss, compressibility", "loss_compressibility_W", "W"),
-    ("loss, leakage", "loss_leakage_W", "W"),
-    ("loss, total", "loss_total_W", "W"),
-    ("spool friction, part of fully open", "spool_friction_power_W", "W"),
-    ("Reynolds number of the nozzles", "nozzle_reynolds_number", ""),
-    ("mean flow to the load", "mean_load_flow_m3_s", "lpm"),
+    ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("pressure drop, centre section", "pressure_drop_centre_section_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("pressure drop, outlet turbine", "pressure_drop_outlet_turbine_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("pressure drop, total", "pressure_drop_total_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("torque, inlet turbine", "torque_inlet_N_m", kinds.TORQUE),
+    ("torque, outlet turbine", "torque_outlet_N_m", kinds.TORQUE),
+    ("torque, friction", "torque_friction_N_m", kinds.TORQUE),
+    ("spool speed, fully open", "spool_speed_rad_s", kinds.SPEED),
+    ("PWM frequency, fully open", "pwm_frequency_Hz", kinds.FREQUENCY),
+    ("PWM frequency, averaged", "pwm_frequency_averaged_Hz", kinds.FREQUENCY),
+    ("transition fraction", "transition_fraction", kinds.FRACTION),
+    ("loss, fully open", "loss_full_open_W", kinds.MEAN_POWER),
+    ("loss, transition", "loss_transition_W", kinds.MEAN_POWER),
+    ("loss, compressibility", "loss_compressibility_W", kinds.MEAN_POWER),
+    ("loss, leakage", "loss_leakage_W", kinds.MEAN_POWER),
+    ("loss, total", "loss_total_W", kinds.MEAN_POWER),
+    ("spool friction, part of fully open", "spool_friction_power_W", kinds.MEAN_POWER),
+    ("Reynolds number of the nozzles", "nozzle_reynolds_number", kinds.RATIO),
+    ("mean flow to the load", "mean_load_flow_m3_s", kinds.FLOW),
 )
 COLUMNS = (
-    ("flow [lpm]", "flow_m3_s", "lpm"),
-    ("oil [degC]", "temperature_K", "degC"),
-    ("nozzle [bar]", "pressure_drop_nozzle_Pa", "bar"),
-    ("centre [bar]", "pressure_drop_centre_section_Pa", "bar"),
-    ("outlet [bar]", "pressure_drop_outlet_turbine_Pa", "bar"),
-    ("total [bar]", "pressure_drop_total_Pa", "bar"),
-    ("PWM open [Hz]", "pwm_frequency_Hz", "Hz"),
-    ("PWM mean [Hz]", "pwm_frequency_averaged_Hz", "Hz"),
-    ("open [W]", "loss_full_open_W", "W"),
-    ("transition [W]", "loss_transition_W", "W"),
-    ("compr. [W]", "loss_compressibility_W", "W"),
-    ("leakage [W]", "loss_leakage_W", "W"),
-    ("total [W]", "loss_total_W", "W"),
+    ("flow", "flow_m3_s", kinds.FLOW),
+    ("oil", "temperature_K", kinds.TEMPERATURE),
+    ("nozzle", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("centre", "pressure_drop_centre_section_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("outlet", "pressure_drop_outlet_turbine_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("total", "pressure_drop_total_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("PWM open", "pwm_frequency_Hz", kinds.FREQUENCY),
+    ("PWM mean", "pwm_frequency_averaged_Hz", kinds.FREQUENCY),
+    ("open", "loss_full_open_W", kinds.MEAN_POWER),
+    ("transition", "loss_transition_W", kinds.MEAN_POWER),
+    ("compr.", "loss_compressibility_W", kinds.MEAN_POWER),
+    ("leakage", "loss_leakage_W", kinds.MEAN_POWER),
+    ("total", "loss_total_W", kinds.MEAN_POWER),
 )
+KEYS = 2
+"""Leading columns that tell one row from another."""
 
 
-def _head(bench: "RotaryBench", row: Row) -> str:
-    from vvdp.cli.screen import amount
+def _print_head(bench: "RotaryBench", row: Row) -> None:
+    from vvdp.base.display import plain, with_unit
+    from vvdp.cli.screen import tell
 
     which = "the initial one; the load makes its own" if bench.makes_pressure else "prescribed"
-    return (
-        f"{bench.system.title}\n"
-        f"duty ratio {row['duty_ratio']:.4g}, load pressure {amount(row['load_pressure_Pa'], 'bar')} bar ({which}), "
-        f"relief valve {amount(row['relief_pressure_Pa'], 'bar')} bar"
-    )
+    load, relief = (with_unit(row[f"{name}_pressure_Pa"], kinds.GAUGE_PRESSURE) for name in ("load", "relief"))
+    tell(bench.system.title)
+    tell(f"duty ratio {plain(row['duty_ratio'], 4)}, load pressure {load} ({which}), relief valve {relief}")
+
+
+def _point(row: Row) -> str:
+    from vvdp.base.display import with_unit
+
+    return f"{with_unit(row['flow_m3_s'], kinds.FLOW)}, {with_unit(row['temperature_K'], kinds.TEMPERATURE)}"
 
 
 def _print_one(bench: "RotaryBench", row: Row) -> None:
-    from vvdp.cli.screen import amount, console, grid, warn
+    from vvdp.base.display import display_unit, number
+    from vvdp.cli.screen import console, grid, tell, warn
 
-    out = console()
-    out.print(_head(bench, row), soft_wrap=True)
-    out.print(f"flow {amount(row['flow_m3_s'], 'lpm')} lpm, oil {amount(row['temperature_K'], 'degC')} degC")
+    _print_head(bench, row)
+    tell(f"flow and oil: {_point(row)}")
     table = grid("quantity", "value", "unit", right=("value",))
-    for label, key, unit in SHOWN:
-        table.add_row(label, amount(row[key], unit), unit)
-    out.print(table)
+    for label, key, kind in SHOWN:
+        unit = display_unit(kind)
+        table.add_row(label, number(unit.shown(row[key])), unit.symbol)
+    console().print(table)
     for text in row["warnings"]:
         warn(text)
 
 
 def _print_several(bench: "RotaryBench", rows: list[Row]) -> None:
-    from vvdp.cli.screen import amount, console, grid, warn
+    from vvdp.base.display import display_unit, number, plain
+    from vvdp.cli.screen import console, grid, warn
 
-    out = console()
-    out.print(_head(bench, rows[0]), soft_wrap=True)
-    table = grid(*(label for label, _, _ in COLUMNS), right=tuple(label for label, _, _ in COLUMNS))
+    _print_head(bench, rows[0])
+    heads = [f"{label}{display_unit(kind).bracketed}" for label, _, kind in COLUMNS]
+    table = grid(*heads, right=heads, keys=KEYS, transpose=True)
     for row in rows:
-        table.add_row(*(amount(row[key], unit) for _, key, unit in COLUMNS))
-    out.print(table)
+        values = [display_unit(kind).shown(row[key]) for _, key, kind in COLUMNS]
+        table.add_row(*(plain(x) for x in values[:KEYS]), *(number(x) for x in values[KEYS:]))
+    console().print(table)
     for row in rows:
         for text in row["warnings"]:
-            warn(f"{amount(row['flow_m3_s'], 'lpm')} lpm, {amount(row['temperature_K'], 'degC')} degC: {text}")
+            warn(f"{_point(row)}: {text}")
