@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vvdp.base import kinds
 from vvdp.cli.options import AsJson, Settings, SystemName
 
 if TYPE_CHECKING:
@@ -36,6 +35,7 @@ def valve(
     from vvdp.base.kinds import FLOW, TEMPERATURE
     from vvdp.base.signal import signal_value
     from vvdp.cli.screen import print_json
+    from vvdp.cli.valve_table import print_point, print_points
     from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
 
@@ -50,9 +50,9 @@ def valve(
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
         print_json({"system": loaded.name, **columns})
     elif len(rows) == 1:
-        _print_one(bench, rows[0])
+        print_point(bench, rows[0])
     else:
-        _print_several(bench, rows)
+        print_points(bench, rows)
 
 
 def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
@@ -131,91 +131,3 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
         "mean_load_flow_m3_s": point.cycle.load_flow,
     }
     return {key: float(value) for key, value in numbers.items()} | {"warnings": list(point.warnings)}
-
-
-# What a person is shown: label, key, kind.
-SHOWN = (
-    ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("pressure drop, centre section", "pressure_drop_centre_section_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("pressure drop, outlet turbine", "pressure_drop_outlet_turbine_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("pressure drop, total", "pressure_drop_total_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("torque, inlet turbine", "torque_inlet_N_m", kinds.TORQUE),
-    ("torque, outlet turbine", "torque_outlet_N_m", kinds.TORQUE),
-    ("torque, friction", "torque_friction_N_m", kinds.TORQUE),
-    ("spool speed, fully open", "spool_speed_rad_s", kinds.SPEED),
-    ("PWM frequency, fully open", "pwm_frequency_Hz", kinds.FREQUENCY),
-    ("PWM frequency, averaged", "pwm_frequency_averaged_Hz", kinds.FREQUENCY),
-    ("transition fraction", "transition_fraction", kinds.FRACTION),
-    ("loss, fully open", "loss_full_open_W", kinds.MEAN_POWER),
-    ("loss, transition", "loss_transition_W", kinds.MEAN_POWER),
-    ("loss, compressibility", "loss_compressibility_W", kinds.MEAN_POWER),
-    ("loss, leakage", "loss_leakage_W", kinds.MEAN_POWER),
-    ("loss, total", "loss_total_W", kinds.MEAN_POWER),
-    ("spool friction, part of fully open", "spool_friction_power_W", kinds.MEAN_POWER),
-    ("Reynolds number of the nozzles", "nozzle_reynolds_number", kinds.RATIO),
-    ("mean flow to the load", "mean_load_flow_m3_s", kinds.FLOW),
-)
-COLUMNS = (
-    ("flow", "flow_m3_s", kinds.FLOW),
-    ("oil", "temperature_K", kinds.TEMPERATURE),
-    ("nozzle", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("centre", "pressure_drop_centre_section_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("outlet", "pressure_drop_outlet_turbine_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("total", "pressure_drop_total_Pa", kinds.PRESSURE_DIFFERENCE),
-    ("PWM open", "pwm_frequency_Hz", kinds.FREQUENCY),
-    ("PWM mean", "pwm_frequency_averaged_Hz", kinds.FREQUENCY),
-    ("open", "loss_full_open_W", kinds.MEAN_POWER),
-    ("transition", "loss_transition_W", kinds.MEAN_POWER),
-    ("compr.", "loss_compressibility_W", kinds.MEAN_POWER),
-    ("leakage", "loss_leakage_W", kinds.MEAN_POWER),
-    ("total", "loss_total_W", kinds.MEAN_POWER),
-)
-KEYS = 2
-"""Leading columns that tell one row from another."""
-
-
-def _print_head(bench: "RotaryBench", row: Row) -> None:
-    from vvdp.base.display import plain, with_unit
-    from vvdp.cli.screen import tell
-
-    which = "the initial one; the load makes its own" if bench.makes_pressure else "prescribed"
-    load, relief = (with_unit(row[f"{name}_pressure_Pa"], kinds.GAUGE_PRESSURE) for name in ("load", "relief"))
-    tell(bench.system.title)
-    tell(f"duty ratio {plain(row['duty_ratio'], 4)}, load pressure {load} ({which}), relief valve {relief}")
-
-
-def _point(row: Row) -> str:
-    from vvdp.base.display import with_unit
-
-    return f"{with_unit(row['flow_m3_s'], kinds.FLOW)}, {with_unit(row['temperature_K'], kinds.TEMPERATURE)}"
-
-
-def _print_one(bench: "RotaryBench", row: Row) -> None:
-    from vvdp.base.display import display_unit, number
-    from vvdp.cli.screen import console, grid, tell, warn
-
-    _print_head(bench, row)
-    tell(f"flow and oil: {_point(row)}")
-    table = grid("quantity", "value", "unit", right=("value",))
-    for label, key, kind in SHOWN:
-        unit = display_unit(kind)
-        table.add_row(label, number(unit.shown(row[key])), unit.symbol)
-    console().print(table)
-    for text in row["warnings"]:
-        warn(text)
-
-
-def _print_several(bench: "RotaryBench", rows: list[Row]) -> None:
-    from vvdp.base.display import display_unit, number, plain
-    from vvdp.cli.screen import console, grid, warn
-
-    _print_head(bench, rows[0])
-    heads = [f"{label}{display_unit(kind).bracketed}" for label, _, kind in COLUMNS]
-    table = grid(*heads, right=heads, keys=KEYS, transpose=True)
-    for row in rows:
-        values = [display_unit(kind).shown(row[key]) for _, key, kind in COLUMNS]
-        table.add_row(*(plain(x) for x in values[:KEYS]), *(number(x) for x in values[KEYS:]))
-    console().print(table)
-    for row in rows:
-        for text in row["warnings"]:
-            warn(f"{_point(row)}: {text}")
