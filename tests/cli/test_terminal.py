@@ -18,11 +18,9 @@ from vvdp.cli.screen import WIDTH_WITHOUT_TERMINAL
 SOURCE = str(Path(package.__file__).parents[1])
 COMMANDS = {
     "valve": "valve prototype --flow 40lpm --flow 20lpm --flow 60lpm --temperature 40degC --temperature 55.5degC",
-    "valve at one point": "valve prototype",
     "run": "run prototype --until 0.05s --no-report --force --out r",
     "map": "map prototype --analytic --no-report --force --out m",
     "show": "show prototype",
-    "list": "list",
     "list of components": "list --components",
     "rig pressure-drop": "rig pressure-drop prototype --no-report --force --out p",
     "check": "check",
@@ -75,6 +73,12 @@ def test_no_number_is_broken(name, width, folder, wide):
     lines = screen(width, COMMANDS[name], folder)
     assert wide[name]
     assert wide[name] - numbers(lines) == set(), "\n".join(lines)
+
+
+def test_no_word_of_a_list_is_broken(folder):
+    words = {word for line in screen(WIDTH_WITHOUT_TERMINAL, "list", folder) for word in line.split()}
+    lines = screen(60, "list", folder)
+    assert {word for word in words if "─" not in word} <= {word for line in lines for word in line.split()}
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])
