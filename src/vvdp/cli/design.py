@@ -37,9 +37,21 @@ class _OptimumUnlessNamed(TyperGroup):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Puts the question in front where it is missing."""
-        if args and args[0] not in self.commands and args[0] not in ("-h", "--help"):
+        if args and args[0] not in self.commands and args[0] not in ("-h", "--help") and not self._misspells(args[0]):
             args = ["optimum", *args]
         return super().parse_args(ctx, args)
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
+        """The questions, and the systems of which the optimum is asked."""
+        questions = super().shell_complete(ctx, incomplete)
+        return questions + self.commands["optimum"].params[0].shell_complete(ctx, incomplete)
+
+    def _misspells(self, word: str) -> bool:
+        """Whether a word is rather a question with a slip than a system."""
+        from vvdp.base.tables import suggestion
+        from vvdp.systems.system import shipped
+
+        return bool(suggestion(word, self.commands)) and word not in shipped() and not Path(word).exists()
 
 
 app = typer.Typer(cls=_OptimumUnlessNamed, no_args_is_help=True, rich_markup_mode=None)
