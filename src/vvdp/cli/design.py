@@ -164,7 +164,7 @@ def optimum(
         simulated = {
             f"{p.design}_simulated_{key}": value for p in proven if p.point == 0 for key, value in p.found.items()
         }
-        told = {"warnings": "; ".join(warnings), "out": str(directory)}
+        told = {"warnings": warnings, "out": str(directory)}
         print_json({"system": loaded.name, **flat_results(found), **simulated, **told})
     else:
         _print(found, proven, warnings)
@@ -231,7 +231,7 @@ def pareto(
         if not no_report:
             write_front_report(folder)
     if json:
-        told = {"warnings": "; ".join(found.warnings), "out": str(directory)}
+        told = {"warnings": list(found.warnings), "out": str(directory)}
         print_json({"system": loaded.name, **study.flat_front(found), **told})
     else:
         _print_front(found)
@@ -356,7 +356,7 @@ def temperature(
             write_temperature_report(folder)
     if json:
         columns = {name: column.tolist() for name, column in study.temperature_columns(found).items()}
-        print_json({"system": loaded.name, **columns, "warnings": "; ".join(found.warnings), "out": str(directory)})
+        print_json({"system": loaded.name, **columns, "warnings": list(found.warnings), "out": str(directory)})
         return
     _print_temperature(found)
     _print_report(directory, no_report)
@@ -457,7 +457,7 @@ def _print_proof(proven: "list[Proof]") -> None:
 
     if not proven:
         return
-    columns = ("total loss, simulated [W]", "closed form [W]", "PWM, simulated [Hz]", "closed form [Hz]")
+    columns = ("total loss, simulated [W]", "analytic [W]", "PWM, simulated [Hz]", "analytic [Hz]")
     table = grid("design", "point", *columns, right=("point", *columns))
     for each in proven:
         keys = ("loss_total_W", "analytic_loss_total_W", "pwm_frequency_Hz", "analytic_pwm_frequency_Hz")
