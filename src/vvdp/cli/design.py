@@ -243,15 +243,15 @@ def pareto(
 
 
 def _print_front(found: "Front") -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.pareto import point_name
     from vvdp.design.problem import shown
     from vvdp.design.quantities import KINDS
 
     screen = console()
-    screen.print(found.problem.system.title, soft_wrap=True)
+    tell(found.problem.system.title)
     if found.problem.limits:
-        screen.print(f"subject to {', '.join(map(_limit, found.problem.limits))}", soft_wrap=True)
+        tell(f"subject to {', '.join(map(_limit, found.problem.limits))}")
     for told in found.warnings:
         warn(told)
     names = [each.quantity for each in found.objectives]
@@ -363,11 +363,11 @@ def temperature(
 
 
 def _print_temperature(found: "OverTemperature") -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.temperature import by_temperature
 
     screen = console()
-    screen.print(found.system.title, soft_wrap=True)
+    tell(found.system.title)
     columns = (
         "oil [degC]",
         "viscosity [mPa s]",
@@ -391,12 +391,12 @@ def _print_temperature(found: "OverTemperature") -> None:
 
 
 def _print_tolerance(found: "Tolerance") -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.problem import shown
     from vvdp.design.quantities import KINDS
 
     screen = console()
-    screen.print(found.system.title, soft_wrap=True)
+    tell(found.system.title)
     columns = ("nominal", "mean", "deviation", "2.5 %", "97.5 %")
     table = grid("output", *columns, right=columns)
     for name, each in found.scatter.items():
@@ -414,18 +414,18 @@ def _print_tolerance(found: "Tolerance") -> None:
 
 
 def _print(found: "Optimum", proven: "list[Proof]", warnings: list[str]) -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.problem import shown
     from vvdp.design.proof import headline
     from vvdp.design.quantities import KINDS
     from vvdp.design.variables import value_in
 
     asked, screen = found.problem, console()
-    screen.print(asked.system.title, soft_wrap=True)
+    tell(asked.system.title)
     demands = ", ".join(map(_limit, asked.limits)) or "nothing"
     where = f"; weighted mean over {len(asked.points)} operating points" if len(asked.points) > 1 else ""
-    screen.print(f"least {asked.objective} subject to {demands}{where}", soft_wrap=True)
-    screen.print(headline(found, proven), soft_wrap=True)
+    tell(f"least {asked.objective} subject to {demands}{where}")
+    tell(headline(found, proven))
     for text in warnings:
         warn(text)
     table = grid("variable", "before", "optimum", "from", "to", right=("before", "optimum", "from", "to"))
@@ -448,7 +448,7 @@ def _print(found: "Optimum", proven: "list[Proof]", warnings: list[str]) -> None
     if found.global_objective is not None:
         apart = 100.0 * (found.global_objective / found.objective - 1.0)
         search += f"; a global search of {found.global_evaluations} designs came within {apart:.2g} %"
-    screen.print(search, soft_wrap=True)
+    tell(search)
     _print_proof(proven)
 
 

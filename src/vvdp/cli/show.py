@@ -75,10 +75,10 @@ def _entry(row: "Sourced") -> dict[str, Any]:
 
 
 def _print(system: "System") -> None:
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.screen import console, grid, tell
 
     out = console()
-    out.print(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
+    tell(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
     for table in (_nodes(system), _components(system), _programs(system)):
         if table.rows:
             out.print(table)
@@ -91,8 +91,8 @@ def _print(system: "System") -> None:
                 table.add_row(row.key, row.displayed, row.status, source, row.note)
         out.print(table)
     assumed = system.assumed
-    out.print(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")
-    out.print(", ".join(f"{row.table}.{row.key}" for row in assumed) or "none", soft_wrap=True)
+    tell(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")
+    tell(", ".join(f"{row.table}.{row.key}" for row in assumed) or "none")
 
 
 def _nodes(system: "System") -> "Grid":
