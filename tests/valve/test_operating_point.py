@@ -49,8 +49,7 @@ def test_total_leaves_out_what_the_drop_already_contains(prototype, vg46):
 
 
 def test_warnings_tell_of_laminar_nozzles_and_of_the_range(prototype, vg46):
-    (reynolds,) = point(prototype, vg46).warnings
-    assert "1381" in reynolds
+    assert point(prototype, vg46).warnings == ()  # the Reynolds number, 1381, is that of a usual point
     assert point(prototype, vg46, temperature=353.15).warnings == ()
     assert any("duty ratio 0.1" in warning for warning in point(prototype, vg46, duty_ratio=0.1).warnings)
 

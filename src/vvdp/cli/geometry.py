@@ -100,11 +100,11 @@ def _require_libraries(step: bool) -> None:
 
 
 def _print(system: "System", product: "Product") -> None:
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.screen import console, grid, tell
     from vvdp.report.geometry_report import shown
 
     out, s = console(), product.summary
-    out.print(system.title, soft_wrap=True)
+    tell(system.title)
     out.print(f"duty ratio {s['duty_ratio']:.4g}, spool angle {shown(s['spool_angle_rad'], 'rad')}")
     if product.comparisons:
         out.print(_compared(product.comparisons, s.get("openings_difference")))
@@ -113,7 +113,7 @@ def _print(system: "System", product: "Product") -> None:
         table.add_row(name, shown(volume, "m^3"), str(triangles) if triangles else "-")
     out.print(table)
     for name in product.shut:
-        out.print(f"{name}: not made, the nozzles are shut to this side here", soft_wrap=True)
+        tell(f"{name}: not made, the nozzles are shut to this side here")
 
 
 def _compared(comparisons: "Sequence[Comparison]", openings: float | None) -> Any:

@@ -44,7 +44,6 @@ app = typer.Typer(
     help="Simulate and evaluate virtually variable displacement pumps and other digital hydraulics.",
     epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 not balanced, 130 interrupted (by a signal 143, 129).",
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode=None,  # rich would triple the time of --help
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -106,7 +106,7 @@ def map(  # noqa: A001 - the name of the verb
         say(f"interrupted with {missing} points to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
     if result.numbers.get("untrusted_points", 0.0) > 0.0:
-        say("not trusted: the balances of some points are above the limit; see the column trusted")
+        say("the balances of some points do not close; see the column trusted")
         raise typer.Exit(NOT_TRUSTED)
 
 
@@ -175,13 +175,13 @@ def _print(result: "RigResult", found: "PumpMap") -> None:
     import numpy as np
 
     from vvdp.base.display import number
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.rigs.conditions import CELSIUS, RPM
 
     out = console()
-    out.print(f"{result.title}: {result.system}", soft_wrap=True)
+    tell(f"{result.title}: {result.system}")
     for name, value in result.conditions.items():
-        out.print(f"  {name}: {value}", soft_wrap=True)
+        tell(f"  {name}: {value}")
     axes = found.axes
     places = [round(x) for x in np.linspace(0, len(axes.duty_ratios) - 1, min(12, len(axes.duty_ratios))).tolist()]
     heads = [f"{axes.duty_ratios[place]:.3g}" for place in places]
@@ -190,7 +190,7 @@ def _print(result: "RigResult", found: "PumpMap") -> None:
     for i, k in pairs[:MOST_TABLES]:
         where = f", {axes.pump_speeds[k] / RPM:.5g} rpm, {axes.temperatures[i] - CELSIUS:.4g} °C"
         title = f"overall efficiency [%]{where if len(pairs) > 1 else ''}, * above the motor's power"
-        out.print(title, style="bold", soft_wrap=True)
+        tell(title, style="bold")
         table = grid("load [bar] \\ duty", *heads, right=tuple(heads))
         efficiency, heavy = found.grid("overall_efficiency")[i, k], found.grid("motor_overloaded")[i, k]
         for row, pressure in enumerate(gauge):
@@ -201,9 +201,9 @@ def _print(result: "RigResult", found: "PumpMap") -> None:
         out.print(table)
     if len(pairs) > MOST_TABLES:
         rest = len(pairs) - MOST_TABLES
-        out.print(f"{rest} more pairs of pump speed and temperature are in the report and in map.csv", soft_wrap=True)
+        tell(f"{rest} more pairs of pump speed and temperature are in the report and in map.csv")
     for sentence in result.findings:
-        out.print(sentence, soft_wrap=True)
-    out.print(f"{found.ran} points run in {found.seconds:.2f} s")
+        tell(sentence)
+    tell(f"{found.ran} points run in {found.seconds:.2f} s")
     if found.simulated and result.numbers.get("untrusted_points", 0.0) > 0.0:
-        warn("some points are not trusted")
+        warn("the balances of some points do not close")

@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vvdp.cli.screen import console, grid, warn
+from vvdp.cli.screen import console, grid, tell, warn
 
 if TYPE_CHECKING:
-    from rich.table import Table as Grid
-
+    from vvdp.cli.table import Grid
     from vvdp.results.result import Listing, Result, Table
 
 MOST_ROWS = 30
@@ -19,9 +18,9 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
     from vvdp.results.result import Grade
 
     out = console()
-    out.print(": ".join(filter(None, (result.title, result.system))), soft_wrap=True)
+    tell(": ".join(filter(None, (result.title, result.system))))
     for name, value in result.conditions.items():
-        out.print(f"  {name}: {value}", soft_wrap=True)
+        tell(f"  {name}: {value}")
     shown = [*result.listings, *(name for name, table in result.tables.items() if not table.is_data)]
     for name in shown if names is None else names:
         each = result.listings.get(name)
@@ -30,7 +29,7 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
         if finding.grade in (Grade.WARNING, Grade.BAD):
             warn(finding.text)
         else:
-            out.print(finding.text, soft_wrap=True)
+            tell(finding.text)
 
 
 def listing_grid(listing: "Listing") -> "Grid":
@@ -55,7 +54,7 @@ def table_grid(name: str, table: "Table") -> "Grid":
         title += f" ({len(places)} of {table.rows} rows{thinned}; all are in {name}.csv)"
     heads = [column_head(table.columns[key]) for key in keys]
     right = tuple(head for head, key in zip(heads, keys, strict=True) if table.columns[key].kind)
-    found = grid(*heads, title=title, right=right)
+    found = grid(*heads, title=title, right=right, keys=max(1, len([key for key in keys if key in table.axes])))
     for place in places:
         found.add_row(*(table_cell(table.columns[key], place) for key in keys))
     return found

@@ -209,18 +209,17 @@ def _run(
 
 
 def _show(result: "RigResult", directory: Path, json: bool, no_report: bool) -> None:
-    from vvdp.cli.screen import console, print_json
+    from vvdp.cli.screen import print_json, tell
 
     if json:
         print_json({**result.flat, "out": str(directory)})
         return
-    out = console()
-    out.print(f"{result.title}: {result.system}", soft_wrap=True)
+    tell(f"{result.title}: {result.system}")
     for name, value in result.conditions.items():
-        out.print(f"  {name}: {value}", soft_wrap=True)
+        tell(f"  {name}: {value}")
     for sentence in result.findings:
-        out.print(sentence, soft_wrap=True)
+        tell(sentence)
     for sheet in result.sheets:
-        out.print(f"table: {directory / f'{sheet}.csv'}", soft_wrap=True)
+        tell(f"table: {directory / f'{sheet}.csv'}")
     if not no_report:
-        out.print(f"report: {directory / 'report.html'}", soft_wrap=True)
+        tell(f"report: {directory / 'report.html'}")

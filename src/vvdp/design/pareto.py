@@ -79,13 +79,13 @@ class Front:
     def warnings(self) -> list[str]:
         """What to know before a design is taken, a sentence each."""
         if not self.simulated:
-            return ["the designs were not simulated: closed forms alone may mislead"]
+            return ["the designs were not simulated: analytic figures alone may mislead"]
         count = sum(self.doubtful)
         if not count:
             return []
         return [
             f"{count} of {len(self.values)} designs are in doubt and marked so: their simulation is more than "
-            f"{100.0 * TOLERANCE:.3g} % off the total loss in closed form, has not settled or failed"
+            f"{100.0 * TOLERANCE:.3g} % off the analytic total loss, has not settled or failed"
         ]
 
     def column(self, quantity: str) -> Array:

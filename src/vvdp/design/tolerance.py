@@ -204,7 +204,7 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
             + (nominal.loss_leakage + nominal.loss_compressibility) / through
         )
         message = (
-            f"{at.duty_ratio:g}: in closed form transitions, leakage and compression take all that the load would get, "
+            f"{at.duty_ratio:g}: analytically, transitions, leakage and compression take all that the load would get, "
             f"so there is no efficiency to scatter; expected more than {lost:.4g}"
         )
         raise ConfigError([Fault(system.name, 0, "operation.duty_ratio", message)])
@@ -286,7 +286,7 @@ def columns(found: Tolerance) -> dict[str, Array]:
 
 def flat_tolerance(found: Tolerance) -> dict[str, Any]:
     """The study as flat numbers for programs."""
-    flat: dict[str, Any] = {"warnings": "; ".join(found.warnings)}
+    flat: dict[str, Any] = {"warnings": list(found.warnings)}
     for name, each in found.scatter.items():
         kind = KINDS[name]
         flat[key(name, kind)] = each.nominal
