@@ -15,11 +15,10 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "2")
 import numpy as np
 
 from benchmarks.measure import interleaved, report, run_as_command, spread
-from vvdp.rigs.averages import flow_map
 from vvdp.rigs.maps import analytic_map, default_axes, simulated_map
-from vvdp.rigs.stand import stand
+from vvdp.steady.averages import averages
+from vvdp.steady.test_stand import stand
 from vvdp.studies.engine import ThisProcess
-from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
 
 ANALYTIC_TARGET, TABLE_TARGET, SIMULATED_TARGET = 1.0, 1.0, 180.0
@@ -28,12 +27,17 @@ REPEATS = 7
 
 def table(duties: int, loads: int, repeats: int) -> None:
     """Tells the processor time of a quasi-steady flow map, worked out, and read where it was worked out before."""
-    valve = rotary_bench(load_system("prototype"), "flow map").valve
-    duty, load = np.linspace(0.0, 1.0, duties).tolist(), np.linspace(5e5, 119e5, loads).tolist()
+    held = stand(load_system("prototype"))
+    points = [
+        held.set_point._replace(duty_ratio=float(duty), load_pressure=float(load))
+        for load in np.linspace(5e5, 119e5, loads)
+        for duty in np.linspace(0.0, 1.0, duties)
+    ]
     found: dict[str, list[float]] = {"worked out": [], "read": []}
     with tempfile.TemporaryDirectory() as folder:
         for number in range(-1, repeats):  # the first one compiles
-            work = partial(flow_map, duty, load, 120e5, 0.0, 1e5, 40e-3 / 60.0, 870.0 + number, valve)
+            rows = np.array([held.cycle_point(each._replace(oil_temperature=310.0 + number)) for each in points])
+            work = partial(averages, rows, held.bench.valve)
             for times in found.values():
                 began = time.process_time()
                 work(cache=Path(folder), cores=1)

@@ -6,10 +6,13 @@ import shutil
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import pytest
 from hypothesis import settings
+
+if TYPE_CHECKING:
+    from vvdp.steady.test_stand import Stand
 
 # Times of single examples say nothing on a shared machine; in continuous integration every run draws the same ones.
 settings.register_profile("local", deadline=None)
@@ -37,6 +40,24 @@ def not_tested(reason: str, word: str) -> NoReturn:
 def not_tested_fixture() -> Callable[[str, str], NoReturn]:
     """`not_tested`, for the conftest of a folder."""
     return not_tested
+
+
+@pytest.fixture(scope="session")
+def source_stand() -> "Stand":
+    """The prototype against a source that holds the load pressure."""
+    from vvdp.steady.test_stand import stand
+    from vvdp.systems.system import load_system
+
+    return stand(load_system("prototype-constant-load"))
+
+
+@pytest.fixture(scope="session")
+def orifice_stand() -> "Stand":
+    """The prototype with its load line and orifice."""
+    from vvdp.steady.test_stand import stand
+    from vvdp.systems.system import load_system
+
+    return stand(load_system("prototype"))
 
 
 @pytest.fixture(scope="session")

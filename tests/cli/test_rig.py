@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from vvdp.rigs.result import read_rig
-from vvdp.rigs.stand import stand
-from vvdp.rigs.waveform import whole_run
 from vvdp.simulation.run import simulate
+from vvdp.steady.test_stand import stand
+from vvdp.steady.waveform import whole_run
 from vvdp.systems.system import load_system
 
 FILES = {"figures", "meta.json", "numbers.json", "report.html", "rig.json", "system.toml"}
@@ -155,6 +155,6 @@ def test_a_run_that_was_cut_short_is_no_result(monkeypatch):
     held = stand(load_system("prototype-constant-load", until="10 ms"))
     case = held.case(held.set_point, held.means(held.set_point))
     whole = simulate(held.model, case, held.stepping)
-    monkeypatch.setattr("vvdp.rigs.waveform.simulate", lambda *_, **__: replace(whole, finished=False))
+    monkeypatch.setattr("vvdp.steady.waveform.simulate", lambda *_, **__: replace(whole, finished=False))
     with pytest.raises(KeyboardInterrupt):
         whole_run(held.model, case, held.stepping)

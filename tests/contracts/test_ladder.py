@@ -17,6 +17,7 @@ RUNGS = [
     {"components"},
     {"systems"},
     {"studies"},
+    {"steady"},
     {"rigs", "design", "cfd", "logs", "comparison", "export"},
     {"report", "reproduction"},
     {"cli"},

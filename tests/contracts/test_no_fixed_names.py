@@ -14,7 +14,7 @@ import pytest
 from vvdp.simulation.values import leaves, names
 from vvdp.systems.system import load_system, shipped
 
-PACKAGES = ("studies", "rigs", "design", "comparison", "geometry", "logs", "report", "cli")
+PACKAGES = ("studies", "steady", "rigs", "design", "comparison", "geometry", "logs", "report", "cli")
 HOLDERS = frozenset(
     ("state", "states", "params", "outputs", "books", "totals", "spent", "supplied", "tables")
     + ("command", "commands", "held", "memory", "settings")

@@ -27,7 +27,7 @@ from vvdp.rigs.claims import (
     spool_friction,
 )
 from vvdp.rigs.ripple import power_of, ripple
-from vvdp.rigs.steady import steady_states
+from vvdp.steady.steady_states import steady_states
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency

@@ -10,20 +10,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from vvdp.report.rig_figures import rig_figures
+from vvdp.report.rig_report import thinned_rows
+from vvdp.rigs.result import read_rig, write_rig
 
 from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.base.signal import constant
-from vvdp.report.rig_figures import rig_figures
-from vvdp.report.rig_report import thinned_rows
 from vvdp.rigs import maps
 from vvdp.rigs.map_result import map_result
 from vvdp.rigs.maps import Axes, analytic_map, default_axes, map_directory, simulated_map, usable
 from vvdp.rigs.pressure_drop import pressure_drop
-from vvdp.rigs.result import read_rig, write_rig
-from vvdp.rigs.stand import stand
-from vvdp.rigs.steady import steady_states
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.run import simulate
+from vvdp.steady.steady_states import steady_states
+from vvdp.steady.test_stand import stand
 from vvdp.studies import work
 from vvdp.studies.dask_engines import LocalDask
 from vvdp.studies.engine import ThisProcess
@@ -320,7 +320,7 @@ def test_a_worker_with_another_program_is_refused(source_stand, tmp_path, monkey
 KILLED = """
 from pathlib import Path
 from vvdp.rigs import maps
-from vvdp.rigs.stand import stand
+from vvdp.steady.test_stand import stand
 from vvdp.studies import work
 from vvdp.systems.system import load_system
 work.LARGEST_BATCH = 4

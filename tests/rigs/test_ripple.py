@@ -5,7 +5,7 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.rigs.ripple import estimated_ripple, line_capacity, power_of, ripple
-from vvdp.rigs.waveform import harmonics
+from vvdp.steady.waveform import harmonics
 
 
 @pytest.fixture(scope="module")

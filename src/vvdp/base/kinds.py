@@ -126,6 +126,8 @@ GAUGE_PRESSURE = Kind("gauge pressure", "Pa", -1e9, 1e12, "100 bar", scale=1e5)
 SIGNED_PRESSURE = Kind("signed pressure difference", "Pa", -1e12, 1e12, "5 bar", scale=1e5)
 MEAN_POWER = Kind("mean power", "W", -1e12, 1e12, "750 W")
 EFFICIENCY = Kind("efficiency", "1", -1e300, 1e300, "61 %")
+LEVEL = Kind("level", "dB", -1e300, 1e300, "-3 dB")
+"""A ratio of amplitudes in decibels."""
 FLAG = Kind("flag", "1", 0.0, 1.0, "1")
 """Whether something holds: 1 or 0, shown as yes or no."""
 

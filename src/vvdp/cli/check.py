@@ -16,7 +16,7 @@ from vvdp.base.errors import VvdpError
 from vvdp.cli.options import AsJson
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from vvdp.cli.table import Grid
 
 OPENS = {
     "bench": "make bench, against other solvers",
@@ -127,7 +127,7 @@ def _print(found: dict[str, Any]) -> None:
         out.print(f"what is missing comes with pip install 'vvdp[{','.join(wanted)}]'", soft_wrap=True)
 
 
-def _optional(found: dict[str, Any]) -> "Table":
+def _optional(found: dict[str, Any]) -> "Grid":
     """Extras and programs: what each opens, and what of it is there."""
     from vvdp.cli.screen import grid
 

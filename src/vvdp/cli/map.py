@@ -9,18 +9,16 @@ import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
 from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, out_option
+from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
     from vvdp.base.errors import Fault
     from vvdp.base.kinds import Kind
-    from vvdp.rigs.maps import Axes, PumpMap
-    from vvdp.rigs.result import RigResult
-    from vvdp.rigs.stand import Stand
+    from vvdp.rigs.map_axes import Axes
+    from vvdp.steady.test_stand import Stand
 
 INTERRUPTED = 130
 NOT_TRUSTED = 3
-MOST_TABLES = 8
-"""Pairs of pump speed and oil temperature whose table is printed."""
 
 Span = Annotated[
     tuple[str, str, int] | None,
@@ -70,12 +68,10 @@ def map(  # noqa: A001 - the name of the verb
     """
     from vvdp.base.errors import unusable
     from vvdp.cli.progress import counted
-    from vvdp.cli.screen import print_json, say
-    from vvdp.report.rig_report import write_rig_report
+    from vvdp.cli.screen import say
     from vvdp.rigs.map_result import map_result
     from vvdp.rigs.maps import NOT_RUN, analytic_map, map_directory, simulated_map
-    from vvdp.rigs.result import write_rig
-    from vvdp.rigs.stand import stand
+    from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
@@ -93,19 +89,15 @@ def map(  # noqa: A001 - the name of the verb
             with counted("points") as progress:
                 found = simulated_map(held, axes, directory, engine=engine, progress=progress, say=say)
         result = map_result(found)
-        write_rig(directory, result, resolved_text(loaded))
-        if not no_report:
-            write_rig_report(directory)
-    if json:
-        print_json({**result.flat, "out": str(directory)})
-    else:
-        _print(result, found)
-        typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
+        reported = write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
+    if not json:
+        say(f"{found.ran} points run in {found.seconds:.2f} s")
+    show_result(result, directory, json=json, reported=reported)
     if not found.finished:
         missing = found.reasons.count(NOT_RUN)
         say(f"interrupted with {missing} points to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
-    if result.numbers.get("untrusted_points", 0.0) > 0.0:
+    if "untrusted_points" in result.numbers and result.numbers["untrusted_points"].value > 0.0:
         say("the balances of some points do not close; see the column trusted")
         raise typer.Exit(NOT_TRUSTED)
 
@@ -121,7 +113,7 @@ def chosen_axes(
     """The axes that options ask for, the default ones where they do not. Raises ConfigError with all faults."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import FRACTION, PRESSURE_LEVEL, SPEED, TEMPERATURE
-    from vvdp.rigs.maps import default_axes
+    from vvdp.rigs.map_axes import default_axes
 
     faults: list[Fault] = []
     given = {
@@ -168,42 +160,3 @@ def _parsed(option: str, texts: Sequence[str], kind: "Kind", faults: list["Fault
         except ParameterError as problem:
             faults.append(Fault(option, 0, "", str(problem)))
     return values
-
-
-def _print(result: "RigResult", found: "PumpMap") -> None:
-    """Overall efficiency over pressure and duty ratio at each temperature and speed, and what was found."""
-    import numpy as np
-
-    from vvdp.base.display import number
-    from vvdp.cli.screen import console, grid, tell, warn
-    from vvdp.rigs.conditions import CELSIUS, RPM
-
-    out = console()
-    tell(f"{result.title}: {result.system}")
-    for name, value in result.conditions.items():
-        tell(f"  {name}: {value}")
-    axes = found.axes
-    places = [round(x) for x in np.linspace(0, len(axes.duty_ratios) - 1, min(12, len(axes.duty_ratios))).tolist()]
-    heads = [f"{axes.duty_ratios[place]:.3g}" for place in places]
-    gauge = (np.array(axes.load_pressures) - found.stand.reference) / 1e5
-    pairs = list(np.ndindex(len(axes.temperatures), len(axes.pump_speeds)))
-    for i, k in pairs[:MOST_TABLES]:
-        where = f", {axes.pump_speeds[k] / RPM:.5g} rpm, {axes.temperatures[i] - CELSIUS:.4g} °C"
-        title = f"overall efficiency [%]{where if len(pairs) > 1 else ''}, * above the motor's power"
-        tell(title, style="bold")
-        table = grid("load [bar] \\ duty", *heads, right=tuple(heads))
-        efficiency, heavy = found.grid("overall_efficiency")[i, k], found.grid("motor_overloaded")[i, k]
-        for row, pressure in enumerate(gauge):
-            cells = [
-                number(100.0 * efficiency[row, place], 3) + ("*" if heavy[row, place] > 0.0 else "") for place in places
-            ]
-            table.add_row(f"{round(pressure, 6):.4g}", *cells)
-        out.print(table)
-    if len(pairs) > MOST_TABLES:
-        rest = len(pairs) - MOST_TABLES
-        tell(f"{rest} more pairs of pump speed and temperature are in the report and in map.csv")
-    for sentence in result.findings:
-        tell(sentence)
-    tell(f"{found.ran} points run in {found.seconds:.2f} s")
-    if found.simulated and result.numbers.get("untrusted_points", 0.0) > 0.0:
-        warn("the balances of some points do not close")

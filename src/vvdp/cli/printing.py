@@ -1,11 +1,14 @@
 """A result on the screen: title, conditions, listings, tables, findings."""
 
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vvdp.cli.screen import console, grid, tell, warn
+from vvdp.cli.screen import console, grid, print_json, tell, warn
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from vvdp.cli.table import Grid
     from vvdp.results.result import Listing, Result, Table
 
@@ -32,6 +35,26 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
             tell(finding.text)
 
 
+def write_with_report(folder: "Path", result: "Result", system: str, *, no_report: bool) -> bool:
+    """Writes a result with its resolved `system`, and the page unless `no_report`; tells whether that is there."""
+    from vvdp.cli.report import RESULT, add_report
+    from vvdp.results.store import write_result
+
+    write_result(folder, result, system, ("vvdp", *sys.argv[1:]))
+    return not no_report and add_report(RESULT, folder)
+
+
+def show_result(result: "Result", directory: "Path", *, json: bool, reported: bool) -> None:
+    """Prints a result that stands in `directory`: as one JSON object, or its listings and findings for a person."""
+    if json:
+        print_json({**result.flat, "out": str(directory)})
+        return
+    print_result(result, tuple(result.listings))
+    tell(f"results: {directory}")
+    if reported:
+        tell(f"report: {directory / 'report.html'}")
+
+
 def listing_grid(listing: "Listing") -> "Grid":
     """A listing as a table of the screen."""
     from vvdp.results.cells import row_unit, shown_cell
@@ -56,5 +79,5 @@ def table_grid(name: str, table: "Table") -> "Grid":
     right = tuple(head for head, key in zip(heads, keys, strict=True) if table.columns[key].kind)
     found = grid(*heads, title=title, right=right, keys=max(1, len([key for key in keys if key in table.axes])))
     for place in places:
-        found.add_row(*(table_cell(table.columns[key], place) for key in keys))
+        found.add_row(*(table_cell(table, key, place) for key in keys))
     return found

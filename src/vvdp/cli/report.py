@@ -8,10 +8,11 @@ import typer
 
 from vvdp.cli.options import AsJson
 
+RESULT = ("result_page", "write_result_report")
 RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
-    "rig.json": ("rig_report", "write_rig_report"),
+    "result.json": RESULT,
     "design.json": ("design_report", "write_design_report"),
     "front.json": ("design_report", "write_front_report"),
     "tolerance.json": ("design_report", "write_tolerance_report"),

@@ -19,11 +19,11 @@ from vvdp.cli.options import (
     default_directory,
     out_option,
 )
+from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
-    from vvdp.rigs.result import RigResult
-    from vvdp.rigs.stand import Stand
-    from vvdp.systems.system import System
+    from vvdp.results.result import Result
+    from vvdp.steady.test_stand import Stand
 
 INTERRUPTED = 130
 
@@ -53,7 +53,7 @@ def pressure_drop(
     """Measure pressure drop against flow, based on ISO 4411."""
     from vvdp.rigs.pressure_drop import pressure_drop as measured
 
-    def work(held: "Stand") -> "RigResult":
+    def work(held: "Stand") -> "Result":
         chosen = chosen_axes(held, None, None, None, temperature).temperatures
         return measured(held, temperatures=chosen)
 
@@ -98,7 +98,7 @@ def step(
     from vvdp.cli.screen import say
     from vvdp.rigs.step import dynamics
 
-    def work(held: "Stand") -> "RigResult":
+    def work(held: "Stand") -> "Result":
         return dynamics(held, between, cores=cores, say=say)
 
     _run("step", system, settings, work, out, force, json, no_report)
@@ -126,12 +126,10 @@ def pump(
     """
     from vvdp.cli.progress import counted
     from vvdp.cli.screen import say
-    from vvdp.report.rig_report import write_rig_report
     from vvdp.rigs.maps import map_directory
     from vvdp.rigs.pump import pump as measured
     from vvdp.rigs.pump import pump_axes
-    from vvdp.rigs.result import write_rig
-    from vvdp.rigs.stand import stand
+    from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
@@ -139,13 +137,12 @@ def pump(
     held = stand(loaded, "rig pump")
     axes = chosen_axes(held, duty, pressure, speed, temperature, pump_axes(held))
     directory = out if out is not None else Path("results", f"pump-{loaded.name}")
-    with map_directory(directory, "pump", force=force):
+    with map_directory(directory, "rig pump", force=force):
         with counted("points") as progress:
             result = measured(held, directory, axes, between, cores=cores, progress=progress, say=say)
-        write_rig(directory, result, resolved_text(loaded))
-        if not no_report and result.finished:
-            write_rig_report(directory)
-    _show(result, directory, json, no_report or not result.finished)
+        leave_out = no_report or not result.finished
+        reported = write_with_report(directory, result, resolved_text(loaded), no_report=leave_out)
+    show_result(result, directory, json=json, reported=reported)
     if not result.finished:
         say("interrupted; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
@@ -175,7 +172,7 @@ def _run(
     name: str,
     system: str,
     settings: list[str] | None,
-    work: Callable[["Stand"], "RigResult"],
+    work: Callable[["Stand"], "Result"],
     out: Path | None,
     force: bool,
     json: bool,
@@ -184,13 +181,11 @@ def _run(
     """Puts a system on its stand, has `work` done there, and writes and shows what comes of it."""
     from vvdp.base.files import result_directory
     from vvdp.cli.screen import say
-    from vvdp.report.rig_report import write_rig_report
-    from vvdp.rigs.result import write_rig
-    from vvdp.rigs.stand import stand
+    from vvdp.steady.test_stand import stand
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
-    loaded: System = load_system(system, settings or ())
+    loaded = load_system(system, settings or ())
     held = stand(loaded, f"rig {name}")
     directory = out if out is not None else default_directory(f"{name}-{loaded.name}")
     with result_directory(directory, force=force) as folder:
@@ -199,27 +194,8 @@ def _run(
         except KeyboardInterrupt:
             say("interrupted; a part of this has no meaning, nothing is written")
             raise
-        write_rig(folder, result, resolved_text(loaded))
-        if not no_report:
-            write_rig_report(folder)
-    _show(result, directory, json, no_report)
+        reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
+    show_result(result, directory, json=json, reported=reported)
     if not result.finished:
         say("interrupted; what was finished is written")
         raise typer.Exit(INTERRUPTED)
-
-
-def _show(result: "RigResult", directory: Path, json: bool, no_report: bool) -> None:
-    from vvdp.cli.screen import print_json, tell
-
-    if json:
-        print_json({**result.flat, "out": str(directory)})
-        return
-    tell(f"{result.title}: {result.system}")
-    for name, value in result.conditions.items():
-        tell(f"  {name}: {value}")
-    for sentence in result.findings:
-        tell(sentence)
-    for sheet in result.sheets:
-        tell(f"table: {directory / f'{sheet}.csv'}")
-    if not no_report:
-        tell(f"report: {directory / 'report.html'}")

@@ -41,26 +41,30 @@ def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> 
         grid = figure.subplots(1, count, squeeze=False, sharex=chart.share, sharey=chart.share, width_ratios=heights)[0]
     else:
         grid = figure.subplots(count, 1, squeeze=False, sharex=count > 1, height_ratios=heights)[:, 0]
+    common = _has_common_legend(chart, tables)
     for place, (axes, panel) in enumerate(zip(grid, chart.panels, strict=True)):
-        table = tables[panel.table or chart.table]
-        _draw_panel(axes, panel, table, place)
+        _draw_panel(axes, panel, tables[panel.table or chart.table])
+        if isinstance(panel, Lines) and not common and _names(panel, tables[panel.table or chart.table]):
+            _legend(axes, panel, columns=2 if chart.side_by_side else 4)
         if not chart.side_by_side and place < count - 1:
             axes.set_xlabel("")
         if chart.side_by_side and chart.share and place:
             axes.set_ylabel("")
+    if common:
+        _common_legend(figure, grid, chart.panels)
     if not chart.side_by_side:
         figure.align_ylabels()
 
 
-def _draw_panel(axes: "Axes", panel: Panel, table: Table, place: int) -> None:
+def _draw_panel(axes: "Axes", panel: Panel, table: Table) -> None:
     if isinstance(panel, Lines):
-        _draw_lines(axes, panel, table, with_legend=place == 0 or _names(panel, table) != ())
+        _draw_lines(axes, panel, table)
     elif isinstance(panel, Bars):
         _draw_bars(axes, panel, table)
     else:
         _draw_field(axes, panel, table)
     if panel.title:
-        axes.set_title(panel.title, loc="left", pad=4.0)
+        axes.set_title(panel.title, loc="right" if isinstance(panel, Lines) else "left", pad=4.0)
 
 
 def line_label(line: Line, table: Table) -> str:
@@ -121,7 +125,26 @@ def _names(panel: Lines, table: Table) -> tuple[str, ...]:
     return names if len(set(names)) > 1 or panel.legend or any(line.label for line in panel.lines) else ()
 
 
-def _draw_lines(axes: "Axes", panel: Lines, table: Table, *, with_legend: bool) -> None:
+def _has_common_legend(chart: Chart, tables: Mapping[str, Table]) -> bool:
+    """Whether one legend serves all panels: each names its lines, and one of them has the names of all."""
+    names = [
+        set(_names(panel, tables[panel.table or chart.table])) if isinstance(panel, Lines) else set()
+        for panel in chart.panels
+    ]
+    return len(names) > 1 and all(names) and max(names, key=len) == set.union(*names)
+
+
+def _common_legend(figure: "Figure", grid: Sequence["Axes"], panels: Sequence[Panel]) -> None:
+    found = {label: line for axes in grid for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    title = next((panel.legend for panel in panels if isinstance(panel, Lines) and panel.legend), None)
+    if title or len(found) > MOST_ABOVE:
+        place: dict[str, Any] = {"loc": "outside right center", "title": title, "alignment": "left"}
+    else:
+        place = {"loc": "outside upper left", "ncols": 4}
+    figure.legend(list(found.values()), list(found), **place)
+
+
+def _draw_lines(axes: "Axes", panel: Lines, table: Table) -> None:
     for line, look in zip(panel.lines, line_looks(panel), strict=True):
         _draw_line(axes, line, table, look, _rows_in_view(panel, line, table))
     x, y = table.columns[panel.lines[0].x], [table.columns[line.y] for line in panel.lines]
@@ -130,7 +153,7 @@ def _draw_lines(axes: "Axes", panel: Lines, table: Table, *, with_legend: bool) 
     axes.set_xlabel(axis_label([x], panel.x_label))
     axes.set_ylabel(axis_label(y, panel.label))
     if panel.x_log:
-        axes.set_xscale("log")
+        _log_scale(axes)
     if panel.y_log:
         axes.set_yscale("log")
     _set_ends(axes.set_xlim, (panel.left, panel.right), column_unit(x))
@@ -139,8 +162,16 @@ def _draw_lines(axes: "Axes", panel: Lines, table: Table, *, with_legend: bool) 
         axes.margins(x=0.02 if any(line.stroke in WITH_MARKS for line in panel.lines) else 0.0)
     if panel.equal:
         axes.set_aspect("equal", adjustable="datalim")
-    if with_legend and _names(panel, table):
-        _legend(axes, panel)
+
+
+def _log_scale(axes: "Axes") -> None:
+    """A logarithmic scale of x with plain numbers at 1, 2, 5, 10 ..."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 3)))
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _rows_in_view(panel: Lines, line: Line, table: Table) -> slice:
@@ -188,11 +219,11 @@ def _set_ends(set_ends: Any, ends: Iterable[float | None], unit: DisplayUnit) ->
         set_ends(*given)
 
 
-def _legend(axes: "Axes", panel: Lines) -> None:
+def _legend(axes: "Axes", panel: Lines, columns: int) -> None:
     if panel.legend or len(panel.lines) > MOST_ABOVE:
         axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), title=panel.legend or None, alignment="left")
     else:
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=4)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=columns)
 
 
 def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
@@ -236,6 +267,10 @@ def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:
             hatched = axes.contourf(x, y, heavy, levels=[0.5, 1e9], colors="none", hatches=["////"])
             hatched.set_edgecolor("#ffffffb0")
             axes.contour(x, y, heavy, levels=[0.5], colors=Colour.INLET, linewidths=1.3)
+    if panel.marks:
+        x, y, marked = field_grid(panel, table, panel.marks)
+        j, i = np.nonzero(np.nan_to_num(marked) > 0.0)
+        axes.plot(x[i], y[j], linestyle="none", marker="x", markersize=3.2, color=Colour.RED, clip_on=False)
     axes.set_xlabel(axis_label([table.columns[panel.x]]))
     axes.set_ylabel(axis_label([table.columns[panel.y]]))
 

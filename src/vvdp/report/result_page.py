@@ -154,7 +154,7 @@ def listing_html(listing: Listing) -> str:
 def _listing_row(each: Row, noted: bool) -> str:
     label = f"&emsp;{text(each.label)}" if each.is_part else text(each.label)
     cells = [label, *(text(shown_cell(value, each.kind)) for value in each.values), text(row_unit(each))]
-    classes = ["", *("n" if not isinstance(value, str) else "" for value in each.values), "u"]
+    classes = ["", *("n" if each.kind or not isinstance(value, str) else "" for value in each.values), "u"]
     if noted:
         cells, classes = [*cells, text(each.note)], [*classes, "q"]
     return row(cells, classes, "part" if each.is_part else "sum" if each.is_sum else "")
@@ -172,7 +172,7 @@ def table_html(name: str, each: Table) -> str:
     if len(places) < each.rows:
         words.append(f"Shown are {len(places)} of {each.rows} rows{thinned}.")
     classes = ["q" if each.columns[key].kind is None else "n" for key in keys]
-    lines = [row([text(table_cell(each.columns[key], place)) for key in keys], classes) for place in places]
+    lines = [row([text(table_cell(each, key, place)) for key in keys], classes) for place in places]
     numeric = [place for place, key in enumerate(keys) if each.columns[key].kind]
     heads = [text(column_head(each.columns[key])) for key in keys]
     return f'<p class="small">{text(" ".join(words))}</p>\n' + table(heads, lines, numeric)

@@ -1,8 +1,10 @@
 """Cells, heads and rows of a result as text: the same on the screen and on a page."""
 
+import math
+
 import numpy as np
 
-from vvdp.base.display import display_unit, number
+from vvdp.base.display import display_unit, number, plain
 from vvdp.base.kinds import FLAG, Kind
 from vvdp.results.result import Column, Row, Table
 
@@ -20,7 +22,7 @@ def shown_cell(value: float | str | None, kind: Kind | None, digits: int = 4) ->
     if value is None or isinstance(value, str):
         return value or ""
     if kind is FLAG:
-        return "yes" if value else "no"
+        return "" if math.isnan(value) else "yes" if value else "no"
     shown = display_unit(kind).shown(value) if kind else value
     whole = kind is not None and kind.name == "count" and float(shown).is_integer()
     return f"{shown:.0f}" if whole else number(float(shown), digits)
@@ -37,10 +39,13 @@ def column_head(column: Column) -> str:
     return column.label + (display_unit(column.kind).bracketed if column.kind else "")
 
 
-def table_cell(column: Column, place: int) -> str:
-    """A cell of a table as a person reads it."""
-    value = column.values[place]
-    return shown_cell(str(value) if column.kind is None else float(value), column.kind)
+def table_cell(each: Table, key: str, place: int) -> str:
+    """A cell of a table as a person reads it: what was set as it was set, what was found to four digits."""
+    column = each.columns[key]
+    value, kind = column.values[place], column.kind
+    if kind is not None and key in each.axes:
+        return plain(float(display_unit(kind).shown(value)), 4)
+    return shown_cell(str(value) if kind is None else float(value), kind)
 
 
 def thinned_rows(each: Table, most: int = MOST_ROWS) -> tuple[list[int], str]:

@@ -132,13 +132,17 @@ class Bars:
 
 @dataclass(frozen=True, kw_only=True)
 class Field:
-    """A panel of `z` over the grid of `x` and `y`, as filled contours; hatched where the column `hatch` is above 0."""
+    """A panel of `z` over the grid of `x` and `y`, as filled contours.
+
+    It is hatched where the column `hatch` is above 0, and has a cross at each point where the column `marks` is.
+    """
 
     x: str
     y: str
     z: str
     rows: tuple[int, ...] = ()
     hatch: str = ""
+    marks: str = ""
     title: str = ""
     steps: tuple[float, ...] = ()
     """Levels of the contours [SI]."""

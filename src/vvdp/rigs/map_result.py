@@ -1,31 +1,44 @@
-"""A map in the form in which every rig leaves its results."""
+"""A map as a result: tables, findings and figures."""
+
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from vvdp.base.units import ATMOSPHERE
-from vvdp.rigs.conditions import BAR, CELSIUS, LPM, RPM, conditions, span
+from vvdp.base.display import number, percent, plain, with_unit
+from vvdp.base.kinds import (
+    AREA,
+    COUNT,
+    DUTY_RATIO,
+    EFFICIENCY,
+    FLAG,
+    FLOW,
+    FREQUENCY,
+    GAUGE_PRESSURE,
+    MEAN_POWER,
+    NUMBER,
+    POWER,
+    PRESSURE_DIFFERENCE,
+    PRESSURE_LEVEL,
+    SPEED,
+    TEMPERATURE,
+    Kind,
+)
+from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Table, numbers_of
+from vvdp.rigs.conditions import axis_words, conditions
+from vvdp.rigs.map_charts import map_charts
 from vvdp.rigs.maps import NOT_RUN, PumpMap, usable
-from vvdp.rigs.periodic import DISTANCE, LIMIT
-from vvdp.rigs.result import Column, RigResult, Sheet
-from vvdp.rigs.steady import HELD
-from vvdp.systems.summary import summary_unit
+from vvdp.steady.shooting import DISTANCE, LIMIT
+from vvdp.steady.steady_states import HELD
 
 MANNER = (
-    "Steady characteristics in the manner of ISO 17559 and ISO 4409: delivered flow and efficiencies over the "
+    "Steady characteristics, based on ISO 17559 and ISO 4409: delivered flow and efficiencies over the "
     "electrical control signal, here the duty ratio, and the load pressure. The derived flow at duty ratio d is d "
     "times displacement times speed; volumetric efficiency is delivered over derived flow, overall efficiency load "
     "power over the power of pump shaft and spool motor, hydromechanical efficiency the second over the first."
 )
-
-
-def written(value: float) -> str:
-    """A small number as people write it: 3e-4."""
-    return f"{value:.0e}".replace("e-0", "e-")
-
-
 SIMULATED = (
     "Every point is the periodic steady state of the PWM-resolved circuit, found by shooting over one period, with a "
-    f"relative residual of at most {written(LIMIT)} and a distance of at most {written(DISTANCE)}; means are over that "
+    f"relative residual of at most {plain(LIMIT)} and a distance of at most {plain(DISTANCE)}; means are over that "
     "period."
 )
 ANALYTIC = (
@@ -38,116 +51,211 @@ LEFT_OUT = (
     "The actuator that sets the spool's axial position: the duty ratio is held exactly.",
     "The pump's own flow ripple, which has no common period with the valve.",
 )
-UNITS = {"duty_ratio": "", "oil_temperature_K": "K", "load_area_m2": "m^2"}
+LEFT_OUT_ANALYTIC = "The load line and its pressure ripple, the compressibility of the oil, the spool's own ripple."
+COLUMNS: Mapping[str, tuple[Kind, str]] = {
+    "duty_ratio": (DUTY_RATIO, "duty ratio"),
+    "load_pressure_Pa": (GAUGE_PRESSURE, "load pressure"),
+    "pump_speed_rad_s": (SPEED, "pump speed"),
+    "oil_temperature_K": (TEMPERATURE, "oil temperature"),
+    "delivered_flow_m3_s": (FLOW, "delivered flow"),
+    "derived_flow_m3_s": (FLOW, "derived flow"),
+    "volumetric_efficiency": (EFFICIENCY, "volumetric efficiency"),
+    "hydromechanical_efficiency": (EFFICIENCY, "hydromechanical efficiency"),
+    "overall_efficiency": (EFFICIENCY, "overall efficiency"),
+    "input_power_W": (MEAN_POWER, "input power"),
+    "spool_motor_power_W": (MEAN_POWER, "power of the spool motor"),
+    "load_power_W": (MEAN_POWER, "load power"),
+    "loss_total_W": (MEAN_POWER, "total loss"),
+    "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
+    "pressure_mean_load_line_Pa": (GAUGE_PRESSURE, "mean load pressure"),
+    "pressure_mean_inlet_Pa": (GAUGE_PRESSURE, "mean inlet pressure"),
+    "mean_pump_flow_m3_s": (FLOW, "pump flow"),
+    "mean_tank_flow_m3_s": (FLOW, "flow through the tank port"),
+    "flow_mean_relief_valve_m3_s": (FLOW, "flow over the relief valve"),
+    "mean_leakage_flow_m3_s": (FLOW, "leakage of the valve"),
+    "motor_overloaded": (FLAG, "above the motor's rated power"),
+    "loss_compressibility_W": (MEAN_POWER, "nominal compressibility loss"),
+    "estimated_ripple_Pa": (PRESSURE_DIFFERENCE, "estimated ripple of the load pressure, peak to peak"),
+    "ripple_reaches_relief": (FLAG, "ripple reaches the relief valve"),
+    "load_area_m2": (AREA, "area of the load orifice"),
+    "pressure_min_inlet_Pa": (GAUGE_PRESSURE, "lowest inlet pressure"),
+    "pressure_max_inlet_Pa": (GAUGE_PRESSURE, "highest inlet pressure"),
+    "pressure_min_load_line_Pa": (GAUGE_PRESSURE, "lowest load pressure"),
+    "pressure_max_load_line_Pa": (GAUGE_PRESSURE, "highest load pressure"),
+    "cavitation": (FLAG, "cavitation"),
+    "trusted": (FLAG, "trusted"),
+    "periodic_residual": (NUMBER, "residual of the periodic state"),
+    "periodic_distance": (NUMBER, "distance of the periodic state"),
+}
+SHOWN = (
+    "oil_temperature_K",
+    "pump_speed_rad_s",
+    "load_pressure_Pa",
+    "duty_ratio",
+    "delivered_flow_m3_s",
+    "volumetric_efficiency",
+    "hydromechanical_efficiency",
+    "overall_efficiency",
+    "input_power_W",
+    "pwm_frequency_Hz",
+    "ripple_reaches_relief",
+    "remark",
+)
+AXES = ("duty_ratio", "load_pressure_Pa", "pump_speed_rad_s", "oil_temperature_K")
+QUANTITIES: Mapping[str, tuple[Kind, str]] = {
+    "points": (COUNT, "points"),
+    "points_without_result": (COUNT, "points without an efficiency"),
+    "points_above_motor_power": (COUNT, "points above the motor's rated power"),
+    "points_with_ripple_at_relief": (COUNT, "points whose ripple reaches the relief valve"),
+    "motor_rated_power_W": (POWER, "rated power of the motor"),
+    "best_efficiency": (EFFICIENCY, "best efficiency that the motor bears"),
+    "best_efficiency_duty_ratio": (DUTY_RATIO, "duty ratio there"),
+    "best_efficiency_load_pressure_Pa": (GAUGE_PRESSURE, "load pressure there"),
+    "best_efficiency_pump_speed_rad_s": (SPEED, "pump speed there"),
+    "best_efficiency_oil_temperature_K": (TEMPERATURE, "oil temperature there"),
+    "highest_delivered_flow_m3_s": (FLOW, "largest delivered flow"),
+    "largest_periodic_residual": (NUMBER, "largest residual of the periodic states"),
+    "untrusted_points": (COUNT, "points whose balances are above the limit"),
+}
+MOST_LISTINGS, MOST_HEADS = 8, 12
+"""Pairs of pump speed and oil temperature that have a listing, and duty ratios in it."""
 
 
-def map_result(found: PumpMap) -> RigResult:
-    """The map as tables, conditions and findings."""
+def map_result(found: PumpMap, table: str = "map") -> Result:
+    """The map as a result whose table has the name `table`."""
     axes, stand = found.axes, found.stand
-    columns = {name: Column(values, _unit(name), label_of(name)) for name, values in found.columns.items()}
-    reasons = np.array([reason or "" for reason in found.reasons])
-    columns["remark"] = Column(reasons, "", "remark")
+    columns = {name: Column(values, *COLUMNS[name]) for name, values in found.columns.items()}
+    columns["remark"] = Column(np.array([reason or "" for reason in found.reasons]), None, "remark")
+    whole = Table(title="All points", columns=columns, shown=SHOWN, axes=AXES)
+    numbers = _numbers(found)
     said = conditions(stand) | {
-        "duty ratio": span(axes.duty_ratios, 1.0, ""),
-        "load pressure": span(axes.load_pressures, BAR, "bar", ATMOSPHERE),
-        "pump speed": span(axes.pump_speeds, RPM, "rpm"),
-        "temperature": span(axes.temperatures, 1.0, "°C", CELSIUS),
+        "duty ratio": axis_words(axes.duty_ratios, DUTY_RATIO),
+        "load pressure": axis_words(axes.load_pressures, PRESSURE_LEVEL),
+        "pump speed": axis_words(axes.pump_speeds, SPEED),
+        "temperature": axis_words(axes.temperatures, TEMPERATURE),
     }
     if found.simulated and stand.makes_pressure:
-        said["load"] += f", sized to hold the mean load pressure within {100.0 * HELD:.2g} %"
-    left_out = list(LEFT_OUT)
-    if not found.simulated:
-        left_out.append(
-            "The load line and its pressure ripple, the compressibility of the oil, the spool's own ripple."
-        )
-    kind = "simulated" if found.simulated else "analytic"
-    return RigResult(
-        rig="map",
-        title=f"Map of the pump, {kind}",
+        said["load"] += f", sized to hold the mean load pressure within {plain(100.0 * HELD, 2)} %"
+    return Result(
+        verb="map",
+        title=f"Map of the pump, {'simulated' if found.simulated else 'analytic'}",
         system=stand.name,
         manner=f"{MANNER} {SIMULATED if found.simulated else ANALYTIC}",
         references=("iso17559", "iso4409"),
         conditions=said,
-        left_out=tuple(left_out),
-        sheets={"map": Sheet("All points", columns)},
-        numbers=_numbers(found),
-        findings=_findings(found),
+        left_out=LEFT_OUT if found.simulated else (*LEFT_OUT, LEFT_OUT_ANALYTIC),
+        tables={table: whole},
+        listings=_listings(found),
+        charts={each.name: each for each in map_charts(found, table)},
+        numbers=numbers_of(numbers, QUANTITIES),
+        findings=tuple(_findings(found, numbers)),
         seconds=found.seconds,
         finished=found.finished,
     )
 
 
-ENDINGS = ("_m3_s", "_rad_s", "_Pa", "_Hz", "_W", "_K", "_m2")
+def _listings(found: PumpMap) -> dict[str, Listing]:
+    """The overall efficiency over load pressure and duty ratio at each oil temperature and pump speed."""
+    axes = found.axes
+    pairs = list(np.ndindex(len(axes.temperatures), len(axes.pump_speeds)))[:MOST_LISTINGS]
+    count = len(axes.duty_ratios)
+    places = [round(x) for x in np.linspace(0, count - 1, min(MOST_HEADS, count)).tolist()]
+    listings: dict[str, Listing] = {}
+    for i, k in pairs:
+        where = f", {with_unit(axes.pump_speeds[k], SPEED, 5)}, {with_unit(axes.temperatures[i], TEMPERATURE)}"
+        grids = [found.grid(name)[i, k] for name in ("overall_efficiency", "motor_overloaded", *_ripple_flag(found))]
+        rows = (
+            Row(
+                with_unit(pressure, PRESSURE_LEVEL),
+                EFFICIENCY,
+                tuple(_marked(*(float(grid[row, place]) for grid in grids)) for place in places),
+            )
+            for row, pressure in enumerate(axes.load_pressures)
+        )
+        name = "efficiency" if len(pairs) == 1 else f"efficiency-{len(listings) + 1}"
+        listings[name] = Listing(
+            title="Overall efficiency over load pressure and duty ratio" + (where if len(pairs) > 1 else ""),
+            heads=tuple(plain(axes.duty_ratios[place], 3) for place in places),
+            rows=tuple(rows),
+            note=NOTE_ANALYTIC if _ripple_flag(found) else NOTE,
+        )
+    return listings
 
 
-def label_of(name: str) -> str:
-    """What a key says without its unit, in words."""
-    ending = next((each for each in ENDINGS if name.endswith(each)), "")
-    return name.removesuffix(ending).replace("_", " ").replace("pwm", "PWM")
+NOTE = "* above the motor's rated power."
+NOTE_ANALYTIC = f"{NOTE} † the ripple of the load pressure reaches the relief valve; simulate these points."
 
 
-def _unit(name: str) -> str:
-    if name in UNITS:
-        return UNITS[name]
-    unit = summary_unit(name)
-    return "" if unit == "1" else unit
+def _ripple_flag(found: PumpMap) -> tuple[str, ...]:
+    return tuple(name for name in ("ripple_reaches_relief",) if name in found.columns)
+
+
+def _marked(efficiency: float, overloaded: float, ripples: float = 0.0) -> str:
+    """An efficiency in % with its marks."""
+    return number(100.0 * efficiency, 3) + "*" * (overloaded > 0.0) + "†" * (ripples > 0.0)
 
 
 def _numbers(found: PumpMap) -> dict[str, float]:
     overall = found.columns["overall_efficiency"]
-    bears = usable(found).ravel()
-    allowed = np.where(bears, overall, np.nan)
+    allowed = np.where(usable(found).ravel(), overall, np.nan)
     numbers = {
         "points": float(found.axes.count),
         "points_without_result": float(sum(reason is not None for reason in found.reasons)),
         "points_above_motor_power": float(np.nansum(found.columns["motor_overloaded"])),
         "motor_rated_power_W": float(found.stand.bench.motor.rated_power),
     }
+    for flag in _ripple_flag(found):
+        numbers["points_with_ripple_at_relief"] = float(np.nansum(found.columns[flag]))
     if np.isfinite(allowed).any():
         best = int(np.nanargmax(allowed))
-        numbers |= {
-            "best_efficiency": float(allowed[best]),
-            "best_efficiency_duty_ratio": float(found.columns["duty_ratio"][best]),
-            "best_efficiency_load_pressure_Pa": float(found.columns["load_pressure_Pa"][best]),
-            "best_efficiency_pump_speed_rad_s": float(found.columns["pump_speed_rad_s"][best]),
-            "best_efficiency_oil_temperature_K": float(found.columns["oil_temperature_K"][best]),
-            "highest_delivered_flow_m3_s": float(np.nanmax(found.columns["delivered_flow_m3_s"])),
-        }
+        numbers |= {"best_efficiency": float(allowed[best])}
+        numbers |= {f"best_efficiency_{name}": float(found.columns[name][best]) for name in AXES}
+        numbers["highest_delivered_flow_m3_s"] = float(np.nanmax(found.columns["delivered_flow_m3_s"]))
     if found.simulated:
         numbers["largest_periodic_residual"] = float(np.nanmax([*found.columns.get("periodic_residual", []), 0.0]))
         numbers["untrusted_points"] = float(np.sum(found.columns.get("trusted", np.ones(1)) == 0.0))
     return numbers
 
 
-def _where(found: PumpMap, numbers: dict[str, float]) -> str:
+def _where(found: PumpMap, numbers: Mapping[str, float]) -> str:
     """Pump speed and oil temperature of the best point, where the map has several of them."""
     words = ""
     if len(found.axes.pump_speeds) > 1:
-        words += f", {numbers['best_efficiency_pump_speed_rad_s'] / RPM:.5g} rpm"
+        words += f", {with_unit(numbers['best_efficiency_pump_speed_rad_s'], SPEED, 5)}"
     if len(found.axes.temperatures) > 1:
-        words += f", {numbers['best_efficiency_oil_temperature_K'] - CELSIUS:.4g} °C"
+        words += f", {with_unit(numbers['best_efficiency_oil_temperature_K'], TEMPERATURE)}"
     return words
 
 
-def _findings(found: PumpMap) -> tuple[str, ...]:
-    numbers, sentences = _numbers(found), []
+def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]:
     if "best_efficiency" in numbers:
-        sentences.append(
-            f"The best efficiency that the motor bears is {100.0 * numbers['best_efficiency']:.3g} %, at duty ratio "
-            f"{numbers['best_efficiency_duty_ratio']:.3g} and "
-            f"{numbers['best_efficiency_load_pressure_Pa'] / BAR:.4g} bar{_where(found, numbers)}; at most "
-            f"{numbers['highest_delivered_flow_m3_s'] / LPM:.4g} lpm are delivered."
+        pressure = with_unit(numbers["best_efficiency_load_pressure_Pa"], GAUGE_PRESSURE)
+        yield Finding(
+            text=f"The best efficiency that the motor bears is {percent(numbers['best_efficiency'])}, at duty ratio "
+            f"{plain(numbers['best_efficiency_duty_ratio'], 3)} and {pressure}{_where(found, numbers)}; at most "
+            f"{with_unit(numbers['highest_delivered_flow_m3_s'], FLOW)} are delivered."
         )
+    count = found.axes.count
     if over := int(numbers["points_above_motor_power"]):
-        sentences.append(
-            f"{over} of {found.axes.count} points need more than the motor's rated power; they are marked."
+        yield Finding(text=f"{over} of {count} points need more than the motor's rated power; they are marked.")
+    if ripples := int(numbers.get("points_with_ripple_at_relief", 0.0)):
+        yield Finding(
+            text=f"At {ripples} of {count} points the ripple of the load pressure reaches the relief valve, so that "
+            "more oil goes over it than the averages say: these efficiencies are too high. They are marked.",
+            grade=Grade.WARNING,
+            title="Too high near the relief setting",
+            remedy="Simulate the map: the same command without --analytic.",
         )
     for reason in dict.fromkeys(r for r in found.reasons if r and r != NOT_RUN):
-        count = sum(r == reason for r in found.reasons)
-        sentences.append(f"{count} point{'s' if count > 1 else ''} without an efficiency: {reason}.")
+        alike = sum(r == reason for r in found.reasons)
+        yield Finding(text=f"{alike} point{'s' if alike > 1 else ''} without an efficiency: {reason}.")
     if not found.finished:
         missing = sum(r == NOT_RUN for r in found.reasons)
-        sentences.append(f"Interrupted: {missing} of {found.axes.count} points were not run yet.")
-    if numbers.get("untrusted_points"):
-        sentences.append(f"At {numbers['untrusted_points']:.0f} points the balances are above the limit.")
-    return tuple(sentences)
+        yield Finding(text=f"Interrupted: {missing} of {count} points were not run yet.")
+    if doubtful := int(numbers.get("untrusted_points", 0.0)):
+        yield Finding(
+            text=f"At {doubtful} points the balances are above the limit.",
+            grade=Grade.BAD,
+            title="Not trusted",
+            remedy="See the column trusted; a smaller run.relative_tolerance helps.",
+        )

@@ -5,7 +5,6 @@ every point. Finished points of a simulated map are kept at once, so an interrup
 """
 
 import hashlib
-import itertools
 import shutil
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -20,38 +19,41 @@ import numpy.typing as npt
 
 import vvdp
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
+from vvdp.base.display import with_unit
+from vvdp.base.errors import ParameterError, unusable
 from vvdp.base.files import clear_unfinished
-from vvdp.base.units import ATMOSPHERE
+from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.fluid.mixture import compression_energy_per_volume
-from vvdp.fluid.oil import dynamic_viscosity
+from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.spool_drive import drive_power
-from vvdp.rigs import periodic, steady
-from vvdp.rigs.averages import averages
-from vvdp.rigs.conditions import BAR, CELSIUS, RPM, gauge
-from vvdp.rigs.cycle import CycleMeans
-from vvdp.rigs.result import read_rig
-from vvdp.rigs.stand import SetPoint, Stand
-from vvdp.rigs.steady import Steady, steady_states
+from vvdp.results.store import DESCRIPTION, read_result
+from vvdp.rigs.map_axes import Axes
+from vvdp.rigs.ripple import estimated_ripple, line_capacity
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.run import compiled_loop
 from vvdp.simulation.values import flat, leaves
+from vvdp.steady.averages import averages
+from vvdp.steady.cycle_means import CycleMeans
+from vvdp.steady.shooting import DISTANCE, LIMIT, TOLERANCE
+from vvdp.steady.steady_states import HELD, Steady, steady_states
+from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import interrupts_held, silent
 from vvdp.studies.store import Finished, opened_store
 from vvdp.studies.work import Batching, check_same, kept_batches
 from vvdp.valve.leakage import leakage_conductance
+from vvdp.valve.losses import full_open_drop
 from vvdp.valve.torque import pwm_frequency
 
 STORE = "points"
 """Folder of the finished points in that of a simulated map."""
 BATCHING = Batching(least=4, seconds=0.5)
 """A point is worth more than a case of a study: a killed map loses half a second of work, or four points."""
-MOST_POINTS = 1_000_000
 
 SET = ("duty_ratio", "load_pressure_Pa", "pump_speed_rad_s", "oil_temperature_K")
 FOUND = (
     "delivered_flow_m3_s",
+    "derived_flow_m3_s",
     "volumetric_efficiency",
     "hydromechanical_efficiency",
     "overall_efficiency",
@@ -68,7 +70,7 @@ FOUND = (
     "mean_leakage_flow_m3_s",
     "motor_overloaded",
 )
-ANALYTIC_ONLY = ("loss_compressibility_W",)
+ANALYTIC_ONLY = ("loss_compressibility_W", "estimated_ripple_Pa", "ripple_reaches_relief")
 SIMULATED_ONLY = (
     "load_area_m2",
     "pressure_min_inlet_Pa",
@@ -80,100 +82,6 @@ SIMULATED_ONLY = (
     "periodic_residual",
     "periodic_distance",
 )
-
-
-@dataclass(frozen=True)
-class Axes:
-    """The values that a map goes through; its points are ordered with the duty ratio fastest, the temperature slowest.
-
-    Pressures are absolute. Raises ConfigError with all that is wrong when made.
-    """
-
-    duty_ratios: tuple[float, ...]
-    load_pressures: tuple[float, ...]
-    pump_speeds: tuple[float, ...]
-    temperatures: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        faults = [
-            Fault("map", 0, name, problem)
-            for name, values, scale in (
-                ("duty ratios", self.duty_ratios, _DUTY),
-                ("load pressures", self.load_pressures, _PRESSURE),
-                ("pump speeds", self.pump_speeds, _SPEED),
-                ("temperatures", self.temperatures, _TEMPERATURE),
-            )
-            if (problem := _axis_problem(values, scale))
-        ]
-        if not faults and self.count > MOST_POINTS:
-            faults = [Fault("map", 0, "", f"{self.count} points; at most {MOST_POINTS}")]
-        if faults:
-            raise ConfigError(faults)
-
-    @property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Numbers of temperatures, pump speeds, load pressures and duty ratios."""
-        return len(self.temperatures), len(self.pump_speeds), len(self.load_pressures), len(self.duty_ratios)
-
-    @property
-    def count(self) -> int:
-        """Number of points."""
-        return int(np.prod(self.shape))
-
-    @property
-    def points(self) -> list[SetPoint]:
-        """All set points in the order of a map's columns."""
-        ordered = itertools.product(self.temperatures, self.pump_speeds, self.load_pressures, self.duty_ratios)
-        return [SetPoint(d, p, n, t) for t, n, p, d in ordered]
-
-
-class _Scale(NamedTuple):
-    """How a person reads the values of an axis, and what they may be [SI]: above `lowest`, up to `highest`."""
-
-    unit: str
-    size: float
-    zero: float
-    expected: str
-    lowest: float
-    highest: float
-
-    def words(self, value: float) -> str:
-        """`value` [SI] with its unit."""
-        return f"{round((value - self.zero) / self.size, 6):.6g} {self.unit}".rstrip()
-
-
-BELOW_ZERO = -1e-12
-"""A duty ratio that counts as 0: what rounding leaves of it."""
-_DUTY = _Scale("", 1.0, 0.0, "numbers from 0 to 1", BELOW_ZERO, 1.0 - BELOW_ZERO)
-_PRESSURE = _Scale("bar", BAR, ATMOSPHERE, "numbers above -1.01325 bar", 0.0, np.inf)
-_SPEED = _Scale("rpm", RPM, 0.0, "numbers above 0 rpm", 0.0, np.inf)
-_TEMPERATURE = _Scale("degC", 1.0, CELSIUS, "numbers above -273.15 degC", 0.0, np.inf)
-
-
-def _axis_problem(values: Sequence[float], scale: _Scale) -> str | None:
-    if not values:
-        return "none; expected at least one"
-    if outside := [v for v in values if not (np.isfinite(v) and scale.lowest < v <= scale.highest)]:
-        more = f" and {len(outside) - 1} more" if len(outside) > 1 else ""
-        return f"{scale.words(outside[0])}{more}; expected {scale.expected}"
-    for before, after in itertools.pairwise(values):
-        if after <= before:
-            return f"{scale.words(after)} after {scale.words(before)}; expected increasing values"
-    return None
-
-
-def default_axes(stand: Stand, duties: int = 12, pressures: int = 10) -> Axes:
-    """Duty ratios up to 1, load pressures up to 95 % of the relief setting; speed and temperature of the system."""
-    here = stand.set_point
-    rise = stand.relief_pressure - stand.tank_pressure
-    shares = np.linspace(0.05, 0.95, pressures) if pressures > 1 else np.array([0.8])
-    steps = np.linspace(1.0 / duties, 1.0, duties)
-    return Axes(
-        tuple(float(d) for d in steps),
-        tuple(float(stand.tank_pressure + share * rise) for share in shares),
-        (here.pump_speed,),
-        (here.oil_temperature,),
-    )
 
 
 @dataclass(frozen=True)
@@ -225,21 +133,40 @@ def analytic_map(
     t, n, p, d = _columns(np.ravel(v) for v in np.meshgrid(
         axes.temperatures, axes.pump_speeds, axes.load_pressures, axes.duty_ratios, indexing="ij"
     ))  # fmt: skip
+    points = SetPoint(d, p, n, t)
+    rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
+    averaged = averages(rows, stand.bench.valve, cores=cores, cache=cache, say=say)
+    stuck = _standstills(stand, axes.points, averaged)
+    columns = _averaged_columns(stand, points, CycleMeans(*_columns(averaged.T)))
+    if stand.makes_pressure:
+        columns |= _ripple_columns(stand, points, columns)
+    turns = np.array([reason is None for reason in stuck])
+    columns = _judged(stand, axes, {name: np.where(turns, values, np.nan) for name, values in columns.items()})
+    reasons = _reasons(stand, columns, stuck)
+    return PumpMap(
+        stand=stand,
+        axes=axes,
+        simulated=False,
+        columns=columns,
+        reasons=reasons,
+        ran=axes.count,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
+    """What quasi-steady averages give at many set points at once."""
+    d, p, n, t = points
     bench, tank = stand.bench, stand.tank_pressure
     pump, oil, valve = bench.pump, bench.oil, bench.valve
-    points = SetPoint(d, p, n, t)
     flow = stand.pump_flow(points)
-    rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
-    averaged = averages(rows, valve, cores=cores, cache=cache, say=say)
-    means = CycleMeans(*_columns(averaged.T))
-    stuck = _standstills(stand, axes.points, averaged)
     speed: Any = stand.guessed_speed(means)
     motor: Any = drive_power(bench.operation.spool_motor_speed.base, speed, bench.spool_drive)
-    frequency = pwm_frequency(speed, valve)
+    frequency: Any = pwm_frequency(speed, valve)
     leakage = leakage_conductance(dynamic_viscosity(t, oil), valve) * (p - tank)
     delivered = means.load_flow - leakage
     shaft = flow * (means.inlet_pressure - tank) + pump.friction_torque * n
-    columns = {
+    return {
         "delivered_flow_m3_s": delivered,
         "input_power_W": shaft,
         "spool_motor_power_W": motor if stand.is_driven else np.zeros_like(d),
@@ -254,10 +181,24 @@ def analytic_map(
         "motor_overloaded": (shaft > bench.motor.rated_power).astype(float),
         "loss_compressibility_W": frequency * bench.inlet_volume * compression_energy_per_volume(p, tank, oil),
     }
-    turns = np.array([reason is None for reason in stuck])
-    columns = _judged(stand, axes, {name: np.where(turns, values, np.nan) for name, values in columns.items()})
-    reasons = _reasons(stand, columns, stuck)
-    return PumpMap(stand, axes, False, columns, reasons, axes.count, time.perf_counter() - began)
+
+
+def _ripple_columns(stand: Stand, points: Any, columns: Mapping[str, Any]) -> dict[str, Array]:
+    """The estimated ripple of the load line, and whether its crest opens the relief valve through the open valve.
+
+    Where it does, a constant load pressure says too little of what goes over the relief valve.
+    """
+    levels, place = np.unique(points.load_pressure, return_inverse=True)
+    capacity: Any = np.array([line_capacity(float(level), stand) for level in levels])[place]
+    flow, frequency = columns["mean_pump_flow_m3_s"], columns["pwm_frequency_Hz"]
+    delivered: Any = np.clip(columns["delivered_flow_m3_s"], 0.0, None)
+    swing: Any = estimated_ripple(delivered, flow, frequency, capacity)
+    drop = full_open_drop(flow, density(points.oil_temperature, stand.bench.oil), stand.bench.valve)
+    crest = points.load_pressure + 0.5 * swing + drop.nozzle + drop.centre_section + drop.outlet_turbine
+    return {
+        "estimated_ripple_Pa": swing,
+        "ripple_reaches_relief": ((crest >= stand.relief_pressure) & (delivered > 0.0)).astype(float),
+    }
 
 
 def _standstills(stand: Stand, points: Sequence[SetPoint], means: Array) -> list[str | None]:
@@ -294,6 +235,7 @@ def _judged(stand: Stand, axes: Axes, columns: Mapping[str, Array]) -> dict[str,
         found = {
             **set_,
             **columns,
+            "derived_flow_m3_s": derived,
             "volumetric_efficiency": volumetric,
             "hydromechanical_efficiency": overall / volumetric,
             "overall_efficiency": overall,
@@ -307,7 +249,7 @@ def _reasons(stand: Stand, columns: Mapping[str, Array], reasons: Sequence[str |
     """Why each point has no result, or no efficiency."""
     dry = ~(columns["delivered_flow_m3_s"] > 0.0)
     above = columns["load_pressure_Pa"] + stand.reference > stand.relief_pressure
-    relief = f"{ABOVE_RELIEF} of {gauge(stand.relief_pressure)} bar"
+    relief = f"{ABOVE_RELIEF} of {with_unit(stand.relief_pressure, PRESSURE_LEVEL)}"
     idle = ~(columns["load_power_W"] > 0.0)
     return tuple(
         relief if too_high and nothing and reason != NOT_RUN
@@ -378,27 +320,27 @@ def _points_done(stand: Stand, cache: Path | None, batch: Sequence[_Wanted], cor
 
 
 @contextmanager
-def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True, force: bool = False) -> Iterator[None]:
+def map_directory(directory: Path, verb: str = "map", *, simulated: bool = True, force: bool = False) -> Iterator[None]:
     """Makes `directory` the place of a map, new or gone on with, and removes it again if nothing came into it.
 
-    `rig` says of which rig the map is a part. Without `force` a simulated map and an analytic one do not replace each
+    `verb` says of which verb the map is a part. Without `force` a simulated map and an analytic one do not replace each
     other; with it an earlier map is discarded.
 
     Raises ConfigError where it holds something else or cannot be written.
     """
     if directory.exists() and not directory.is_dir():
         raise unusable(directory, "is not a directory")
-    known = ("rig.json", f"{STORE}/study.json")
+    known = (DESCRIPTION, f"{STORE}/study.json")
     if directory.exists() and any(directory.iterdir()) and not any((directory / name).is_file() for name in known):
         raise unusable(directory, "holds something else than a map; choose another directory")
     if force and directory.exists():
         shutil.rmtree(directory)
-    if (directory / "rig.json").is_file() and read_rig(directory).rig != rig:
-        raise unusable(directory, "holds the result of another rig; choose another directory")
+    if (directory / DESCRIPTION).is_file() and read_result(directory).verb != verb:
+        raise unusable(directory, "holds the result of another command; choose another directory")
     stored = (directory / STORE).exists()
     if stored and not simulated:
         raise unusable(directory, "holds a simulated map; choose another directory for an analytic one")
-    if simulated and not stored and (directory / "rig.json").is_file():
+    if simulated and not stored and (directory / DESCRIPTION).is_file():
         raise unusable(directory, "holds an analytic map; choose another directory for a simulated one")
     try:
         clear_unfinished(directory)
@@ -414,8 +356,8 @@ def map_directory(directory: Path, rig: str = "map", *, simulated: bool = True, 
 
 def _key(stand: Stand, point: SetPoint, digest: str) -> str:
     """What a point is known by: everything that its result depends on."""
-    tolerance = min(stand.stepping.relative_tolerance, periodic.TOLERANCE)
-    solver = (periodic.LIMIT, periodic.DISTANCE, tolerance, steady.HELD, stand.stepping.method)
+    tolerance = min(stand.stepping.relative_tolerance, TOLERANCE)
+    solver = (LIMIT, DISTANCE, tolerance, HELD, stand.stepping.method)
     found = hashlib.sha256(repr((vvdp.__version__, digest, solver, tuple(point))).encode())
     for _, table in sorted(stand.bench.tables.items()):
         found.update(repr([path for path, _, _ in leaves(table)]).encode())
@@ -445,7 +387,15 @@ def _collected(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: i
     columns["delivered_flow_m3_s"] = column("mean_load_flow_m3_s")  # leakage taken off
     reasons = [each.failure if each else NOT_RUN for each in done]
     judged = _judged(stand, axes, columns)
-    return PumpMap(stand, axes, True, judged, _reasons(stand, judged, reasons), ran, seconds)
+    return PumpMap(
+        stand=stand,
+        axes=axes,
+        simulated=True,
+        columns=judged,
+        reasons=_reasons(stand, judged, reasons),
+        ran=ran,
+        seconds=seconds,
+    )
 
 
 Flags = npt.NDArray[np.bool_]

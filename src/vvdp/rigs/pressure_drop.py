@@ -1,23 +1,26 @@
-"""Pressure drop of the rotary valve and its sections against flow, in the manner of ISO 4411."""
+"""Pressure drop of the rotary valve and its sections against flow, based on ISO 4411."""
 
 import itertools
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import number, percent, plain, with_unit
+from vvdp.base.kinds import FLOW, FRACTION, MEAN_POWER, NUMBER, PRESSURE_DIFFERENCE, TEMPERATURE
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.rigs.conditions import BAR, CELSIUS, LPM, conditions, span
-from vvdp.rigs.result import Column, RigResult, Sheet
-from vvdp.rigs.stand import Stand
+from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, shades
+from vvdp.results.result import Column, Finding, Result, Table, numbers_of
+from vvdp.rigs.conditions import axis_words, conditions
+from vvdp.steady.test_stand import Stand
 from vvdp.valve.branch import turbulent_drops
 from vvdp.valve.operating_point import TURBULENT, nozzle_reynolds_number
 
 OPENINGS = (1.0, 0.5, 0.25)
 MANNER = (
-    "Differential pressure over flow in the manner of ISO 4411, for the whole valve from the inlet rail to an outlet "
+    "Differential pressure over flow, based on ISO 4411, for the whole valve from the inlet rail to an outlet "
     "port and for its sections in series: nozzles, centre section, outlet turbine. The spool stands still with the "
     "ports at a fixed open fraction; the branches to load and tank have the same law."
 )
@@ -25,9 +28,21 @@ LEFT_OUT = (
     "Pipes and fittings between the pressure taps, whose own drop a test subtracts.",
     "The swirl of a turning spool, and the drop of the outlet rail unless a rail coefficient is given.",
     "The transition to a linear law at very small drops, which keeps the simulation smooth at zero flow.",
-    "Viscosity: the section's coefficients were found at one; only the density follows the temperature.",
+    "Viscosity: the coefficients of the sections hold for one viscosity; only the density follows the temperature.",
     "Leakage past the spool.",
 )
+SECTIONS = {
+    "total": ("whole valve", Colour.INK),
+    "nozzle": ("nozzles", Colour.INLET),
+    "outlet_turbine": ("outlet turbine", Colour.TANK),
+    "centre_section": ("centre section", Colour.LOAD),
+}
+QUANTITIES = {
+    "flow_m3_s": (FLOW, "pump flow"),
+    **{f"pressure_drop_{name}_Pa": (PRESSURE_DIFFERENCE, label) for name, (label, _) in SECTIONS.items()},
+    "flow_exponent": (NUMBER, "exponent of the flow in the pressure drop"),
+}
+STROKES = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
 
 
 def default_flows(stand: Stand, count: int = 31) -> tuple[float, ...]:
@@ -41,59 +56,63 @@ def pressure_drop(
     flows: Sequence[float] | None = None,
     temperatures: Sequence[float] | None = None,
     openings: Sequence[float] = OPENINGS,
-) -> RigResult:
+) -> Result:
     """Drops of the valve's sections [Pa] at each temperature [K], open fraction [1] and flow [m^3/s].
 
-    Source  wang2017, eqs. 2.3 to 2.5, in the manner of iso4411
+    Source  wang2017, eqs. 2.3 to 2.5, based on iso4411
     """
     began = time.perf_counter()
     flows = tuple(flows or default_flows(stand))
     temperatures = tuple(temperatures or (stand.set_point.oil_temperature,))
-    points = np.array(list(itertools.product(temperatures, openings, flows)), float)
-    t, a, q = _formulas(points.T)
-    oil, valve = stand.bench.oil, stand.bench.valve
-    rho, mu = density(t, oil), dynamic_viscosity(t, oil)
-    drops: Any = turbulent_drops(q, a, rho, valve)
-    total: Any = drops.nozzle + drops.centre_section + drops.outlet_turbine
-    reynolds: Any = nozzle_reynolds_number(q, rho, mu, valve)
-    columns = {
-        "oil_temperature_K": Column(t, "K", "oil"),
-        "opening": Column(a, "", "open fraction"),
-        "flow_m3_s": Column(q, "m^3/s", "flow"),
-        "pressure_drop_nozzle_Pa": Column(drops.nozzle, "Pa", "nozzles"),
-        "pressure_drop_centre_section_Pa": Column(drops.centre_section, "Pa", "centre section"),
-        "pressure_drop_outlet_turbine_Pa": Column(drops.outlet_turbine, "Pa", "outlet turbine"),
-        "pressure_drop_total_Pa": Column(total, "Pa", "whole valve"),
-        "loss_W": Column(total * q, "W", "power lost"),
-        "nozzle_reynolds_number": Column(reynolds, "", "Reynolds number"),
-    }
-    numbers = _numbers(stand, t, a, q, total)
-    return RigResult(
-        rig="pressure-drop",
+    table = _table(stand, np.array(list(itertools.product(temperatures, openings, flows)), float).T)
+    numbers = _numbers(stand, table)
+    return Result(
+        verb="rig pressure-drop",
         title="Pressure drop of the valve against flow",
         system=stand.name,
         manner=MANNER,
         references=("iso4411",),
         conditions={
             "fluid": conditions(stand)["fluid"],
-            "temperature": span(temperatures, 1.0, "°C", CELSIUS),
-            "flow": span(flows, LPM, "lpm"),
-            "open fraction": ", ".join(f"{x:.3g}" for x in openings),
+            "temperature": axis_words(temperatures, TEMPERATURE),
+            "flow": axis_words(flows, FLOW),
+            "open fraction": ", ".join(plain(x, 3) for x in openings),
         },
         left_out=LEFT_OUT,
-        sheets={"pressure-drop": Sheet("Pressure drop and flow", columns)},
-        numbers=numbers,
-        findings=_findings(numbers, columns),
+        tables={"pressure-drop": table},
+        charts={"pressure-drop": _chart(table)},
+        numbers=numbers_of(numbers, QUANTITIES),
+        findings=tuple(_findings(numbers, table)),
         seconds=time.perf_counter() - began,
     )
 
 
-def _formulas(columns: Any) -> tuple[Any, ...]:
-    """Columns as formulas take them: written for floats, they work on arrays too."""
-    return tuple(columns)
+def _table(stand: Stand, points: Any) -> Table:
+    """Temperatures, open fractions and flows, and what the valve does there. Formulas for floats take arrays too."""
+    t, a, q = points
+    oil, valve = stand.bench.oil, stand.bench.valve
+    rho, mu = density(t, oil), dynamic_viscosity(t, oil)
+    drops: Any = turbulent_drops(q, a, rho, valve)
+    total: Any = drops.nozzle + drops.centre_section + drops.outlet_turbine
+    reynolds: Any = nozzle_reynolds_number(q, rho, mu, valve)
+    return Table(
+        title="Pressure drop and flow",
+        columns={
+            "oil_temperature_K": Column(t, TEMPERATURE, "oil temperature"),
+            "opening": Column(a, FRACTION, "open fraction"),
+            "flow_m3_s": Column(q, FLOW, "flow"),
+            "pressure_drop_nozzle_Pa": Column(drops.nozzle, PRESSURE_DIFFERENCE, "nozzles"),
+            "pressure_drop_centre_section_Pa": Column(drops.centre_section, PRESSURE_DIFFERENCE, "centre section"),
+            "pressure_drop_outlet_turbine_Pa": Column(drops.outlet_turbine, PRESSURE_DIFFERENCE, "outlet turbine"),
+            "pressure_drop_total_Pa": Column(total, PRESSURE_DIFFERENCE, "whole valve"),
+            "loss_W": Column(total * q, MEAN_POWER, "power lost"),
+            "nozzle_reynolds_number": Column(reynolds, NUMBER, "Reynolds number"),
+        },
+        axes=("flow_m3_s", "oil_temperature_K", "opening"),
+    )
 
 
-def _numbers(stand: Stand, t: Array, a: Array, q: Array, total: Array) -> dict[str, float]:
+def _numbers(stand: Stand, table: Table) -> dict[str, float]:
     """The drop at the pump flow and its parts, and the power law that comes closest to the open valve."""
     here = stand.set_point
     flow, oil, valve = stand.pump_flow(here), stand.bench.oil, stand.bench.valve
@@ -105,28 +124,64 @@ def _numbers(stand: Stand, t: Array, a: Array, q: Array, total: Array) -> dict[s
         "pressure_drop_outlet_turbine_Pa": float(drops.outlet_turbine),
         "pressure_drop_total_Pa": float(drops.nozzle + drops.centre_section + drops.outlet_turbine),
     }
-    widest = (a == a.max()) & (t == t[0])
-    if np.count_nonzero(widest) > 1:
-        slope, _ = np.polyfit(np.log(q[widest]), np.log(total[widest]), 1)
-        found["flow_exponent"] = float(slope)
+    widest = _rows(table, table["oil_temperature_K"][0], table["opening"].max())
+    if len(widest) > 1:
+        q, total = (np.log(table[key][widest]) for key in ("flow_m3_s", "pressure_drop_total_Pa"))
+        found["flow_exponent"] = float(np.polyfit(q, total, 1)[0])
     return found
 
 
-def _findings(numbers: dict[str, float], columns: dict[str, Column]) -> tuple[str, ...]:
+def _rows(table: Table, temperature: float, opening: float) -> list[int]:
+    there = (table["oil_temperature_K"] == temperature) & (table["opening"] == opening)
+    return [int(row) for row in np.flatnonzero(there)]
+
+
+def _chart(table: Table) -> Chart:
+    temperatures: Array = np.unique(table["oil_temperature_K"])
+    openings: Array = np.unique(table["opening"])[::-1]
+    opened = tuple(_rows(table, temperatures[0], openings[0]))
+    sections = (
+        Line(x="flow_m3_s", y=f"pressure_drop_{name}_Pa", rows=opened, colour=colour)
+        for name, (_, colour) in SECTIONS.items()
+    )
+    whole = (
+        Line(
+            x="flow_m3_s",
+            y="pressure_drop_total_Pa",
+            label=plain(opening, 3) + (f" at {with_unit(t, TEMPERATURE)}" if temperatures.size > 1 else ""),
+            rows=tuple(_rows(table, t, opening)),
+            colour=colour,
+            stroke=STROKES[place % len(STROKES)],
+        )
+        for opening, colour in zip(openings, shades(openings.size)[::-1], strict=True)
+        for place, t in enumerate(temperatures)
+    )
+    return Chart(
+        name="pressure-drop",
+        caption="Left: the open valve and its sections in series. Right: the whole valve at fixed open fractions.",
+        table="pressure-drop",
+        panels=(
+            Lines(lines=tuple(sections), label="pressure drop", low=0.0, left=0.0),
+            Lines(lines=tuple(whole), label="pressure drop", legend="open fraction", low=0.0, left=0.0),
+        ),
+        side_by_side=True,
+    )
+
+
+def _findings(numbers: dict[str, float], table: Table) -> Iterator[Finding]:
     total = numbers["pressure_drop_total_Pa"]
     parts = ", ".join(
-        f"{words} {100.0 * numbers[f'pressure_drop_{name}_Pa'] / total:.0f} %"
+        f"{words} {percent(numbers[f'pressure_drop_{name}_Pa'] / total, 0)}"
         for name, words in (("nozzle", "nozzles"), ("centre_section", "centre section"), ("outlet_turbine", "outlet"))
     )
-    sentences = [
-        f"At the pump flow of {numbers['flow_m3_s'] / LPM:.4g} lpm the open valve takes {total / BAR:.4g} bar: {parts}."
-    ]
+    flow, drop = with_unit(numbers["flow_m3_s"], FLOW), with_unit(total, PRESSURE_DIFFERENCE)
+    yield Finding(text=f"At the pump flow of {flow} the open valve takes {drop}: {parts}.")
     if "flow_exponent" in numbers:
-        sentences.append(f"Its drop grows with the flow to the power {numbers['flow_exponent']:.3g}.")
-    reynolds: Any = columns["nozzle_reynolds_number"].values
+        yield Finding(text=f"Its drop grows with the flow to the power {number(numbers['flow_exponent'], 3)}.")
+    reynolds: Array = table["nozzle_reynolds_number"]
     if np.any(reynolds < TURBULENT):
-        sentences.append(
-            f"The Reynolds number of the nozzles is {np.min(reynolds):.3g} to {np.max(reynolds):.4g}: below "
-            f"{TURBULENT:.0f} a discharge coefficient from a turbulent model is uncertain."
+        ends = f"{plain(reynolds.min(), 3)} to {plain(reynolds.max(), 4)}"
+        yield Finding(
+            text=f"The Reynolds number of the nozzles is {ends}: below {TURBULENT:.0f} a discharge coefficient from a "
+            "turbulent model is uncertain."
         )
-    return tuple(sentences)

@@ -1,29 +1,40 @@
-"""The VVDP as an electrically controlled pump, in the manner of ISO 17559 and ISO 4409: steady and dynamic."""
+"""The VVDP as an electrically controlled pump, based on ISO 17559 and ISO 4409: steady and dynamic."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.rigs.conditions import BAR, LPM
+from vvdp.base.display import number, percent, with_unit
+from vvdp.base.kinds import CONDUCTANCE, DUTY_RATIO, EFFICIENCY, FLOW, PRESSURE_DIFFERENCE
+from vvdp.results.result import Finding, Result, numbers_of
+from vvdp.rigs.map_axes import Axes, default_axes
 from vvdp.rigs.map_result import map_result
-from vvdp.rigs.maps import Axes, PumpMap, default_axes, simulated_map
-from vvdp.rigs.result import RigResult
-from vvdp.rigs.stand import Stand
+from vvdp.rigs.maps import PumpMap, simulated_map
 from vvdp.rigs.step import STEPS, checked_steps, dynamics
 from vvdp.simulation.link import quiet
+from vvdp.steady.test_stand import Stand
 from vvdp.studies.engine import ThisProcess
 from vvdp.studies.run import silent
 
 DUTY_RATIOS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 PRESSURES = 4
+SPAN = 10e5
+"""Of load pressure, over which the loss of flow is said [Pa]."""
 SPEED_SHARES = (0.6, 1.0)
 """Pump speeds, over that of the system."""
 LOWEST_SHARE, STRAIGHT = 0.01, (0.3, 0.95)
 """Share of the largest flow that ends the dead band, and the duty ratios between which the flow should be a line."""
+QUANTITIES = {
+    "dead_band_duty_ratio": (DUTY_RATIO, "duty ratio up to which hardly any flow is delivered"),
+    "flow_gain_lowest_m3_s": (FLOW, "smallest slope of the flow over the duty ratio, at constant load pressure"),
+    "flow_gain_highest_m3_s": (FLOW, "largest slope of the flow over the duty ratio, at constant load pressure"),
+    "linearity_error": (EFFICIENCY, "largest distance from a straight line, over the span"),
+    "flow_loss_per_pressure_m3_s_Pa": (CONDUCTANCE, "what the load pressure takes off the flow, at most"),
+}
 
 
 def pump_axes(stand: Stand) -> Axes:
@@ -45,27 +56,26 @@ def pump(
     progress: Callable[[int, int], None] = silent,
     cache: Path | None = None,
     say: Callable[[str], None] = quiet,
-) -> RigResult:
+) -> Result:
     """Steady maps over duty ratio and load pressure (pump speed, temperature), then step and frequency response.
 
     Finished points of the maps are kept in `directory`; where the maps were interrupted the dynamics are left for the
     next time. Raises ConfigError where the directory cannot be used, ParameterError where there is no such step.
 
-    Source  ours, docs/rigs.md, in the manner of iso17559 and iso4409
+    Source  ours, docs/rigs.md, based on iso17559 and iso4409
     """
     began = time.perf_counter()
     low, high = checked_steps(steps)
     axes = axes or pump_axes(stand)
     steady = simulated_map(stand, axes, directory, engine=ThisProcess(cores), progress=progress, say=say, cache=cache)
-    found = map_result(steady)
-    numbers = {**found.numbers, **control_numbers(steady)}
+    found = map_result(steady, "steady")
+    numbers = control_numbers(steady)
     result = replace(
         found,
-        rig="pump",
+        verb="rig pump",
         title="The VVDP as an electrically controlled pump",
-        numbers=numbers,
+        numbers={**found.numbers, **numbers_of(numbers, QUANTITIES)},
         findings=(*found.findings, *_findings(numbers)),
-        sheets={"steady": found.sheets["map"]},
     )
     if not steady.finished:
         return replace(result, seconds=time.perf_counter() - began)
@@ -75,8 +85,9 @@ def pump(
         manner=f"{found.manner} {moving.manner}",
         conditions={**found.conditions, "step": moving.conditions["duty ratio"]},
         left_out=(*found.left_out, *moving.left_out[1:]),
-        sheets={**result.sheets, **moving.sheets},
-        numbers={**numbers, **moving.numbers},
+        tables={**result.tables, **moving.tables},
+        charts={**result.charts, **moving.charts},
+        numbers={**result.numbers, **moving.numbers},
         findings=(*result.findings, *moving.findings),
         seconds=time.perf_counter() - began,
     )
@@ -134,22 +145,19 @@ def control_numbers(found: PumpMap) -> dict[str, float]:
     return numbers
 
 
-def _findings(n: dict[str, float]) -> tuple[str, ...]:
-    sentences = []
+def _findings(n: Mapping[str, float]) -> Iterator[Finding]:
     if "dead_band_duty_ratio" in n:
-        sentences.append(
-            f"Up to a duty ratio of {n['dead_band_duty_ratio']:.3g} less than {100.0 * LOWEST_SHARE:g} % of the "
-            "largest flow is delivered."
+        yield Finding(
+            text=f"Up to a duty ratio of {number(n['dead_band_duty_ratio'], 3)} less than {percent(LOWEST_SHARE, 0)} "
+            "of the largest flow is delivered."
         )
     if "linearity_error" in n:
-        sentences.append(
-            f"Between duty ratios of {STRAIGHT[0]:g} and {STRAIGHT[1]:g} the flow lies within "
-            f"{100.0 * n['linearity_error']:.2g} % of a straight line, with a gain of "
-            f"{n['flow_gain_lowest_m3_s'] / LPM:.4g} to {n['flow_gain_highest_m3_s'] / LPM:.4g} lpm per unit."
+        low, high = (with_unit(n[f"flow_gain_{end}_m3_s"], FLOW) for end in ("lowest", "highest"))
+        yield Finding(
+            text=f"Between duty ratios of {STRAIGHT[0]:g} and {STRAIGHT[1]:g} the flow lies within "
+            f"{percent(n['linearity_error'])} of a straight line; at a constant load pressure its gain is {low} to "
+            f"{high} per unit of duty ratio."
         )
     if "flow_loss_per_pressure_m3_s_Pa" in n:
-        sentences.append(
-            "The load pressure takes at most "
-            f"{n['flow_loss_per_pressure_m3_s_Pa'] / LPM * 10.0 * BAR:.3g} lpm per 10 bar."
-        )
-    return tuple(sentences)
+        lost = with_unit(n["flow_loss_per_pressure_m3_s_Pa"] * SPAN, FLOW, 3)
+        yield Finding(text=f"The load pressure takes at most {lost} per {with_unit(SPAN, PRESSURE_DIFFERENCE)}.")

@@ -1,22 +1,37 @@
-"""Pressure ripple of the load line over duty ratio, PWM frequency and accumulator, in the manner of ISO 10767."""
+"""Pressure ripple of the load line over duty ratio, PWM frequency and accumulator, based on ISO 10767."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import number, percent, with_unit
 from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import (
+    COUNT,
+    DUTY_RATIO,
+    EFFICIENCY,
+    FLOW,
+    FREQUENCY,
+    GAUGE_PRESSURE,
+    NUMBER,
+    PRESSURE_DIFFERENCE,
+    PRESSURE_LEVEL,
+    SIGNED_PRESSURE,
+    TIME,
+    VOLUME,
+)
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.volume import Vessel, pressure_rate
-from vvdp.rigs.conditions import BAR, conditions, gauge
-from vvdp.rigs.result import Column, RigResult, Sheet
-from vvdp.rigs.stand import SetPoint, Stand
-from vvdp.rigs.steady import Steady, steady_states
-from vvdp.rigs.waveform import Waveform, harmonics, waveform
+from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
+from vvdp.results.result import Column, Finding, Result, Table, numbers_of
+from vvdp.rigs.conditions import conditions
 from vvdp.simulation.link import quiet
+from vvdp.steady.steady_states import Steady, steady_states
+from vvdp.steady.test_stand import SetPoint, Stand
+from vvdp.steady.waveform import Waveform, harmonics, waveform
 
 DUTY_RATIOS = tuple(float(d) for d in np.round(np.linspace(0.15, 0.95, 9), 6))
 FREQUENCIES = (20.0, 30.0, 40.0, 60.0, 80.0, 120.0, 160.0)
@@ -26,7 +41,7 @@ NO_ACCUMULATOR = 50e-6
 """Gas volume that sizes are taken of where the system has no accumulator [m^3]."""
 HARMONICS = 20
 MANNER = (
-    "Pressure ripple in the manner of ISO 10767: amplitudes of the harmonics of the PWM frequency in the load line and "
+    "Pressure ripple, based on ISO 10767: amplitudes of the harmonics of the PWM frequency in the load line and "
     "in the delivered flow, with peak-to-peak and root mean square values. Every point is a periodic steady state "
     "found by shooting, recorded over one period, so that the harmonics are exact. The load orifice is sized anew to "
     "hold the mean load pressure."
@@ -37,6 +52,38 @@ LEFT_OUT = (
     "The pump's own flow ripple.",
     "The lag of the relief valve, unless it has an opening time.",
 )
+
+
+SWEEPS = {
+    "duty": "Ripple over duty ratio, spool as the system has it",
+    "frequency": "Ripple over PWM frequency, spool driven by a motor",
+    "accumulator": "Ripple over the accumulator's gas volume",
+}
+"""The tables of the sweeps and their titles."""
+COLUMNS = {
+    "duty_ratio": (DUTY_RATIO, "duty ratio"),
+    "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
+    "gas_volume_m3": (VOLUME, "gas volume"),
+    "pressure_mean_load_line_Pa": (GAUGE_PRESSURE, "mean load pressure"),
+    "delivered_flow_m3_s": (FLOW, "delivered flow"),
+    "load_ripple_Pa": (PRESSURE_DIFFERENCE, "load, peak to peak"),
+    "load_ripple_rms_Pa": (PRESSURE_DIFFERENCE, "load, rms"),
+    "load_first_harmonic_Pa": (PRESSURE_DIFFERENCE, "load, first harmonic"),
+    "estimated_ripple_Pa": (PRESSURE_DIFFERENCE, "estimated, peak to peak"),
+    "inlet_ripple_Pa": (PRESSURE_DIFFERENCE, "inlet, peak to peak"),
+}
+QUANTITIES = {
+    "load_ripple_Pa": (PRESSURE_DIFFERENCE, "ripple of the load pressure, peak to peak"),
+    "load_ripple_rms_Pa": (PRESSURE_DIFFERENCE, "ripple of the load pressure, rms"),
+    "estimated_ripple_Pa": (PRESSURE_DIFFERENCE, "estimated ripple of the load pressure, peak to peak"),
+    "inlet_ripple_Pa": (PRESSURE_DIFFERENCE, "ripple of the inlet pressure, peak to peak"),
+    "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
+    "first_harmonic_share": (EFFICIENCY, "share of the ripple's power in the first harmonic"),
+    "worst_duty_ratio": (DUTY_RATIO, "duty ratio with the largest ripple"),
+    "worst_load_ripple_Pa": (PRESSURE_DIFFERENCE, "largest ripple of the load pressure"),
+    "frequency_exponent": (NUMBER, "exponent of the PWM frequency in the ripple"),
+    "gas_volume_exponent": (NUMBER, "exponent of the gas volume in the ripple"),
+}
 
 
 def line_capacity(pressure: float, stand: Stand) -> float:
@@ -94,77 +141,58 @@ def ripple(
     cores: int | None = None,
     cache: Path | None = None,
     say: Callable[[str], None] = quiet,
-) -> RigResult:
+) -> Result:
     """Ripple over duty ratio, over PWM frequency [Hz] with a driven spool, and over the accumulator's gas volume.
 
     Raises ParameterError where the system has no load line whose pressure could ripple.
 
-    Source  ours, docs/rigs.md, in the manner of iso10767
+    Source  ours, docs/rigs.md, based on iso10767
     """
     began = time.perf_counter()
     load_line(stand)
     here = stand.set_point
-    groups: dict[str, list[tuple[Stand, SetPoint]]] = {
-        "duty": [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
-        "frequency": [(stand.driven(float(f)), here) for f in frequencies],
-        "accumulator": [(with_gas(stand, size), here) for size in sizes],
-        "set point": [(stand, here)],
-    }
-    flat = [item for group in groups.values() for item in group]
-    states = steady_states(flat, cores=cores, cache=cache, say=say)
+    points: list[list[tuple[Stand, SetPoint]]] = [
+        [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
+        [(stand.driven(float(f)), here) for f in frequencies],
+        [(with_gas(stand, size), here) for size in sizes],
+    ]
+    asked = [*(item for group in points for item in group), (stand, here)]
+    states = steady_states(asked, cores=cores, cache=cache, say=say)
     waves = [waveform(state, cache=cache) if state.reason is None else None for state in states]
-    sheets, place = {}, 0
-    titles = {
-        "duty": "Ripple over duty ratio, spool as the system has it",
-        "frequency": "Ripple over PWM frequency, spool driven by a motor",
-        "accumulator": "Ripple over the accumulator's gas volume",
-    }
-    for name, group in groups.items():
-        part = slice(place, place + len(group))
-        place += len(group)
-        if name in titles:
-            sheets[name] = Sheet(titles[name], _columns(states[part], waves[part]))
     centre, wave = states[-1], waves[-1]
     if wave is None:
         raise ParameterError(f"{stand.name}: no periodic state at the system's own set point: {centre.reason}")
-    sheets["spectrum"] = Sheet("Harmonics at the system's set point", _spectrum(wave))
-    sheets["waveform"] = Sheet("One period at the system's set point", _wave(wave))
-    numbers = _numbers(centre, wave, sheets)
-    said = conditions(stand) | {
-        "duty ratio": f"{here.duty_ratio:.4g} unless varied",
-        "load pressure": f"{gauge(here.load_pressure)} bar, mean, held by the orifice",
-    }
-    return RigResult(
-        rig="ripple",
+    tables, place = {}, 0
+    for (name, title), group in zip(SWEEPS.items(), points, strict=True):
+        part = slice(place, place + len(group))
+        tables[name] = Table(title=title, columns=_columns(states[part], waves[part]))
+        place += len(group)
+    tables |= {"spectrum": _spectrum(wave), "waveform": _wave(wave)}
+    numbers = _numbers(_row(centre, wave), wave, tables)
+    return Result(
+        verb="rig ripple",
         title="Pressure ripple",
         system=stand.name,
         manner=MANNER,
         references=("iso10767",),
-        conditions=said,
+        conditions=conditions(stand)
+        | {
+            "duty ratio": f"{here.duty_ratio:.4g} unless varied",
+            "load pressure": f"{with_unit(here.load_pressure, PRESSURE_LEVEL)}, mean, held by the orifice",
+        },
         left_out=LEFT_OUT,
-        sheets=sheets,
-        numbers=numbers,
-        findings=_findings(numbers),
+        tables=tables,
+        charts={each.name: each for each in (_sweep_chart(), _spectrum_chart())},
+        numbers=numbers_of(numbers, QUANTITIES),
+        findings=tuple(_findings(numbers)),
         seconds=time.perf_counter() - began,
     )
 
 
 def _columns(states: Sequence[Steady], waves: Sequence[Waveform | None]) -> dict[str, Column]:
     rows = [_row(state, wave) for state, wave in zip(states, waves, strict=True)]
-    names = {
-        "duty_ratio": ("", "duty ratio"),
-        "pwm_frequency_Hz": ("Hz", "PWM frequency"),
-        "gas_volume_m3": ("m^3", "gas volume"),
-        "pressure_mean_load_line_Pa": ("Pa gauge", "mean load pressure"),
-        "delivered_flow_m3_s": ("m^3/s", "delivered flow"),
-        "load_ripple_Pa": ("Pa", "load, peak to peak"),
-        "load_ripple_rms_Pa": ("Pa", "load, rms"),
-        "load_first_harmonic_Pa": ("Pa", "load, first harmonic"),
-        "estimated_ripple_Pa": ("Pa", "estimated, peak to peak"),
-        "inlet_ripple_Pa": ("Pa", "inlet, peak to peak"),
-    }
-    columns = {name: Column(np.array([row.get(name, np.nan) for row in rows]), *words) for name, words in names.items()}
-    columns["remark"] = Column(np.array([state.reason or "" for state in states]), "", "remark")
+    columns = {name: Column(np.array([row.get(name, np.nan) for row in rows]), *what) for name, what in COLUMNS.items()}
+    columns["remark"] = Column(np.array([state.reason or "" for state in states]), None, "remark")
     return columns
 
 
@@ -188,24 +216,77 @@ def _row(state: Steady, wave: Waveform | None) -> dict[str, float]:
     }
 
 
-def _spectrum(wave: Waveform) -> dict[str, Column]:
+def _spectrum(wave: Waveform) -> Table:
     order = np.arange(1.0, HARMONICS + 1.0)
-    return {
-        "harmonic": Column(order, "", "harmonic"),
-        "frequency_Hz": Column(order / wave.period, "Hz", "frequency"),
-        "load_pressure_Pa": Column(harmonics(wave.load_pressure, HARMONICS), "Pa", "load pressure"),
-        "inlet_pressure_Pa": Column(harmonics(wave.inlet_pressure, HARMONICS), "Pa", "inlet pressure"),
-        "load_flow_m3_s": Column(harmonics(wave.load_flow, HARMONICS), "m^3/s", "flow to the load"),
-    }
+    load, inlet, flow = (
+        harmonics(values, HARMONICS) for values in (wave.load_pressure, wave.inlet_pressure, wave.load_flow)
+    )
+    return Table(
+        title="Harmonics at the system's set point",
+        columns={
+            "harmonic": Column(order, COUNT, "harmonic of the PWM frequency"),
+            "frequency_Hz": Column(order / wave.period, FREQUENCY, "frequency"),
+            "load_pressure_Pa": Column(load, PRESSURE_DIFFERENCE, "load pressure"),
+            "inlet_pressure_Pa": Column(inlet, PRESSURE_DIFFERENCE, "inlet pressure"),
+            "load_flow_m3_s": Column(flow, FLOW, "flow to the load"),
+        },
+    )
 
 
-def _wave(wave: Waveform) -> dict[str, Column]:
-    mean: Any = np.mean(wave.load_pressure)
-    return {
-        "time_s": Column(wave.times, "s", "time"),
-        "load_pressure_swing_Pa": Column(wave.load_pressure - mean, "Pa", "load pressure less its mean"),
-        "load_flow_m3_s": Column(wave.load_flow, "m^3/s", "flow to the load"),
-    }
+def _wave(wave: Waveform) -> Table:
+    swing = wave.load_pressure - float(np.mean(wave.load_pressure))
+    return Table(
+        title="One period at the system's set point",
+        columns={
+            "time_s": Column(wave.times, TIME, "time"),
+            "load_pressure_swing_Pa": Column(swing, SIGNED_PRESSURE, "load pressure less its mean"),
+            "load_flow_m3_s": Column(wave.load_flow, FLOW, "flow to the load"),
+        },
+        is_data=True,
+    )
+
+
+def ripple_panel(table: str, x: str, label: str = "") -> Lines:
+    """The ripple in a table of a sweep over its column `x`, simulated and estimated."""
+    return Lines(
+        table=table,
+        lines=(
+            Line(x=x, y="estimated_ripple_Pa", label="estimate", colour=Colour.FAINT, stroke=Stroke.DASHED, width=1.8),
+            Line(x=x, y="load_ripple_Pa", label="simulated", colour=Colour.LOAD, stroke=Stroke.MARKED),
+        ),
+        label=label,
+        low=0.0,
+        left=0.0,
+    )
+
+
+def _sweep_chart() -> Chart:
+    over = {"duty": "duty_ratio", "frequency": "pwm_frequency_Hz", "accumulator": "gas_volume_m3"}
+    return Chart(
+        name="ripple",
+        caption="Peak-to-peak ripple of the load pressure over duty ratio, PWM frequency (spool driven by a motor) and "
+        "gas volume of the accumulator. Dashed: the estimate q (1 - q/Q) / (f C).",
+        table="duty",
+        panels=tuple(ripple_panel(table, x, "load, peak to peak") for table, x in over.items()),
+        side_by_side=True,
+        height=2.6,
+    )
+
+
+def _spectrum_chart() -> Chart:
+    inlet, load = (
+        Line(x="harmonic", y=f"{name}_pressure_Pa", label=name, colour=colour, stroke=Stroke.POINTS)
+        for name, colour in (("inlet", Colour.INLET), ("load", Colour.LOAD))
+    )
+    wave = Line(x="time_s", y="load_pressure_swing_Pa", colour=Colour.LOAD)
+    return Chart(
+        name="spectrum",
+        caption="One period at the system's set point, and the harmonics of the pressures there.",
+        table="spectrum",
+        panels=(Lines(table="waveform", lines=(wave,)), Lines(lines=(inlet, load), label="amplitude", y_log=True)),
+        side_by_side=True,
+        height=2.6,
+    )
 
 
 def power_of(x: Array, y: Array) -> float:
@@ -216,9 +297,9 @@ def power_of(x: Array, y: Array) -> float:
     return float(np.polyfit(np.log(x[known]), np.log(y[known]), 1)[0])
 
 
-def _numbers(centre: Steady, wave: Waveform, sheets: dict[str, Sheet]) -> dict[str, float]:
-    duty, frequency, size = (sheets[name] for name in ("duty", "frequency", "accumulator"))
-    row = _row(centre, wave)
+def _numbers(row: Mapping[str, float], wave: Waveform, tables: Mapping[str, Table]) -> dict[str, float]:
+    """What the row of the system's own set point and the sweeps come to."""
+    duty, frequency, size = (tables[name] for name in SWEEPS)
     first = harmonics(wave.load_pressure, HARMONICS)
     found = {name: row[name] for name in (
         "load_ripple_Pa", "load_ripple_rms_Pa", "estimated_ripple_Pa", "inlet_ripple_Pa", "pwm_frequency_Hz"
@@ -234,20 +315,17 @@ def _numbers(centre: Steady, wave: Waveform, sheets: dict[str, Sheet]) -> dict[s
     return found
 
 
-def _findings(numbers: dict[str, float]) -> tuple[str, ...]:
-    sentences = [
-        f"At the system's set point the load pressure swings by {numbers['load_ripple_Pa'] / BAR:.3g} bar from peak to "
-        f"peak at {numbers['pwm_frequency_Hz']:.4g} Hz; {100.0 * numbers['first_harmonic_share']:.3g} % of its power "
-        f"is in the first harmonic. The estimate q (1 - q/Q) / (f C) gives "
-        f"{numbers['estimated_ripple_Pa'] / BAR:.3g} bar."
-    ]
-    if "worst_duty_ratio" in numbers:
-        sentences.append(
-            f"It is largest, {numbers['worst_load_ripple_Pa'] / BAR:.3g} bar, at duty ratio "
-            f"{numbers['worst_duty_ratio']:.3g}."
-        )
-    sentences.append(
-        f"It goes with the PWM frequency to the power {numbers['frequency_exponent']:.3g} and with the gas volume to "
-        f"the power {numbers['gas_volume_exponent']:.3g}."
+def _findings(n: Mapping[str, float]) -> Iterator[Finding]:
+    swing, estimate = (with_unit(n[key], PRESSURE_DIFFERENCE, 3) for key in ("load_ripple_Pa", "estimated_ripple_Pa"))
+    yield Finding(
+        text=f"At the system's set point the load pressure swings by {swing} from peak to peak at "
+        f"{with_unit(n['pwm_frequency_Hz'], FREQUENCY)}; {percent(n['first_harmonic_share'])} of its power is in the "
+        f"first harmonic. The estimate q (1 - q/Q) / (f C) gives {estimate}."
     )
-    return tuple(sentences)
+    if "worst_duty_ratio" in n:
+        largest = with_unit(n["worst_load_ripple_Pa"], PRESSURE_DIFFERENCE, 3)
+        yield Finding(text=f"It is largest, {largest}, at duty ratio {n['worst_duty_ratio']:.3g}.")
+    frequency, volume = (number(n[f"{name}_exponent"], 3) for name in ("frequency", "gas_volume"))
+    yield Finding(
+        text=f"It goes with the PWM frequency to the power {frequency} and with the gas volume to the power {volume}."
+    )

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vvdp.rigs import cycle
-from vvdp.rigs.averages import averages
-from vvdp.rigs.cycle import SLOWEST, CyclePoint, cycle_means, half_period, speed_after
+from vvdp.steady import cycle_means as module
+from vvdp.steady.averages import averages
+from vvdp.steady.cycle_means import SLOWEST, CyclePoint, cycle_means, half_period, speed_after
 from vvdp.valve import flow_map
 from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_mean
@@ -35,7 +35,7 @@ def test_same_as_over_whole_arrays(source_stand, duty, load, override, lap):
     """At the same angles: bisection over arrays of angles against closed form and regula falsi at each angle."""
     valve = source_stand.changed(valve={"lap_ratio": lap}).bench.valve
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(cycle, "ANGLES", 60)
+        patched.setattr(module, "ANGLES", 60)
         patched.setattr(flow_map, "ANGLES", 60)
         found = cycle_means(point(duty, load, override), valve)
         known = quasi_steady_mean(duty, condition(load), valve, override)
@@ -89,7 +89,7 @@ def test_number_of_angles_is_enough(source_stand):
     valve = source_stand.bench.valve
     coarse = cycle_means(point(0.37, 80e5), valve)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(cycle, "ANGLES", 4 * cycle.ANGLES)
+        patched.setattr(module, "ANGLES", 4 * module.ANGLES)
         fine = cycle_means(point(0.37, 80e5), valve)
     assert coarse.load_flow == pytest.approx(fine.load_flow, abs=1e-5 * FLOW)
     assert coarse.inlet_pressure == pytest.approx(fine.inlet_pressure, rel=2e-4)

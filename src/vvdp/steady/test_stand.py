@@ -11,9 +11,9 @@ from vvdp.base.kinds import DutyRatio, Pressure, Speed, Temperature
 from vvdp.base.signal import constant
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.orifice import Orifice, orifice_area_for
-from vvdp.rigs.cycle import SLOWEST, CycleMeans, CyclePoint, cycle_means
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Stepping
+from vvdp.steady.cycle_means import SLOWEST, CycleMeans, CyclePoint, cycle_means
 from vvdp.systems.bench import RotaryBench, rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.leakage import leakage_conductance

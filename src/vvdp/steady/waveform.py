@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.rigs.steady import Steady
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Run, Stepping, simulate
+from vvdp.steady.steady_states import Steady
 
 SAMPLES = 512
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from vvdp.base.signal import constant
-from vvdp.rigs.averages import averages
-from vvdp.rigs.cycle import CycleMeans
-from vvdp.rigs.periodic import Periodic, periodic_states
-from vvdp.rigs.stand import SetPoint, Stand
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case
+from vvdp.steady.averages import averages
+from vvdp.steady.cycle_means import CycleMeans
+from vvdp.steady.shooting import Periodic, periodic_states
+from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.systems.summary import Summary, simulated_summary
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import pwm_frequency

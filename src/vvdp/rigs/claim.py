@@ -1,0 +1,17 @@
+"""What a claim is worked out to: numbers, tables, figures and sentences."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from vvdp.results.chart import Chart
+from vvdp.results.result import Finding, Number, Table
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """One claim, worked out for a system."""
+
+    tables: Mapping[str, Table]
+    charts: tuple[Chart, ...]
+    numbers: Mapping[str, Number]
+    findings: tuple[Finding, ...]

@@ -1,0 +1,51 @@
+"""Quasi-steady averages of many points, compiled, on all cores, and kept: what maps and tables are made of."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.books import NOTHING
+from vvdp.simulation.kept import kept_table, table_key
+from vvdp.simulation.link import quiet
+from vvdp.simulation.replay import Replay, replay_digest
+from vvdp.simulation.values import flat
+from vvdp.steady.cycle_means import CyclePoint, cycle_step
+from vvdp.valve.rotary import RotaryValve
+
+
+def averages(
+    rows: Array,
+    valve: RotaryValve,
+    *,
+    cores: int | None = None,
+    cache: Path | None = None,
+    say: Callable[[str], None] = quiet,
+) -> Array:
+    """`cycle_means` of every row, shape (points, fields of `CycleMeans`).
+
+    They are kept, known by the code, the rows and the valve.
+
+    rows  shape (points, fields of `CyclePoint`)
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    example = CyclePoint(*(float(x) for x in rows[0]))
+
+    def make() -> Array:
+        replay = Replay(cycle_step, NOTHING, example, valve, cache=cache, say=say)
+        threads = min(cores or len(os.sched_getaffinity(0)), len(rows))
+        # Neighbours take alike long: deal them out in turn.
+        parts = [np.arange(first, len(rows), threads) for first in range(threads)]
+        with ThreadPoolExecutor(threads) as pool:
+            shown = list(pool.map(lambda part: replay(NOTHING, rows[part]).shown, parts))
+        found = np.empty((len(rows), shown[0].shape[1]))
+        for part, some in zip(parts, shown, strict=True):
+            found[part] = some
+        return found
+
+    digest = replay_digest(cycle_step, NOTHING, example, valve)
+    return kept_table(table_key(digest, rows, flat(valve)), make, cache)
