@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run setup test test-slow lint bench clean
+.PHONY: run setup test test-slow lint bench docs dist clean
 
 run: setup
 	$(BIN)/vvdp run prototype
@@ -36,5 +36,13 @@ lint: setup
 bench: setup
 	$(BIN)/python -m benchmarks.run
 
+# The site goes into the package, where `vvdp docs` looks for it; a broken link or a page without a place fails.
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
+
+# What is published: the wheel and the source archive hold the site.
+dist: docs
+	$(BIN)/python -m hatchling build
+
 clean:
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf src/vvdp/site dist $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -6,6 +6,7 @@ from typing import Any
 from griffe import Extension, Object
 
 ARGUMENT = re.compile(r"^(\w[\w, ]*?) {2,}(\S.*)$")
+PAGE = re.compile(r"\bdocs/([\w/-]+)\.md")
 FORMULA = re.compile(r"^\S.* = |^[^a-z]*[\w ]*[*/^√∫]|\bsqrt\(")
 
 
@@ -21,13 +22,13 @@ class PlainDocstrings(Extension):
 def markdown(text: str) -> str:
     """A docstring of this project as Markdown."""
     paragraphs = re.split(r"\n\s*\n", text.strip("\n"))
-    return "\n\n".join(_paragraph(paragraph.strip("\n")) for paragraph in paragraphs)
+    return PAGE.sub(r"[\g<0>](../../\1.md)", "\n\n".join(_paragraph(each.strip("\n")) for each in paragraphs))
 
 
 def _paragraph(text: str) -> str:
     lines = text.splitlines()
-    if text.startswith("Source  ") or text.startswith("Holds  ") or text.startswith("Error  "):
-        head, _, rest = text.partition("  ")
+    head, _, rest = text.partition("  ")
+    if head in ("Source", "Holds", "Error"):
         return f"*{head}:* " + " ".join(rest.split())
     if ARGUMENT.match(lines[0]):
         return _table(lines)

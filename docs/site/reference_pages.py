@@ -10,7 +10,7 @@ from vvdp.cli.main import app
 from vvdp.report.references import bibliography
 
 ROOT = Path(__file__).parents[2] / "src" / "vvdp"
-WIDTH = 100
+WIDTH = 88
 """Characters of a line of help."""
 PACKAGES = (
     "systems",
@@ -61,7 +61,8 @@ def _help() -> Iterator[tuple[str, str]]:
     """The name of each verb, those of groups in three words, and its help."""
 
     def walk(command: click.Command, parent: click.Context | None, name: str) -> Iterator[tuple[str, str]]:
-        context = click.Context(command, parent=parent, info_name=name, terminal_width=WIDTH, max_content_width=WIDTH)
+        settings = {"terminal_width": WIDTH, "max_content_width": WIDTH, **command.context_settings}
+        context = click.Context(command, parent=parent, info_name=name, **settings)
         yield context.command_path, command.get_help(context).strip()
         for word, inner in getattr(command, "commands", {}).items():
             if not inner.hidden:
