@@ -13,7 +13,7 @@ FORMULA = re.compile(r"^\S.* = |^[^a-z]*[\w ]*[*/^√∫]|\bsqrt\(")
 class PlainDocstrings(Extension):
     """Changes every docstring before it is shown."""
 
-    def on_instance(self, *, obj: Object, **kwargs: Any) -> None:
+    def on_instance(self, *, obj: Object, **kwargs: Any) -> None:  # noqa: ARG002 - Griffe's signature
         """Called for each module, class, function and attribute."""
         if obj.docstring:
             obj.docstring.value = markdown(obj.docstring.value)

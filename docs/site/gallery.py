@@ -44,8 +44,8 @@ PUMP_NUMBERS = (
 )
 ENTRIES: Mapping[str, Entry] = {
     "prototype": Entry(
-        "The published prototype on its test bench. A rotary valve that its own flow keeps spinning switches a fixed pump "
-        "between the load and the tank. [Details](models/rotary-valve.md)",
+        "The published prototype on its test bench. A rotary valve, kept spinning by its own flow, switches a fixed "
+        "pump between the load and the tank. [Details](models/rotary-valve.md)",
         PUMP_NUMBERS,
     ),
     "prototype-constant-load": Entry(

@@ -16,7 +16,7 @@ import reference_pages  # noqa: E402
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Puts the pages of the packages below the reference."""
     reference = next(entry["Reference"] for entry in config.nav if "Reference" in entry)
-    reference[-1] = {"Python": [entry for entry in reference_pages.package_nav()]}
+    reference[-1] = {"Python": reference_pages.package_nav()}
     return config
 
 

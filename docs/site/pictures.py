@@ -1,4 +1,4 @@
-"""Writes the pictures of the first page, of the valve and of a report. `python docs/site/pictures.py` (needs Chromium)"""
+"""Writes the pictures of the first page: the valve and a report. `python docs/site/pictures.py` (needs Chromium)"""
 
 import io
 import shutil

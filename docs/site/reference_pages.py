@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-import click
 import typer.main
 
 from vvdp.cli.main import app
@@ -41,7 +41,9 @@ def pages() -> dict[str, str]:
         "reference/verbs.md": verbs_page(),
         "reference/literature.md": literature_page(),
         "reference/python.md": "# Python\n\n::: vvdp\n\nPackages:\n\n"
-        + "\n".join(f"- [`vvdp.{name}`](python/{name}.md): {_summary(ROOT / name / '__init__.py')}" for name in PACKAGES),
+        + "\n".join(
+            f"- [`vvdp.{name}`](python/{name}.md): {_summary(ROOT / name / '__init__.py')}" for name in PACKAGES
+        ),
         **{f"reference/python/{name}.md": package_page(name) for name in PACKAGES},
     }
 
@@ -60,9 +62,9 @@ def verbs_page() -> str:
 def _help() -> Iterator[tuple[str, str]]:
     """The name of each verb, those of groups in three words, and its help."""
 
-    def walk(command: click.Command, parent: click.Context | None, name: str) -> Iterator[tuple[str, str]]:
+    def walk(command: Any, parent: Any, name: str) -> Iterator[tuple[str, str]]:
         settings = {"terminal_width": WIDTH, "max_content_width": WIDTH, **command.context_settings}
-        context = click.Context(command, parent=parent, info_name=name, **settings)
+        context = command.context_class(command, parent=parent, info_name=name, **settings)
         yield context.command_path, command.get_help(context).strip()
         for word, inner in getattr(command, "commands", {}).items():
             if not inner.hidden:
@@ -88,4 +90,6 @@ def literature_page() -> str:
     """The bibliography by key."""
     entries = sorted(bibliography().items())
     rows = [f"| `{key}` | {r.authors} ({r.year}): *{r.title}*. {r.place} |" for key, r in entries]
-    return "\n".join(["# Literature", "", "What `Source` and `[key]` stand for.", "", "| key | |", "| --- | --- |", *rows, ""])
+    return "\n".join(
+        ["# Literature", "", "What `Source` and `[key]` stand for.", "", "| key | |", "| --- | --- |", *rows, ""]
+    )

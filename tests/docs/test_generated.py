@@ -45,7 +45,10 @@ Source  merritt1967, ch. 3; docs/models/components.md
     parts = markdown(text).split("\n\n")
     assert parts[0] == "Volume flow through an orifice [m^3/s]."
     assert parts[1] == "```text\nCd A sqrt(2/rho) dp / (dp^2 + eps^2)^(1/4)\n```"
-    assert parts[2].splitlines()[2:] == ["| `area` | open area [m^2] |", "| `pressure_drop` | first side less the second [Pa] |"]
+    assert parts[2].splitlines()[2:] == [
+        "| `area` | open area [m^2] |",
+        "| `pressure_drop` | first side less the second [Pa] |",
+    ]
     assert parts[3] == "Raises ParameterError where the drop is zero."
     assert parts[4] == "*Source:* merritt1967, ch. 3; [docs/models/components.md](../../models/components.md)"
 
@@ -65,9 +68,15 @@ def test_a_notebook_becomes_a_page(tmp_path):
     cells = [
         {"cell_type": "markdown", "source": ["# Title\n", "text"]},
         {"cell_type": "code", "source": ["1 + 1"], "outputs": [{"data": {"text/plain": ["2"]}}]},
-        {"cell_type": "code", "source": ["plot()"], "outputs": [{"data": {"image/png": "AAAA\n", "text/plain": ["x"]}}]},
+        {
+            "cell_type": "code",
+            "source": ["plot()"],
+            "outputs": [{"data": {"image/png": "AAAA\n", "text/plain": ["x"]}}],
+        },
     ]
     file = tmp_path / "one.ipynb"
     file.write_text(json.dumps({"cells": cells}))
-    assert page(file).startswith("# Title\ntext\n\n```python\n1 + 1\n```\n\n```text\n2\n```\n\n```python\nplot()\n```\n\n<img ")
+    assert page(file).startswith(
+        "# Title\ntext\n\n```python\n1 + 1\n```\n\n```text\n2\n```\n\n```python\nplot()\n```\n\n<img "
+    )
     assert "base64,AAAA" in page(file)

@@ -9,7 +9,22 @@ import typer
 from typer.core import TyperGroup
 
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
-from vvdp.cli import check, compare, design, docs, estimate, geometry, listing, new, report, rig, run, show, study, valve
+from vvdp.cli import (
+    check,
+    compare,
+    design,
+    docs,
+    estimate,
+    geometry,
+    listing,
+    new,
+    report,
+    rig,
+    run,
+    show,
+    study,
+    valve,
+)
 from vvdp.cli import map as maps
 from vvdp.cli.options import Verb
 
