@@ -12,27 +12,7 @@ from vvdp.report.references import bibliography
 ROOT = Path(__file__).parents[2] / "src" / "vvdp"
 WIDTH = 88
 """Characters of a line of help."""
-PACKAGES = (
-    "systems",
-    "simulation",
-    "network",
-    "components",
-    "hydraulics",
-    "valve",
-    "fluid",
-    "sensing",
-    "estimation",
-    "numerics",
-    "geometry",
-    "rigs",
-    "design",
-    "studies",
-    "logs",
-    "comparison",
-    "report",
-    "base",
-)
-"""Packages that have a page, what a script needs first in front."""
+PACKAGES = sorted(path.parent.name for path in ROOT.glob("*/__init__.py") if path.parent.name != "cli")
 
 
 def pages() -> dict[str, str]:
