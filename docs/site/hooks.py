@@ -9,7 +9,7 @@ from mkdocs.structure.files import File, Files
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "src")]
 
-import notebook_pages  # noqa: E402
+import notebooks  # noqa: E402
 import reference_pages  # noqa: E402
 
 
@@ -22,7 +22,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the generated pages."""
-    pages = {**reference_pages.pages(), **notebook_pages.pages(HERE.parent / "notebooks")}
+    pages = {**reference_pages.pages(), **notebooks.pages()}
     for path, text in pages.items():
         files.append(File.generated(config, path, content=text))
     return files

@@ -10,6 +10,7 @@ from vvdp.systems.system import shipped
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<=\| )-?[\d.]+(?= \S+ \|)")
+ANY_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
 def test_the_gallery_is_what_its_command_writes(tmp_path):
@@ -59,11 +60,13 @@ def test_every_verb_and_every_package_has_its_place():
     pages = reference_pages.pages()
     assert pages["reference/verbs.md"].count("\n## vvdp") > 20
     assert "::: vvdp.hydraulics.orifice\n" in pages["reference/python/hydraulics.md"]
-    assert len(reference_pages.PACKAGES) > 15 and set(reference_pages.PACKAGES) <= {path.split("/")[-1][:-3] for path in pages}
+    assert len(reference_pages.PACKAGES) > 15 and set(reference_pages.PACKAGES) <= {
+        path.split("/")[-1][:-3] for path in pages
+    }
 
 
 def test_a_notebook_becomes_a_page(tmp_path):
-    from notebook_pages import page
+    from notebooks import page
 
     cells = [
         {"cell_type": "markdown", "source": ["# Title\n", "text"]},
@@ -80,3 +83,20 @@ def test_a_notebook_becomes_a_page(tmp_path):
         "# Title\ntext\n\n```python\n1 + 1\n```\n\n```text\n2\n```\n\n```python\nplot()\n```\n\n<img "
     )
     assert "base64,AAAA" in page(file)
+
+
+@pytest.mark.parametrize("path", sorted((DOCS / "notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
+def test_a_notebook_prints_what_it_shows(path, tmp_path, monkeypatch):
+    """Its cells run one after the other; numbers may differ in their last digits on another machine."""
+    import notebooks
+
+    monkeypatch.chdir(tmp_path)
+    cells = notebooks.read(path)["cells"]
+    made, kept = notebooks.run(cells), [cell.get("outputs", []) for cell in cells]
+    assert any(kept)
+    for new, old in zip(made, kept, strict=True):
+        assert [each["output_type"] for each in new] == [each["output_type"] for each in old]
+        texts = ["".join(part for each in outputs for part in each.get("text", [])) for outputs in (new, old)]
+        assert ANY_NUMBER.sub("~", texts[0]) == ANY_NUMBER.sub("~", texts[1])
+        numbers = [[float(each) for each in ANY_NUMBER.findall(text)] for text in texts]
+        assert numbers[0] == pytest.approx(numbers[1], rel=1e-2)
