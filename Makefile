@@ -7,7 +7,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 LOCK := uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --group build \
 	--generate-hashes --no-annotate --no-header
 
-.PHONY: run setup test test-slow lint bench lock clean
+.PHONY: run setup test test-slow lint bench docs dist lock clean
 
 run: $(VENV)/core
 	$(BIN)/vvdp run prototype
@@ -49,5 +49,13 @@ lock:
 	$(LOCK) $(UPGRADE) --extra dev -o requirements.lock
 	$(LOCK) -c requirements.lock -o requirements-core.lock
 
+# The site goes into the package, where `vvdp docs` looks for it; a broken link or a page without a place fails.
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
+
+# What is published: the wheel and the source archive hold the site.
+dist: docs
+	$(BIN)/python -m hatchling build
+
 clean:
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf src/vvdp/site dist $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

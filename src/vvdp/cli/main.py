@@ -16,7 +16,22 @@ import typer
 from typer.core import TyperGroup
 
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
-from vvdp.cli import check, compare, design, estimate, geometry, listing, new, report, rig, run, show, study, valve
+from vvdp.cli import (
+    check,
+    compare,
+    design,
+    docs,
+    estimate,
+    geometry,
+    listing,
+    new,
+    report,
+    rig,
+    run,
+    show,
+    study,
+    valve,
+)
 from vvdp.cli import map as maps
 from vvdp.cli.options import Verb
 
@@ -62,6 +77,7 @@ app.command("list", cls=Verb)(listing.systems)
 app.command("new", cls=Verb)(new.new)
 app.command("report", cls=Verb)(report.report)
 app.command("check", cls=Verb)(check.check)
+app.command("docs", cls=Verb)(docs.docs)
 
 
 def _version(wanted: bool) -> None:
