@@ -218,3 +218,21 @@ def test_killed_at_any_of_its_steps_an_exchange_loses_neither(tmp_path):
         if ended.stdout:
             break
     assert seen == {"done", "absent", "there"}
+
+
+def test_every_file_and_folder_is_synced_before_the_directory_has_its_name(tmp_path, monkeypatch):
+    """As the system sees it: files by their number, and the renaming after all of them."""
+    order = []
+    fsync, rename = os.fsync, Path.rename
+    monkeypatch.setattr(os, "fsync", lambda opened: order.append(os.fstat(opened).st_ino) or fsync(opened))
+    monkeypatch.setattr(Path, "rename", lambda self, target: order.append("renamed") or rename(self, target))
+    with result_directory(tmp_path / "out") as folder:
+        (folder / "figures").mkdir()
+        write_whole(folder / "figures" / "a.svg", "a")
+        (folder / "plain").write_text("b")
+        assert not order  # not twice
+    parts = [tmp_path / "out", *(tmp_path / "out").rglob("*")]
+    assert sorted(order[: order.index("renamed")]) == sorted(path.stat().st_ino for path in parts)
+    assert order[order.index("renamed") :] == ["renamed", tmp_path.stat().st_ino]
+    write_whole(tmp_path / "alone", "c")
+    assert order[-2:] == [(tmp_path / "alone").stat().st_ino, tmp_path.stat().st_ino]

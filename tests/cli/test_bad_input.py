@@ -1,6 +1,7 @@
 """What a person may get wrong: each is told in one line per fault, with exit code 2, and never with a traceback."""
 
 import os
+import re
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -292,3 +293,26 @@ def test_a_mutilated_file_is_shown_or_refused(here, vvdp, text):
 def test_any_text_as_a_value(vvdp, text):
     assert vvdp("valve", "prototype", "--json", "--set", f"operation.duty_ratio={text}").code in (0, 2)
     assert vvdp("valve", "prototype", "--json", "--flow", f"{text}").code in (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("command", "meant"),
+    [
+        ("run protoype", "'prototype'"),
+        ("rn prototype", "'run'"),
+        ("rig presure-drop prototype", "'pressure-drop'"),
+        ("design pareo prototype", "'pareto'"),
+        ("compare estimators --estimator event-fliter", "'event-filter'"),
+        ("run prototype --set operation.duty_rato=0.4", "'duty_ratio'"),
+        ("run prototype --set operatin.duty_ratio=0.4", "'operation'"),
+        ("run prototype --set duty_ratio=0.4", "'operation.duty_ratio'"),
+        ("valve prototype --flw 40lpm", "--flow"),
+    ],
+)
+def test_a_slip_is_answered_with_what_was_meant(vvdp, here, command, meant):
+    answer = vvdp(*command.split())
+    assert answer.code == 2
+    assert re.search(rf"[Dd]id you mean {re.escape(meant)}\?|Possible options: {re.escape(meant)}\)", answer.err), (
+        answer.err
+    )
+    assert list(here.iterdir()) == []

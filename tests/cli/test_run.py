@@ -59,8 +59,8 @@ def test_untrusted_results_are_kept_and_told(vvdp, here, monkeypatch):
     monkeypatch.setattr(summaries, "summary", lambda *both: whole(*both) | {"energy_residual": 2e-6, "trusted": False})
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 3
-    assert "not trusted" in answer.err
-    assert "warning: not trusted" in answer.out
+    assert "the balances of this run do not close" in answer.err
+    assert "warning: the balances do not close" in answer.out
     assert "2.0e-06" in answer.out
     kept = read_results(here / "out")
     assert kept.summary["trusted"] is False

@@ -1,11 +1,15 @@
 """What stays on a disk that is full or read-only, and of a verb that is killed: all that is finished, nothing else."""
 
+import fcntl
+import json
 import os
+import pty
 import random
 import resource
 import signal
 import subprocess
 import sys
+import termios
 import time
 from pathlib import Path
 from typing import NamedTuple
@@ -220,6 +224,21 @@ def test_a_signal_that_ends_it_keeps_what_was_reached(place, number, code):
     assert "interrupted at t = " in err
     assert [path.name for path in place.iterdir()] == ["out"]
     assert not (place / "out" / "report.html").exists()
+
+
+def test_a_terminal_that_is_closed_keeps_what_was_reached(place):
+    """Nothing can be written to it any more, which must not end what is still to be done."""
+    words = ("--until", "500 s", "--set", "run.window=0.01 s", "--no-report")
+    ours, theirs = pty.openpty()
+    lead = {"start_new_session": True, "preexec_fn": lambda: fcntl.ioctl(2, termios.TIOCSCTTY, 0)}
+    with subprocess.Popen(**arguments("run", *words), stdin=theirs, stdout=theirs, stderr=theirs, **lead) as process:
+        os.close(theirs)
+        while b"t = " not in os.read(ours, 10_000):
+            pass
+        os.close(ours)
+        assert process.wait(60) == 129
+    assert [path.name for path in place.iterdir()] == ["out"]
+    assert json.loads((place / "out" / "summary.json").read_text())["finished"] is False
 
 
 def test_signals_that_are_ignored_stay_so(place):

@@ -1,6 +1,7 @@
 """The tutorial "speed from a bad encoder": its blocks run, print what stands under them, and its pictures are there."""
 
 import importlib.util
+import json
 import re
 import shlex
 from pathlib import Path
@@ -14,19 +15,25 @@ LARGEST = 100_000
 
 def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
     """One program from the first block to the last; the shell's block finds the log that the one before has written."""
-    left, ran = {}, []
+    left, ran, said = {}, [], {}
     for kind, block, shown in BLOCK.findall(PAGE):
         if kind == "sh":
             command = shlex.split(block)
             answer = vvdp(*command[1:])
             assert command[0] == "vvdp" and answer.code == 0, answer.err
-            assert "squared innovations, mean" in answer.out and (here / "wheel" / "report.html").is_file()
+            said[command[-1]] = answer.out + answer.err
         else:
             capsys.readouterr()
             exec(block, left)
             assert capsys.readouterr().out == shown, block
         ran.append(kind)
-    assert ran.count("python") >= 12 and ran.count("sh") == 1
+    assert ran.count("python") >= 12 and ran.count("sh") == 2
+    warning = re.search(r'The command also warns: "([^"]+)"', PAGE)[1]
+    assert warning in said["wheel"] and warning not in said["wheel-fit"]
+    default, fitted = (json.loads((here / name / "summary.json").read_text()) for name in ("wheel", "wheel-fit"))
+    assert f"The fitted *q* is {fitted['acceleration_density_rad2_s3']:.0f} rad²/s³" in PAGE
+    for digits, key in (("{:.2f}", "nis_mean"), ("{:.2g}", "speed_deviation_mean_rad_s")):
+        assert "from " + " to ".join(digits.format(found[key]) for found in (default, fitted)) in PAGE, key
 
 
 def test_the_pictures_are_drawn_and_small(tmp_path):

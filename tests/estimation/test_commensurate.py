@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from vvdp.base.errors import ParameterError
+from vvdp.estimation.baselines.time_stamping import time_stamping, time_stamping_estimator
 from vvdp.estimation.commensurate import (
     Commensurate,
     beat_time,
@@ -21,7 +22,6 @@ from vvdp.estimation.commensurate import (
     hidden_speed,
 )
 from vvdp.estimation.event_filter import event_filter
-from vvdp.estimation.time_stamping import time_stamping, time_stamping_estimator
 from vvdp.sensing.wheel import equal_wheel
 
 WHEEL = equal_wheel(8)

@@ -253,6 +253,26 @@ def test_only_late_edges_make_a_slower_wheel_likely(rise, fall, edge):
     assert after.last.number == edge
 
 
+@pytest.mark.parametrize("late", [-0.15, 0.0, 0.15])
+def test_innovations_are_summed_up_by_side(late):
+    """With z = innovation / deviation `rise` gains z - 1 and `fall` -z - 1, neither below 0; a late edge has z < 0."""
+    speed, variance = 150.0, 1e-4
+    memory = EventFilterMemory(
+        time=0.0,
+        belief=AngleSpeed(0.0, speed, variance, 0.0, 0.01),
+        last=LastEdge(0.0, 0.0),
+        tally=Tally(started=1.0, associating=1.0, ignored=0.0, missed_edges=0.0, irregular=0.01),
+        manoeuvre=Manoeuvre(density=PUBLISHED.acceleration_density, rise=1.5, fall=2.5),
+        search=event_filter_start(PUBLISHED, 0.0, 0.0, speed).search,
+    )
+    t = (SECTOR + late) / speed
+    after, estimate = event_filter_step(memory, Reading(t, 1.0, t, 0.0, -1.0), PUBLISHED)
+    z = estimate.innovation / estimate.innovation_deviation
+    assert z == pytest.approx(-late / np.sqrt(variance + 3.47e-3), rel=1e-2, abs=1e-6)
+    assert after.manoeuvre.rise == pytest.approx(max(1.5 + z - 1.0, 0.0))
+    assert after.manoeuvre.fall == pytest.approx(max(2.5 - z - 1.0, 0.0))
+
+
 def test_more_acceleration_than_was_thought_is_the_propagation_with_it():
     belief = AngleSpeed(1.0, 68.5, 1.1e-3, 7e-3, 0.04)
     np.testing.assert_allclose(

@@ -1,6 +1,5 @@
 """STEP: solids of exact and polynomial surfaces, against formulas and against the facets."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -11,12 +10,10 @@ from vvdp.geometry.exact import (
     DEGREE,
     Body,
     Exact,
-    MissingCad,
     _bernstein,
     _nodes,
     is_valid,
     read_step,
-    require_cad,
     shape_volume,
     write_step,
 )
@@ -105,12 +102,6 @@ def test_other_files_are_no_step(tmp_path):
     path.write_text("hello", encoding="utf-8")
     with pytest.raises(ConfigError, match="is not a STEP file"):
         read_step(path)
-
-
-def test_without_open_cascade_it_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "OCP.gp", None)
-    with pytest.raises(MissingCad, match=r"pip install 'vvdp\[cad\]'"):
-        require_cad()
 
 
 @pytest.mark.slow

@@ -100,7 +100,7 @@ def test_the_command_makes_and_tells_everything(command, tmp_path, keys_as_descr
     assert set(described) == {"rail", "centre", "turbine", "valve", "turbine-tank"}
     for name, each in described.items():
         mesh = read_stl(made / "oil" / each["file"])
-        assert (components(mesh)[0], open_edges(mesh)) == (1, 0), name
+        assert (components(mesh), open_edges(mesh)) == (1, 0), name
         assert volume(mesh) == pytest.approx(each["volume_m3"])
         assert set(mesh.names) == set(each["patch_area_m2"])
     assert set(described["valve"]["turning_patches"]) == {"spool", "windows", "chamber", "channels"}

@@ -31,9 +31,12 @@ def test_stations_of_the_prototype_by_hand(built_shape, built_valve):
     # Pitch 2 pi 12.7 / 3 = 26.599 mm; slope 2 x 20.32 / 26.599 = 1.52790; width sqrt(2 x 12.1667 / 1.52790) = 3.9908.
     # Tip 20.32 + 3.9908 x 1.52790 / 2 = 23.3687; pockets 1.5 more; windows and ring 2 each.
     assert at.tip == pytest.approx(23.3687e-3, abs=1e-7)
+    assert at.pocket_end == pytest.approx(24.8687e-3, abs=1e-7)
+    assert at.window_end == pytest.approx(26.8687e-3, abs=1e-7)
     assert at.ring_end == pytest.approx(28.8687e-3, abs=1e-7)
     # The groove travels 20.32 + 0.5 beyond a seal of 3: 52.6887; the channels are 5.2 high; then travel and land of 10.
     assert at.channel_start == pytest.approx(52.6887e-3, abs=1e-7)
+    assert at.chamber_end == pytest.approx(57.8887e-3, abs=1e-7)
     assert at.spool_end == pytest.approx((52.6887 + 5.2 + 20.82 + 10.0) * 1e-3, abs=1e-7)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError, ParameterError
+from vvdp.base.extras import MissingExtraError
 from vvdp.base.kinds import PRESSURE_LEVEL, SPEED
-from vvdp.logs import source
 from vvdp.logs.quantity import to_si
 from vvdp.logs.source import open_log
 
@@ -454,8 +454,9 @@ def test_options_that_contradict_are_refused(tmp_path):
 ])  # fmt: skip
 def test_a_missing_library_is_named(tmp_path, data, monkeypatch, library, extra, name, write):
     write(tmp_path / name, *data)
-    monkeypatch.setattr(source.importlib.util, "find_spec", lambda name: None if name == library else object())
-    with pytest.raises(ConfigError, match=rf"needs the library {library}: pip install 'vvdp\[{extra}\]'"):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == library else object())
+    expected = rf"{name} \(.*\) needs {library}, which is not installed: pip install 'vvdp\[{extra}\]'"
+    with pytest.raises(MissingExtraError, match=expected):
         open_log(tmp_path / name)
 
 

@@ -118,13 +118,13 @@ def test_numbers_are_in_the_units_people_use(whole, written):
 
 def test_a_run_that_balances_is_trusted(written):
     said = words(written)
-    assert "trusted" in said and "NOT TRUSTED" not in said
+    assert "balances close" in said and "BALANCES DO NOT CLOSE" not in said
 
 
 def test_a_run_that_does_not_balance_is_marked(orifice):
     edit(orifice / "summary.json", trusted=False, energy_residual=3.2e-4)
     text = page(orifice)
-    assert '<li class="bad">NOT TRUSTED</li>' in text
+    assert '<li class="bad">BALANCES DO NOT CLOSE</li>' in text
     assert "3.20·10⁻⁴" in text or "0.000320" in text
     assert "run.relative_tolerance" in text
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, TIME
 from vvdp.base.display import fixed, number, plain, value_and_unit
+from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, TIME
 
 
 @pytest.mark.parametrize(
@@ -29,4 +29,9 @@ def test_units():
     assert value_and_unit(100e5 + 101325.0, PRESSURE_LEVEL) == ("100", "bar")
     assert value_and_unit(0.3e5, PRESSURE_LEVEL, absolute=True) == ("0.3", "bar abs.")
     assert value_and_unit(188.49555921538757, SPEED) == ("1800", "rpm")
-    assert [value_and_unit(t, TIME) for t in (0.0, 1.0, 0.25, 2e-5)] == [("0", "s"), ("1", "s"), ("250", "ms"), ("20", "µs")]
+    assert [value_and_unit(t, TIME) for t in (0.0, 1.0, 0.25, 2e-5)] == [
+        ("0", "s"),
+        ("1", "s"),
+        ("250", "ms"),
+        ("20", "µs"),
+    ]

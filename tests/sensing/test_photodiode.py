@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from vvdp.base.errors import ParameterError
 from vvdp.sensing.photodiode import LightSpot, photodiode_signal, ramp_width, spot_share, swept_distance
 from vvdp.sensing.wheel import equal_wheel, sector_widths, wheel_of_widths
 
@@ -64,3 +65,8 @@ def test_arrays_give_what_numbers_give():
     assert photodiode_signal(angles, wheel, track) == pytest.approx(
         [photodiode_signal(a, wheel, track) for a in angles.tolist()], abs=1e-14
     )
+
+
+def test_a_track_without_a_radius_is_refused():
+    with pytest.raises(ParameterError, match="track_radius = 0 m; expected more than 0 m"):
+        LightSpot(width=5e-3, track_radius=0.0, roundness=0.0)

@@ -15,6 +15,7 @@ import psutil
 import pytest
 
 from vvdp.base.errors import ConfigError, ParameterError, RunError
+from vvdp.base.extras import MissingExtraError
 from vvdp.studies import dask_engines
 from vvdp.studies.dask_engines import DaskScheduler, LocalDask, Slurm
 from vvdp.studies.engine import Engine, ThisProcess, all_cores
@@ -247,5 +248,5 @@ def test_an_address_without_a_scheduler_is_told(address: str, monkeypatch: pytes
 def test_what_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     for engine in (LocalDask(1), DaskScheduler("tcp://127.0.0.1:9"), Slurm()):
-        with pytest.raises(ConfigError, match=r"is not installed; it comes with: pip install 'vvdp\[scale\]'"):
+        with pytest.raises(MissingExtraError, match=r"which is not installed: pip install 'vvdp\[scale\]'"):
             engine.__enter__()

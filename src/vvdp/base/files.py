@@ -27,21 +27,25 @@ FAULTS_OF_A_DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ER
 def write_whole(path: Path, content: str | bytes) -> None:
     """Writes a file that is never seen in part, and is on the disk when this returns.
 
+    In the folder of a `result_directory`, which is synced as a whole before its renaming, it need not be so earlier.
     Raises WriteError where it cannot be written; nothing of it is left then, and an earlier file is as it was.
     """
     temporary = _unfinished(path, os.urandom(8).hex(), FILE)
+    synced = not any(UNFINISHED.fullmatch(folder.name) for folder in path.parents)
     try:
         try:
             with temporary.open("wb") as file:
                 _lock(file.fileno())
                 file.write(content.encode() if isinstance(content, str) else content)
                 file.flush()
-                os.fsync(file.fileno())
+                if synced:
+                    os.fsync(file.fileno())
                 temporary.replace(path)
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
-        _sync(path.parent)
+        if synced:
+            _sync(path.parent)
     except OSError as problem:
         raise write_error(path, problem) from None
 

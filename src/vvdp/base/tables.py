@@ -11,7 +11,7 @@ import dataclasses
 import re
 import stat
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_origin
 
@@ -120,7 +120,8 @@ def with_settings(table: Table, settings: list[str]) -> Table:
         key, text = key.strip(), text.strip()
         parts = key.split(".")
         if not equals or len(parts) < 2 or not all(parts) or not text:
-            faults.append(Fault("--set", 0, setting, 'expected table.key="value with unit"'))
+            meant = _full_keys(key, content) if equals else ""
+            faults.append(Fault("--set", 0, setting, f'expected table.key="value with unit"{meant}'))
             continue
         try:
             value = tomllib.loads(f"value = {text}")["value"] if text.startswith(("{", "[")) else text.strip("\"'")
@@ -139,6 +140,12 @@ def with_settings(table: Table, settings: list[str]) -> Table:
     if faults:
         raise ConfigError(faults)
     return Table(table.place, content, lines)
+
+
+def _full_keys(key: str, content: Mapping[str, Any]) -> str:
+    """The end of a message about a `key` that is given without its table: those of `content` that have it."""
+    found = [f"'{name}.{key}'" for name, part in content.items() if isinstance(part, Mapping) and key in part]
+    return f"; did you mean {' or '.join(found)}?" if found else ""
 
 
 def copied(content: Mapping[str, Any]) -> dict[str, Any]:
@@ -282,12 +289,17 @@ def _fault(origin: Table, path: str, message: str, key: str = "") -> Fault:
     return Fault("--set" if line == SET_BY_OPTION else origin.place, line or 0, key or path, message)
 
 
-def nearest(word: str, known: list[str]) -> str:
-    """The end of a message about an unknown `word`: what was perhaps meant, or all that is `known`."""
+def suggestion(word: str, known: Iterable[str], most: int = 1) -> str:
+    """The end of a message about an unknown `word`: up to `most` of `known` that were perhaps meant."""
     import difflib
 
-    close = difflib.get_close_matches(word, known, 1)
-    return f"; did you mean {close[0]!r}?" if close else f"; expected one of {', '.join(sorted(known))}"
+    close = difflib.get_close_matches(word, list(known), most)
+    return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown `word`: what was perhaps meant, or all that is `known`."""
+    return suggestion(word, known) or f"; expected one of {', '.join(sorted(known))}"
 
 
 def write_new(path: Path, text: str, *, force: bool) -> None:

@@ -1,68 +1,145 @@
 """`vvdp check`."""
 
-import os
 import platform
+import re
 import shutil
 import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from vvdp.base.errors import VvdpError
 from vvdp.cli.options import AsJson
 
-REQUIRED = ("numpy", "numba", "scipy", "h5py", "matplotlib", "pint", "rich", "typer")
-PROGRAMS = {
-    "chromium": ("chromium", "chromium-browser", "google-chrome", "chrome"),
-    "openfoam": ("simpleFoam",),
-    "slurm": ("sbatch",),
+if TYPE_CHECKING:
+    from vvdp.cli.table import Grid
+
+OPENS = {
+    "bench": "make bench, against other solvers",
+    "cad": "geometry --step",
+    "daq": "estimate, of TDMS and MDF4",
+    "data": "estimate, of Parquet",
+    "geometry": "geometry",
+    "opt": "design, its pareto and tolerance",
+    "scale": "--on dask, --on slurm",
 }
+"""The verbs and options that each extra opens. `dev` is left out: it is all of them and the tools of development."""
+PROGRAMS = {
+    "chromium": (("chromium", "chromium-browser", "google-chrome", "chrome"), "tests of pages"),
+    "openfoam": (("simpleFoam",), "nothing yet"),
+    "slurm": (("sbatch",), "--on slurm"),
+}
+"""Programs beside Python: the commands that each may have, and what it is for."""
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A distribution that vvdp, or one of its extras, asks for."""
+
+    package: str
+    extra: str | None
+
+    @property
+    def version(self) -> str | None:
+        """The version that is installed, None where there is none."""
+        try:
+            return metadata.version(self.package)
+        except metadata.PackageNotFoundError:
+            return None
+
+
+def requirements() -> Iterator[Requirement]:
+    """What the installed vvdp says that it asks for. Raises VvdpError where it is not installed."""
+    try:
+        lines = metadata.requires("vvdp") or ()
+    except metadata.PackageNotFoundError:
+        raise VvdpError("vvdp is not installed here, so what it asks for is not known: pip install .") from None
+    for line in lines:
+        if package := re.match(r"[\w.-]+", line):
+            extra = re.search(r"extra == ['\"]([\w-]+)", line)
+            yield Requirement(package[0], extra[1] if extra else None)
 
 
 def check(json: AsJson = False) -> None:
     """Show what vvdp finds on this machine.
 
-    These are the versions of Python and libraries, the cache of compiled code, and the optional parts.
+    Versions of Python and libraries, the cache of compiled code, and the optional parts: which are there, what opens
+    with the others, and how they are installed.
     """
-    import vvdp
-    from vvdp.cli.screen import console, grid, print_json
-    from vvdp.simulation.link import default_cache
-    from vvdp.simulation.run import is_loop_compiled
+    from vvdp.cli.screen import print_json
 
-    versions = {name: _version(name) for name in REQUIRED}
-    cache, compiled = default_cache(), is_loop_compiled()
-    problem = _write_problem(cache)
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    optional = {"casadi": _version("casadi")} | {name: _place(programs) for name, programs in PROGRAMS.items()}
-    own = {"vvdp": vvdp.__version__, "python": platform.python_version()}
+    found = _found()
     if json:
-        found = {"cache": str(cache), "cache_problem": problem, "loop_compiled": compiled, "cores": cores}
-        print_json({**own, **versions, **found, "optional": optional})
+        print_json(found)
     else:
-        table = grid("part", "found")
-        for name, version in (own | versions).items():
-            table.add_row(name, version or "missing")
-        table.add_row("cache folder", f"{cache} ({problem or 'writable'})")
-        table.add_row("simulation loop", "compiled" if compiled else "not compiled yet; the first run does it")
-        table.add_row("cores", str(cores))
-        for name, place in optional.items():
-            table.add_row(f"{name} (optional)", place or "not found")
-        console().print(table)
-    if problem or None in versions.values():
+        _print(found)
+    if found["cache_problem"] or None in found["libraries"].values():
         typer.echo("something that vvdp needs is missing, see above", err=True)
         raise typer.Exit(1)
 
 
-def _place(programs: tuple[str, ...]) -> str | None:
-    """Where the first of some programs is that is installed."""
-    return next((found for program in programs if (found := shutil.which(program))), None)
+def _found() -> dict[str, Any]:
+    import vvdp
+    from vvdp.simulation.link import default_cache
+    from vvdp.simulation.run import is_loop_compiled
+    from vvdp.studies.engine import all_cores
+
+    cache, asked = default_cache(), list(requirements())
+    return {
+        "vvdp": vvdp.__version__,
+        "python": platform.python_version(),
+        "cores": all_cores(),
+        "cache_folder": str(cache),
+        "cache_problem": _write_problem(cache),
+        "loop_compiled": is_loop_compiled(),
+        "libraries": {each.package: each.version for each in asked if each.extra is None},
+        "extras": {
+            extra: {"opens": opens, "packages": {each.package: each.version for each in asked if each.extra == extra}}
+            for extra, opens in OPENS.items()
+        },
+        "programs": {
+            name: {"opens": opens, "path": next(filter(None, map(shutil.which, commands)), None)}
+            for name, (commands, opens) in PROGRAMS.items()
+        },
+    }
 
 
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
+def _print(found: dict[str, Any]) -> None:
+    from vvdp.cli.screen import console, grid
+
+    out, table = console(), grid("part", "found")
+    for name in ("vvdp", "python"):
+        table.add_row(name, found[name])
+    for package, version in found["libraries"].items():
+        table.add_row(package, version or "missing")
+    table.add_row("cache folder", f"{found['cache_folder']} ({found['cache_problem'] or 'writable'})")
+    compiled = "compiled" if found["loop_compiled"] else "not compiled yet; the first run does it"
+    table.add_row("simulation loop", compiled)
+    table.add_row("cores", str(found["cores"]))
+    out.print(table)
+    out.print(_optional(found))
+    wanted = [extra for extra, part in found["extras"].items() if None in part["packages"].values()]
+    if wanted:
+        out.print(f"what is missing comes with pip install 'vvdp[{','.join(wanted)}]'", soft_wrap=True)
+
+
+def _optional(found: dict[str, Any]) -> "Grid":
+    """Extras and programs: what each opens, and what of it is there."""
+    from vvdp.cli.screen import grid
+
+    table = grid("optional", "opens", "package", "found")
+    for extra, part in found["extras"].items():
+        names = (f"[{extra}]", part["opens"])
+        for package, version in part["packages"].items():
+            table.add_row(*names, package, version or "missing")
+            names = ("", "")
+    for name, part in found["programs"].items():
+        table.add_row(name, part["opens"], "", part["path"] or "not found")
+    return table
 
 
 def _write_problem(folder: Path) -> str | None:

@@ -10,8 +10,7 @@ from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
 from vvdp.cli.options import AsJson, Force, NoReport, Verb, default_directory, out_option, parsed_option
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from vvdp.cli.table import Grid
     from vvdp.comparison.estimators import Contender
     from vvdp.comparison.results import Comparison
     from vvdp.comparison.scenarios import Scenario
@@ -152,7 +151,7 @@ def _print(found: "Comparison") -> None:
     )
 
 
-def _robustness(found: "Comparison") -> "Table":
+def _robustness(found: "Comparison") -> "Grid":
     """What each estimator costs, and in which scenarios it loses count in one run or more."""
     from vvdp.cli.screen import grid
 

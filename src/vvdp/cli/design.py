@@ -37,9 +37,21 @@ class _OptimumUnlessNamed(TyperGroup):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Puts the question in front where it is missing."""
-        if args and args[0] not in self.commands and args[0] not in ("-h", "--help"):
+        if args and args[0] not in self.commands and args[0] not in ("-h", "--help") and not self._misspells(args[0]):
             args = ["optimum", *args]
         return super().parse_args(ctx, args)
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
+        """The questions, and the systems of which the optimum is asked."""
+        questions = super().shell_complete(ctx, incomplete)
+        return questions + self.commands["optimum"].params[0].shell_complete(ctx, incomplete)
+
+    def _misspells(self, word: str) -> bool:
+        """Whether a word is rather a question with a slip than a system."""
+        from vvdp.base.tables import suggestion
+        from vvdp.systems.system import shipped
+
+        return bool(suggestion(word, self.commands)) and word not in shipped() and not Path(word).exists()
 
 
 app = typer.Typer(cls=_OptimumUnlessNamed, no_args_is_help=True, rich_markup_mode=None)
@@ -152,7 +164,7 @@ def optimum(
         simulated = {
             f"{p.design}_simulated_{key}": value for p in proven if p.point == 0 for key, value in p.found.items()
         }
-        told = {"warnings": "; ".join(warnings), "out": str(directory)}
+        told = {"warnings": warnings, "out": str(directory)}
         print_json({"system": loaded.name, **flat_results(found), **simulated, **told})
     else:
         _print(found, proven, warnings)
@@ -219,7 +231,7 @@ def pareto(
         if not no_report:
             write_front_report(folder)
     if json:
-        told = {"warnings": "; ".join(found.warnings), "out": str(directory)}
+        told = {"warnings": list(found.warnings), "out": str(directory)}
         print_json({"system": loaded.name, **study.flat_front(found), **told})
     else:
         _print_front(found)
@@ -231,15 +243,15 @@ def pareto(
 
 
 def _print_front(found: "Front") -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.pareto import point_name
     from vvdp.design.problem import shown
     from vvdp.design.quantities import KINDS
 
     screen = console()
-    screen.print(found.problem.system.title, soft_wrap=True)
+    tell(found.problem.system.title)
     if found.problem.limits:
-        screen.print(f"subject to {', '.join(map(_limit, found.problem.limits))}", soft_wrap=True)
+        tell(f"subject to {', '.join(map(_limit, found.problem.limits))}")
     for told in found.warnings:
         warn(told)
     names = [each.quantity for each in found.objectives]
@@ -344,18 +356,18 @@ def temperature(
             write_temperature_report(folder)
     if json:
         columns = {name: column.tolist() for name, column in study.temperature_columns(found).items()}
-        print_json({"system": loaded.name, **columns, "warnings": "; ".join(found.warnings), "out": str(directory)})
+        print_json({"system": loaded.name, **columns, "warnings": list(found.warnings), "out": str(directory)})
         return
     _print_temperature(found)
     _print_report(directory, no_report)
 
 
 def _print_temperature(found: "OverTemperature") -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.temperature import by_temperature
 
     screen = console()
-    screen.print(found.system.title, soft_wrap=True)
+    tell(found.system.title)
     columns = (
         "oil [degC]",
         "viscosity [mPa s]",
@@ -379,12 +391,12 @@ def _print_temperature(found: "OverTemperature") -> None:
 
 
 def _print_tolerance(found: "Tolerance") -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.problem import shown
     from vvdp.design.quantities import KINDS
 
     screen = console()
-    screen.print(found.system.title, soft_wrap=True)
+    tell(found.system.title)
     columns = ("nominal", "mean", "deviation", "2.5 %", "97.5 %")
     table = grid("output", *columns, right=columns)
     for name, each in found.scatter.items():
@@ -402,18 +414,18 @@ def _print_tolerance(found: "Tolerance") -> None:
 
 
 def _print(found: "Optimum", proven: "list[Proof]", warnings: list[str]) -> None:
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.design.problem import shown
     from vvdp.design.proof import headline
     from vvdp.design.quantities import KINDS
     from vvdp.design.variables import value_in
 
     asked, screen = found.problem, console()
-    screen.print(asked.system.title, soft_wrap=True)
+    tell(asked.system.title)
     demands = ", ".join(map(_limit, asked.limits)) or "nothing"
     where = f"; weighted mean over {len(asked.points)} operating points" if len(asked.points) > 1 else ""
-    screen.print(f"least {asked.objective} subject to {demands}{where}", soft_wrap=True)
-    screen.print(headline(found, proven), soft_wrap=True)
+    tell(f"least {asked.objective} subject to {demands}{where}")
+    tell(headline(found, proven))
     for text in warnings:
         warn(text)
     table = grid("variable", "before", "optimum", "from", "to", right=("before", "optimum", "from", "to"))
@@ -436,7 +448,7 @@ def _print(found: "Optimum", proven: "list[Proof]", warnings: list[str]) -> None
     if found.global_objective is not None:
         apart = 100.0 * (found.global_objective / found.objective - 1.0)
         search += f"; a global search of {found.global_evaluations} designs came within {apart:.2g} %"
-    screen.print(search, soft_wrap=True)
+    tell(search)
     _print_proof(proven)
 
 
@@ -445,7 +457,7 @@ def _print_proof(proven: "list[Proof]") -> None:
 
     if not proven:
         return
-    columns = ("total loss, simulated [W]", "closed form [W]", "PWM, simulated [Hz]", "closed form [Hz]")
+    columns = ("total loss, simulated [W]", "analytic [W]", "PWM, simulated [Hz]", "analytic [Hz]")
     table = grid("design", "point", *columns, right=("point", *columns))
     for each in proven:
         keys = ("loss_total_W", "analytic_loss_total_W", "pwm_frequency_Hz", "analytic_pwm_frequency_Hz")

@@ -42,9 +42,11 @@ def chosen_engine(
 ) -> "Engine":
     """The engine that the options name; what SLURM jobs print goes to a folder in `directory`.
 
-    Raises ConfigError with every option that does not go with `on`, and where `on` is no place.
+    Raises ConfigError with every option that does not go with `on`, and where `on` is no place; MissingExtraError where
+    Dask is not installed, before anything is written.
     """
     from vvdp.base.errors import ConfigError, Fault
+    from vvdp.base.extras import require
     from vvdp.cli.screen import say
     from vvdp.studies.engine import ThisProcess
 
@@ -63,6 +65,8 @@ def chosen_engine(
         raise ConfigError(faults)
     if on == HERE:
         return ThisProcess(cores)
+    require("dask_jobqueue" if on == SLURM else "distributed", "scale", f"--on {on}")
+
     from vvdp.studies.dask_engines import DaskScheduler, LocalDask, Slurm
 
     if on == DASK:

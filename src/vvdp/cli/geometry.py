@@ -46,6 +46,7 @@ def geometry(
     The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set with
     --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.
     """
+    _require_libraries(step)
     from vvdp.base.files import result_directory
     from vvdp.base.kinds import ANGLE
     from vvdp.base.signal import signal_value
@@ -56,10 +57,6 @@ def geometry(
     from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
 
-    if step:
-        from vvdp.geometry.exact import require_cad
-
-        require_cad()
     own = [text for text in settings or () if text.strip().startswith("geometry.")]
     loaded = load_system(system, [text for text in settings or () if text not in own])
     bench = rotary_bench(loaded, "geometry")
@@ -92,12 +89,22 @@ def geometry(
         raise typer.Exit(INTERRUPTED)
 
 
+def _require_libraries(step: bool) -> None:
+    """Raises MissingExtraError where solids, or STEP files of them, cannot be made."""
+    from vvdp.base.extras import require
+
+    for library in ("manifold3d", "trimesh"):
+        require(library, "geometry", "a valve as solids")
+    if step:
+        require("OCP", "cad", "a STEP file")
+
+
 def _print(system: "System", product: "Product") -> None:
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.screen import console, grid, tell
     from vvdp.report.geometry_report import shown
 
     out, s = console(), product.summary
-    out.print(system.title, soft_wrap=True)
+    tell(system.title)
     out.print(f"duty ratio {s['duty_ratio']:.4g}, spool angle {shown(s['spool_angle_rad'], 'rad')}")
     if product.comparisons:
         out.print(_compared(product.comparisons, s.get("openings_difference")))
@@ -106,7 +113,7 @@ def _print(system: "System", product: "Product") -> None:
         table.add_row(name, shown(volume, "m^3"), str(triangles) if triangles else "-")
     out.print(table)
     for name in product.shut:
-        out.print(f"{name}: not made, the nozzles are shut to this side here", soft_wrap=True)
+        tell(f"{name}: not made, the nozzles are shut to this side here")
 
 
 def _compared(comparisons: "Sequence[Comparison]", openings: float | None) -> Any:

@@ -16,7 +16,22 @@ import typer
 from typer.core import TyperGroup
 
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
-from vvdp.cli import check, compare, design, estimate, geometry, listing, new, report, rig, run, show, study, valve
+from vvdp.cli import (
+    check,
+    compare,
+    design,
+    docs,
+    estimate,
+    geometry,
+    listing,
+    new,
+    report,
+    rig,
+    run,
+    show,
+    study,
+    valve,
+)
 from vvdp.cli import map as maps
 from vvdp.cli.options import Verb
 
@@ -44,7 +59,6 @@ app = typer.Typer(
     help="Simulate and evaluate virtually variable displacement pumps and other digital hydraulics.",
     epilog="Exit codes: 0 success, 1 failure, 2 bad input, 3 not balanced, 130 interrupted (by a signal 143, 129).",
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode=None,  # rich would triple the time of --help
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -63,6 +77,7 @@ app.command("list", cls=Verb)(listing.systems)
 app.command("new", cls=Verb)(new.new)
 app.command("report", cls=Verb)(report.report)
 app.command("check", cls=Verb)(check.check)
+app.command("docs", cls=Verb)(docs.docs)
 
 
 def _version(wanted: bool) -> None:

@@ -98,7 +98,7 @@ def map(  # noqa: A001 - the name of the verb
         say(f"interrupted with {missing} points to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
     if "untrusted_points" in result.numbers and result.numbers["untrusted_points"].value > 0.0:
-        say("not trusted: the balances of some points are above the limit; see the column trusted")
+        say("the balances of some points do not close; see the column trusted")
         raise typer.Exit(NOT_TRUSTED)
 
 

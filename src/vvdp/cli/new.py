@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from vvdp.cli.completion import system_names
 from vvdp.cli.options import AsJson, Force
 
 _TITLE_LINE = re.compile(r"""^[ \t]*title[ \t]*=[ \t]*(?:"(?:[^"\\\n]|\\.)+"|'[^'\n]+')""", re.MULTILINE)
@@ -13,7 +14,15 @@ _TITLE_LINE = re.compile(r"""^[ \t]*title[ \t]*=[ \t]*(?:"(?:[^"\\\n]|\\.)+"|'[^
 
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new system, written to NAME.toml.")],
-    source: Annotated[str, typer.Option("--from", metavar="SYSTEM", help="The shipped system or TOML file to copy.")],
+    source: Annotated[
+        str,
+        typer.Option(
+            "--from",
+            metavar="SYSTEM",
+            help="The shipped system or TOML file to copy.",
+            autocompletion=system_names,
+        ),
+    ],
     force: Force = False,
     json: AsJson = False,
 ) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from vvdp.cli.completion import setting_keys, system_names
+
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
 
@@ -38,7 +40,12 @@ def _plain_record(name: str, text: str) -> tuple[str, str]:
 
 
 SystemName = Annotated[
-    str, typer.Argument(metavar="SYSTEM", help="A shipped system (see `vvdp list`) or the path of a TOML file.")
+    str,
+    typer.Argument(
+        metavar="SYSTEM",
+        help="A shipped system (see `vvdp list`) or the path of a TOML file.",
+        autocompletion=system_names,
+    ),
 ]
 Settings = Annotated[
     list[str] | None,
@@ -46,6 +53,7 @@ Settings = Annotated[
         "--set",
         metavar="TABLE.KEY=VALUE",
         help="Set a value, for example operation.duty_ratio=0.4 (repeatable).",
+        autocompletion=setting_keys,
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object in SI units and nothing else.")]

@@ -4,13 +4,12 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vvdp.cli.screen import console, grid, print_json, warn
+from vvdp.cli.screen import console, grid, print_json, tell, warn
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rich.table import Table as Grid
-
+    from vvdp.cli.table import Grid
     from vvdp.results.result import Listing, Result, Table
 
 MOST_ROWS = 30
@@ -22,9 +21,9 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
     from vvdp.results.result import Grade
 
     out = console()
-    out.print(": ".join(filter(None, (result.title, result.system))), soft_wrap=True)
+    tell(": ".join(filter(None, (result.title, result.system))))
     for name, value in result.conditions.items():
-        out.print(f"  {name}: {value}", soft_wrap=True)
+        tell(f"  {name}: {value}")
     shown = [*result.listings, *(name for name, table in result.tables.items() if not table.is_data)]
     for name in shown if names is None else names:
         each = result.listings.get(name)
@@ -35,7 +34,7 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
         if finding.grade in (Grade.WARNING, Grade.BAD):
             warn(finding.text)
         else:
-            out.print(finding.text, soft_wrap=True)
+            tell(finding.text)
 
 
 def write_with_report(folder: "Path", result: "Result", system: str, *, no_report: bool) -> bool:
@@ -53,10 +52,9 @@ def show_result(result: "Result", directory: "Path", *, json: bool, reported: bo
         print_json({**result.flat, "out": str(directory)})
         return
     print_result(result, tuple(result.listings))
-    out = console()
-    out.print(f"results: {directory}", soft_wrap=True)
+    tell(f"results: {directory}")
     if reported:
-        out.print(f"report: {directory / 'report.html'}", soft_wrap=True)
+        tell(f"report: {directory / 'report.html'}")
 
 
 def listing_grid(listing: "Listing") -> "Grid":
@@ -81,7 +79,7 @@ def table_grid(name: str, table: "Table") -> "Grid":
         title += f" ({len(places)} of {table.rows} rows{thinned}; all are in {name}.csv)"
     heads = [column_head(table.columns[key]) for key in keys]
     right = tuple(head for head, key in zip(heads, keys, strict=True) if table.columns[key].kind)
-    found = grid(*heads, title=title, right=right)
+    found = grid(*heads, title=title, right=right, keys=max(1, len([key for key in keys if key in table.axes])))
     for place in places:
         found.add_row(*(table_cell(table, key, place) for key in keys))
     return found

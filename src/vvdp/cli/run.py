@@ -67,12 +67,12 @@ def run(
 
 
 def _exit(run: "RecordedRun") -> None:
-    """Leaves with the code of a run that was interrupted or is not to be trusted."""
+    """Leaves with the code of a run that was interrupted or whose balances do not close."""
     from vvdp.cli.screen import say
 
     trusted = bool(run.summary.get("trusted", True))
     if not trusted:
-        say("not trusted: the balances of this run do not close; see energy_residual and mass_residual")
+        say("the balances of this run do not close; see energy_residual and mass_residual")
     if not run.has("finished"):
         raise typer.Exit(INTERRUPTED)
     if not trusted:
@@ -81,25 +81,25 @@ def _exit(run: "RecordedRun") -> None:
 
 def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     from vvdp.cli.printing import listing_grid
-    from vvdp.cli.screen import console, grid, warn
+    from vvdp.cli.screen import console, grid, tell, warn
     from vvdp.runs.tables import screen_listings
     from vvdp.simulation.balance import LIMIT
     from vvdp.systems.overview import period, warnings
 
     out, found = console(), run.summary
-    out.print(run.system.title, soft_wrap=True)
+    tell(run.system.title)
     periods = f"{found['averaged_periods']:g} {period(run.system)}s, " if found["averaged_periods"] else ""
     begin, end = found["averaged_from_s"], found["averaged_to_s"]
-    out.print(f"means over {periods}{begin:.4g} s to {end:.4g} s; pressures gauge")
+    tell(f"means over {periods}{begin:.4g} s to {end:.4g} s; pressures gauge")
     for listing in screen_listings(run):
         out.print(listing_grid(listing))
     if "trusted" in found:
         energy, oil = found["energy_residual"], found["mass_residual"]
-        out.print(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")
+        tell(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")
     seconds, assumed = float(run.meta["seconds"]), len(run.system.assumed)
-    out.print(f"{found['steps']:.0f} steps in {seconds:.2f} s; {assumed} values of the system are assumed")
+    tell(f"{found['steps']:.0f} steps in {seconds:.2f} s; {assumed} values of the system are assumed")
     for text in run.meta.get("remarks", ()):
-        out.print(f"remark: {text}", soft_wrap=True)
+        tell(f"remark: {text}")
     if changes:
         table = grid("at a tenth of the tolerance", "change", right=("change",))
         for move in changes[:MOST_CHANGES]:

@@ -3,12 +3,14 @@
 import json
 import math
 import sys
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
+
+    from vvdp.cli.table import Grid
 
 WIDTH_WITHOUT_TERMINAL = 200
 
@@ -22,21 +24,30 @@ def console(*, err: bool = False) -> "Console":
     return Console(stderr=err, highlight=False, markup=False, emoji=False, soft_wrap=False, width=width)
 
 
-def grid(*columns: str, title: str = "", right: tuple[str, ...] = ()) -> "Table":
-    """A table with plain rules and `columns`, those in `right` aligned to the right."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+def grid(*heads: str, title: str = "", right: Sequence[str] = (), keys: int = 1, transpose: bool = False) -> "Grid":
+    """A table with a column for each of `heads`, those in `right` of numbers.
 
-    table = Table(title=Text(title) if title else None, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
-    for column in columns:
-        table.add_column(Text(column), justify="right" if column in right else "left", overflow="fold")
-    return table
+    Where it is too wide for the screen, it is printed in parts that all begin with its first `keys` columns, or with
+    `transpose` with its rows as columns, if that is narrow enough.
+    """
+    from vvdp.cli.table import Grid
+
+    return Grid(heads=heads, title=title, right=right, keys=keys, transpose=transpose)
+
+
+def tell(text: str, style: str = "") -> None:
+    """Prints a text for a person on stdout: on a terminal broken between words, elsewhere on one line."""
+    out = console()
+    for line in text.split("\n"):
+        parts = (
+            textwrap.wrap(line, out.width, break_long_words=False, break_on_hyphens=False) if out.is_terminal else []
+        )
+        out.print("\n".join(parts) or line, style=style, soft_wrap=True)
 
 
 def warn(message: str) -> None:
     """Prints a warning in red on stdout, where the results are."""
-    console().print(f"warning: {message}", style="red", soft_wrap=True)
+    tell(f"warning: {message}", style="red")
 
 
 def say(message: str) -> None:

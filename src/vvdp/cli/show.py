@@ -9,9 +9,8 @@ from vvdp.cli.options import AsJson, Settings, SystemName
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rich.table import Table
-
     from vvdp.base.tables import Sourced
+    from vvdp.cli.table import Grid
     from vvdp.systems.system import System
 
 
@@ -76,12 +75,12 @@ def _entry(row: "Sourced") -> dict[str, Any]:
 
 
 def _print(system: "System") -> None:
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.screen import console, grid, tell
 
     out = console()
-    out.print(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
+    tell(f"{system.title}\n{system.name}, circuit {system.circuit_name}\n")
     for table in (_nodes(system), _components(system), _programs(system)):
-        if table.row_count:
+        if table.rows:
             out.print(table)
     tables = dict.fromkeys(row.table for row in system.rows)
     for name in tables:
@@ -92,11 +91,11 @@ def _print(system: "System") -> None:
                 table.add_row(row.key, row.displayed, row.status, source, row.note)
         out.print(table)
     assumed = system.assumed
-    out.print(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")
-    out.print(", ".join(f"{row.table}.{row.key}" for row in assumed) or "none", soft_wrap=True)
+    tell(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")
+    tell(", ".join(f"{row.table}.{row.key}" for row in assumed) or "none")
 
 
-def _nodes(system: "System") -> "Table":
+def _nodes(system: "System") -> "Grid":
     from vvdp.cli.screen import grid
     from vvdp.network.nodes import kind_of_node
     from vvdp.systems.overview import inside
@@ -124,7 +123,7 @@ def _joints(system: "System") -> "Iterator[tuple[str, str, str]]":
             yield name, port, node
 
 
-def _components(system: "System") -> "Table":
+def _components(system: "System") -> "Grid":
     from vvdp.cli.screen import grid
     from vvdp.report.circuit import source_words
     from vvdp.systems.overview import inside
@@ -144,7 +143,7 @@ def _components(system: "System") -> "Table":
     return table
 
 
-def _programs(system: "System") -> "Table":
+def _programs(system: "System") -> "Grid":
     from vvdp.cli.screen import grid
 
     table = grid("program", "reads", "called", title="Programs")

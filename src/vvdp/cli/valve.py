@@ -35,6 +35,7 @@ def valve(
     from vvdp.base.kinds import FLOW, TEMPERATURE
     from vvdp.base.signal import signal_value
     from vvdp.cli.screen import print_json
+    from vvdp.cli.valve_table import print_point, print_points
     from vvdp.systems.bench import rotary_bench
     from vvdp.systems.system import load_system
 
@@ -46,13 +47,12 @@ def valve(
     ]
     rows = [_row(bench, q, t) for q, t in product(flows, temperatures)]
     if json:
-        rows = [{**row, "warnings": "; ".join(row["warnings"])} for row in rows]
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
         print_json({"system": loaded.name, **columns})
     elif len(rows) == 1:
-        _print_one(bench, rows[0])
+        print_point(bench, rows[0])
     else:
-        _print_several(bench, rows)
+        print_points(bench, rows)
 
 
 def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
@@ -102,7 +102,7 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
     try:
         point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
-        raise ParameterError(f"{bench.system.name}: the closed forms have no value here ({problem})") from None
+        raise ParameterError(f"{bench.system.name}: the formulas have no value here ({problem})") from None
     numbers = {
         "flow_m3_s": flow,
         "temperature_K": temperature,
@@ -130,82 +130,4 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
         "nozzle_reynolds_number": point.nozzle_reynolds_number,
         "mean_load_flow_m3_s": point.cycle.load_flow,
     }
-    return {key: float(value) for key, value in numbers.items()} | {"warnings": point.warnings}
-
-
-# What a person is shown: label, key, name of the unit.
-SHOWN = (
-    ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", "bar"),
-    ("pressure drop, centre section", "pressure_drop_centre_section_Pa", "bar"),
-    ("pressure drop, outlet turbine", "pressure_drop_outlet_turbine_Pa", "bar"),
-    ("pressure drop, total", "pressure_drop_total_Pa", "bar"),
-    ("torque, inlet turbine", "torque_inlet_N_m", "N*m"),
-    ("torque, outlet turbine", "torque_outlet_N_m", "N*m"),
-    ("torque, friction", "torque_friction_N_m", "N*m"),
-    ("spool speed, fully open", "spool_speed_rad_s", "rpm"),
-    ("PWM frequency, fully open", "pwm_frequency_Hz", "Hz"),
-    ("PWM frequency, averaged", "pwm_frequency_averaged_Hz", "Hz"),
-    ("transition fraction", "transition_fraction", ""),
-    ("loss, fully open", "loss_full_open_W", "W"),
-    ("loss, transition", "loss_transition_W", "W"),
-    ("loss, compressibility", "loss_compressibility_W", "W"),
-    ("loss, leakage", "loss_leakage_W", "W"),
-    ("loss, total", "loss_total_W", "W"),
-    ("spool friction, part of fully open", "spool_friction_power_W", "W"),
-    ("Reynolds number of the nozzles", "nozzle_reynolds_number", ""),
-    ("mean flow to the load", "mean_load_flow_m3_s", "lpm"),
-)
-COLUMNS = (
-    ("flow [lpm]", "flow_m3_s", "lpm"),
-    ("oil [degC]", "temperature_K", "degC"),
-    ("nozzle [bar]", "pressure_drop_nozzle_Pa", "bar"),
-    ("centre [bar]", "pressure_drop_centre_section_Pa", "bar"),
-    ("outlet [bar]", "pressure_drop_outlet_turbine_Pa", "bar"),
-    ("total [bar]", "pressure_drop_total_Pa", "bar"),
-    ("PWM open [Hz]", "pwm_frequency_Hz", "Hz"),
-    ("PWM mean [Hz]", "pwm_frequency_averaged_Hz", "Hz"),
-    ("open [W]", "loss_full_open_W", "W"),
-    ("transition [W]", "loss_transition_W", "W"),
-    ("compr. [W]", "loss_compressibility_W", "W"),
-    ("leakage [W]", "loss_leakage_W", "W"),
-    ("total [W]", "loss_total_W", "W"),
-)
-
-
-def _head(bench: "RotaryBench", row: Row) -> str:
-    from vvdp.cli.screen import amount
-
-    which = "the initial one; the load makes its own" if bench.makes_pressure else "prescribed"
-    return (
-        f"{bench.system.title}\n"
-        f"duty ratio {row['duty_ratio']:.4g}, load pressure {amount(row['load_pressure_Pa'], 'bar')} bar ({which}), "
-        f"relief valve {amount(row['relief_pressure_Pa'], 'bar')} bar"
-    )
-
-
-def _print_one(bench: "RotaryBench", row: Row) -> None:
-    from vvdp.cli.screen import amount, console, grid, warn
-
-    out = console()
-    out.print(_head(bench, row), soft_wrap=True)
-    out.print(f"flow {amount(row['flow_m3_s'], 'lpm')} lpm, oil {amount(row['temperature_K'], 'degC')} degC")
-    table = grid("quantity", "value", "unit", right=("value",))
-    for label, key, unit in SHOWN:
-        table.add_row(label, amount(row[key], unit), unit)
-    out.print(table)
-    for text in row["warnings"]:
-        warn(text)
-
-
-def _print_several(bench: "RotaryBench", rows: list[Row]) -> None:
-    from vvdp.cli.screen import amount, console, grid, warn
-
-    out = console()
-    out.print(_head(bench, rows[0]), soft_wrap=True)
-    table = grid(*(label for label, _, _ in COLUMNS), right=tuple(label for label, _, _ in COLUMNS))
-    for row in rows:
-        table.add_row(*(amount(row[key], unit) for _, key, unit in COLUMNS))
-    out.print(table)
-    for row in rows:
-        for text in row["warnings"]:
-            warn(f"{amount(row['flow_m3_s'], 'lpm')} lpm, {amount(row['temperature_K'], 'degC')} degC: {text}")
+    return {key: float(value) for key, value in numbers.items()} | {"warnings": list(point.warnings)}

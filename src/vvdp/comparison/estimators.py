@@ -22,12 +22,15 @@ from vvdp.comparison.scenarios import (
 )
 from vvdp.comparison.scores import Traces
 from vvdp.comparison.smoothing import smoothed_traces, used_edge_step
+from vvdp.estimation.baselines.finite_difference import finite_difference, finite_difference_estimator
+from vvdp.estimation.baselines.inverse_time import inverse_time, inverse_time_estimator
+from vvdp.estimation.baselines.m_over_t import m_over_t, m_over_t_estimator
+from vvdp.estimation.baselines.time_stamping import time_stamping, time_stamping_estimator
+from vvdp.estimation.baselines.torque_filter import TorqueFilter, TorqueReading, torque_filter, torque_filter_estimator
+from vvdp.estimation.baselines.tracking_loop import tracking_loop, tracking_loop_estimator
 from vvdp.estimation.estimator import Estimator
 from vvdp.estimation.event_filter import EventFilter, event_filter, event_filter_estimator, event_filter_start
-from vvdp.estimation.finite_difference import finite_difference, finite_difference_estimator
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start, fusion_step, pressure_edge_angle
-from vvdp.estimation.inverse_time import inverse_time, inverse_time_estimator
-from vvdp.estimation.m_over_t import m_over_t, m_over_t_estimator
 from vvdp.estimation.threshold import (
     AdaptedThreshold,
     EdgeOffset,
@@ -38,9 +41,6 @@ from vvdp.estimation.threshold import (
     threshold_start,
     threshold_step,
 )
-from vvdp.estimation.time_stamping import time_stamping, time_stamping_estimator
-from vvdp.estimation.torque_filter import TorqueFilter, TorqueReading, torque_filter, torque_filter_estimator
-from vvdp.estimation.tracking_loop import tracking_loop, tracking_loop_estimator
 from vvdp.sensing.encoder import Encoder, EncoderMemory, Shaft, encoder_reading, encoder_start
 from vvdp.sensing.photodiode import ramp_width
 from vvdp.sensing.reading import Reading

@@ -15,6 +15,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import VvdpError
+from vvdp.base.extras import require
 from vvdp.design.problem import TRANSITIONAL, Bound, Limit, Problem
 from vvdp.design.quantities import Quantities
 from vvdp.valve.geometry import barrier_width
@@ -290,7 +291,7 @@ def searched(
     progress: Callable[[int, int], None] | None = None,
 ) -> "_Search":
     """All that `optimised` finds on its way. Raises InfeasibleError where no design meets all."""
-    needed("casadi", "opt")
+    require("casadi", "opt", "an optimum")
     whole = [b for b in problem.bounds if b.variable.whole]
     choices = [
         dict(zip((b.variable.name for b in whole), map(float, numbers), strict=True))
@@ -361,14 +362,6 @@ class _Search:
         if self.progress:
             self.progress(self.done, self.rounds)
         return local
-
-
-def needed(module: str, extra: str) -> None:
-    """Raises where an optional `module` is missing, with how to get it."""
-    from importlib.util import find_spec
-
-    if find_spec(module) is None:
-        raise VvdpError(f"{module} is not installed; this needs it: pip install 'vvdp[{extra}]'")
 
 
 def _plain(found: Quantities) -> Quantities:
@@ -692,9 +685,9 @@ def _furthest(problem: Problem, item: Limit, held: Mapping[str, float]) -> float
 
 def gradients(problem: Problem, values: Mapping[str, float]) -> dict[str, Array]:
     """Exact derivatives of every quantity at the first point by the logarithms of the free variables."""
+    require("casadi", "opt", "a gradient")
     import casadi
 
-    needed("casadi", "opt")
     with _quiet():
         x = casadi.SX.sym("x", len(problem.bounds))
         symbols = {b.variable.name: casadi.exp(x[i]) for i, b in enumerate(problem.bounds)}

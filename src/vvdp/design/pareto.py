@@ -14,8 +14,9 @@ import numpy.typing as npt
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.extras import require
 from vvdp.base.tables import nearest
-from vvdp.design.optimise import Traced, geometry_of, needed, searched, valve_of
+from vvdp.design.optimise import Traced, geometry_of, searched, valve_of
 from vvdp.design.problem import Limit, Problem
 from vvdp.design.proof import TOLERANCE, Simulated
 from vvdp.design.quantities import KINDS, Quantities, key
@@ -78,13 +79,13 @@ class Front:
     def warnings(self) -> list[str]:
         """What to know before a design is taken, a sentence each."""
         if not self.simulated:
-            return ["the designs were not simulated: closed forms alone may mislead"]
+            return ["the designs were not simulated: analytic figures alone may mislead"]
         count = sum(self.doubtful)
         if not count:
             return []
         return [
             f"{count} of {len(self.values)} designs are in doubt and marked so: their simulation is more than "
-            f"{100.0 * TOLERANCE:.3g} % off the total loss in closed form, has not settled or failed"
+            f"{100.0 * TOLERANCE:.3g} % off the analytic total loss, has not settled or failed"
         ]
 
     def column(self, quantity: str) -> Array:
@@ -196,8 +197,8 @@ def front(
 
     Ctrl-C ends the search and keeps the designs so far. Raises InfeasibleError where no design meets the limits.
     """
-    needed("pymoo", "opt")
-    needed("casadi", "opt")
+    require("pymoo", "opt", "a Pareto front")
+    require("casadi", "opt", "a Pareto front")
     asked = replace(asked, beside=tuple(each.quantity for each in wanted))
     anchors = [_anchor(asked, each, seed) for each in wanted]
     spread, evaluations, finished = _spread(asked, wanted, anchors, points, generations, seed, progress)

@@ -210,7 +210,7 @@ def _never_switching(point: Point) -> list[Fault]:
     if 0.0 < d < 1.0:
         return []
     message = (
-        f"{d:g}: the valve never switches, and the closed form of the transition loss does not hold; minimise for "
+        f"{d:g}: the valve never switches, and the analytic transition loss does not hold; minimise for "
         "example pressure_drop_total, or take a value between 0 and 1"
     )
     return [Fault(point.system.name, 0, "operation.duty_ratio", message)]

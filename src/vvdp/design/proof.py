@@ -137,7 +137,7 @@ def simulation_doubts(found: Optimum, proven: Sequence[Proof]) -> list[str]:
     for each in proven:
         where = f" at point {each.point + 1}" if several else ""
         if each.failure:
-            told.append(f"the simulation {each.design}{where} broke off: {each.failure}")
+            told.append(f"the simulation {each.design}{where} failed: {each.failure}")
         if each.failure or each.design == "before":
             continue
         loss = each.found["loss_total_W"]
@@ -145,8 +145,8 @@ def simulation_doubts(found: Optimum, proven: Sequence[Proof]) -> list[str]:
         simulated_before = before.get(each.point, {}).get("loss_total_W", loss)
         if loss > simulated_before and claimed < was:
             told.append(
-                f"simulated{where}, the optimum loses {loss:.4g} W, more than the {simulated_before:.4g} W before; in "
-                f"closed form it loses less ({claimed:.4g} W against {was:.4g} W)"
+                f"simulated{where}, the optimum loses {loss:.4g} W, more than the {simulated_before:.4g} W before; "
+                f"analytically it loses less ({claimed:.4g} W against {was:.4g} W)"
             )
         told += [f"{text}{where}" for text in _apart("total loss", "W", loss, claimed)]
         if "analytic_pwm_frequency_Hz" in each.found:
@@ -160,7 +160,7 @@ def _apart(words: str, unit: str, simulated: float, claimed: float) -> list[str]
     if abs(simulated - claimed) <= TOLERANCE * abs(claimed):
         return []
     return [
-        f"the {words} is {simulated:.4g} {unit} simulated and {claimed:.4g} {unit} in closed form, "
+        f"the {words} is {simulated:.4g} {unit} simulated and {claimed:.4g} {unit} analytic, "
         f"{100.0 * (simulated / claimed - 1.0):+.3g} %; more than {100.0 * TOLERANCE:.3g} % is not to be relied on"
     ]
 
@@ -193,7 +193,7 @@ def headline(found: Optimum, proven: Sequence[Proof]) -> str:
     asked = found.problem
     name, kind = asked.objective, KINDS[asked.objective]
     was = float(asked.mean(found.before, name))
-    told = f"{name.replace('_', ' ')}: {shown(was, kind, 4)} to {shown(found.objective, kind, 4)} in closed form"
+    told = f"{name.replace('_', ' ')}: {shown(was, kind, 4)} to {shown(found.objective, kind, 4)} (analytic)"
     if pair := simulated_means(asked, proven):
         quantity, before, after = pair
         kind = KINDS[quantity]

@@ -254,13 +254,11 @@ def _checks(columns: Mapping[str, Array], limits: RangeLimits, rated_power: floa
         Check(
             "relief_margin", "relief setting above load and open drop", KINDS["relief_margin"],
             at.relief_pressure - at.load_pressure - c["pressure_drop_total"], 0.0, True,
-            "the relief valve is open even with the load port fully open, and the closed form of the losses does not "
-            "hold",
+            "the relief valve is open even with the load port fully open, and the analytic losses do not hold",
         ),
         Check(
             "transition_fraction", "transition fraction", _NUMBER, kappa, room, False,
-            f"at duty ratio {at.duty_ratio:.4g} a port never opens fully: the closed form of the transition loss does "
-            f"not hold",
+            f"at duty ratio {at.duty_ratio:.4g} a port never opens fully: the analytic transition loss does not hold",
         ),
     )  # fmt: skip
 

@@ -12,11 +12,11 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.extras import require
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import nearest
 from vvdp.base.units import parsed
-from vvdp.design.optimise import needed
 from vvdp.design.problem import require_flow, shown
 from vvdp.design.quantities import KINDS, Setup, key, quantities, setup, unchecked
 from vvdp.fluid.oil import Oil, density
@@ -186,7 +186,7 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
     Raises ParameterError where the number of samples is none, ConfigError where nothing flows through the valve or to
     the load.
     """
-    needed("SALib", "opt")
+    require("SALib", "opt", "a tolerance study")
     require_flow(system)
     if samples < 8 or samples & (samples - 1):
         raise ParameterError(f"{samples} samples; expected a power of two from 8 on, for example {SAMPLES}")
@@ -204,7 +204,7 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
             + (nominal.loss_leakage + nominal.loss_compressibility) / through
         )
         message = (
-            f"{at.duty_ratio:g}: in closed form transitions, leakage and compression take all that the load would get, "
+            f"{at.duty_ratio:g}: analytically, transitions, leakage and compression take all that the load would get, "
             f"so there is no efficiency to scatter; expected more than {lost:.4g}"
         )
         raise ConfigError([Fault(system.name, 0, "operation.duty_ratio", message)])
@@ -286,7 +286,7 @@ def columns(found: Tolerance) -> dict[str, Array]:
 
 def flat_tolerance(found: Tolerance) -> dict[str, Any]:
     """The study as flat numbers for programs."""
-    flat: dict[str, Any] = {"warnings": "; ".join(found.warnings)}
+    flat: dict[str, Any] = {"warnings": list(found.warnings)}
     for name, each in found.scatter.items():
         kind = KINDS[name]
         flat[key(name, kind)] = each.nominal

@@ -32,21 +32,6 @@ class DutyWave(Params):
             raise ParameterError(f"DutyWave.flow: {self.flow:g} m^3/s; expected a pump flow above zero")
 
 
-class DutyWaveMemory(NamedTuple):
-    """The last rising edge and the one before it, 1 while no falling edge has followed, and the last duty ratios.
-    Before an edge its time and angle are NaN."""
-
-    rise_time: Time
-    rise_angle: Angle
-    rise_interval: Time
-    rise_level: Pressure
-    rise_before: Time
-    within_pulse: float
-    duty_ratio: float
-    wave_duty_ratio: float
-    deviation: float
-
-
 class DutyReading(NamedTuple):
     """A reading of the pressure's edges, with the spool's unwrapped angle and its speed as believed at its time; speed
     0: neither is known."""
@@ -63,6 +48,24 @@ class DutyEstimate(NamedTuple):
     duty_ratio: float
     wave_duty_ratio: float
     deviation: float
+
+
+class RisingEdge(NamedTuple):
+    """A rising edge, with the time of the one before it. Before the first, all of it is NaN."""
+
+    time: Time
+    angle: Angle
+    interval: Time
+    level: Pressure
+    before: Time
+
+
+class DutyWaveMemory(NamedTuple):
+    """The last rising edge, 1 while no falling edge has followed, and the last duty ratio."""
+
+    rise: RisingEdge
+    within_pulse: float
+    found: DutyEstimate
 
 
 def wave_duty_ratio(rise_angle: float, fall_angle: float, sections: float) -> float:
@@ -162,15 +165,9 @@ def duty_start() -> DutyWaveMemory:
     Source  ours, docs/models/pressure-fusion.md
     """
     return DutyWaveMemory(
-        rise_time=np.nan,
-        rise_angle=np.nan,
-        rise_interval=np.nan,
-        rise_level=np.nan,
-        rise_before=np.nan,
+        rise=RisingEdge(time=np.nan, angle=np.nan, interval=np.nan, level=np.nan, before=np.nan),
         within_pulse=0.0,
-        duty_ratio=np.nan,
-        wave_duty_ratio=np.nan,
-        deviation=np.nan,
+        found=DutyEstimate(duty_ratio=np.nan, wave_duty_ratio=np.nan, deviation=np.nan),
     )
 
 
@@ -182,36 +179,30 @@ def duty_step(memory: DutyWaveMemory, reading: DutyReading, settings: DutyWave) 
     Source  wang2017, section 7.3, for the idea; docs/models/pressure-fusion.md
     """
     edge, N = reading.pressure, settings.valve.sections
-    rise_time, rise_angle, rise_interval = memory.rise_time, memory.rise_angle, memory.rise_interval
-    rise_level, rise_before, within = memory.rise_level, memory.rise_before, memory.within_pulse
-    duty, wave, deviation = memory.duty_ratio, memory.wave_duty_ratio, memory.deviation
+    rise, within, found = memory.rise, memory.within_pulse, memory.found
     moving = reading.speed > 0.0
     angle = reading.angle - reading.speed * (edge.time - edge.pressure_edge_time) if moving else np.nan
     if edge.pressure_edges > 0.0 and edge.pressure_polarity > 0.0:
-        rise_before, rise_time, rise_angle = rise_time, edge.pressure_edge_time, angle
-        rise_interval, rise_level, within = edge.pressure_edge_interval, edge.level, 1.0
+        rise = RisingEdge(
+            time=edge.pressure_edge_time,
+            angle=angle,
+            interval=edge.pressure_edge_interval,
+            level=edge.level,
+            before=rise.time,
+        )
+        within = 1.0
     falling = edge.pressure_edges > 0.0 and edge.pressure_polarity < 0.0
-    known = moving and rise_angle > -np.inf  # NaN while the speed was unknown
-    if falling and within > 0.0 and (known or rise_time > rise_before):
-        frequency = reading.speed * N / (2.0 * np.pi) if known else 1.0 / (rise_time - rise_before)
-        wave = wave_duty_ratio(rise_angle, angle, N) if known else frequency * (edge.pressure_edge_time - rise_time)
-        spread = rise_interval * rise_interval + edge.pressure_edge_interval * edge.pressure_edge_interval
-        deviation = frequency * np.sqrt(spread / 12.0)
-        drop = 0.5 * (rise_level + edge.level) - settings.tank_pressure
+    known = moving and rise.angle > -np.inf  # NaN while the speed was unknown
+    if falling and within > 0.0 and (known or rise.time > rise.before):
+        frequency = reading.speed * N / (2.0 * np.pi) if known else 1.0 / (rise.time - rise.before)
+        wave = wave_duty_ratio(rise.angle, angle, N) if known else frequency * (edge.pressure_edge_time - rise.time)
+        spread = rise.interval * rise.interval + edge.pressure_edge_interval * edge.pressure_edge_interval
+        drop = 0.5 * (rise.level + edge.level) - settings.tank_pressure
         opening = crossing_opening(drop, settings.flow, settings.density, settings.valve)
-        duty = corrected_duty_ratio(wave, opening, port_shape(settings.valve))
-    within = 0.0 if falling else within
-    return (
-        DutyWaveMemory(
-            rise_time=rise_time,
-            rise_angle=rise_angle,
-            rise_interval=rise_interval,
-            rise_level=rise_level,
-            rise_before=rise_before,
-            within_pulse=within,
-            duty_ratio=duty,
+        found = DutyEstimate(
+            duty_ratio=corrected_duty_ratio(wave, opening, port_shape(settings.valve)),
             wave_duty_ratio=wave,
-            deviation=deviation,
-        ),
-        DutyEstimate(duty, wave, deviation),
-    )
+            deviation=frequency * np.sqrt(spread / 12.0),
+        )
+    within = 0.0 if falling else within
+    return DutyWaveMemory(rise=rise, within_pulse=within, found=found), found

@@ -80,20 +80,26 @@ class Fusion(Params):
             )
 
 
-class FusionMemory(NamedTuple):
-    """The event filter with its belief at the last edge of either sensor; mean (5,) and covariance (5, 5) of angle,
-    speed, phase, duty ratio and lag at that time; when the encoder last spoke and when an edge of either was last
-    accepted; how many pressure edges in a row were refused, lay on one side of where they should while the encoder was
-    silent (`speed_run`), and meant a longer or shorter pulse then (`duty_run`)."""
+class Doubts(NamedTuple):
+    """When the encoder last spoke and when an edge of either sensor was last accepted; how many pressure edges in a row
+    were refused, lay on one side of where they should while the encoder was silent (`speed_run`), and meant a longer or
+    shorter pulse then (`duty_run`)."""
 
-    filter: EventFilterMemory
-    mean: Array
-    covariance: Array
     encoder_time: Time
     agreed_time: Time
     refused: Count
     speed_run: float
     duty_run: float
+
+
+class FusionMemory(NamedTuple):
+    """The event filter with its belief at the last edge of either sensor; mean (5,) and covariance (5, 5) of angle,
+    speed, phase, duty ratio and lag at that time; and what speaks against them."""
+
+    filter: EventFilterMemory
+    mean: Array
+    covariance: Array
+    doubts: Doubts
 
 
 class FusionReading(NamedTuple):
@@ -176,16 +182,8 @@ def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> F
     mean, P = np.zeros(5), np.zeros((5, 5))
     _begin_wave(mean, P, settings)
     _believe(mean, P, start.belief)
-    return FusionMemory(
-        filter=start,
-        mean=mean,
-        covariance=P,
-        encoder_time=time,
-        agreed_time=time,
-        refused=0.0,
-        speed_run=0.0,
-        duty_run=0.0,
-    )
+    doubts = Doubts(encoder_time=time, agreed_time=time, refused=0.0, speed_run=0.0, duty_run=0.0)
+    return FusionMemory(filter=start, mean=mean, covariance=P, doubts=doubts)
 
 
 def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusionEstimate]:
@@ -291,16 +289,7 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
     after, innovation, deviation = after_edge(before, encoder, settings.filter)
     if not deviation > 0.0:
         m = memory
-        still = FusionMemory(
-            filter=after,
-            mean=m.mean,
-            covariance=m.covariance,
-            encoder_time=m.encoder_time,
-            agreed_time=m.agreed_time,
-            refused=m.refused,
-            speed_run=m.speed_run,
-            duty_run=m.duty_run,
-        )
+        still = FusionMemory(filter=after, mean=m.mean, covariance=m.covariance, doubts=m.doubts)
         return still, innovation, deviation
     S = deviation * deviation
     R = edge_angle_variance(before.belief.speed, encoder.edge_interval, settings.filter)
@@ -315,21 +304,18 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
     # Once the index is found, all angles are counted from another edge than before.
     mean[2] += after.belief.angle - mean[0]
     _believe(mean, P, after.belief)
-    done = FusionMemory(
-        filter=after,
-        mean=mean,
-        covariance=P,
+    doubts = Doubts(
         encoder_time=encoder.time,
         agreed_time=after.time,
-        refused=memory.refused,
+        refused=memory.doubts.refused,
         speed_run=0.0,
         duty_run=0.0,
     )
-    return done, innovation, deviation
+    return FusionMemory(filter=after, mean=mean, covariance=P, doubts=doubts), innovation, deviation
 
 
 def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> FusionMemory:
-    before, event = memory.filter, settings.filter
+    before, doubts, event = memory.filter, memory.doubts, settings.filter
     h = reading.pressure_edge_time - before.time
     mean, P = memory.mean.copy(), memory.covariance.copy()
     _move(mean, P, h)
@@ -348,24 +334,24 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     passed = maximum(mean[1], event.lowest_speed) * reading.pressure_edge_interval
     R = passed * passed / 12.0 + settings.pressure_variance
     S = _innovation_variance(P, H, R)
-    silent = (reading.encoder.time - memory.encoder_time) * maximum(mean[1], event.lowest_speed) > (
+    silent = (reading.encoder.time - doubts.encoder_time) * maximum(mean[1], event.lowest_speed) > (
         SILENT_SECTORS * sector(event.wheel)
     )
     density, speed_run, duty_run = before.manoeuvre.density, 0.0, 0.0
     if silent:
         z = innovation / np.sqrt(S)
-        speed_run, duty_run = run_on(memory.speed_run, z), run_on(memory.duty_run, s * z)
+        speed_run, duty_run = run_on(doubts.speed_run, z), run_on(doubts.duty_run, s * z)
         density = maximum(density * (1.0 - 1.0 / event.manoeuvre_edges), event.acceleration_density)
         if abs(speed_run) >= settings.patience:
             density, speed_run = event.manoeuvre_density, 0.0
-            since = maximum(reading.pressure_edge_time - memory.agreed_time, 0.0)
+            since = maximum(reading.pressure_edge_time - doubts.agreed_time, 0.0)
             _believe(mean, P, widened(_belief(mean, P), since, density))
         if abs(duty_run) >= settings.patience:
             P[3, 3] += settings.duty_ratio_variance
             duty_run = 0.0
         S = _innovation_variance(P, H, R)
     accepted = innovation * innovation < settings.gate * settings.gate * S
-    refused = 0.0 if accepted else memory.refused + 1.0
+    refused = 0.0 if accepted else doubts.refused + 1.0
     if not silent and refused >= settings.patience:
         _begin_wave(mean, P, settings)
         refused = 0.0
@@ -379,17 +365,15 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     after = _believing(before, time, _belief(mean, P), density)
     if silent and accepted:
         after = _counted_on(after, event)
-    agreed_time = maximum(reading.pressure_edge_time, memory.agreed_time) if accepted else memory.agreed_time
-    return FusionMemory(
-        filter=after,
-        mean=mean,
-        covariance=P,
-        encoder_time=memory.encoder_time,
+    agreed_time = maximum(reading.pressure_edge_time, doubts.agreed_time) if accepted else doubts.agreed_time
+    doubts = Doubts(
+        encoder_time=doubts.encoder_time,
         agreed_time=agreed_time,
         refused=refused,
         speed_run=speed_run,
         duty_run=duty_run,
     )
+    return FusionMemory(filter=after, mean=mean, covariance=P, doubts=doubts)
 
 
 def run_on(run: float, innovation: float) -> float:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vvdp.base.errors import RunError, VvdpError, unusable
+from vvdp.base.errors import RunError, unusable
 from vvdp.geometry.kernel import Floats, Placed
 
 if TYPE_CHECKING:
@@ -26,18 +26,6 @@ MILLI = 1e-3
 """Open CASCADE counts in millimetres: its tolerances are absolute."""
 SEWN = 1e-6
 """Gap between neighbouring faces of one body that is closed [mm]."""
-
-
-class MissingCad(VvdpError, ImportError):
-    """Open CASCADE is not installed."""
-
-
-def require_cad() -> None:
-    """Raises MissingCad with what to install where Open CASCADE is not there."""
-    try:
-        import OCP.gp  # noqa: F401
-    except ImportError:
-        raise MissingCad("STEP files need Open CASCADE: pip install 'vvdp[cad]'") from None
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 from manifold3d import CrossSection, FillRule
+from trimesh.triangles import cross
 
 from vvdp.base.errors import RunError
-from vvdp.geometry.mesh import Floats, Mesh, normal_areas, unwrapped, volume
+from vvdp.geometry.mesh import Floats, Mesh, unwrapped, volume
 from vvdp.geometry.shape import ValveShape, rail_volume, spool_volume
 from vvdp.valve.geometry import Openings, barrier_width, pitch
 from vvdp.valve.rotary import RotaryValve
@@ -38,7 +39,7 @@ def jets(sleeve: Mesh, valve: RotaryValve) -> list[Jet]:
     """
     corners = sleeve.of("nozzles")
     middle = corners.mean(1)
-    areas = normal_areas(corners)
+    areas = 0.5 * cross(corners)
     size = np.linalg.norm(areas, axis=1)
     mouths, bore = _mouths(sleeve, valve), valve.spool_radius + valve.radial_clearance
     found = []

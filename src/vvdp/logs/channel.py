@@ -1,6 +1,5 @@
 """What a measured log is: channels, each with its own unit and its own clock, read in portions."""
 
-import difflib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from typing import Any, NamedTuple, Self
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, ParameterError, unusable
+from vvdp.base.tables import suggestion
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,7 @@ def _last_part(info: ChannelInfo) -> str:
 
 def no_such(path: Path, what: str, name: str, names: Sequence[str]) -> ConfigError:
     """The error for a name that a file does not have among `names`."""
-    close = difflib.get_close_matches(name, names, 3)
-    hint = f" (did you mean {' or '.join(map(repr, close))}?)" if close else ""
-    return unusable(path, f"no {what} {name!r}{hint}; channels are {listed(names)}")
+    return unusable(path, f"no {what} {name!r}; channels are {listed(names)}{suggestion(name, names, 3)}")
 
 
 def checked_size(samples: int) -> int:

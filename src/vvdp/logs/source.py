@@ -1,10 +1,9 @@
 """Opening a log: the format by its first bytes, which must agree with the extension."""
 
-import importlib.util
-import os
 from pathlib import Path
 
-from vvdp.base.errors import ConfigError, unusable
+from vvdp.base.errors import unusable
+from vvdp.base.extras import require
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import ClockChoice
 
@@ -14,7 +13,6 @@ FORMATS = {
     ".h5": "HDF5", ".hdf5": "HDF5", ".hdf": "HDF5", ".nc": "HDF5", ".parquet": "Parquet", ".pq": "Parquet",
 }  # fmt: skip
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-_EXTRAS = {"nptdms": "daq", "asammdf": "daq", "pyarrow": "data"}
 
 
 def open_log(path: Path, *, time: str | None = None, rate: float | None = None, time_unit: str | None = None) -> Log:
@@ -23,8 +21,8 @@ def open_log(path: Path, *, time: str | None = None, rate: float | None = None, 
     time       name of the channel that is the clock, where the file does not say which
     rate       samples per second [Hz] of channels that have no clock; refused where they have one
     time_unit  unit of the clock where the file has none written
-    Raises ConfigError where the file is unknown, unreadable or damaged, or a library is missing; ParameterError for
-    options that contradict each other.
+    Raises ConfigError where the file is unknown, unreadable or damaged, MissingExtraError where the library that reads
+    it is not installed, ParameterError for options that contradict each other.
     """
     path = Path(path)
     choice = ClockChoice(time, rate, time_unit)
@@ -42,17 +40,17 @@ def open_log(path: Path, *, time: str | None = None, rate: float | None = None, 
 
         return text_log(path, choice)
     if found == "TDMS":
-        _require(path, found, "nptdms")
+        require("nptdms", "daq", f"{path} ({found})")
         from vvdp.logs.tdms import tdms_log
 
         return tdms_log(path, choice)
     if found == "MDF":
-        _require(path, found, "asammdf")
+        require("asammdf", "daq", f"{path} ({found})")
         from vvdp.logs.mdf import mdf_log
 
         return mdf_log(path, choice)
     if found == "Parquet":
-        _require(path, found, "pyarrow")
+        require("pyarrow", "data", f"{path} ({found})")
         from vvdp.logs.parquet import parquet_log
 
         return parquet_log(path, choice)
@@ -109,15 +107,3 @@ def _agree(expected: str, found: str) -> bool:
     if expected == "MATLAB":
         return found in ("MATLAB", "MATLAB 7.3")
     return found in expected.split(" or ")
-
-
-def _require(path: Path, kind: str, library: str) -> None:
-    """Raises ConfigError where an optional library is not installed."""
-    if importlib.util.find_spec(library) is None:
-        raise missing_library(path, kind, library)
-
-
-def missing_library(path: Path | os.PathLike[str], kind: str, library: str) -> ConfigError:
-    """The error for a file that needs a library which is not installed."""
-    extra = _EXTRAS[library]
-    return unusable(Path(path), f"is {kind}, which needs the library {library}: pip install 'vvdp[{extra}]'")

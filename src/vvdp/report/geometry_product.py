@@ -223,7 +223,7 @@ def _described(domain: Domain) -> dict[str, Any]:
         "low_m": low.tolist(),
         "high_m": high.tolist(),
         "volume_m3": domain.volume,
-        "components": components(domain.mesh)[0],
+        "components": components(domain.mesh),
         "genus": genus(domain.mesh),
         "patch_area_m2": domain.areas,
         "turning_patches": [name for name in domain.mesh.names if name in TURNING],

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 ORDER = (Colour.LOAD, Colour.INLET, Colour.TANK, Colour.RELIEF, Colour.GREEN, Colour.RED, Colour.PURPLE, Colour.OLIVE)
 """Colours of lines that have none of their own."""
 STROKES = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
+WITH_MARKS = (Stroke.POINTS, Stroke.MARKED, Stroke.STEMS)
+"""Strokes that would be cut in half at the edge of a panel."""
 MOST_ABOVE = 6
 """Names of lines that stand above a panel; more stand beside it."""
 MOST_POINTS = 2000
@@ -75,7 +77,23 @@ def axis_label(columns: Sequence[Column], label: str = "") -> str:
     labels = list(dict.fromkeys(column.label for column in columns))
     kind = columns[0].kind
     words = label or (labels[0] if len(labels) == 1 else kind.name if kind else "")
-    return words + _unit(columns[0]).bracketed
+    return words + column_unit(columns[0]).bracketed
+
+
+def line_looks(panel: Lines) -> list[tuple[str, Stroke]]:
+    """Colour and stroke of each line: one without a colour takes the next that is free, once all are taken dashed."""
+    own = {line.colour for line in panel.lines}
+    free = [colour for colour in ORDER if colour not in own] or list(ORDER)
+    looks: list[tuple[str, Stroke]] = []
+    turns = iter(range(len(panel.lines)))
+    for line in panel.lines:
+        if line.colour:
+            looks.append((line.colour, line.stroke))
+            continue
+        turn, place = divmod(next(turns), len(free))
+        stroke = STROKES[turn % len(STROKES)] if line.stroke is Stroke.SOLID else line.stroke
+        looks.append((free[place], stroke))
+    return looks
 
 
 def kept_places(y: Array, most: int = MOST_POINTS) -> Rows:
@@ -90,13 +108,15 @@ def kept_places(y: Array, most: int = MOST_POINTS) -> Rows:
     return np.unique(np.concatenate(kept))
 
 
-def _unit(column: Column) -> DisplayUnit:
+def column_unit(column: Column) -> DisplayUnit:
+    """The unit in which a column is shown."""
     return display_unit(column.kind) if column.kind else DisplayUnit("", 1.0, 0.0)
 
 
-def _shown(table: Table, key: str, rows: tuple[int, ...] = ()) -> Array:
+def shown_values(table: Table, key: str, rows: tuple[int, ...] = ()) -> Array:
+    """A column in the unit in which it is shown, at `rows` or all."""
     values = np.asarray(table[key], float)
-    shown: Array = _unit(table.columns[key]).shown(values[list(rows)] if rows else values)
+    shown: Array = column_unit(table.columns[key]).shown(values[list(rows)] if rows else values)
     return shown
 
 
@@ -125,21 +145,21 @@ def _common_legend(figure: "Figure", grid: Sequence["Axes"], panels: Sequence[Pa
 
 
 def _draw_lines(axes: "Axes", panel: Lines, table: Table) -> None:
-    for place, line in enumerate(panel.lines):
-        _draw_line(axes, line, table, place)
+    for line, look in zip(panel.lines, line_looks(panel), strict=True):
+        _draw_line(axes, line, table, look, _rows_in_view(panel, line, table))
     x, y = table.columns[panel.lines[0].x], [table.columns[line.y] for line in panel.lines]
     for level in panel.levels:
-        _draw_level(axes, level, _unit(x if level.upright else y[0]))
+        _draw_level(axes, level, column_unit(x if level.upright else y[0]))
     axes.set_xlabel(axis_label([x], panel.x_label))
     axes.set_ylabel(axis_label(y, panel.label))
     if panel.x_log:
         _log_scale(axes)
     if panel.y_log:
         axes.set_yscale("log")
-    _set_ends(axes.set_xlim, (panel.left, panel.right), _unit(x))
-    _set_ends(axes.set_ylim, (panel.low, panel.high), _unit(y[0]))
+    _set_ends(axes.set_xlim, (panel.left, panel.right), column_unit(x))
+    _set_ends(axes.set_ylim, (panel.low, panel.high), column_unit(y[0]))
     if panel.left is None and panel.right is None and not panel.x_log:
-        axes.margins(x=0.0)
+        axes.margins(x=0.02 if any(line.stroke in WITH_MARKS for line in panel.lines) else 0.0)
     if panel.equal:
         axes.set_aspect("equal", adjustable="datalim")
 
@@ -154,29 +174,38 @@ def _log_scale(axes: "Axes") -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _draw_line(axes: "Axes", line: Line, table: Table, place: int) -> None:
-    colour = line.colour or ORDER[place % len(ORDER)]
-    x, y = _shown(table, line.x, line.rows), _shown(table, line.y, line.rows)
+def _rows_in_view(panel: Lines, line: Line, table: Table) -> slice:
+    """The rows of a line between the given ends of x and one beyond each, so that points are not spent outside."""
+    x = np.asarray(table[line.x], float)
+    if line.rows or np.any(np.diff(x) < 0.0) or np.any(np.isnan(x)):
+        return slice(None)
+    first = 0 if panel.left is None else max(int(np.searchsorted(x, panel.left)) - 1, 0)
+    last = x.size if panel.right is None else int(np.searchsorted(x, panel.right, "right")) + 1
+    return slice(first, last)
+
+
+def _draw_line(axes: "Axes", line: Line, table: Table, look: tuple[str, Stroke], rows: slice) -> None:
+    colour, stroke = look
+    x, y = (shown_values(table, key, line.rows)[rows] for key in (line.x, line.y))
     label = line_label(line, table)
     if line.low:
-        low, high = (_shown(table, key, line.rows) for key in (line.low, line.high))
+        low, high = (shown_values(table, key, line.rows)[rows] for key in (line.low, line.high))
         kept = np.union1d(kept_places(low), kept_places(high))
         axes.fill_between(x[kept], low[kept], high[kept], facecolor=colour, alpha=0.25, linewidth=0.0)
-    if line.stroke is Stroke.STEMS:
+    if stroke is Stroke.STEMS:
         axes.vlines(x, 0.0, y, color=colour, linewidth=line.width, label=label)
         return
     kept = kept_places(y)
     x, y = x[kept], y[kept]
     style: dict[str, Any] = {"color": colour, "linewidth": line.width, "label": label}
-    if line.stroke is Stroke.POINTS:
+    if stroke is Stroke.POINTS:
         axes.plot(x, y, linestyle="none", marker="o", markersize=3.2, **style)
-    elif line.stroke is Stroke.MARKED:
+    elif stroke is Stroke.MARKED:
         axes.plot(x, y, marker="o", markersize=3.0, **style)
-    elif line.stroke is Stroke.STEPS:
+    elif stroke is Stroke.STEPS:
         axes.plot(x, y, drawstyle="steps-post", **style)
     else:
-        extra = STROKES[place // len(ORDER) % len(STROKES)] if not line.colour else line.stroke
-        axes.plot(x, y, linestyle=extra if line.stroke is Stroke.SOLID else line.stroke, **style)
+        axes.plot(x, y, linestyle=stroke, **style)
 
 
 def _draw_level(axes: "Axes", level: Level, unit: DisplayUnit) -> None:
@@ -202,7 +231,7 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
     names = [str(table[panel.names][row]) for row in rows][::-1]
     width = 0.72 / len(panel.values)
     for place, key in enumerate(panel.values):
-        values = _shown(table, key)[rows][::-1]
+        values = shown_values(table, key)[rows][::-1]
         shift = (0.5 * (len(panel.values) - 1) - place) * width
         label = panel.labels[place] if panel.labels else table.columns[key].label
         colour = panel.colours[place] if panel.colours else ORDER[place % len(ORDER)]
@@ -222,17 +251,12 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
 
 
 def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:
-    from matplotlib import colormaps
-
     x, y, z = field_grid(panel, table, panel.z)
-    steps = [float(_unit(table.columns[panel.z]).shown(step)) for step in panel.steps] or np.linspace(
-        np.nanmin(z), np.nanmax(z), 11
-    )
+    steps = field_steps(panel, table)
     axes.set_facecolor("#e3e5e8")
     axes.grid(visible=False)
-    pale = [colormaps["YlGnBu"](share) for share in np.linspace(0.02, 0.72, len(steps) - 1)]
     values = np.ma.masked_invalid(z)
-    axes.contourf(x, y, values, levels=steps, colors=pale, extend="max")
+    axes.contourf(x, y, values, levels=steps, colors=field_colours(len(steps) - 1), extend="max")
     lines = axes.contour(x, y, values, levels=steps[1:-1], colors=Colour.INK, linewidths=0.5)
     for label in axes.clabel(lines, levels=steps[2:-1:2], fmt=lambda value: plain(value, 3), fontsize=6.5):
         place = axes.transAxes.inverted().transform(axes.transData.transform(label.get_position()))
@@ -251,9 +275,25 @@ def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:
     axes.set_ylabel(axis_label([table.columns[panel.y]]))
 
 
+def field_steps(panel: Field, table: Table) -> list[float]:
+    """Levels of the contours, as shown."""
+    if panel.steps:
+        return [float(column_unit(table.columns[panel.z]).shown(step)) for step in panel.steps]
+    z = shown_values(table, panel.z, panel.rows)
+    return [float(step) for step in np.linspace(np.nanmin(z), np.nanmax(z), 11)]
+
+
+def field_colours(count: int) -> list[str]:
+    """Colours between the contours, pale to dark."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    return [to_hex(colormaps["YlGnBu"](share)) for share in np.linspace(0.02, 0.72, count)]
+
+
 def field_grid(panel: Field, table: Table, key: str) -> tuple[Array, Array, Array]:
     """The values of x and y, and `key` over them (rows of y), all as shown; nan where the table has no row."""
-    x, y, z = (_shown(table, name, panel.rows) for name in (panel.x, panel.y, key))
+    x, y, z = (shown_values(table, name, panel.rows) for name in (panel.x, panel.y, key))
     (across, i), (up, j) = (np.unique(values, return_inverse=True) for values in (x, y))
     grid = np.full((up.size, across.size), np.nan)
     grid[j, i] = z

@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from trimesh.triangles import cross
 
-from vvdp.geometry.mesh import Floats, Indices, Mesh, normal_areas
+from vvdp.geometry.mesh import Floats, Indices, Mesh
 
 Colour = tuple[float, float, float]
 BACKGROUND: Colour = (1.0, 1.0, 1.0)
@@ -52,7 +53,7 @@ def shaded(
     rows = SAMPLES * int(np.ceil((high[1] - low[1]) / pixel / SAMPLES))
     nearest = _nearest(corners, low, pixel, rows, columns)
     lit = nearest >= 0
-    areas = normal_areas(corners)
+    areas = cross(corners)
     normals = areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-300)  # noqa: TID251
     light = 0.42 + 0.58 * np.clip(normals @ (LAMP / np.linalg.norm(LAMP)), 0.0, 1.0)
     picture = np.empty((rows, columns, 3))
@@ -65,7 +66,7 @@ def shaded(
 
 def _nearest(corners: Floats, low: Floats, pixel: float, rows: int, columns: int) -> Indices:
     """The triangle that is seen at each point, -1 where there is none; the first row is the lowest."""
-    facing = normal_areas(corners)[:, 2]
+    facing = cross(corners)[:, 2]
     front = np.flatnonzero(facing > 1e-12 * facing.max())  # slivers and what is seen edge on have no depth
     flat, z = (corners[front][:, :, :2] - low) / pixel - 0.5, corners[front][:, :, 2]
     # Far triangles first: where several cover a point, the nearest of them must win, by its depth there.

@@ -17,7 +17,7 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
     if "trusted" not in run.summary:
         yield Badge("not checked: no balances", Grade.WARNING)
     else:
-        yield Badge("trusted", Grade.GOOD) if run.has("trusted") else Badge("NOT TRUSTED", Grade.BAD)
+        yield Badge("balances close", Grade.GOOD) if run.has("trusted") else Badge("BALANCES DO NOT CLOSE", Grade.BAD)
     if not run.has("finished"):
         yield Badge("interrupted", Grade.BAD)
     if run.record.mark_times.size or "pwm_frequency_Hz" in run.summary:

@@ -122,7 +122,10 @@ def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], 
         *((Section(title="On the analytic losses", words=words),) if words else ()),
         Section(
             title="Computation",
-            words=("A residual above the limit marks the run as not to be trusted.", *remarks(run)),
+            words=(
+                "Above the limit of a residual the balances do not close, and the numbers are in doubt.",
+                *remarks(run),
+            ),
             shows=("computation",),
         ),
         Section(title="Assumed values", words=(assumed,), shows=("assumed",) if run.system.assumed else ()),

@@ -1,6 +1,5 @@
 """What is wrong with a model and its case, said before they run: the functions are tried in plain Python."""
 
-import difflib
 import re
 import traceback
 import types
@@ -14,6 +13,7 @@ import numpy as np
 from vvdp.base.books import Nothing
 from vvdp.base.errors import RunError, VvdpError
 from vvdp.base.params import field_kinds
+from vvdp.base.tables import nearest
 from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.reach import Functions, paths, reachable
 from vvdp.simulation.start import check_start
@@ -258,9 +258,8 @@ def _told(problem: Exception) -> str:
     """What a Python error means for a person who wrote a circuit."""
     text = str(problem)
     if isinstance(problem, AttributeError) and names(problem.obj):
-        near = difflib.get_close_matches(str(problem.name), names(problem.obj), 1)
-        hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(names(problem.obj))}"
-        return f"{type(problem.obj).__name__} has no field {problem.name!r}; {hint}"
+        hint = nearest(str(problem.name), names(problem.obj))
+        return f"{type(problem.obj).__name__} has no field {problem.name!r}{hint}"
     if found := re.match(r"(\w+)\.__new__\(\) missing \d+ required positional arguments?: (.*)", text):
         return (
             f"{found[1]} is given too few values, so that {found[2]} is missing argument, or one before it: "

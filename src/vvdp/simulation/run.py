@@ -25,10 +25,16 @@ from vvdp.simulation.stepping import Method as Method
 from vvdp.simulation.stepping import Stepping as Stepping
 from vvdp.simulation.values import as_series, as_value, leaves, names
 
-FIRST_PORTION = 1e3
-"""Evaluations of the first portion of a run; the next ones are as large as the time for them allows."""
-PROMPT, UNHURRIED = 5e-3, 5e-2
-"""How long a portion may take where somebody may stop the run, and where only the keyboard may [s]."""
+
+class Pace(NamedTuple):
+    """Of the portions in which a run goes: evaluations of the first one, and how long each of the next may take [s]."""
+
+    first: float
+    seconds: float
+
+
+PROMPT, UNHURRIED = Pace(1e3, 7e-3), Pace(1e4, 0.2)
+"""Where somebody may stop the run, and where only the keyboard may: each portion costs some tenths of a millisecond."""
 MOST_GROWTH = 20.0
 MOST_MARKS = 1e6
 MANY_JUMPS = 5
@@ -167,10 +173,10 @@ def simulate(
     memory and commands, those that wait included, and with the parameters and settings of `case`. Where that run ended
     on a sample, the result is to the last bit that of a run without a break.
 
-    A run goes in portions of a few milliseconds, or of so many evaluations as `portion` says, without the interpreter's
-    lock. After each one `progress` hears the time [s] reached, and `stop` is asked whether to end the run there; then,
-    as after Ctrl-C, what was reached is kept (`Run.finished` is False). Raises RunError when the state becomes infinite
-    or the step vanishes, with the time and the states concerned.
+    A run goes without the interpreter's lock, in portions of 0.2 s, of 7 ms where there is a `stop`, or of so many
+    evaluations as `portion` says. After each one `progress` hears the time [s] reached, and `stop` is asked whether to
+    end the run there; then, as after Ctrl-C, what was reached is kept (`Run.finished` is False). Raises RunError when
+    the state becomes infinite or the step vanishes, with the time and the states concerned.
     """
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
@@ -233,7 +239,7 @@ def _carry(
     watcher: "_Watcher",
 ) -> bool:
     """Whether the run came to its end; False where the watcher stopped it."""
-    status, clock, budget = places.PAUSED, reached.clock, watcher.portion or FIRST_PORTION
+    status, clock, budget = places.PAUSED, reached.clock, watcher.portion or watcher.pace.first
     turn: AbstractContextManager[Any] = first_call
     bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
     while True:
@@ -269,6 +275,11 @@ class _Watcher(NamedTuple):
     stop: Callable[[], bool] | None
     portion: float | None
 
+    @property
+    def pace(self) -> Pace:
+        """How soon it must hear of the run again."""
+        return UNHURRIED if self.stop is None else PROMPT
+
     def hears(self, now: float) -> bool:
         """Tells the time [s] that is reached; whether the run is to stop there."""
         if self.progress:
@@ -277,8 +288,7 @@ class _Watcher(NamedTuple):
 
     def next_portion(self, spent: float, seconds: float) -> float:
         """Evaluations of the next portion, after one of so many that took so long [s]."""
-        allowed = UNHURRIED if self.stop is None else PROMPT
-        return self.portion or max(1.0, spent * min(allowed / max(seconds, 1e-9), MOST_GROWTH))
+        return self.portion or max(1.0, spent * min(self.pace.seconds / max(seconds, 1e-9), MOST_GROWTH))
 
 
 def _counts(before: Reached, reached: Reached) -> dict[str, Any]:

@@ -7,7 +7,6 @@ lost costs the item it was at, which another one begins anew.
 import functools
 import hashlib
 import importlib
-import importlib.util
 import logging
 import math
 import shutil
@@ -26,6 +25,7 @@ from queue import Empty, Queue
 from typing import Any, ClassVar, Self
 
 from vvdp.base.errors import ParameterError, RunError, unusable
+from vvdp.base.extras import require
 from vvdp.simulation.link import default_cache, quiet
 from vvdp.studies.engine import Item, Result, all_cores
 
@@ -233,9 +233,8 @@ class Slurm(DaskEngine):
 
 
 def library(name: str) -> Any:
-    """A library of the extra `scale`. Raises ConfigError where it is not installed."""
-    if importlib.util.find_spec(name) is None:
-        raise unusable(name, "is not installed; it comes with: pip install 'vvdp[scale]'")
+    """A library of the extra `scale`. Raises MissingExtraError where it is not installed."""
+    require(name, "scale", "work on Dask or SLURM")
     return importlib.import_module(name)
 
 

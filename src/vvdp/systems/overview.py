@@ -112,7 +112,7 @@ def lowest_volume(system: System, found: Mapping[str, Any]) -> tuple[str, float]
 def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     """What a person has to know before the numbers of a summary, each in one line; the gravest first."""
     if not found.get("trusted", True):
-        yield "not trusted: the balances are above the limit; try a tenth of run.relative_tolerance"
+        yield "the balances do not close: a residual is above the limit; try a tenth of run.relative_tolerance"
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     lowest = lowest_volume(system, found)

@@ -14,7 +14,7 @@ from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import TIME, Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, build, nearest, parsed_table, read_table, with_settings
+from vvdp.base.tables import Sourced, Table, build, parsed_table, read_table, suggestion, with_settings
 from vvdp.base.units import parsed
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
@@ -174,7 +174,8 @@ def system_table(name: str) -> Table:
     path = Path(name)
     if not os.path.lexists(path) and path.suffix != ".toml":
         known = ", ".join(texts)
-        raise ConfigError([Fault(name, 0, "", f"neither a shipped system ({known}) nor a file")])
+        meant = suggestion(name, texts)
+        raise ConfigError([Fault(name, 0, "", f"neither a shipped system ({known}) nor a file{meant}")])
     return read_table(path)
 
 
@@ -323,7 +324,7 @@ def _tables(
     slots = table_slots(function)
     for key in content:
         if key not in slots and key not in HEADINGS:
-            message = f"unknown table; expected {', '.join((*slots, 'run'))}{_meant(key, slots)}"
+            message = f"unknown table; expected {', '.join((*slots, 'run'))}{suggestion(key, slots)}"
             place = table.place if key in table.lines else "--set"
             faults.append(Fault(place, table.lines.get(key, 0), key, message))
     values: dict[str, Any] = {}
@@ -357,11 +358,6 @@ def _class(slot: TableSlot, name: str, part: Mapping[str, Any], table: Table, fa
 
 def _fields(cls: type[Params]) -> set[str]:
     return {field.name for field in fields(cls)}  # type: ignore[arg-type]
-
-
-def _meant(key: str, slots: Mapping[str, TableSlot]) -> str:
-    close = nearest(key, list(slots))
-    return close if "did you mean" in close else ""
 
 
 def _drawn_by(

@@ -199,7 +199,7 @@ def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tupl
         port = "load" if duty_ratio < kappa else "tank"
         found.append(
             f"duty ratio {duty_ratio:.4g} lies outside {kappa:.4g} to {1.0 - kappa:.4g}: the {port} port is never "
-            f"fully open, and the closed form of the transition loss does not hold"
+            f"fully open, and the analytic transition loss does not hold"
         )
     needed = at.load_pressure - at.tank_pressure + full_open_loss(at.flow, at.density, valve) / at.flow
     setting = at.relief_pressure - at.tank_pressure
@@ -213,7 +213,7 @@ def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tupl
     if barrier < width * (1.0 - 1e-9):
         found.append(
             f"the barriers ({1e3 * barrier:.3g} mm) are narrower than the nozzles ({1e3 * width:.3g} mm): load and "
-            f"tank are joined for part of every transition, and the closed form of the transition loss does not hold"
+            f"tank are joined for part of every transition, and the analytic transition loss does not hold"
         )
     return tuple(found)
 

@@ -123,11 +123,6 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     )
     reynolds = nozzle_reynolds_number(Q, rho, mu, valve)
     warnings = range_warnings(duty_ratio, at, valve)
-    if reynolds < TURBULENT:
-        warnings += (
-            f"the Reynolds number of the nozzles is {reynolds:.4g}: a discharge coefficient from a turbulent model is "
-            f"uncertain",
-        )
     return OperatingPoint(
         nozzle_drop=drops.nozzle,
         centre_drop=drops.centre_section,

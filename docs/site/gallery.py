@@ -1,0 +1,147 @@
+"""Writes the gallery: every shipped system with its circuit and three numbers. `python docs/site/gallery.py`"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from vvdp.base.kinds import FLOW, FRACTION, FREQUENCY, POSITION, POWER, PRESSURE_DIFFERENCE, SPEED, VELOCITY, Kind
+from vvdp.base.units import in_unit
+from vvdp.report.circuit import graph_of
+from vvdp.report.diagram import diagram
+from vvdp.simulation.run import simulate
+from vvdp.systems.summary import summary
+from vvdp.systems.system import System, load_system, shipped
+
+DOCS = Path(__file__).parents[1]
+PICTURES = Path("images") / "systems"
+HEAD = """# Gallery of systems
+
+Every system that comes with vvdp, its circuit and three numbers of its run. `vvdp run NAME` simulates one and writes
+its report; `vvdp new mine --from NAME` makes a file of it to edit. Pressures are gauge.
+"""
+
+
+class Number(NamedTuple):
+    """One number of a run and how it is shown."""
+
+    label: str
+    key: str
+    kind: Kind
+    unit: str
+
+
+class Entry(NamedTuple):
+    """What the gallery says of a system."""
+
+    text: str
+    numbers: tuple[Number, Number, Number]
+
+
+PUMP_NUMBERS = (
+    Number("PWM frequency", "pwm_frequency_Hz", FREQUENCY, "Hz"),
+    Number("mean flow to the load", "mean_load_flow_m3_s", FLOW, "lpm"),
+    Number("efficiency, pump shaft to load", "efficiency", FRACTION, "%"),
+)
+ENTRIES: Mapping[str, Entry] = {
+    "prototype": Entry(
+        "The published prototype on its test bench. A rotary valve, kept spinning by its own flow, switches a fixed "
+        "pump between the load and the tank. [Details](models/rotary-valve.md)",
+        PUMP_NUMBERS,
+    ),
+    "prototype-constant-load": Entry(
+        "The same pump unit against a load of constant pressure, as a large accumulator would be.",
+        PUMP_NUMBERS,
+    ),
+    "buck-converter": Entry(
+        "Steps a pressure down without throttling: while the valve is shut, the oil in the tube keeps moving and is "
+        "drawn from the tank. [By hand](examples.md#buck-converter)",
+        (
+            Number("mean flow to the load", "flow_mean_tube_m3_s", FLOW, "lpm"),
+            Number("mean flow from the supply", "flow_mean_valve_m3_s", FLOW, "lpm"),
+            Number("power from the supply", "power_supply_W", POWER, "kW"),
+        ),
+    ),
+    "boost-converter": Entry(
+        "Raises a pressure without a pump: oil that is moving in a tube is stopped and pushes through a check valve. "
+        "[By hand](examples.md#boost-converter)",
+        (
+            Number("mean load pressure", "pressure_mean_load_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("mean flow to the load", "flow_mean_load_orifice_m3_s", FLOW, "lpm"),
+            Number("power from the supply", "power_supply_W", POWER, "kW"),
+        ),
+    ),
+    "accumulator-charging": Entry(
+        "A pump charges an accumulator and is unloaded while it is full. A program that events call keeps the two "
+        "pressures. [By hand](examples.md#accumulator-charging)",
+        (
+            Number("highest pressure in the accumulator", "pressure_max_accumulator_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("mean flow to the consumer", "flow_mean_consumer_m3_s", FLOW, "lpm"),
+            Number("mean power at the shaft", "power_shaft_W", POWER, "kW"),
+        ),
+    ),
+    "cylinder-stops": Entry(
+        "A cylinder lifts 300 kg against its upper end stop and drives them back onto the lower one. "
+        "[By hand](examples.md#cylinder-stops)",
+        (
+            Number("highest position of the rod", "position_max_rod_m", POSITION, "mm"),
+            Number("fastest downward speed", "velocity_min_rod_m_s", VELOCITY, "m/s"),
+            Number("highest pressure in the pump line", "pressure_max_pump_line_Pa", PRESSURE_DIFFERENCE, "bar"),
+        ),
+    ),
+    "long-hose": Entry(
+        "Two pumps feed a hose of 10 m from both ends. An orifice at one end is halved, and the wave runs to and fro. "
+        "[By hand](examples.md#long-hose)",
+        (
+            Number("highest pressure on the left", "pressure_max_left_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("highest pressure on the right", "pressure_max_right_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("mean flow through the orifice", "flow_mean_orifice_m3_s", FLOW, "lpm"),
+        ),
+    ),
+    "hydrostatic-transmission": Entry(
+        "A closed circuit with charge pump, shock valves and case leakage drives a shaft under load. "
+        "[By hand](examples.md#hydrostatic-transmission)",
+        (
+            Number("mean speed of the motor", "speed_mean_motor_shaft_rad_s", SPEED, "rpm"),
+            Number("mean pressure on the high side", "pressure_mean_high_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("mean power at the pump shaft", "power_pump_shaft_W", POWER, "kW"),
+        ),
+    ),
+}
+
+
+def section(name: str, system: System) -> str:
+    """What the page shows of one system, after a run of it."""
+    found = summary(system, simulate(system.model, system.case, system.stepping))
+    entry = ENTRIES[name]
+    values = [in_unit(float(found[number.key]), number.kind, number.unit) for number in entry.numbers]
+    rows = [f"| {n.label} | {value:#.4g} {n.unit} |" for n, value in zip(entry.numbers, values, strict=True)]
+    return "\n".join(
+        [
+            f"## {system.title}\n",
+            f"{entry.text}\n",
+            f"![Circuit of {name}]({(PICTURES / name).as_posix()}.svg)\n",
+            f"| `vvdp run {name}` | |",
+            "| --- | --- |",
+            *rows,
+            "",
+        ]
+    )
+
+
+def circuit(system: System) -> str:
+    """The picture of a system's circuit as SVG."""
+    return diagram(graph_of(system.circuit.network, system.title))
+
+
+def main(folder: Path = DOCS) -> None:
+    """Writes the page and the pictures below `folder`. Raises KeyError for a shipped system without an entry."""
+    systems = {name: load_system(name) for name in sorted(shipped(), key=list(ENTRIES).index)}
+    (folder / PICTURES).mkdir(parents=True, exist_ok=True)
+    for name, system in systems.items():
+        (folder / PICTURES / f"{name}.svg").write_text(circuit(system), "utf-8")
+    page = "\n".join([HEAD, *(section(name, system) for name, system in systems.items())])
+    (folder / "gallery.md").write_text(page, "utf-8")
+
+
+if __name__ == "__main__":
+    main()

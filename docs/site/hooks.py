@@ -1,0 +1,28 @@
+"""Pages that MkDocs finds beside those that are written: verbs, Python, literature and notebooks."""
+
+import sys
+from pathlib import Path
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1] / "src")]
+
+import notebooks  # noqa: E402
+import reference_pages  # noqa: E402
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Puts the pages of the packages below the reference."""
+    reference = next(entry["Reference"] for entry in config.nav if "Reference" in entry)
+    reference[-1] = {"Python": reference_pages.package_nav()}
+    return config
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Adds the generated pages."""
+    pages = {**reference_pages.pages(), **notebooks.pages()}
+    for path, text in pages.items():
+        files.append(File.generated(config, path, content=text))
+    return files

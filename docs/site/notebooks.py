@@ -1,0 +1,113 @@
+"""Runs the notebooks and keeps what they print and draw; makes pages of them. `python docs/site/notebooks.py`
+
+Cells run as a script, so no Jupyter is needed; in Jupyter they run as well, and look the same.
+"""
+
+import ast
+import base64
+import contextlib
+import io
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+FOLDER = Path(__file__).parents[1] / "notebooks"
+Cell = dict[str, Any]
+Output = dict[str, Any]
+
+
+def main(folder: Path = FOLDER) -> None:
+    """Runs every notebook in `folder` and writes its outputs into it."""
+    for path in sorted(folder.glob("*.ipynb")):
+        notebook = read(path)
+        with tempfile.TemporaryDirectory() as place, contextlib.chdir(place):
+            outputs = run(notebook["cells"])
+        for cell, made in zip(notebook["cells"], outputs, strict=True):
+            if cell["cell_type"] == "code":
+                cell["outputs"] = made
+        path.write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + "\n", "utf-8")
+
+
+def read(path: Path) -> dict[str, Any]:
+    """A notebook as its file holds it."""
+    notebook: dict[str, Any] = json.loads(path.read_text("utf-8"))
+    return notebook
+
+
+def run(cells: list[Cell]) -> list[list[Output]]:
+    """The outputs of each cell, all run one after the other as one program. Raises what a cell raises."""
+    os.environ["MPLBACKEND"] = "Agg"
+    names: dict[str, Any] = {"__name__": "__main__"}
+    return [_outputs("".join(cell["source"]), names) if cell["cell_type"] == "code" else [] for cell in cells]
+
+
+def _outputs(source: str, names: dict[str, Any]) -> list[Output]:
+    """What a cell prints, what it draws, and the value of its last line."""
+    tree = ast.parse(source)
+    last = ast.Expression(tree.body.pop().value) if tree.body and isinstance(tree.body[-1], ast.Expr) else None  # type: ignore[attr-defined]
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(tree, "cell", "exec"), names)
+        value = eval(compile(last, "cell", "eval"), names) if last else None
+    outputs: list[Output] = []
+    if printed.getvalue():
+        outputs.append(
+            {"output_type": "stream", "name": "stdout", "text": printed.getvalue().splitlines(keepends=True)}
+        )
+    outputs.extend(_pictures())
+    if value is not None:
+        outputs.append({"output_type": "execute_result", "execution_count": None, "metadata": {}, "data": _data(value)})
+    return outputs
+
+
+def _pictures() -> Iterator[Output]:
+    """The figures that are open, which are closed."""
+    import matplotlib.pyplot as plt
+
+    for number in plt.get_fignums():
+        out = io.BytesIO()
+        plt.figure(number).savefig(out, format="png", dpi=80, metadata={"Software": None})
+        plt.close(number)
+        data = {"image/png": base64.b64encode(out.getvalue()).decode("ascii"), "text/plain": ["<Figure>"]}
+        yield {"output_type": "display_data", "metadata": {}, "data": data}
+
+
+def _data(value: object) -> dict[str, list[str]]:
+    data = {"text/plain": repr(value).splitlines(keepends=True)}
+    if hasattr(value, "_repr_html_"):
+        data["text/html"] = value._repr_html_().splitlines(keepends=True)
+    return data
+
+
+def pages(folder: Path = FOLDER) -> dict[str, str]:
+    """The text of a page for each notebook in `folder`, by its path in the site."""
+    return {f"notebooks/{path.stem}.md": page(path) for path in sorted(folder.glob("*.ipynb"))}
+
+
+def page(path: Path) -> str:
+    """One notebook as Markdown, its pictures inside."""
+    return "\n\n".join(part for cell in read(path)["cells"] for part in _parts(cell)) + "\n"
+
+
+def _parts(cell: Cell) -> list[str]:
+    source = "".join(cell["source"])
+    if cell["cell_type"] == "markdown":
+        return [source]
+    return [f"```python\n{source}\n```", *(_shown(output) for output in cell["outputs"])]
+
+
+def _shown(output: Output) -> str:
+    data = output.get("data", {"text/plain": output.get("text", [])})
+    if "image/png" in data:
+        picture = "".join(data["image/png"]).strip()
+        return f'<img alt="Drawn by the cell above" src="data:image/png;base64,{picture}">'
+    if "text/html" in data:
+        return "<div>\n" + "".join(data["text/html"]) + "\n</div>"
+    return "```text\n" + "".join(data["text/plain"]).rstrip() + "\n```"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,50 @@
+"""What a shell offers when a person presses the tabulator: systems, and the keys that `--set` takes."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import typer
+
+
+def system_names(incomplete: str) -> Iterator[str]:
+    """Shipped systems and TOML files that begin with what is typed, and folders on the way to such a file."""
+    from importlib import resources
+
+    data = resources.files("vvdp.systems") / "data"
+    names = [file.name.removesuffix(".toml") for file in data.iterdir() if file.name.endswith(".toml")]
+    yield from sorted(name for name in names if name.startswith(incomplete))
+    folder, _, stem = incomplete.rpartition("/")
+    with suppress(OSError):
+        for path in sorted(Path(folder or ("/" if incomplete.startswith("/") else ".")).iterdir()):
+            if path.name.startswith(stem) and (path.suffix == ".toml" or (path.is_dir() and stem)):
+                yield incomplete[: len(incomplete) - len(stem)] + path.name + ("/" if path.is_dir() else "")
+
+
+def setting_keys(ctx: typer.Context, incomplete: str) -> list[str]:
+    """`TABLE.KEY=` of the system on the line, for all that begin with what is typed; a single one also with its value.
+
+    Two answers keep a shell from adding a space behind the equals sign, and show what is to be replaced.
+    """
+    rest = [word for word in ctx.args if not word.startswith("-")]  # what an option without its value leaves over
+    values = _values(str(ctx.params.get("system") or "".join(rest[:1])))
+    found = [key for key in values if key.startswith(incomplete)]
+    return [f"{key}=" for key in found] + [f"{key}={values[key]}" for key in found if len(found) == 1 and values[key]]
+
+
+def _values(system: str) -> dict[str, str]:
+    """The values of a system by `TABLE.KEY`, empty where one is no number; none where the system cannot be read."""
+    from vvdp.base.errors import VvdpError
+    from vvdp.systems.system import load_system
+
+    with suppress(VvdpError, OSError):
+        return {
+            f"{row.table}.{row.key}": row.displayed.partition(" (")[0] if _is_number(row.value) else ""
+            for row in load_system(system).rows
+        }
+    return {}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float) or bool(getattr(value, "is_constant", False))

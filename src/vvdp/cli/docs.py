@@ -1,0 +1,27 @@
+"""`vvdp docs`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vvdp.base.errors import VvdpError
+
+SITE = Path(__file__).parents[1] / "site"
+"""Where `make docs` builds the site, and where a wheel has it."""
+
+
+def docs(
+    only_path: Annotated[bool, typer.Option("--path", help="Print the path of the first page; open nothing.")] = False,
+) -> None:
+    """Open the documentation in the browser.
+
+    It is a folder of pages on this machine and needs no network. Where no browser starts, its path is printed.
+    """
+    import webbrowser
+
+    page = SITE / "index.html"
+    if not page.is_file():
+        raise VvdpError(f"{page}: no such file; `make docs` in a source checkout builds the documentation")
+    if only_path or not webbrowser.open(page.as_uri()):
+        typer.echo(page)

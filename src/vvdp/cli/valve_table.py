@@ -1,0 +1,88 @@
+"""What `vvdp valve` shows a person."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from vvdp.base import kinds
+from vvdp.base.display import display_unit, number, plain, with_unit
+from vvdp.cli.screen import console, grid, tell, warn
+from vvdp.systems.bench import RotaryBench
+
+SHOWN = (
+    ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("pressure drop, centre section", "pressure_drop_centre_section_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("pressure drop, outlet turbine", "pressure_drop_outlet_turbine_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("pressure drop, total", "pressure_drop_total_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("torque, inlet turbine", "torque_inlet_N_m", kinds.TORQUE),
+    ("torque, outlet turbine", "torque_outlet_N_m", kinds.TORQUE),
+    ("torque, friction", "torque_friction_N_m", kinds.TORQUE),
+    ("spool speed, fully open", "spool_speed_rad_s", kinds.SPEED),
+    ("PWM frequency, fully open", "pwm_frequency_Hz", kinds.FREQUENCY),
+    ("PWM frequency, averaged", "pwm_frequency_averaged_Hz", kinds.FREQUENCY),
+    ("transition fraction", "transition_fraction", kinds.FRACTION),
+    ("loss, fully open", "loss_full_open_W", kinds.MEAN_POWER),
+    ("loss, transition", "loss_transition_W", kinds.MEAN_POWER),
+    ("loss, compressibility", "loss_compressibility_W", kinds.MEAN_POWER),
+    ("loss, leakage", "loss_leakage_W", kinds.MEAN_POWER),
+    ("loss, total", "loss_total_W", kinds.MEAN_POWER),
+    ("spool friction, part of fully open", "spool_friction_power_W", kinds.MEAN_POWER),
+    ("Reynolds number of the nozzles", "nozzle_reynolds_number", kinds.RATIO),
+    ("mean flow to the load", "mean_load_flow_m3_s", kinds.FLOW),
+)
+"""Lines for one point: label, key, kind."""
+COLUMNS = (
+    ("flow", "flow_m3_s", kinds.FLOW),
+    ("oil", "temperature_K", kinds.TEMPERATURE),
+    ("nozzle", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("centre", "pressure_drop_centre_section_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("outlet", "pressure_drop_outlet_turbine_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("total", "pressure_drop_total_Pa", kinds.PRESSURE_DIFFERENCE),
+    ("PWM open", "pwm_frequency_Hz", kinds.FREQUENCY),
+    ("PWM mean", "pwm_frequency_averaged_Hz", kinds.FREQUENCY),
+    ("open", "loss_full_open_W", kinds.MEAN_POWER),
+    ("transition", "loss_transition_W", kinds.MEAN_POWER),
+    ("compr.", "loss_compressibility_W", kinds.MEAN_POWER),
+    ("leakage", "loss_leakage_W", kinds.MEAN_POWER),
+    ("total", "loss_total_W", kinds.MEAN_POWER),
+)
+"""Columns for several points: label, key, kind."""
+KEYS = 2
+"""Leading columns that tell one row from another."""
+
+
+def _print_head(bench: RotaryBench, row: Mapping[str, Any]) -> None:
+    which = "the initial one; the load makes its own" if bench.makes_pressure else "prescribed"
+    load, relief = (with_unit(row[f"{name}_pressure_Pa"], kinds.GAUGE_PRESSURE) for name in ("load", "relief"))
+    tell(bench.system.title)
+    tell(f"duty ratio {plain(row['duty_ratio'], 4)}, load pressure {load} ({which}), relief valve {relief}")
+
+
+def _point(row: Mapping[str, Any]) -> str:
+    return f"{with_unit(row['flow_m3_s'], kinds.FLOW)}, {with_unit(row['temperature_K'], kinds.TEMPERATURE)}"
+
+
+def print_point(bench: RotaryBench, row: Mapping[str, Any]) -> None:
+    """Prints the valve at one flow and temperature, a line for each quantity."""
+    _print_head(bench, row)
+    tell(f"flow and oil: {_point(row)}")
+    table = grid("quantity", "value", "unit", right=("value",))
+    for label, key, kind in SHOWN:
+        unit = display_unit(kind)
+        table.add_row(label, number(unit.shown(row[key])), unit.symbol)
+    console().print(table)
+    for text in row["warnings"]:
+        warn(text)
+
+
+def print_points(bench: RotaryBench, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Prints the valve at several flows and temperatures, a row for each."""
+    _print_head(bench, rows[0])
+    heads = [f"{label}{display_unit(kind).bracketed}" for label, _, kind in COLUMNS]
+    table = grid(*heads, right=heads, keys=KEYS, transpose=True)
+    for row in rows:
+        values = [display_unit(kind).shown(row[key]) for _, key, kind in COLUMNS]
+        table.add_row(*(plain(x) for x in values[:KEYS]), *(number(x) for x in values[KEYS:]))
+    console().print(table)
+    for row in rows:
+        for text in row["warnings"]:
+            warn(f"{_point(row)}: {text}")

@@ -1,0 +1,102 @@
+"""What the site makes from the code: the gallery, docstrings as Markdown, notebooks as pages."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from vvdp.systems.system import shipped
+
+DOCS = Path(__file__).parents[2] / "docs"
+NUMBER = re.compile(r"(?<=\| )-?[\d.]+(?= \S+ \|)")
+ANY_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
+
+
+def test_the_gallery_is_what_its_command_writes(tmp_path):
+    """To the letter but for the numbers, which may differ in their last digit on another machine."""
+    import gallery
+
+    gallery.main(tmp_path)
+    made, kept = ((folder / "gallery.md").read_text("utf-8") for folder in (tmp_path, DOCS))
+    assert NUMBER.sub("~", made) == NUMBER.sub("~", kept)
+    numbers = [[float(each) for each in NUMBER.findall(text)] for text in (made, kept)]
+    assert numbers[0] == pytest.approx(numbers[1], rel=2e-3)
+    assert len(numbers[0]) == 3 * len(shipped())
+    for name in shipped():
+        picture = gallery.PICTURES / f"{name}.svg"
+        assert (tmp_path / picture).read_text("utf-8") == (DOCS / picture).read_text("utf-8")
+
+
+def test_a_docstring_becomes_markdown():
+    from docstrings import markdown
+
+    text = """Volume flow through an orifice [m^3/s].
+
+Cd A sqrt(2/rho) dp / (dp^2 + eps^2)^(1/4)
+
+area           open area [m^2]
+pressure_drop  first side
+               less the second [Pa]
+
+Raises ParameterError where the drop is zero.
+
+Source  merritt1967, ch. 3; docs/models/components.md
+"""
+    parts = markdown(text).split("\n\n")
+    assert parts[0] == "Volume flow through an orifice [m^3/s]."
+    assert parts[1] == "```text\nCd A sqrt(2/rho) dp / (dp^2 + eps^2)^(1/4)\n```"
+    assert parts[2].splitlines()[2:] == [
+        "| `area` | open area [m^2] |",
+        "| `pressure_drop` | first side less the second [Pa] |",
+    ]
+    assert parts[3] == "Raises ParameterError where the drop is zero."
+    assert parts[4] == "*Source:* merritt1967, ch. 3; [docs/models/components.md](../../models/components.md)"
+
+
+def test_every_verb_and_every_package_has_its_place():
+    import reference_pages
+
+    pages = reference_pages.pages()
+    assert pages["reference/verbs.md"].count("\n## vvdp") > 20
+    assert "::: vvdp.hydraulics.orifice\n" in pages["reference/python/hydraulics.md"]
+    assert len(reference_pages.PACKAGES) > 15 and set(reference_pages.PACKAGES) <= {
+        path.split("/")[-1][:-3] for path in pages
+    }
+
+
+def test_a_notebook_becomes_a_page(tmp_path):
+    from notebooks import page
+
+    cells = [
+        {"cell_type": "markdown", "source": ["# Title\n", "text"]},
+        {"cell_type": "code", "source": ["1 + 1"], "outputs": [{"data": {"text/plain": ["2"]}}]},
+        {
+            "cell_type": "code",
+            "source": ["plot()"],
+            "outputs": [{"data": {"image/png": "AAAA\n", "text/plain": ["x"]}}],
+        },
+    ]
+    file = tmp_path / "one.ipynb"
+    file.write_text(json.dumps({"cells": cells}))
+    assert page(file).startswith(
+        "# Title\ntext\n\n```python\n1 + 1\n```\n\n```text\n2\n```\n\n```python\nplot()\n```\n\n<img "
+    )
+    assert "base64,AAAA" in page(file)
+
+
+@pytest.mark.parametrize("path", sorted((DOCS / "notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
+def test_a_notebook_prints_what_it_shows(path, tmp_path, monkeypatch):
+    """Its cells run one after the other; numbers may differ in their last digits on another machine."""
+    import notebooks
+
+    monkeypatch.chdir(tmp_path)
+    cells = notebooks.read(path)["cells"]
+    made, kept = notebooks.run(cells), [cell.get("outputs", []) for cell in cells]
+    assert any(kept)
+    for new, old in zip(made, kept, strict=True):
+        assert [each["output_type"] for each in new] == [each["output_type"] for each in old]
+        texts = ["".join(part for each in outputs for part in each.get("text", [])) for outputs in (new, old)]
+        assert ANY_NUMBER.sub("~", texts[0]) == ANY_NUMBER.sub("~", texts[1])
+        numbers = [[float(each) for each in ANY_NUMBER.findall(text)] for text in texts]
+        assert numbers[0] == pytest.approx(numbers[1], rel=1e-2)

@@ -1,0 +1,78 @@
+"""What holds for all pages: commands are commands; README's links lead somewhere, its figures are those of a run."""
+
+import re
+import shlex
+from pathlib import Path
+
+import typer.main
+
+from vvdp.cli.main import app
+from vvdp.simulation.run import simulate
+from vvdp.systems.summary import summary
+from vvdp.systems.system import load_system
+from vvdp.valve.geometry import transition_fraction
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+LINK = re.compile(r"(?<!`)\[[^\]`]*(?:`[^`]*`)?[^\]]*\]\(([^)\s]+)\)")
+COMMAND = re.compile(r"^(?: {4}\$ | {4}|\$ )?vvdp ([a-z].*)$", re.MULTILINE)
+USAGE_ERROR = typer.BadParameter.__bases__[0]
+
+
+def commands(page: Path) -> list[str]:
+    """Lines of a page that begin with vvdp inside a block of code."""
+    text = page.read_text("utf-8")
+    blocks = re.findall(r"^```(?:sh|)\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    blocks += re.findall(r"(?:^ {4}.*\n)+", text, re.MULTILINE)
+    return [line.replace("\\", "") for block in blocks for line in COMMAND.findall(block)]
+
+
+def usage_problem(line: str) -> str:
+    """What the command line would refuse of a command, without running it; empty where that is nothing."""
+    words = shlex.split(re.split(r"\s#\s|  +", line)[0], comments=True)
+    command = typer.main.get_command(app)
+    context = command.context_class(command, info_name="vvdp")
+    try:
+        while hasattr(command, "commands"):
+            command.parse_args(context, words)
+            _, inner, words = command.resolve_command(context, [*context._protected_args, *context.args])
+            assert inner is not None
+            command, context = inner, inner.context_class(inner, parent=context)
+        _, rest, _ = command.make_parser(context).parse_args(list(words))
+    except USAGE_ERROR as problem:
+        return f"{line}: {problem.format_message()}"
+    return f"{line}: too much: {rest}" if rest else ""
+
+
+def test_every_command_of_every_page_is_one():
+    lines = [line for page in PAGES for line in commands(page)]
+    assert len(lines) > 60
+    assert [problem for line in lines if (problem := usage_problem(line))] == []
+    assert usage_problem("run prototype --untl 1") and usage_problem("rnu prototype") and usage_problem("list this")
+
+
+def test_links_of_the_readme_lead_somewhere():
+    """Those of the other pages are held by the build of the site."""
+    links = LINK.findall(re.sub(r"```.*?```", "", (ROOT / "README.md").read_text("utf-8"), flags=re.DOTALL))
+    assert len(links) > 25
+    assert [link for link in links if not re.match(r"[a-z]+:", link) and not (ROOT / link).exists()] == []
+
+
+def test_the_first_run_ends_as_the_readme_says():
+    section = (ROOT / "README.md").read_text("utf-8").partition("## How the first run ends\n")[2].partition("\n## ")[0]
+    system = load_system("prototype")
+    found = summary(system, simulate(system.model, system.case, system.stepping))
+    said = {
+        r"duty ratio ([\d.]+)": 0.5,
+        r"takes ([\d ]+) steps": round(found["steps"], -3),
+        r"at ([\d.]+) Hz": round(found["pwm_frequency_Hz"], 1),
+        r"([\d.]+) lpm of": round(found["mean_load_flow_m3_s"] * 6e4, 1),
+        r"at (\d+) bar": round(found["pressure_mean_load_line_Pa"] / 1e5),
+        r"Of ([\d.]+) kW": round(found["input_power_W"] / 1e3, 1),
+        r"(\d+) % arrive": round(100.0 * found["efficiency"]),
+        r"take (\d+) W and": round(found["loss_nozzle_W"], -1),
+        r"during (\d+) % of each": round(200.0 * transition_fraction(system.tables["valve"]), -1),
+        r"relief valve (\d+) W": round(found["loss_relief_valve_W"], -1),
+    }
+    for pattern, value in said.items():
+        assert float(re.search(pattern, " ".join(section.split()))[1].replace(" ", "")) == value, pattern

@@ -1,0 +1,104 @@
+"""The site: it builds without a warning, asks nothing of the network, and sets every formula."""
+
+import html
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LOADED = re.compile(r"""<(?:script|img|link|iframe|source)\b[^>]*?\b(?:src|href)=["']?(\w+:)?//""")
+"""What a page would fetch from elsewhere; a link that a reader may follow is something else."""
+FORMULA = re.compile(r'<(?:div|span) class="arithmatex">(.*?)</(?:div|span)>', re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
+    ended = subprocess.run(command, cwd=ROOT, env=_environment(), capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    return folder
+
+
+def _environment() -> dict[str, str]:
+    return {**os.environ, "NO_MKDOCS_2_WARNING": "1", "PYTHONPATH": str(ROOT / "src")}
+
+
+def pages(site: Path) -> dict[str, str]:
+    return {str(path.relative_to(site)): path.read_text("utf-8") for path in site.rglob("*.html")}
+
+
+def test_every_door_is_there(site):
+    found = pages(site)
+    for name in ("index", "first-circuit", "command-line", "reference/verbs", "reference/python/hydraulics", "gallery"):
+        assert f"{name}.html" in found
+    assert {"Start", "How-to", "Reference", "Theory"} <= set(re.findall(r"[\w-]+", found["index.html"]))
+    assert "vvdp rig pressure-drop" in found["reference/verbs.html"]
+    assert "Volume flow through an orifice" in found["reference/python/hydraulics.html"]
+    assert "merritt1967" in found["reference/literature.html"]
+
+
+def test_nothing_comes_from_the_network(site):
+    outside = {name: LOADED.findall(text) for name, text in pages(site).items() if LOADED.search(text)}
+    assert not outside
+    for path in site.rglob("*.css"):
+        assert not re.search(r"(?:url\(|@import )['\"]?(?:https?:)?//", path.read_text("utf-8")), path
+
+
+def test_the_search_works_from_a_file(site):
+    assert (site / "search" / "search_index.js").is_file()
+    assert "iframe-worker/shim.js" in (site / "index.html").read_text("utf-8")
+
+
+def test_licences_travel_with_what_they_cover(site):
+    for name in ("katex", "iframe-worker"):
+        assert "MIT" in (site / "assets" / name / "LICENSE").read_text("utf-8")
+
+
+def test_every_formula_is_set(site, chromium, tmp_path):
+    """All formulas of all pages on one, set by the KaTeX of the site in a browser."""
+    formulas = [each for text in pages(site).values() for each in FORMULA.findall(text)]
+    assert len(formulas) > 200
+    assets = (site / "assets").as_uri()
+    spans = "\n".join(f'<div class="arithmatex">{each}</div>' for each in [*formulas, r"\(\wrong{\)"])
+    scripts = "".join(f'<script src="{assets}/{name}"></script>' for name in ("katex/katex.min.js", "formulas.js"))
+    page = tmp_path / "formulas.html"
+    page.write_text(f"<!doctype html><meta charset=utf-8>{spans}{scripts}", "utf-8")
+    command = [chromium, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000", "--dump-dom"]
+    drawn = subprocess.run([*command, page.as_uri()], capture_output=True, text=True, timeout=120).stdout
+    wrong = [html.unescape(each) for each in re.findall(r'class="katex-error"[^>]*title="([^"]*)"', drawn)]
+    assert len(wrong) == 1 and "wrong" in wrong[0], wrong
+    assert drawn.count('class="katex"') == len(formulas)
+
+
+def test_a_broken_link_fails_the_build(tmp_path):
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "index.md").write_text("# Home\n\n[nowhere](missing.md)\n", "utf-8")
+    kept = re.search(r"^validation:\n(?:  .*\n)+", (ROOT / "mkdocs.yml").read_text("utf-8"), re.MULTILINE)[0]
+    (tmp_path / "mkdocs.yml").write_text(f"site_name: x\nstrict: true\n{kept}", "utf-8")
+    command = [sys.executable, "-m", "mkdocs", "build"]
+    ended = subprocess.run(command, cwd=tmp_path, env=_environment(), capture_output=True, text=True)
+    assert ended.returncode != 0 and "missing.md" in ended.stdout + ended.stderr
+
+
+def test_every_link_between_pages_leads_somewhere(site):
+    """Those that MkDocs does not see, too: out of docstrings and generated pages."""
+    found = pages(site)
+    anchors = {name: set(re.findall(r'\bid=["\']?([^"\'\s>]+)', text)) for name, text in found.items()}
+    broken = []
+    for name, text in found.items():
+        if name == "404.html":  # its links are those of the root of a server
+            continue
+        for link in re.findall(r'<a\b[^>]*?\bhref=["\']?([^"\'\s>]+)', text):
+            link = html.unescape(link)
+            if re.match(r"[a-z]+:", link):
+                continue
+            path, _, anchor = link.partition("#")
+            target = os.path.normpath(Path(name).parent / path) if path else name
+            if not (site / target).is_file() or (anchor and target in anchors and anchor not in anchors[target]):
+                broken.append((name, link))
+    assert not broken

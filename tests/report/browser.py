@@ -1,0 +1,134 @@
+"""A browser without a screen that opens a page, is clicked, dragged and typed into, and is asked what it shows."""
+
+import base64
+import contextlib
+import json
+import os
+import select
+import subprocess
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+QUIET = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+PATIENCE = 60.0
+"""Seconds within which the browser has to answer."""
+
+
+class Browser:
+    """One page, driven over the pipe that browsers offer to their developers' tools."""
+
+    def __init__(self, to_browser: int, from_browser: int) -> None:
+        self._to, self._from = to_browser, from_browser
+        self._rest = b""
+        self._count = 0
+        self._session: str | None = None
+        self.events: list[Mapping[str, Any]] = []
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Network", "Log"):
+            self.call(f"{domain}.enable")
+
+    def call(self, method: str, **values: Any) -> Mapping[str, Any]:
+        """The answer to a command of the browser's protocol."""
+        self._count += 1
+        message = {"id": self._count, "method": method, "params": values}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._to, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._next()
+            if answer.get("id") == self._count:
+                assert "error" not in answer, answer
+                return answer["result"]
+            self.events.append(answer)
+
+    def open(self, page: Path) -> None:
+        """Opens a page of the disk and waits until it is loaded."""
+        self.events.clear()
+        self.call("Page.navigate", url=page.as_uri())
+        while not self.named("Page.loadEventFired"):
+            self.events.append(self._next())
+
+    def ask(self, expression: str) -> Any:
+        """The value of a JavaScript expression; a promise is awaited."""
+        answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in answer, answer["exceptionDetails"]
+        return answer["result"].get("value")
+
+    def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
+        """A movement, press or turn of the mouse at a point of the window."""
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+    def drag(self, begin: tuple[float, float], end: tuple[float, float], **more: Any) -> None:
+        """Presses the left button at one point and lets go at another."""
+        self.mouse("mouseMoved", *begin)
+        self.mouse("mousePressed", *begin, button="left", clickCount=1, **more)
+        for part in (0.3, 0.7, 1.0):
+            point = (a + part * (b - a) for a, b in zip(begin, end, strict=True))
+            self.mouse("mouseMoved", *point, button="left", buttons=1, **more)
+        self.mouse("mouseReleased", *end, button="left", clickCount=1, **more)
+
+    def click(self, x: float, y: float, times: int = 1) -> None:
+        """Clicks once, or as often as a double click does."""
+        self.mouse("mouseMoved", x, y)
+        for count in range(1, times + 1):
+            self.mouse("mousePressed", x, y, button="left", clickCount=count)
+            self.mouse("mouseReleased", x, y, button="left", clickCount=count)
+
+    def press(self, key: str) -> None:
+        """Presses a key; a single letter is typed."""
+        text = {"text": key} if len(key) == 1 else {}
+        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, **text)
+        self.call("Input.dispatchKeyEvent", type="keyUp", key=key)
+
+    def screenshot(self) -> bytes:
+        """What the window shows, as PNG."""
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
+
+    def named(self, method: str) -> list[Mapping[str, Any]]:
+        """Events of one kind since the page was opened."""
+        return [event["params"] for event in self.events if event.get("method") == method]
+
+    def _next(self) -> Mapping[str, Any]:
+        deadline = time.monotonic() + PATIENCE
+        while b"\0" not in self._rest:
+            ready, _, _ = select.select([self._from], [], [], max(deadline - time.monotonic(), 0.0))
+            assert ready, "the browser does not answer"
+            self._rest += os.read(self._from, 1 << 16)
+        message, self._rest = self._rest.split(b"\0", 1)
+        return json.loads(message)
+
+
+@contextlib.contextmanager
+def running(program: str, profile: Path) -> Iterator[Browser]:
+    """A browser with an empty profile; it ends with the block."""
+    (its_input, to_browser), (from_browser, its_output) = os.pipe(), os.pipe()
+    # The protocol is spoken on the descriptors 3 and 4; a shell puts them there.
+    shell = f'exec "$@" 3<&{its_input} 4>&{its_output}'
+    command = ["bash", "-c", shell, "bash", program, *QUIET, "--remote-debugging-pipe", f"--user-data-dir={profile}"]
+    process = subprocess.Popen(
+        [*command, "--window-size=1000,1400", "about:blank"],
+        pass_fds=(its_input, its_output),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(its_input)
+    os.close(its_output)
+    try:
+        yield Browser(to_browser, from_browser)
+    finally:
+        process.terminate()
+        process.wait(timeout=30)
+        os.close(to_browser)
+        os.close(from_browser)
