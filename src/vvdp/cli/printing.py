@@ -29,7 +29,7 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
         each = result.listings.get(name)
         out.print(listing_grid(each) if each else table_grid(name, result.tables[name]))
         if each and each.note:
-            out.print(each.note, soft_wrap=True)
+            tell(each.note)
     for finding in result.findings:
         if finding.grade in (Grade.WARNING, Grade.BAD):
             warn(finding.text)

@@ -164,7 +164,7 @@ def _listings(found: PumpMap) -> dict[str, Listing]:
     for i, k in pairs:
         where = f", {with_unit(axes.pump_speeds[k], SPEED, 5)}, {with_unit(axes.temperatures[i], TEMPERATURE)}"
         grids = [found.grid(name)[i, k] for name in ("overall_efficiency", "motor_overloaded", *_ripple_flag(found))]
-        rows = (
+        rows = tuple(
             Row(
                 with_unit(pressure, PRESSURE_LEVEL),
                 EFFICIENCY,
@@ -176,14 +176,17 @@ def _listings(found: PumpMap) -> dict[str, Listing]:
         listings[name] = Listing(
             title="Overall efficiency over load pressure and duty ratio" + (where if len(pairs) > 1 else ""),
             heads=tuple(plain(axes.duty_ratios[place], 3) for place in places),
-            rows=tuple(rows),
-            note=NOTE_ANALYTIC if _ripple_flag(found) else NOTE,
+            rows=rows,
+            note=" ".join(words for mark, words in NOTES.items() if any(mark in str(row.values) for row in rows)),
         )
     return listings
 
 
-NOTE = "* above the motor's rated power."
-NOTE_ANALYTIC = f"{NOTE} † the ripple of the load pressure reaches the relief valve; simulate these points."
+NOTES = {
+    "*": "* above the motor's rated power.",
+    "†": "† the ripple of the load pressure reaches the relief valve; simulate these points.",
+}
+"""What the marks of a listing mean."""
 
 
 def _ripple_flag(found: PumpMap) -> tuple[str, ...]:
