@@ -10,7 +10,7 @@ import numpy as np
 from vvdp.base.signal import constant
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case
-from vvdp.steady.averages import averages
+from vvdp.steady.averages import averages, means_at
 from vvdp.steady.cycle_means import CycleMeans
 from vvdp.steady.shooting import Periodic, periodic_states
 from vvdp.steady.test_stand import SetPoint, Stand
@@ -114,8 +114,8 @@ def _guesses(
     found: dict[int, CycleMeans] = {}
     for valve, numbers in by_valve.items():
         rows = np.array([points[number][0].cycle_point(points[number][1]) for number in numbers], float)
-        for number, row in zip(numbers, averages(rows, valve, cores=cores, cache=cache, say=say), strict=True):
-            found[number] = CycleMeans(*(float(x) for x in row))
+        means = averages(rows, valve, cores=cores, cache=cache, say=say)
+        found |= {number: means_at(means, row) for row, number in enumerate(numbers)}
     return [found[number] for number in range(len(points))]
 
 
