@@ -101,7 +101,7 @@ def kept_places(y: Array, most: int = MOST_POINTS) -> Rows:
     if y.size <= most:
         return np.arange(y.size)
     edges = np.linspace(0, y.size, most // 2 + 1).astype(int)
-    kept = [np.zeros(1, int), np.full(1, y.size - 1)]
+    kept = [np.zeros(1, int), np.full(1, y.size - 1), np.flatnonzero(np.isnan(y))]  # a gap stays a gap
     for sign in (1.0, -1.0):
         filled = np.where(np.isfinite(y), sign * y, np.inf)
         kept.append(np.array([begin + int(np.argmin(filled[begin:end])) for begin, end in pairwise(edges)]))
