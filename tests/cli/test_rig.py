@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
 from vvdp.rigs.result import read_rig
+
 from vvdp.simulation.run import simulate
 from vvdp.steady.test_stand import stand
 from vvdp.steady.waveform import whole_run

@@ -188,5 +188,8 @@ def _references(keys: Sequence[str]) -> Iterator[str]:
         for key in keys
         if key in known
     ]
-    if items:
+    unknown = ", ".join(text(key) for key in keys if key not in known)
+    if items or unknown:
         yield f'<h2 id="references">References</h2>\n<ol class="references">\n{chr(10).join(items)}\n</ol>'
+    if unknown:
+        yield f'<p class="small">Sources that are not in the bibliography: {unknown}.</p>'
