@@ -15,7 +15,8 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "2")
 import numpy as np
 
 from benchmarks.measure import interleaved, report, run_as_command, spread
-from vvdp.rigs.maps import analytic_map, default_axes, simulated_map
+from vvdp.rigs.map_axes import default_axes
+from vvdp.rigs.maps import analytic_map, simulated_map
 from vvdp.steady.averages import averages
 from vvdp.steady.test_stand import stand
 from vvdp.studies.engine import ThisProcess

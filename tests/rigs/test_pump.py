@@ -9,7 +9,8 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.rigs import maps
-from vvdp.rigs.maps import Axes, simulated_map
+from vvdp.rigs.map_axes import Axes
+from vvdp.rigs.maps import simulated_map
 from vvdp.rigs.pump import control_numbers, dead_band, linearity, pump, pump_axes
 from vvdp.studies import work
 
@@ -34,10 +35,10 @@ def test_whole_test_and_going_on(source_stand, tmp_path):
         load_pressures=(41e5, 81e5),
     )  # fmt: skip
     found = pump(source_stand, tmp_path, axes)
-    assert set(found.sheets) == {"steady", "step_up", "step_down", "frequency"}
-    assert found.sheets["steady"].rows == 10
+    assert set(found.tables) == {"steady", "step_up", "step_down", "frequency"}
+    assert found.tables["steady"].rows == 10
     assert found.finished
-    n = found.numbers
+    n = {key: number.value for key, number in found.numbers.items()}
     # The load port is open for the share d, but never wide below kappa = 0.3: almost nothing up to 0.08.
     assert 0.04 < n["dead_band_duty_ratio"] < 0.1
     assert n["linearity_error"] < 0.005
@@ -46,8 +47,8 @@ def test_whole_test_and_going_on(source_stand, tmp_path):
     assert {"iso17559", "iso4409"} == set(found.references)
     assert "ISO 17559" in found.manner
     again = pump(source_stand, tmp_path, axes)
-    np.testing.assert_array_equal(again.sheets["steady"]["delivered_flow_m3_s"],
-                                  found.sheets["steady"]["delivered_flow_m3_s"])  # fmt: skip
+    np.testing.assert_array_equal(again.tables["steady"]["delivered_flow_m3_s"],
+                                  found.tables["steady"]["delivered_flow_m3_s"])  # fmt: skip
 
 
 def test_interrupted_test_leaves_out_the_dynamics(source_stand, tmp_path, monkeypatch):
@@ -57,7 +58,7 @@ def test_interrupted_test_leaves_out_the_dynamics(source_stand, tmp_path, monkey
         source_stand, tmp_path, axes, progress=lambda done, total: done == 2 and os.kill(os.getpid(), signal.SIGINT)
     )
     assert not part.finished
-    assert set(part.sheets) == {"steady"}
+    assert set(part.tables) == {"steady"}
 
 
 def test_bad_step_is_refused_before_the_map(source_stand, tmp_path):

@@ -23,8 +23,8 @@ def test_harmonics_of_a_known_wave():
 
 def test_harmonics_give_the_root_mean_square(found):
     """Parseval: half the squares of all harmonics are the variance; twenty of them hold all but 1e-4 of it."""
-    amplitudes = found.sheets["spectrum"]["load_pressure_Pa"]
-    rms = found.numbers["load_ripple_rms_Pa"]
+    amplitudes = found.tables["spectrum"]["load_pressure_Pa"]
+    rms = found.numbers["load_ripple_rms_Pa"].value
     assert np.sqrt(0.5 * np.sum(amplitudes**2)) == pytest.approx(rms, rel=1e-4)
 
 
@@ -43,23 +43,23 @@ def test_capacity_of_a_line_without_gas(orifice_stand):
 def test_ripple_is_as_estimated(found):
     """The estimate has pulses with upright flanks and a load that takes evenly: 15 % above 12 cm^3 of gas."""
     for name in ("duty", "frequency", "accumulator"):
-        sheet = found.sheets[name]
-        assert np.all(sheet["remark"] == "")
-        np.testing.assert_allclose(sheet["load_ripple_Pa"], sheet["estimated_ripple_Pa"], rtol=0.15)
+        table = found.tables[name]
+        assert np.all(table["remark"] == "")
+        np.testing.assert_allclose(table["load_ripple_Pa"], table["estimated_ripple_Pa"], rtol=0.15)
 
 
 def test_ripple_goes_down_with_frequency_and_volume(found):
     """wang2017, chapter 1: the faster the switching, the smaller the ripple. 1/f exactly for linear filling."""
-    frequency = found.sheets["frequency"]
+    frequency = found.tables["frequency"]
     assert np.all(np.diff(frequency["load_ripple_Pa"]) < 0.0)
-    assert found.numbers["frequency_exponent"] == pytest.approx(-1.0, abs=0.04)
-    assert np.all(np.diff(found.sheets["accumulator"]["load_ripple_Pa"]) < 0.0)
-    assert -1.0 < found.numbers["gas_volume_exponent"] < -0.7
+    assert found.numbers["frequency_exponent"].value == pytest.approx(-1.0, abs=0.04)
+    assert np.all(np.diff(found.tables["accumulator"]["load_ripple_Pa"]) < 0.0)
+    assert -1.0 < found.numbers["gas_volume_exponent"].value < -0.7
 
 
 def test_mean_pressure_is_held(found):
     for name in ("duty", "frequency", "accumulator"):
-        np.testing.assert_allclose(found.sheets[name]["pressure_mean_load_line_Pa"], 100e5, rtol=1.1e-3)
+        np.testing.assert_allclose(found.tables[name]["pressure_mean_load_line_Pa"], 100e5, rtol=1.1e-3)
 
 
 def test_source_has_no_ripple(source_stand):

@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.rigs.step import (
-    _of_value,
-    _of_volume,
-    checked_steps,
-    crossing_time,
-    dynamics,
-    response_frequencies,
-    settling_time,
-)
+from vvdp.rigs.response import _of_value, _of_volume, crossing_time, response_frequencies, settling_time
+from vvdp.rigs.step import checked_steps, dynamics
+
+
+def values(found):
+    return {key: number.value for key, number in found.numbers.items()}
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +44,7 @@ def test_amplitude_of_a_known_flow():
 
 def test_flow_follows_within_a_period(against_source):
     """The mean over a period cannot be quicker than the period; with nothing but switching it is not slower either."""
-    n = against_source.numbers
+    n = values(against_source)
     period = 1.0 / n["pwm_frequency_Hz"]
     for name in ("up", "down"):
         assert 0.3 * period < n[f"step_{name}_to_63_s"] < period
@@ -55,7 +52,7 @@ def test_flow_follows_within_a_period(against_source):
 
 
 def test_flow_before_and_after_is_the_steady_one(against_source):
-    n = against_source.numbers
+    n = values(against_source)
     assert n["step_up_flow_before_m3_s"] == pytest.approx(n["step_down_flow_after_m3_s"], rel=1e-3)
     assert n["step_up_flow_after_m3_s"] == pytest.approx(n["step_down_flow_before_m3_s"], rel=1e-3)
     # Between kappa and 1 - kappa the closed form has the gain Q, 40 lpm.
@@ -64,10 +61,10 @@ def test_flow_before_and_after_is_the_steady_one(against_source):
 
 def test_gain_is_flat_against_a_source(against_source):
     """Both edges move with the duty ratio, so the mean flow follows at once: gain 1, no phase, up to 0.45 f."""
-    sheet = against_source.sheets["frequency"]
-    np.testing.assert_allclose(sheet["delivered_flow_gain"], 1.0, atol=0.01)
-    np.testing.assert_allclose(sheet["delivered_flow_phase_rad"], 0.0, atol=0.05)
-    assert "load_flow_gain" not in sheet.columns
+    table = against_source.tables["frequency"]
+    np.testing.assert_allclose(table["delivered_flow_gain"], 1.0, atol=0.01)
+    np.testing.assert_allclose(table["delivered_flow_phase_rad"], 0.0, atol=0.05)
+    assert "load_flow_gain" not in table.columns
 
 
 def test_slow_switching_changes_nothing(source_stand):
@@ -75,10 +72,10 @@ def test_slow_switching_changes_nothing(source_stand):
     cycles of 0.5 Hz, 11 of 1.75 Hz. The gain stays 1, the static one 40 lpm.
     """
     found = dynamics(source_stand.driven(4.0), (0.4, 0.6), [0.5, 1.75])
-    assert found.numbers["static_gain_m3_s"] == pytest.approx(40e-3 / 60.0, rel=0.01)
-    np.testing.assert_allclose(found.sheets["frequency"]["delivered_flow_gain"], 1.0, atol=0.01)
+    assert values(found)["static_gain_m3_s"] == pytest.approx(40e-3 / 60.0, rel=0.01)
+    np.testing.assert_allclose(found.tables["frequency"]["delivered_flow_gain"], 1.0, atol=0.01)
     # Flow turns the stiffly coupled spool some percent faster.
-    assert found.sheets["step_up"]["time_s"][-1] == pytest.approx(2.5 / found.numbers["pwm_frequency_Hz"], rel=0.01)
+    assert found.tables["step_up"]["time_s"][-1] == pytest.approx(2.5 / values(found)["pwm_frequency_Hz"], rel=0.01)
 
 
 def test_frequencies_go_up_from_the_lowest():
@@ -92,19 +89,19 @@ def test_frequencies_go_up_from_the_lowest():
 
 def test_line_is_a_low_pass(against_orifice):
     """First order with the stated time constant: gain over the delivered flow's 1/sqrt(1 + (w tau)^2), within 15 %."""
-    sheet, tau = against_orifice.sheets["frequency"], against_orifice.numbers["load_line_time_constant_s"]
-    w = 2.0 * np.pi * sheet["frequency_Hz"]
-    ratio = sheet["load_flow_gain"] / sheet["delivered_flow_gain"]
+    table, tau = against_orifice.tables["frequency"], values(against_orifice)["load_line_time_constant_s"]
+    w = 2.0 * np.pi * table["frequency_Hz"]
+    ratio = table["load_flow_gain"] / table["delivered_flow_gain"]
     np.testing.assert_allclose(ratio, 1.0 / np.sqrt(1.0 + (w * tau) ** 2), rtol=0.15)
-    lag = sheet["load_flow_phase_rad"] - sheet["delivered_flow_phase_rad"]
+    lag = table["load_flow_phase_rad"] - table["delivered_flow_phase_rad"]
     np.testing.assert_allclose(lag, -np.arctan(w * tau), atol=0.15)
 
 
 def test_load_gets_what_is_delivered(against_orifice):
     """In tank volumes, long after the step."""
-    sheet = against_orifice.sheets["step_up"]
-    late = sheet["time_s"] > 0.8 * sheet["time_s"][-1]
-    delivered, load = (np.mean(sheet[name][late]) for name in ("delivered_flow_m3_s", "load_flow_m3_s"))
+    table = against_orifice.tables["step_up"]
+    late = table["time_s"] > 0.8 * table["time_s"][-1]
+    delivered, load = (np.mean(table[name][late]) for name in ("delivered_flow_m3_s", "load_flow_m3_s"))
     assert load == pytest.approx(delivered, rel=5e-3)
 
 
@@ -127,7 +124,17 @@ def test_step_beyond_the_duty_ratios_is_refused(source_stand):
 def test_order_of_the_duty_ratios_does_not_matter(source_stand, against_source):
     """From 0.4 to 0.6 of 40 lpm is up, 8 lpm more, however it is said."""
     assert checked_steps((0.6, 0.4)) == (0.4, 0.6)
-    turned = dynamics(source_stand, (0.6, 0.4), [10.0]).numbers
+    turned = values(dynamics(source_stand, (0.6, 0.4), [10.0]))
     rise = turned["step_up_flow_after_m3_s"] - turned["step_up_flow_before_m3_s"]
     assert rise == pytest.approx(8e-3 / 60.0, rel=0.01)
-    assert turned["step_up_to_63_s"] == against_source.numbers["step_up_to_63_s"]
+    assert turned["step_up_to_63_s"] == values(against_source)["step_up_to_63_s"]
+
+
+def test_static_gain_says_what_it_is_of(against_source, against_orifice):
+    """Through the same orifice more flow meets more pressure: a fifth less than the 40 lpm at a constant pressure."""
+    fixed, held = (next(f.text for f in each.findings if "static gain" in f.text) for each in
+                   (against_orifice, against_source))  # fmt: skip
+    assert values(against_orifice)["static_gain_m3_s"] == pytest.approx(0.81 * 40e-3 / 60.0, rel=0.01)
+    assert "through an orifice that stays as it is: more flow raises the load pressure" in fixed
+    assert fixed.endswith("At a constant load pressure it is about the pump flow, 40 lpm.")
+    assert held.endswith("at a load pressure that stays.")

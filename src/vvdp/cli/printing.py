@@ -29,6 +29,8 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
     for name in shown if names is None else names:
         each = result.listings.get(name)
         out.print(listing_grid(each) if each else table_grid(name, result.tables[name]))
+        if each and each.note:
+            tell(each.note)
     for finding in result.findings:
         if finding.grade in (Grade.WARNING, Grade.BAD):
             warn(finding.text)

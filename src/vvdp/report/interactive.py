@@ -237,8 +237,9 @@ def _describe_field(panel: Field, table: Table, columns: Columns) -> dict[str, A
         "colours": field_colours(len(steps) - 1),
         "grid": [columns.place(values) for values in (x, y, z.ravel())],
     }
-    if panel.hatch:
-        found["hatch"] = columns.place(np.nan_to_num(field_grid(panel, table, panel.hatch)[2]).ravel())
+    for name, key in (("hatch", panel.hatch), ("marks", panel.marks)):
+        if key:
+            found[name] = columns.place(np.nan_to_num(field_grid(panel, table, key)[2]).ravel())
     return found
 
 

@@ -299,7 +299,7 @@ def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:
     if panel.marks:
         x, y, marked = field_grid(panel, table, panel.marks)
         j, i = np.nonzero(np.nan_to_num(marked) > 0.0)
-        axes.plot(x[i], y[j], linestyle="none", marker="x", markersize=3.2, color=Colour.RED, clip_on=False)
+        axes.scatter(x[i], y[j], marker="x", s=10.0, color=Colour.RED, linewidths=0.9, clip_on=False, zorder=3)
     axes.set_xlabel(axis_label([table.columns[panel.x]]))
     axes.set_ylabel(axis_label([table.columns[panel.y]]))
 

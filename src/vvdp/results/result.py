@@ -161,6 +161,9 @@ class Result:
     def __post_init__(self) -> None:
         for key, number in self.numbers.items():
             _check_key(key, number.kind)
+        names = [*self.listings, *self.tables, *self.charts]
+        if double := {name for name in names if names.count(name) > 1}:
+            raise ValueError(f"{min(double)!r} is the name of two parts of the result")
         for chart in self.charts.values():
             if missing := chart.tables - self.tables.keys():
                 raise ValueError(f"chart {chart.name!r} draws the table {min(missing)!r}, which is none of the result")

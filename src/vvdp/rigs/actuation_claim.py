@@ -152,7 +152,7 @@ def _chart() -> Chart:
         )
     )
     return Chart(
-        name="actuation",
+        name="actuation-power",
         caption="Power that moves the spool; the linear ones spend their kinetic energy twice in each period.",
         table="actuation",
         panels=(Lines(lines=tuple(lines), label="power", x_log=True, y_log=True, legend="spool"),),

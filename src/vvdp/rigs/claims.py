@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from vvdp.base.display import percent, plain, with_unit
+from vvdp.base.display import plain, with_unit
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import LENGTH, MASS, PRESSURE_LEVEL
 from vvdp.results.result import Result
@@ -112,5 +112,5 @@ def _conditions(stand: Stand) -> dict[str, str]:
         "duty ratio": f"{plain(point.duty_ratio, 4)} unless varied",
         "load pressure": f"{with_unit(point.load_pressure, PRESSURE_LEVEL)} unless varied",
         "linear valves": f"{with_unit(valve.spool_mass, MASS)} moved by {same}, and {with_unit(LIGHT_MASS, MASS)} by "
-        f"{light}, in {percent(transition_fraction(valve))} of a period (assumed)",
+        f"{light}, in {plain(100.0 * transition_fraction(valve), 3)} % of a period (assumed)",
     }

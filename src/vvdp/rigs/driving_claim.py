@@ -306,7 +306,7 @@ def _chart(d: Driving) -> Chart:
     limit = (Level(value=d.limit, colour=Colour.INLET, stroke=Stroke.SOLID),) if np.isfinite(d.limit) else ()
     zero = Level(value=0.0, stroke=Stroke.SOLID)
     return Chart(
-        name="driving",
+        name="driven-spool",
         caption="Left: PWM frequency of a self-spinning spool, and the best one of a driven spool whose load ripple is "
         "no larger than that of the self-spinning one at the largest flow. Middle: ripple. Right: power that drives "
         "the spool at fixed PWM frequencies; below zero the flow drives the motor.",

@@ -106,7 +106,8 @@ def _backwards(found: PumpMap, pair: tuple[int, int]) -> tuple[float | None, str
 
 
 def _field_chart(found: PumpMap, table: str, rows: tuple[int, ...], ending: str, words: str) -> Chart:
-    marks = "ripple_reaches_relief" if "ripple_reaches_relief" in found.columns else ""
+    flags = found.columns.get("ripple_reaches_relief", np.zeros(found.axes.count))
+    marks = "ripple_reaches_relief" if np.any(flags[list(rows)] > 0.0) else ""
     crosses = "; crosses: the ripple of the load pressure reaches the relief valve" if marks else ""
     return Chart(
         name=f"efficiency{ending}",

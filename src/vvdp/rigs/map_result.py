@@ -164,7 +164,7 @@ def _listings(found: PumpMap) -> dict[str, Listing]:
     for i, k in pairs:
         where = f", {with_unit(axes.pump_speeds[k], SPEED, 5)}, {with_unit(axes.temperatures[i], TEMPERATURE)}"
         grids = [found.grid(name)[i, k] for name in ("overall_efficiency", "motor_overloaded", *_ripple_flag(found))]
-        rows = (
+        rows = tuple(
             Row(
                 with_unit(pressure, PRESSURE_LEVEL),
                 EFFICIENCY,
@@ -172,18 +172,21 @@ def _listings(found: PumpMap) -> dict[str, Listing]:
             )
             for row, pressure in enumerate(axes.load_pressures)
         )
-        name = "efficiency" if len(pairs) == 1 else f"efficiency-{len(listings) + 1}"
+        name = "overall-efficiency" + (f"-{len(listings) + 1}" if len(pairs) > 1 else "")
         listings[name] = Listing(
             title="Overall efficiency over load pressure and duty ratio" + (where if len(pairs) > 1 else ""),
             heads=tuple(plain(axes.duty_ratios[place], 3) for place in places),
-            rows=tuple(rows),
-            note=NOTE_ANALYTIC if _ripple_flag(found) else NOTE,
+            rows=rows,
+            note=" ".join(words for mark, words in NOTES.items() if any(mark in str(row.values) for row in rows)),
         )
     return listings
 
 
-NOTE = "* above the motor's rated power."
-NOTE_ANALYTIC = f"{NOTE} † the ripple of the load pressure reaches the relief valve; simulate these points."
+NOTES = {
+    "*": "* above the motor's rated power.",
+    "†": "† the ripple of the load pressure reaches the relief valve; simulate these points.",
+}
+"""What the marks of a listing mean."""
 
 
 def _ripple_flag(found: PumpMap) -> tuple[str, ...]:
@@ -241,7 +244,8 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
     if ripples := int(numbers.get("points_with_ripple_at_relief", 0.0)):
         yield Finding(
             text=f"At {ripples} of {count} points the ripple of the load pressure reaches the relief valve, so that "
-            "more oil goes over it than the averages say: these efficiencies are too high. They are marked.",
+            "more oil goes over it than the averages say: the efficiencies there, which are marked, may be ten points "
+            "and more too high.",
             grade=Grade.WARNING,
             title="Too high near the relief setting",
             remedy="Simulate the map: the same command without --analytic.",

@@ -80,7 +80,7 @@ def pressure_drop(
         },
         left_out=LEFT_OUT,
         tables={"pressure-drop": table},
-        charts={"pressure-drop": _chart(table)},
+        charts={"drop-over-flow": _chart(table)},
         numbers=numbers_of(numbers, QUANTITIES),
         findings=tuple(_findings(numbers, table)),
         seconds=time.perf_counter() - began,
@@ -157,7 +157,7 @@ def _chart(table: Table) -> Chart:
         for place, t in enumerate(temperatures)
     )
     return Chart(
-        name="pressure-drop",
+        name="drop-over-flow",
         caption="Left: the open valve and its sections in series. Right: the whole valve at fixed open fractions.",
         table="pressure-drop",
         panels=(

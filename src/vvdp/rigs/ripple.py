@@ -54,6 +54,7 @@ LEFT_OUT = (
 )
 
 
+SET = ("duty_ratio", "gas_volume_m3")
 SWEEPS = {
     "duty": "Ripple over duty ratio, spool as the system has it",
     "frequency": "Ripple over PWM frequency, spool driven by a motor",
@@ -165,7 +166,7 @@ def ripple(
     tables, place = {}, 0
     for (name, title), group in zip(SWEEPS.items(), points, strict=True):
         part = slice(place, place + len(group))
-        tables[name] = Table(title=title, columns=_columns(states[part], waves[part]))
+        tables[name] = Table(title=title, columns=_columns(states[part], waves[part]), axes=SET)
         place += len(group)
     tables |= {"spectrum": _spectrum(wave), "waveform": _wave(wave)}
     numbers = _numbers(_row(centre, wave), wave, tables)
@@ -280,10 +281,13 @@ def _spectrum_chart() -> Chart:
     )
     wave = Line(x="time_s", y="load_pressure_swing_Pa", colour=Colour.LOAD)
     return Chart(
-        name="spectrum",
+        name="harmonics",
         caption="One period at the system's set point, and the harmonics of the pressures there.",
         table="spectrum",
-        panels=(Lines(table="waveform", lines=(wave,)), Lines(lines=(inlet, load), label="amplitude", y_log=True)),
+        panels=(
+            Lines(table="waveform", lines=(wave,)),
+            Lines(lines=(inlet, load), label="amplitude", y_log=True, left=0.0, right=HARMONICS + 1.0),
+        ),
         side_by_side=True,
         height=2.6,
     )

@@ -203,7 +203,7 @@ def _chart(found: Throttling) -> Chart:
         title = f"load {with_unit(float(level), GAUGE_PRESSURE)}"
         panels.append(Lines(lines=tuple(lines), label="power lost", title=title, low=0.0, left=0.0))
     return Chart(
-        name="throttling",
+        name="throttling-losses",
         caption="Power lost at three load pressures by the PWM valve, by metering at the relief setting and by "
         "bleeding off at load pressure without any further drop, the least that throttling can lose.",
         table="throttling",

@@ -38,7 +38,7 @@ def loss_chart(table: Table, caption: str) -> Chart:
     shown = tuple(row for row in rows if any(table[key][row] > 0.0 for key in values))
     bars = Bars(names=name, values=tuple(values), texts=words, rows=shown)
     height = 0.9 + 0.24 * len(shown) * len(values)
-    return Chart(name=f"losses-{name}", caption=caption, table=f"losses-{name}", panels=(bars,), height=height)
+    return Chart(name=f"losses-{name}", caption=caption, table=f"powers-{name}", panels=(bars,), height=height)
 
 
 def detail_words(run: RecordedRun, part: Detail) -> str:

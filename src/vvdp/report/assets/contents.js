@@ -137,6 +137,7 @@ class FieldContent {
     this.described = described;
     [this.across, this.up, this.z] = described.grid.map(column);
     this.hatch = described.hatch === undefined ? null : column(described.hatch);
+    this.marks = described.marks === undefined ? [] : column(described.marks);
     this.colours = described.colours.map((text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16)));
     this.lines = [{ label: described.z.name, unit: described.z.unit, colour: "", isOn: true }];
   }
@@ -153,7 +154,7 @@ class FieldContent {
     return [{ x, y, z: mixed(this.z, this.across.length, cellsAlong(this.across, 1, () => x), cellsAlong(this.up, 1, () => y), 0, 0) }];
   }
 
-  draw(context, { box, toX, toY }) {
+  draw(context, { box, toX, toY }, ratio) {
     const [wide, high] = [Math.round(box.width), Math.round(box.height)];
     const across = cellsAlong(this.across, wide, (column) => toX(box.left + column + 0.5));
     const up = cellsAlong(this.up, high, (row) => toY(box.top + row + 0.5));
@@ -168,6 +169,27 @@ class FieldContent {
       }
     }
     context.putImageData(image, Math.round(box.left), Math.round(box.top));
+    this.#cross(context, { box, toX, toY }, ratio);
+  }
+
+  /** A cross at each marked point of the grid that is in view. */
+  #cross(context, { box, toX, toY }, ratio) {
+    const [left, right] = [toX(box.left), toX(box.left + box.width)];
+    const [top, bottom] = [toY(box.top), toY(box.top + box.height)];
+    context.strokeStyle = "#a3180c";
+    context.lineWidth = ratio;
+    context.beginPath();
+    this.marks.forEach((mark, place) => {
+      const across = (this.across[place % this.across.length] - left) / (right - left);
+      const down = (this.up[Math.floor(place / this.across.length)] - top) / (bottom - top);
+      if (!(mark > 0) || across < 0 || across > 1 || down < 0 || down > 1) return;
+      const [x, y, size] = [box.left + across * box.width, box.top + down * box.height, 3 * ratio];
+      context.moveTo(x - size, y - size);
+      context.lineTo(x + size, y + size);
+      context.moveTo(x - size, y + size);
+      context.lineTo(x + size, y - size);
+    });
+    context.stroke();
   }
 
   /** Between which levels each pixel is: 0 below the first, -1 where there is no value. */
