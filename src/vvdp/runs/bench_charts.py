@@ -13,7 +13,7 @@ from vvdp.runs.run import RecordedRun
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.spool_encoder import SETTLED
 
-CYCLE, SPECTRUM = "cycle", "spectrum"
+CYCLE, SPECTRUM = "cycle", "amplitudes"
 """Names of the tables beside that of the series."""
 
 
@@ -151,4 +151,4 @@ def _spectrum(table: Table) -> Chart:
     line = Line(x="frequency_Hz", y="amplitude_Pa", stroke=Stroke.STEMS, colour=Colour.LOAD, width=1.4)
     multiples = upright(base * k for k in range(1, round(float(table["order"][-1])) + 1))
     panel = Lines(lines=(line,), levels=multiples, low=0.0, left=0.0)
-    return Chart(name=SPECTRUM, caption=caption, table=SPECTRUM, panels=(panel,), height=2.4)
+    return Chart(name="spectrum", caption=caption, table=SPECTRUM, panels=(panel,), height=2.4)
