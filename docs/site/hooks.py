@@ -26,3 +26,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for path, text in pages.items():
         files.append(File.generated(config, path, content=text))
     return files
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Leaves out what only the makers of the theme need."""
+    for path in Path(config.site_dir).rglob("*.map"):
+        path.unlink()

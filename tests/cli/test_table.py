@@ -82,3 +82,10 @@ def test_a_word_longer_than_the_screen_is_broken_and_a_number_beside_it_is_not()
     (block,) = table_blocks([column("file", "x" * 100), column("size", "123456.789", numeric=True)], 60)
     assert "".join(re.findall("x+", " ".join(block.body))) == "x" * 100
     assert "123456.789" in block.body[0]
+
+
+def test_a_single_column_is_wrapped_and_not_lost():
+    (block,) = table_blocks(
+        [column("what it is", "a sentence that is longer than sixty characters and has no neighbour")], 60
+    )
+    assert len(block.body) == 2

@@ -59,7 +59,7 @@ def test_least_loss_keeps_the_frequency_and_holds_in_simulation(designing, tmp_p
     assert not any("simulat" in text for text in found["warnings"])
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
     assert "pwm_frequency &gt;= 71.9917 Hz (usual limit" in page
-    assert "in closed form. Simulated, it goes from 1774 W to" in page
+    assert "analytically. Simulated, it goes from 1774 W to" in page
     assert "does not bear out" not in page
     assert "that of an analytic map leaves compressibility out" in page
 

@@ -1,12 +1,11 @@
 import shutil
+from dataclasses import replace
 
 import pytest
 
 from vvdp.base.files import result_directory
-from vvdp.simulation.results import write_results
+from vvdp.runs.simulate import recorded_run, save_run
 from vvdp.simulation.run import simulate
-from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
 SHORT = ['run.window="0.1 s"']
@@ -20,10 +19,10 @@ STANDING = [
 def made(directory, name, settings=(), until="0.2 s", progress=None):
     system = load_system(name, [*SHORT, *settings], until)
     portion = 2e6 if progress is None else 2e3
-    run = simulate(system.model, system.case, system.stepping, progress=progress, portion=portion)
-    more = {"system": system.name, "written": "2026-01-02T03:04:05+0000"}
+    done = simulate(system.model, system.case, system.stepping, progress=progress, portion=portion)
+    run = recorded_run(system, done, ["vvdp", "run", name])
     with result_directory(directory) as folder:
-        write_results(folder, run, system=resolved_text(system), summary=summary(system, run), more=more)
+        save_run(folder, replace(run, meta=run.meta | {"written": "2026-01-02T03:04:05+0000"}))
     return directory
 
 

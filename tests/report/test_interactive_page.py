@@ -5,6 +5,7 @@ import pytest
 from tests.report.browser import running
 
 from vvdp.base import kinds
+from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure
 from vvdp.report.interactive import live_body, live_head
 from vvdp.report.page import opening
@@ -101,8 +102,8 @@ LIVE = [chart.name for chart in CHARTS if chart.name != "bars"]
 TABLES = {"run": run_table(ROWS), "map": map_table(), "harmonics": harmonics_table(), "circle": circle_table()}
 
 
-def write_page(path, charts, tables, more=""):
-    figures = (figure(draw_chart(chart, tables).svg, chart.name, i, chart.caption) for i, chart in enumerate(charts))
+def write_page(path, charts, tables, more="", draw=draw_chart):
+    figures = (figure(draw(chart, tables).svg, chart.name, i, chart.caption) for i, chart in enumerate(charts))
     head = opening("Charts").replace("</head>", f"{live_head()}\n</head>")
     path.write_text("\n".join([head, *figures, more, live_body(charts, tables), "</body>\n</html>"]), "utf-8")
     return path
@@ -189,6 +190,13 @@ def test_dragging_zooms_all_that_is_over_the_same_time(charts):
         assert view(charts, name, place) == pytest.approx([850.0, 950.0], abs=0.5)
     assert view(charts, "harmonics")[1] > 400.0  # another quantity along x
     assert charts.ask(plot("course", 0, "plot.chart.cursors.A")) is None  # a drag is no click
+
+
+def test_a_chart_that_is_opened_later_shows_what_the_others_show(browser, page):
+    browser.open(page)
+    browser.ask("vvdpCharts.then((all) => { all.open('course').plots[0].zoom(300, 400); })")
+    browser.ask("vvdpCharts.then((all) => { all.live.delete('flow'); all.open('flow'); })")
+    assert view(browser, "flow") == pytest.approx([300.0, 400.0])
 
 
 def test_ends_of_y_follow_what_is_seen(charts):
@@ -369,9 +377,13 @@ def test_live_on_screen_and_still_on_paper(charts):
         charts.call("Emulation.setEmulatedMedia", media="")
 
 
+def blank(chart, tables):
+    return Drawn(chart.name, chart.caption, '<svg viewBox="0 0 700 400"></svg>')
+
+
 def test_million_points_open_and_zoom_without_lag(browser, tmp_path):
     """A second and 16 ms on a machine that does nothing else; here tests share it."""
-    page = write_page(tmp_path / "long.html", CHARTS[:1], {"run": run_table(1_000_000)})
+    page = write_page(tmp_path / "long.html", CHARTS[:1], {"run": run_table(1_000_000)}, draw=blank)
     browser.open(page)
     browser.ask("vvdpCharts.then((all) => { all.open('course'); })")
     opened = browser.ask("performance.getEntriesByName('course')[0].startTime")

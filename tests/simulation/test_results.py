@@ -10,8 +10,8 @@ import pytest
 import vvdp
 from vvdp.base.errors import ConfigError
 from vvdp.base.files import result_directory
-from vvdp.simulation.record import record_bytes
-from vvdp.simulation.results import read_results, write_results
+from vvdp.simulation.record import record_bytes, record_of
+from vvdp.simulation.results import Results, origin, read_results, write_results
 from vvdp.simulation.run import Stepping, simulate
 
 
@@ -21,25 +21,24 @@ def run(switching):
     return simulate(model, case(), Stepping(until=0.1))
 
 
+def write(directory, run, **more):
+    meta = origin(run) | more
+    with result_directory(directory) as folder:
+        write_results(folder, Results(folder, "[oil]\n", {"mean_bar": 1.0}, meta, record_of(run)))
+    return directory
+
+
 @pytest.fixture
 def written(run, tmp_path):
-    with result_directory(tmp_path / "out") as folder:
-        write_results(
-            folder,
-            run,
-            system="[oil]\n",
-            summary={"mean_bar": 1.0},
-            more={"more": 2, "system": "switching", "title": "A title"},
-        )
-    return tmp_path / "out"
+    return write(tmp_path / "out", run, more=2, system="switching", title="A title")
 
 
 def test_everything_that_was_recorded_comes_back_by_name(run, written):
     found = read_results(written)
-    assert np.array_equal(found.times, run.times)
-    assert np.array_equal(found.states["inlet_pressure"].values, run.states[:, 0])
-    assert np.array_equal(found.outputs["load_flow"].values, run.outputs.load_flow)
-    assert set(found.commands) == {
+    assert np.array_equal(found.record.times, run.times)
+    assert np.array_equal(found.record.states["inlet_pressure"].values, run.states[:, 0])
+    assert np.array_equal(found.record.outputs["load_flow"].values, run.outputs.load_flow)
+    assert set(found.record.commands) == {
         "held.tank_pressure",
         "modes.first_side",
         "modes.second_side",
@@ -50,19 +49,19 @@ def test_everything_that_was_recorded_comes_back_by_name(run, written):
         "display.mean",
         "display.samples",
     }
-    assert np.array_equal(found.commands["display.mean"].values, run.command.display.mean)
-    assert np.array_equal(found.memory["controller.duty_ratio"].values, run.memory["controller"].duty_ratio)
-    assert np.array_equal(found.readings["display.load_pressure"].values, run.state.load_pressure)
-    assert np.array_equal(found.mark_times, run.mark_times)
+    assert np.array_equal(found.record.commands["display.mean"].values, run.command.display.mean)
+    assert np.array_equal(found.record.memory["controller.duty_ratio"].values, run.memory["controller"].duty_ratio)
+    assert np.array_equal(found.record.readings["display.load_pressure"].values, run.state.load_pressure)
+    assert np.array_equal(found.record.mark_times, run.mark_times)
     assert found.summary == {"mean_bar": 1.0} and found.meta["more"] == 2 and found.system == "[oil]\n"
 
 
 def test_each_has_a_unit_and_a_name_in_words(written):
     found = read_results(written)
-    mean = found.commands["display.mean"]
+    mean = found.record.commands["display.mean"]
     assert (mean.unit, mean.long_name) == ("Pa", "display, mean (absolute)")
-    assert found.memory["controller.duty_ratio"].unit == "1"
-    assert found.readings["controller.load_pressure"].long_name == "load pressure (absolute)"
+    assert found.record.memory["controller.duty_ratio"].unit == "1"
+    assert found.record.readings["controller.load_pressure"].long_name == "load pressure (absolute)"
 
 
 def test_remarks_of_the_run_are_told(run, written):
@@ -87,9 +86,7 @@ def test_a_stopped_run_is_written_as_far_as_it_went(run, tmp_path):
     part = replace(
         run, times=run.times[:3], states=run.states[:3], commands=run.commands[:3], memories=run.memories[:3]
     )
-    with result_directory(tmp_path / "part") as folder:
-        write_results(folder, part, system="", summary={}, more={})
-    assert read_results(tmp_path / "part").memory["display.mean"].values.shape == (3,)
+    assert read_results(write(tmp_path / "part", part)).record.memory["display.mean"].values.shape == (3,)
 
 
 def test_every_recorded_dataset_has_the_dimension_time_and_marks_have_their_own(written):
@@ -125,7 +122,7 @@ def test_the_file_says_what_it_is(written):
 
 
 def test_the_same_run_is_written_as_the_same_bytes(run):
-    assert record_bytes(run, {"format": 2}) == record_bytes(run, {"format": 2})
+    assert record_bytes(record_of(run), {"format": 2}) == record_bytes(record_of(run), {"format": 2})
 
 
 def test_xarray_opens_every_group_with_the_dimension_time(run, written):

@@ -23,6 +23,7 @@ OPENS = {
     "cad": "geometry --step",
     "daq": "estimate, of TDMS and MDF4",
     "data": "estimate, of Parquet",
+    "docs": "make docs, the documentation as a site",
     "geometry": "geometry",
     "opt": "design, its pareto and tolerance",
     "scale": "--on dask, --on slurm",

@@ -24,6 +24,7 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
     tell(": ".join(filter(None, (result.title, result.system))))
     for name, value in result.conditions.items():
         tell(f"  {name}: {value}")
+    tell("")
     shown = [*result.listings, *(name for name, table in result.tables.items() if not table.is_data)]
     for name in shown if names is None else names:
         each = result.listings.get(name)

@@ -91,7 +91,9 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     periods = f"{found['averaged_periods']:g} {period(run.system)}s, " if found["averaged_periods"] else ""
     begin, end = found["averaged_from_s"], found["averaged_to_s"]
     tell(f"means over {periods}{begin:.4g} s to {end:.4g} s; pressures gauge")
-    for listing in screen_listings(run):
+    for place, listing in enumerate(screen_listings(run)):
+        if place == 0 and listing.title:
+            tell("")
         out.print(listing_grid(listing))
     if "trusted" in found:
         energy, oil = found["energy_residual"], found["mass_residual"]

@@ -64,6 +64,7 @@ def table_blocks(columns: Sequence[Column], width: int, *, keys: int = 1, transp
         return [_block(columns, widths)]
     if transpose and (widths := _widths(turned := _transposed(columns), room)):
         return [_block(turned, widths)]
+    keys = min(keys, len(columns) - 1)
     leading, rest = columns[:keys], columns[keys:]
     blocks = []
     while rest:

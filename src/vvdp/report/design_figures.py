@@ -49,7 +49,7 @@ def in_shown(value: Any, name: str) -> tuple[Any, str]:
 def optimum_figures(found: Mapping[str, Any]) -> Iterator[Drawn]:
     """All figures of an optimum."""
     caption = (
-        "Before and at the optimum. Left: pressure drop of the fully open valve. Right: losses in closed form; the "
+        "Before and at the optimum. Left: pressure drop of the fully open valve. Right: analytic losses; the "
         "mark is the total loss of the simulation at the first operating point."
     )
     yield drawn("losses", caption, 2.7, lambda f: _losses(f, found))
@@ -224,7 +224,7 @@ def _indices(figure: "Figure", found: Mapping[str, Any]) -> None:
 def temperature_figures(found: Mapping[str, Any]) -> Iterator[Drawn]:
     """All figures of a study over the oil's temperature."""
     caption = (
-        "From cold to hot oil: PWM frequency, losses in closed form (stacked) and what the spool and its clearance do. "
+        "From cold to hot oil: PWM frequency, analytic losses (stacked) and what the spool and its clearance do. "
         "The dashed line marks 40 °C."
     )
     yield drawn("temperature", caption, 4.5, lambda f: _over_temperature(f, found))

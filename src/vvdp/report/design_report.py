@@ -91,7 +91,7 @@ def _optimum(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[str
         yield "<h2>Closed forms against simulation</h2>"
         yield _simulated(found)
         yield (
-            '<p class="small">The closed forms count volumes and add up an upper estimate of the losses, see the model '
+            '<p class="small">The formulas count volumes and add up an upper estimate of the losses, see the model '
             "of the rotary valve; 1 to 4 % of difference is usual, more where a warning stands above. Here they are "
             "evaluated at the mean load pressure of the simulation, above at that of the operating point.</p>"
         )
@@ -114,7 +114,7 @@ def _in_words(found: Mapping[str, Any]) -> str:
     lead = (
         f"The {words(name)} goes from {quantity(before, name)} to <b>{quantity(after, name)}</b> "
         f"({change(name, before, after)})"
-        f"{', subject to ' + text(demands) if demands else ''}, in closed form."
+        f"{', subject to ' + text(demands) if demands else ''}, analytically."
     )
     if found["simulated_means"]:
         simulated, was, now = found["simulated_means"]
@@ -217,7 +217,7 @@ def _quantities(found: Mapping[str, Any]) -> str:
         before, after = (found[f"mean_{when}"][key(name, kind)] for when in ("before", "after"))
         cells = [text(words(name)), quantity(before, name), quantity(after, name), change(name, before, after)]
         lines.append(row(cells, ("", "n", "n", "n")))
-    return table(("closed form", "before", "optimum", "change"), lines, (1, 2, 3))
+    return table(("analytic", "before", "optimum", "change"), lines, (1, 2, 3))
 
 
 COMPARED = (
@@ -253,7 +253,7 @@ def _simulated(found: Mapping[str, Any]) -> str:
                     percent(pair[1] / pair[0] - 1.0) if pair[0] else "&ndash;",
                 ]
             lines.append(row(cells, ("", *("n",) * 6)))
-    head = ("", "before, simulated", "closed form", "difference", "optimum, simulated", "closed form", "difference")
+    head = ("", "before, simulated", "analytic", "difference", "optimum, simulated", "analytic", "difference")
     return table(head, lines, range(1, 7))
 
 
@@ -283,7 +283,7 @@ def _tolerance(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[s
     yield f"<p>{assumed} of {len(found['spreads'])} spreads are merely assumed; the shares hang on them.</p>"
     yield table(("input", "from, to", "status", "source", "note"), [_spread(each) for each in found["spreads"]])
     yield (
-        f'<p class="small">{found["evaluations"]} designs in closed form: the fully open valve for drop and frequency, '
+        f'<p class="small">{found["evaluations"]} designs evaluated analytically: the fully open valve for drop and frequency, '
         "the sum of the losses at the operating point of the system for the efficiency. A sum of the shares below 1 is "
         "interaction; a share may come out slightly below zero by chance.</p>"
     )

@@ -71,6 +71,7 @@ def image(name: str, height: float, draw: Callable[["Figure"], None], form: str)
     """A figure in the form "svg", "png" or "pdf"."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     style: Any = {**STYLE, "svg.hashsalt": name}
@@ -81,12 +82,19 @@ def image(name: str, height: float, draw: Callable[["Figure"], None], form: str)
         _settle(figure)
         content = io.BytesIO()
         dateless: dict[str, Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
-        figure.savefig(content, format=form, dpi=DOTS, metadata=dateless.get(form, {"Date": None, "Creator": None}))
+        if form == "svg":  # savefig would draw twice
+            figure.dpi = 72
+            canvas: Any = FigureCanvasSVG(figure)
+            canvas.print_svg(content, metadata={"Date": None, "Creator": None})
+        else:
+            figure.savefig(content, format=form, dpi=DOTS, metadata=dateless[form])
     return content.getvalue()
 
 
 def _settle(figure: "Figure") -> None:
     """Lays the figure out once, to a millionth of its size: the solver's last digits differ from time to time."""
+    if figure.get_layout_engine() is None:
+        return
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for axes in figure.axes:

@@ -11,11 +11,11 @@ from vvdp.report.drawing import Drawn
 NAME = "report.html"
 
 
-def opening(title: str, style: str = "") -> str:
-    """The beginning of a page up to its body; `title` is ready HTML, `style` stands after the style of all reports."""
+def opening(title: str, style: str = "", head: str = "") -> str:
+    """The beginning of a page up to its body; `title` and `head` are ready HTML, `style` adds to that of all."""
     common = resources.files("vvdp.report").joinpath("style.css").read_text("utf-8")
     return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n{head}<title>{title}</title>\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<style>\n{common}{style}</style>\n</head>\n<body>"
     )

@@ -8,6 +8,7 @@ from typing import Any
 from vvdp.base.kinds import GAUGE_PRESSURE, PRESSURE_LEVEL
 from vvdp.report.drawing import Drawn
 from vvdp.report.html import figure, group, row, table, text
+from vvdp.report.interactive import live_body, live_head
 from vvdp.report.page import opening, write_page
 from vvdp.report.plot import draw_chart
 from vvdp.report.references import bibliography
@@ -45,7 +46,7 @@ def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
     result = page.result
     title = text(result.title)
     sections = result.sections or tuple(usual_sections(result))
-    yield f"{opening(title)}\n<h1>{title}</h1>"
+    yield f"{opening(title, head=live_head())}\n<h1>{title}</h1>"
     yield f'<p class="facts">{" &middot; ".join(_facts(page))}</p>'
     if result.badges:
         marks = (f'<li class="{each.grade}">{text(each.words)}</li>' for each in result.badges)
@@ -60,6 +61,7 @@ def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
             count += name in drawn
             yield _part(page, drawn, name, count)
     yield from _references(result.references)
+    yield live_body(result.charts.values(), result.tables)
     yield "</body>\n</html>"
 
 
@@ -186,5 +188,8 @@ def _references(keys: Sequence[str]) -> Iterator[str]:
         for key in keys
         if key in known
     ]
-    if items:
+    unknown = ", ".join(text(key) for key in keys if key not in known)
+    if items or unknown:
         yield f'<h2 id="references">References</h2>\n<ol class="references">\n{chr(10).join(items)}\n</ol>'
+    if unknown:
+        yield f'<p class="small">Sources that are not in the bibliography: {unknown}.</p>'

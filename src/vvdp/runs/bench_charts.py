@@ -13,23 +13,23 @@ from vvdp.runs.run import RecordedRun
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.spool_encoder import SETTLED
 
-CYCLE, SPECTRUM = "cycle", "spectrum"
+CYCLE, SPECTRUM = "cycle", "amplitudes"
 """Names of the tables beside that of the series."""
 
 
 def bench_charts(run: RecordedRun, bench: RotaryBench, series: Table, more: dict[str, Table]) -> Iterator[Chart]:
     """The course of a run: last periods over time and angle, whole run, speed, estimate, spectrum."""
     part = run.detail()
-    rows = tuple(part.rows.tolist())
+    ends = (float(run.times[part.rows[0]]), float(run.times[part.rows[-1]]))
     caption = f"Pressures, flows and open areas over time. {detail_words(run, part)}"
-    panels = cycle_panels("time_s", rows, upright(part.marks))
+    panels = cycle_panels("time_s", upright(part.marks), ends)
     yield Chart(name="cycle-time", caption=caption, table=SERIES, panels=panels, height=4.45)
     if CYCLE in more:
         caption = (
             "The same over the spool's angle within a PWM period; periods lie on top of each other where the run "
             "repeats itself. Load and tank port are open in turn."
         )
-        panels = cycle_panels("angle_rad", (), ())
+        panels = cycle_panels("angle_rad")
         yield Chart(name="cycle-angle", caption=caption, table=CYCLE, panels=panels, height=4.45)
     yield _whole(run)
     yield _speed(run, bench)
@@ -39,11 +39,13 @@ def bench_charts(run: RecordedRun, bench: RotaryBench, series: Table, more: dict
         yield _spectrum(more[SPECTRUM])
 
 
-def cycle_panels(x: str, rows: tuple[int, ...], levels: tuple[Level, ...]) -> tuple[Lines, ...]:
-    """Pressures, flows and open areas of a bench over a column."""
+def cycle_panels(
+    x: str, levels: tuple[Level, ...] = (), ends: tuple[float | None, float | None] = (None, None)
+) -> tuple[Lines, ...]:
+    """Pressures, flows and open areas of a bench over a column, seen between two values of it [SI]."""
 
     def line(y: str, colour: Colour, stroke: Stroke = Stroke.SOLID, width: float = 1.3) -> Line:
-        return Line(x=x, y=y, rows=rows, colour=colour, stroke=stroke, width=width)
+        return Line(x=x, y=y, colour=colour, stroke=stroke, width=width)
 
     pressures = (line("inlet_pressure_Pa", Colour.INLET), line("load_pressure_Pa", Colour.LOAD, width=1.7))
     flows = (
@@ -53,10 +55,9 @@ def cycle_panels(x: str, rows: tuple[int, ...], levels: tuple[Level, ...]) -> tu
         line("relief_flow_m3_s", Colour.RELIEF, Stroke.DASHED),
     )
     areas = (line("load_port_m2", Colour.LOAD), line("tank_port_m2", Colour.TANK))
-    return (
-        Lines(lines=pressures, label="pressure", levels=levels, height=1.15),
-        Lines(lines=flows, label="flow", levels=levels, height=1.15),
-        Lines(lines=areas, label="open area", levels=levels, height=0.8),
+    return tuple(
+        Lines(lines=lines, label=label, levels=levels, left=ends[0], right=ends[1], height=height)
+        for lines, label, height in ((pressures, "pressure", 1.15), (flows, "flow", 1.15), (areas, "open area", 0.8))
     )
 
 
@@ -150,4 +151,4 @@ def _spectrum(table: Table) -> Chart:
     line = Line(x="frequency_Hz", y="amplitude_Pa", stroke=Stroke.STEMS, colour=Colour.LOAD, width=1.4)
     multiples = upright(base * k for k in range(1, round(float(table["order"][-1])) + 1))
     panel = Lines(lines=(line,), levels=multiples, low=0.0, left=0.0)
-    return Chart(name=SPECTRUM, caption=caption, table=SPECTRUM, panels=(panel,), height=2.4)
+    return Chart(name="spectrum", caption=caption, table=SPECTRUM, panels=(panel,), height=2.4)

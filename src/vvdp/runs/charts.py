@@ -1,6 +1,7 @@
 """The figures of any circuit's run, as data over its table of series."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import TypeAlias
 
 from vvdp.base.kinds import FLOW, GAUGE_PRESSURE
@@ -21,9 +22,11 @@ def run_charts(run: RecordedRun, series: Table) -> Iterator[Chart]:
     if run.times.size < 2:
         return
     part = run.detail() if run.detail().periods else run.fine()
-    if panels := tuple(_panels(series, _pressures(series), tuple(part.rows.tolist()))):
-        yield _chart("detail", detail_words(run, part), panels)
-        yield _chart("run", whole_words(run), tuple(_panels(series, _pressures(series))))
+    ends = (float(run.times[part.rows[0]]), float(run.times[part.rows[-1]]))
+    if panels := tuple(_panels(series, _pressures(series))):
+        seen = tuple(replace(panel, left=ends[0], right=ends[1]) for panel in panels)
+        yield _chart("detail", detail_words(run, part), seen)
+        yield _chart("run", whole_words(run), panels)
     if motion := tuple(_panels(series, _motions(run, series))):
         yield _chart("motion", "Shafts, rods and the commands of programs over the whole run.", motion)
 
@@ -35,7 +38,7 @@ def loss_chart(table: Table, caption: str) -> Chart:
     shown = tuple(row for row in rows if any(table[key][row] > 0.0 for key in values))
     bars = Bars(names=name, values=tuple(values), texts=words, rows=shown)
     height = 0.9 + 0.24 * len(shown) * len(values)
-    return Chart(name=f"losses-{name}", caption=caption, table=f"losses-{name}", panels=(bars,), height=height)
+    return Chart(name=f"losses-{name}", caption=caption, table=f"powers-{name}", panels=(bars,), height=height)
 
 
 def detail_words(run: RecordedRun, part: Detail) -> str:
@@ -76,9 +79,9 @@ def _motions(run: RecordedRun, series: Table) -> Iterator[tuple[str, list[str]]]
             yield program.replace("_", " "), [key for key in mine if series.columns[key].kind is kind]
 
 
-def _panels(series: Table, groups: Groups, rows: tuple[int, ...] = ()) -> Iterator[Lines]:
+def _panels(series: Table, groups: Groups) -> Iterator[Lines]:
     for label, keys in groups:
-        lines = (Line(x="time_s", y=key, rows=rows, label=series.columns[key].label) for key in keys[:MOST_LINES])
+        lines = (Line(x="time_s", y=key, label=series.columns[key].label) for key in keys[:MOST_LINES])
         if keys:
             yield Lines(lines=tuple(lines), label=label)
 

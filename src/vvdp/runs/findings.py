@@ -44,7 +44,7 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
         tolerance = plain(float(run.meta["relative_tolerance"]))
         yield Finding(
             grade=Grade.BAD,
-            title="NOT TRUSTED: the balances do not close",
+            title="The balances do not close",
             text=f"Energy residual {energy}, oil residual {mass} of the throughput; the limit is {plain(LIMIT)}.",
             remedy="Do not use these numbers. Run again with a smaller run.relative_tolerance (it was "
             f"{tolerance}; try a tenth of it). If the residual stays, the circuit's equations lose oil or energy: "

@@ -91,9 +91,9 @@ def _losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
         return []
     put_in = sum(power for _, power in power_lines(run.system, run.summary) if power > 0.0)
     labels = tuple(line.component.replace("_", " ") for line in parts)
-    tables["losses-component"] = bar_table("component", {"mean": tuple(p.loss for p in parts)}, labels, put_in)
+    tables["powers-component"] = bar_table("component", {"mean": tuple(p.loss for p in parts)}, labels, put_in)
     caption = "Mean power turned to heat by each component over the averaging window; shares are of the power put in."
-    return [loss_chart(tables["losses-component"], caption)]
+    return [loss_chart(tables["powers-component"], caption)]
 
 
 def _bench_losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
@@ -104,8 +104,8 @@ def _bench_losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
         ("cause", causes(run), "Mean losses by cause, simulated and, where there are formulas, analytic."),
     ):
         labels = tuple(loss.name for loss in losses)
-        tables[f"losses-{name}"] = bar_table(name, loss_table_columns(losses), labels, whole)
-        charts.append(loss_chart(tables[f"losses-{name}"], caption))
+        tables[f"powers-{name}"] = bar_table(name, loss_table_columns(losses), labels, whole)
+        charts.append(loss_chart(tables[f"powers-{name}"], caption))
     return charts
 
 

@@ -185,12 +185,12 @@ def _are_of_one_shape(cases: Sequence[Case]) -> None:
 
 
 def _reason(case: Case, clock: Array, state: Array, status: int) -> str | None:
+    if status in (places.PAUSED, places.HANDED):
+        return f"stopped at t = {clock[places.TIME]:.6g} s"
     try:
         check_start(case)
     except RunError as problem:
         return str(problem)
-    if status in (places.PAUSED, places.HANDED):
-        return f"stopped at t = {clock[places.TIME]:.6g} s"
     return None if status == places.DONE else failure(case, clock, state, status)
 
 

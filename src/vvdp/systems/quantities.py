@@ -72,7 +72,7 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
     for name in (*network.nodes, *network.parts):
         yield f"power_{name}_W", (MEAN_POWER, f"power given by {name.replace('_', ' ')}")
     for part in network.parts.values():
-        for flow in flows_of(part):
+        for flow in (*flows_of(part), *(name for name in part.component.outputs if name.endswith("_flow"))):
             key = f"{part.name}_{flow}".removesuffix("_flow")
             yield f"flow_mean_{key}_m3_s", (FLOW, f"{key.replace('_', ' ')} flow, mean")
         yield f"flow_mean_{part.name}_m3_s", (FLOW, f"{part.name.replace('_', ' ')} flow, mean")

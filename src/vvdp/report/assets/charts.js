@@ -32,9 +32,7 @@ class LiveChart {
     for (const plot of this.plots) {
       const share = this.described.sideBySide ? height : (inner * plot.described.height) / total + room(plot);
       plot.open(plot.host.clientWidth, Math.max(Math.round(share), 100));
-      if (plot.link === null) continue;
-      const peers = linked.get(plot.link) ?? new Set();
-      linked.set(plot.link, peers.add(plot));
+      plot.join();
     }
     new ResizeObserver(() => this.#resize()).observe(this.grid);
   }
@@ -81,10 +79,7 @@ class LiveChart {
 
   /** Back to the first view, here and in linked charts. */
   reset() {
-    for (const plot of this.plots) {
-      const peers = plot.link === null ? [plot] : linked.get(plot.link);
-      for (const peer of peers) peer.show(peer.home);
-    }
+    for (const plot of this.plots) plot.reset();
   }
 
   /** What a double click does: its first click has set a cursor, which is taken back. */

@@ -3,6 +3,9 @@
 /** Panels whose x is the same quantity move together. */
 const linked = new Map();
 
+/** What they show since it was last changed, for those that are opened later. */
+const zoomed = new Map();
+
 const KEYS = "Arrows move the pointer, a and b set the cursors, + and - zoom, Shift with arrows moves, 0 resets, Escape clears.";
 
 /** One panel: axes, pointer and cursors around its content. */
@@ -129,8 +132,31 @@ class Plot {
     let view = [Math.max(left, least), Math.min(right, most)];
     if (left < least) view[1] = Math.min(least + (right - left), most);
     if (right > most) view[0] = Math.max(most - (right - left), least);
-    if (this.link === null) this.show(view, this.yView);
-    else for (const peer of linked.get(this.link)) if (view[0] < peer.extent[1] && view[1] > peer.extent[0]) peer.show(view);
+    if (this.link === null) {
+      this.show(view, this.yView);
+      return;
+    }
+    zoomed.set(this.link, view);
+    for (const peer of linked.get(this.link)) peer.adopt();
+  }
+
+  /** Takes its place among the panels of the same x, and shows what they show. */
+  join() {
+    if (this.link === null) return;
+    linked.set(this.link, (linked.get(this.link) ?? new Set()).add(this));
+    if (zoomed.has(this.link)) this.adopt();
+  }
+
+  /** Shows what the panels of the same x show, unless it has nothing there. */
+  adopt() {
+    const view = zoomed.get(this.link);
+    if (view[0] < this.extent[1] && view[1] > this.extent[0]) this.show(view);
+  }
+
+  /** Back to the first view, with all panels of the same x. */
+  reset() {
+    zoomed.delete(this.link);
+    for (const peer of this.link === null ? [this] : linked.get(this.link)) peer.show(peer.home);
   }
 
   /** Zooms by `factor` about x, or moves by a share of what is seen. */

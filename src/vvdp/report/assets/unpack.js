@@ -6,10 +6,7 @@
  */
 async function unpackPage(text) {
   const page = JSON.parse(text);
-  const letters = atob(page.bytes);
-  const packed = new Uint8Array(letters.length);
-  for (let i = 0; i < packed.length; i++) packed[i] = letters.charCodeAt(i);
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const stream = new Blob([bytesOf(page.bytes)]).stream().pipeThrough(new DecompressionStream("deflate"));
   const bytes = await new Response(stream).arrayBuffer();
   const known = new Map();
   const column = (place) => {
@@ -17,6 +14,15 @@ async function unpackPage(text) {
     return known.get(place);
   };
   return { charts: page.charts, column };
+}
+
+/** Base64 as bytes, by the browser itself where it can. */
+function bytesOf(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
+  return bytes;
 }
 
 /** The numbers of a column; `parts` counts its runs or blocks. */
