@@ -300,7 +300,7 @@ def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch)
     part = simulated_map(source_stand, COARSE, tmp_path, progress=interrupting)
     assert part.ran == 4
     assert not part.finished
-    assert "Interrupted: 8 of 12 points were not run yet." in map_result(part).findings
+    assert "Interrupted: 8 of 12 points were not run yet." in [each.text for each in map_result(part).findings]
     whole = simulated_map(source_stand, COARSE, tmp_path)
     assert whole.ran == 8
     np.testing.assert_allclose(whole.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9)

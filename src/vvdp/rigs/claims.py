@@ -26,6 +26,10 @@ LEFT_OUT = (
     "Stiction, flow forces and springs of the linear valve; energy put into its braking is not recovered.",
     "Seals and bearings of a driven spool's shaft, and the efficiency of its motor.",
 )
+MANNER = (
+    "Claims of chapters 1, 2 and 5 of the source, each worked out for this system: losses and ripple from periodic "
+    "steady states of the PWM-resolved circuit, actuation powers in closed form."
+)
 DRIVING, RIPPLE = "self-spinning against driven", "ripple"
 
 
@@ -67,8 +71,7 @@ def claims(
         verb="rig claims",
         title="What is claimed of the rotary PWM valve",
         system=stand.name,
-        manner="Claims of chapters 1, 2 and 5 of the source, each worked out for this system: losses and ripple from "
-        "periodic steady states of the PWM-resolved circuit, actuation powers in closed form.",
+        manner=MANNER,
         references=("wang2017", "tu2011"),
         conditions=_conditions(stand),
         left_out=tuple(left_out),

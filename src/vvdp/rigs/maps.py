@@ -32,7 +32,7 @@ from vvdp.rigs.ripple import estimated_ripple, line_capacity
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.run import compiled_loop
 from vvdp.simulation.values import flat, leaves
-from vvdp.steady.averages import averages
+from vvdp.steady.averages import averages, means_at
 from vvdp.steady.cycle_means import CycleMeans
 from vvdp.steady.shooting import DISTANCE, LIMIT, TOLERANCE
 from vvdp.steady.steady_states import HELD, Steady, steady_states
@@ -135,9 +135,9 @@ def analytic_map(
     ))  # fmt: skip
     points = SetPoint(d, p, n, t)
     rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
-    averaged = averages(rows, stand.bench.valve, cores=cores, cache=cache, say=say)
-    stuck = _standstills(stand, axes.points, averaged)
-    columns = _averaged_columns(stand, points, CycleMeans(*_columns(averaged.T)))
+    means = averages(rows, stand.bench.valve, cores=cores, cache=cache, say=say)
+    stuck = _standstills(stand, axes.points, means)
+    columns = _averaged_columns(stand, points, means)
     if stand.makes_pressure:
         columns |= _ripple_columns(stand, points, columns)
     turns = np.array([reason is None for reason in stuck])
@@ -201,13 +201,12 @@ def _ripple_columns(stand: Stand, points: Any, columns: Mapping[str, Any]) -> di
     }
 
 
-def _standstills(stand: Stand, points: Sequence[SetPoint], means: Array) -> list[str | None]:
-    """For each point why the spool does not turn there, None where it does; a row of `means` for each.
+def _standstills(stand: Stand, points: Sequence[SetPoint], means: CycleMeans) -> list[str | None]:
+    """For each point why the spool does not turn there, None where it does; `means` has a row for each.
 
     Raises ParameterError where it turns at none.
     """
-    rows = zip(points, means.tolist(), strict=True)
-    found = [stand.standstill(point.oil_temperature, CycleMeans(*each)) for point, each in rows]
+    found = [stand.standstill(point.oil_temperature, means_at(means, row)) for row, point in enumerate(points)]
     if found and all(found):
         raise ParameterError(f"{stand.name}: {found[0]}, at each of {len(found)} points")
     return found

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import number, percent, with_unit
+from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
     COUNT,
@@ -151,13 +151,8 @@ def ripple(
     """
     began = time.perf_counter()
     load_line(stand)
-    here = stand.set_point
-    points: list[list[tuple[Stand, SetPoint]]] = [
-        [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
-        [(stand.driven(float(f)), here) for f in frequencies],
-        [(with_gas(stand, size), here) for size in sizes],
-    ]
-    asked = [*(item for group in points for item in group), (stand, here)]
+    points = _points(stand, duty_ratios, frequencies, sizes)
+    asked = [*(item for group in points for item in group), (stand, stand.set_point)]
     states = steady_states(asked, cores=cores, cache=cache, say=say)
     waves = [waveform(state, cache=cache) if state.reason is None else None for state in states]
     centre, wave = states[-1], waves[-1]
@@ -176,11 +171,7 @@ def ripple(
         system=stand.name,
         manner=MANNER,
         references=("iso10767",),
-        conditions=conditions(stand)
-        | {
-            "duty ratio": f"{here.duty_ratio:.4g} unless varied",
-            "load pressure": f"{with_unit(here.load_pressure, PRESSURE_LEVEL)}, mean, held by the orifice",
-        },
+        conditions=_conditions(stand),
         left_out=LEFT_OUT,
         tables=tables,
         charts={each.name: each for each in (_sweep_chart(), _spectrum_chart())},
@@ -188,6 +179,26 @@ def ripple(
         findings=tuple(_findings(numbers)),
         seconds=time.perf_counter() - began,
     )
+
+
+def _points(
+    stand: Stand, duty_ratios: Sequence[float], frequencies: Sequence[float], sizes: Sequence[float]
+) -> list[list[tuple[Stand, SetPoint]]]:
+    """Stands and set points of the three sweeps."""
+    here = stand.set_point
+    return [
+        [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
+        [(stand.driven(float(f)), here) for f in frequencies],
+        [(with_gas(stand, size), here) for size in sizes],
+    ]
+
+
+def _conditions(stand: Stand) -> dict[str, str]:
+    here = stand.set_point
+    return conditions(stand) | {
+        "duty ratio": f"{plain(here.duty_ratio, 4)} unless varied",
+        "load pressure": f"{with_unit(here.load_pressure, PRESSURE_LEVEL)}, mean, held by the orifice",
+    }
 
 
 def _columns(states: Sequence[Steady], waves: Sequence[Waveform | None]) -> dict[str, Column]:

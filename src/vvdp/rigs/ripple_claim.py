@@ -26,11 +26,11 @@ def ripple_claim(
 ) -> Claim:
     """Ripple over PWM frequency and gas volume. Raises ParameterError where the set point has no steady state."""
     waves = ripple(stand, [stand.set_point.duty_ratio], FREQUENCIES, SIZES, cores=cores, cache=cache, say=say)
+    _, f, v, *_ = waves.tables.values()  # over duty ratio, PWM frequency, gas volume
     tables = {
-        "ripple_frequency": replace(waves.tables["frequency"], title="Ripple over PWM frequency"),
-        "ripple_volume": replace(waves.tables["accumulator"], title="Ripple over gas volume"),
+        "ripple_frequency": replace(f, title="Ripple over PWM frequency"),
+        "ripple_volume": replace(v, title="Ripple over gas volume"),
     }
-    f, v = tables.values()
     pressure = stand.set_point.load_pressure
     share = 1.0 - line_capacity(pressure, with_gas(stand, 0.0)) / line_capacity(pressure, with_gas(stand, 1.0))
     numbers = {

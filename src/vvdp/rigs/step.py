@@ -116,14 +116,13 @@ def dynamics(
     }
     numbers = {"pwm_frequency_Hz": pwm, "static_gain_m3_s": static, "load_line_time_constant_s": line_time(middle)}
     numbers |= _step_numbers("up", rising) | _step_numbers("down", falling) | _bandwidths(asked, delivered / static)
-    span = f"{low:g} to {high:g} and back; {0.5 * (low + high):g} ± {amplitude:g} in the frequency response"
     return Result(
         verb="rig step",
         title="Response of the delivered flow to the duty ratio",
         system=stand.name,
         manner=MANNER,
         references=("iso17559",),
-        conditions=conditions(stand) | {"duty ratio": span, "load pressure": _load_words(stand)},
+        conditions=_conditions(stand, low, high, amplitude),
         left_out=LEFT_OUT,
         tables=tables,
         charts={each.name: each for each in (_step_chart(tables), _bode_chart(tables["frequency"], pwm))},
@@ -143,11 +142,13 @@ def _checked_frequencies(frequencies: Sequence[float], pwm: float) -> Array:
     return asked
 
 
-def _load_words(stand: Stand) -> str:
+def _conditions(stand: Stand, low: float, high: float, amplitude: float) -> dict[str, str]:
+    orifice = ", mean at the duty ratio that delivers more; the orifice then stays as it is"
     pressure = with_unit(stand.set_point.load_pressure, PRESSURE_LEVEL)
-    if not stand.makes_pressure:
-        return pressure
-    return f"{pressure}, mean at the duty ratio that delivers more; the orifice then stays as it is"
+    return conditions(stand) | {
+        "duty ratio": f"{low:g} to {high:g} and back; {0.5 * (low + high):g} ± {amplitude:g} in the frequency response",
+        "load pressure": pressure + (orifice if stand.makes_pressure else ""),
+    }
 
 
 def _states(

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from vvdp.simulation.kept import kept_table, table_key
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay, replay_digest
 from vvdp.simulation.values import flat
-from vvdp.steady.cycle_means import CyclePoint, cycle_step
+from vvdp.steady.cycle_means import CycleMeans, CyclePoint, cycle_step
 from vvdp.valve.rotary import RotaryValve
 
 
@@ -24,8 +25,8 @@ def averages(
     cores: int | None = None,
     cache: Path | None = None,
     say: Callable[[str], None] = quiet,
-) -> Array:
-    """`cycle_means` of every row, shape (points, fields of `CycleMeans`).
+) -> CycleMeans:
+    """`cycle_means` of every row; each field is an array over the rows.
 
     They are kept, known by the code, the rows and the valve.
 
@@ -33,7 +34,7 @@ def averages(
 
     Source  ours, docs/models/rotary-valve.md
     """
-    example = CyclePoint(*(float(x) for x in rows[0]))
+    example = CyclePoint(**dict(zip(CyclePoint._fields, rows[0].tolist(), strict=True)))
 
     def make() -> Array:
         replay = Replay(cycle_step, NOTHING, example, valve, cache=cache, say=say)
@@ -48,4 +49,11 @@ def averages(
         return found
 
     digest = replay_digest(cycle_step, NOTHING, example, valve)
-    return kept_table(table_key(digest, rows, flat(valve)), make, cache)
+    columns: Any = kept_table(table_key(digest, rows, flat(valve)), make, cache).T
+    return CycleMeans(**dict(zip(CycleMeans._fields, columns, strict=True)))
+
+
+def means_at(means: CycleMeans, row: int) -> CycleMeans:
+    """One row of the averages of many."""
+    columns: Any = means._asdict()
+    return CycleMeans(**{name: float(values[row]) for name, values in columns.items()})

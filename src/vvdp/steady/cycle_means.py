@@ -234,13 +234,13 @@ def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
     inertia, stretch = spool_inertia(valve), np.pi / shape.sections / ANGLES
     slowness = balanced * half_period(torque, resistance, inertia, stretch) / (stretch * ANGLES)
     return CycleMeans(
-        load_flow / ANGLES,
-        tank_flow / ANGLES,
-        relief_flow / ANGLES,
-        inlet / ANGLES,
-        balanced,
-        slowed / ANGLES,
-        slowness,
+        load_flow=load_flow / ANGLES,
+        tank_flow=tank_flow / ANGLES,
+        relief_flow=relief_flow / ANGLES,
+        inlet_pressure=inlet / ANGLES,
+        spool_speed=balanced,
+        resistance=slowed / ANGLES,
+        slowness=slowness,
     )
 
 

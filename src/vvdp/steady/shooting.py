@@ -100,46 +100,91 @@ def periodic_states(
     unknown = _unknowns(cases[0])
     scale = np.array([kind.scale if kind else 1.0 for _, _, kind in leaves(cases[0].state)])[unknown]
     stepping = replace(stepping, relative_tolerance=min(stepping.relative_tolerance, TOLERANCE))
-    run = _Runner(model, stepping, unknown, scale, cores, stop, cache, say)
-    guesses = [flat(case.state)[unknown] for case in cases]
-    found: list[Periodic | None] = [None] * len(cases)
-    best = [np.inf] * len(cases)
-    expected = list(periods)
+    run = _Runner(
+        model=model,
+        stepping=stepping,
+        unknown=unknown,
+        scale=scale,
+        cores=cores,
+        stop=stop,
+        cache=cache,
+        say=say,
+    )
+    trials = [_Trial(case, flat(case.state)[unknown], period) for case, period in zip(cases, periods, strict=True)]
+    found: dict[int, Periodic] = {}
     missing = f"no periodic state after {MOST_ROUNDS} rounds"
-    last: list[tuple[Array, Array] | None] = [None] * len(cases)  # the state a step began from, and the step
     for rounds in range(1, MOST_ROUNDS + 1):
-        open_ = [i for i, done in enumerate(found) if done is None]
-        if not open_:
+        pending = [number for number in range(len(trials)) if number not in found]
+        if not pending:
             break
-        shots = run.shots([cases[i] for i in open_], [guesses[i] for i in open_], [expected[i] for i in open_])
+        shots = run.shots(*zip(*(trials[number].begin for number in pending), strict=True))
         if shots is None:
             missing = f"stopped in round {rounds}, before the periodic state was found"
             break
-        for i, shot in zip(open_, shots, strict=True):
-            step = last[i]
-            if isinstance(shot, str):
-                if step is None:
-                    found[i] = Periodic(cases[i], None, np.inf, np.inf, np.nan, rounds, shot)
-                    continue
-                last[i] = step[0], 0.5 * step[1]
-                guesses[i] = step[0] + 0.5 * step[1]
-                continue
-            size = scale + np.abs(guesses[i])
-            change = shot.image - guesses[i]
-            delta = _newton_step(shot.jacobian, change, size)
-            residual, distance = float(np.max(np.abs(change) / size)), float(np.max(np.abs(delta) / size))
-            window = shot.outcome.window
-            expected[i] = window.end - window.begin
-            if residual <= LIMIT and distance <= DISTANCE:
-                found[i] = Periodic(shot.outcome.case, shot.outcome, residual, distance, expected[i], rounds, None)
-                continue
-            best[i] = min(best[i], residual)
-            last[i] = guesses[i], delta
-            guesses[i] = guesses[i] + np.clip(delta, -SHRINK * np.abs(guesses[i]), GROW * np.abs(guesses[i]) + scale)
+        for number, shot in zip(pending, shots, strict=True):
+            after = _after(trials[number], shot, scale, rounds)
+            if isinstance(after, Periodic):
+                found[number] = after
+            else:
+                trials[number] = after
     return [
-        done or Periodic(case, None, worst, np.inf, period, MOST_ROUNDS, missing)
-        for done, case, worst, period in zip(found, cases, best, expected, strict=True)
+        found.get(number) or _without_state(trial.case, trial.best, trial.period, MOST_ROUNDS, missing)
+        for number, trial in enumerate(trials)
     ]
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A case whose state is still looked for: where the next round begins, and the last step with its origin."""
+
+    case: Case
+    guess: Array
+    period: float
+    best: float = np.inf
+    step: tuple[Array, Array] | None = None
+
+    @property
+    def begin(self) -> tuple[Case, Array, float]:
+        """What a round needs."""
+        return self.case, self.guess, self.period
+
+
+def _after(trial: _Trial, shot: "_Shot | str", scale: Array, rounds: int) -> "_Trial | Periodic":
+    """What a round leads to: the periodic state, a better guess, or half the last step where the round failed."""
+    if isinstance(shot, str):
+        if trial.step is None:
+            return _without_state(trial.case, np.inf, np.nan, rounds, shot)
+        origin, half = trial.step[0], 0.5 * trial.step[1]
+        return replace(trial, guess=origin + half, step=(origin, half))
+    guess = trial.guess
+    size = scale + np.abs(guess)
+    change = shot.image - guess
+    delta = _newton_step(shot.jacobian, change, size)
+    residual, distance = float(np.max(np.abs(change) / size)), float(np.max(np.abs(delta) / size))
+    period = shot.outcome.window.end - shot.outcome.window.begin
+    if residual <= LIMIT and distance <= DISTANCE:
+        return Periodic(
+            case=shot.outcome.case,
+            outcome=shot.outcome,
+            residual=residual,
+            distance=distance,
+            period=period,
+            rounds=rounds,
+            reason=None,
+        )
+    return replace(
+        trial,
+        guess=guess + np.clip(delta, -SHRINK * np.abs(guess), GROW * np.abs(guess) + scale),
+        period=period,
+        best=min(trial.best, residual),
+        step=(guess, delta),
+    )
+
+
+def _without_state(case: Case, residual: float, period: float, rounds: int, reason: str) -> Periodic:
+    return Periodic(
+        case=case, outcome=None, residual=residual, distance=np.inf, period=period, rounds=rounds, reason=reason
+    )
 
 
 def _unknowns(case: Case) -> npt.NDArray[np.intp]:
@@ -236,7 +281,14 @@ class _Runner:
         outcome = Outcome(
             model=self.model,
             case=case,
-            window=Window(0.0, float(run.mark_times[row, 0]), flat(case.state), run.first_marks[row], 1, True),
+            window=Window(
+                begin=0.0,
+                end=float(run.mark_times[row, 0]),
+                first=flat(case.state),
+                last=run.first_marks[row],
+                periods=1,
+                settled=True,
+            ),
             final=run.first_marks[row],
             low=run.low[row],
             high=run.high[row],

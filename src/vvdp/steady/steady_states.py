@@ -10,7 +10,7 @@ import numpy as np
 from vvdp.base.signal import constant
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case
-from vvdp.steady.averages import averages
+from vvdp.steady.averages import averages, means_at
 from vvdp.steady.cycle_means import CycleMeans
 from vvdp.steady.shooting import Periodic, periodic_states
 from vvdp.steady.test_stand import SetPoint, Stand
@@ -63,27 +63,20 @@ def steady_states(
     open_: dict[int, _Sizing] = {}
     guesses = _guesses(points, cores, cache, say)
     for number, (stand, point) in enumerate(points):
-        means = guesses[number]
-        opened = (area or stand.load_area(point, means)) if stand.makes_pressure else np.nan
-        speed = stand.guessed_speed(means)
-        if opened is None:
-            found[number] = Steady(stand, point, None, np.nan, "delivers nothing that could hold this load pressure")
-        elif stuck := stand.standstill(point.oil_temperature, means):
-            found[number] = Steady(stand, point, None, np.nan, stuck)
-        elif not speed > 0.0:
-            found[number] = Steady(stand, point, None, np.nan, "the spool does not turn")
+        first = _first_sizing(stand, point, guesses[number], area)
+        if isinstance(first, str):
+            found[number] = Steady(stand, point, None, np.nan, first)
         else:
-            case = stand.case(point, means, opened if stand.makes_pressure else None)
-            open_[number] = _Sizing(case, 1.0 / pwm_frequency(speed, stand.bench.valve), opened, [])
+            open_[number] = first
     for _ in range(MOST_SIZINGS):
         if not open_:
             break
         numbers = list(open_)
-        first = points[numbers[0]][0]
+        one = points[numbers[0]][0]
         runs = periodic_states(
-            first.model,
+            one.model,
             [open_[number].case for number in numbers],
-            first.stepping,
+            one.stepping,
             [open_[number].period for number in numbers],
             cores=cores,
             cache=cache,
@@ -114,8 +107,8 @@ def _guesses(
     found: dict[int, CycleMeans] = {}
     for valve, numbers in by_valve.items():
         rows = np.array([points[number][0].cycle_point(points[number][1]) for number in numbers], float)
-        for number, row in zip(numbers, averages(rows, valve, cores=cores, cache=cache, say=say), strict=True):
-            found[number] = CycleMeans(*(float(x) for x in row))
+        means = averages(rows, valve, cores=cores, cache=cache, say=say)
+        found |= {number: means_at(means, row) for row, number in enumerate(numbers)}
     return [found[number] for number in range(len(points))]
 
 
@@ -127,6 +120,20 @@ class _Sizing:
     period: float
     area: float
     tried: list[tuple[float, float]]
+
+
+def _first_sizing(stand: Stand, point: SetPoint, means: CycleMeans, area: float | None) -> "_Sizing | str":
+    """Where the search at a set point begins, or why there is nothing to search for."""
+    opened = (area or stand.load_area(point, means)) if stand.makes_pressure else np.nan
+    speed = stand.guessed_speed(means)
+    if opened is None:
+        return "delivers nothing that could hold this load pressure"
+    if stuck := stand.standstill(point.oil_temperature, means):
+        return stuck
+    if not speed > 0.0:
+        return "the spool does not turn"
+    case = stand.case(point, means, opened if stand.makes_pressure else None)
+    return _Sizing(case, 1.0 / pwm_frequency(speed, stand.bench.valve), opened, [])
 
 
 def _above_tank(run: Periodic, stand: Stand, point: SetPoint) -> float:

@@ -160,16 +160,16 @@ class Stand:
         """A set point as the quasi-steady averages take it; arrays of many points pass through as well."""
         oil, relief = self.bench.oil, self.bench.relief_valve
         return CyclePoint(
-            point.duty_ratio,
-            point.load_pressure,
-            self.tank_pressure,
-            relief.cracking_pressure,
+            duty_ratio=point.duty_ratio,
+            load_pressure=point.load_pressure,
+            tank_pressure=self.tank_pressure,
+            relief_pressure=relief.cracking_pressure,
             # The map's override is the rise at the full pump flow; the valve's belongs to its rated flow.
-            relief.override_pressure * self.pump_flow(point) / relief.rated_flow,
-            self.pump_flow(point),
-            self.bench.pump.leakage_conductance,
-            density(point.oil_temperature, oil),
-            dynamic_viscosity(point.oil_temperature, oil),
+            relief_override=relief.override_pressure * self.pump_flow(point) / relief.rated_flow,
+            flow=self.pump_flow(point),
+            pump_leakage=self.bench.pump.leakage_conductance,
+            density=density(point.oil_temperature, oil),
+            viscosity=dynamic_viscosity(point.oil_temperature, oil),
         )
 
     def means(self, point: SetPoint) -> CycleMeans:
