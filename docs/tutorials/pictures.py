@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vvdp.report.drawing import INK, INLET, LOAD, RELIEF, TANK, drawn, legend
+from vvdp.report.drawing import INK, INLET, LOAD, RELIEF, TANK, image, legend
 
 HERE = Path(__file__).parent
 PAGE = HERE / "speed-from-a-bad-encoder.md"
@@ -63,7 +63,7 @@ def main(folder: Path = HERE) -> None:
         for number, (needed, height, draw) in list(waiting.items()):
             if needed in found:
                 name = f"{PAGE.stem}-{number}"
-                (folder / f"{name}.png").write_bytes(drawn(name, "", height, partial(draw, found=found)).png)
+                (folder / f"{name}.png").write_bytes(image(name, height, partial(draw, found=found), "png"))
                 del waiting[number]
         if not waiting:
             return

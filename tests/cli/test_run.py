@@ -39,7 +39,7 @@ def test_resolved_system_gives_the_same_run(vvdp, here):
 def test_json_is_one_flat_object_and_the_summary_kept(vvdp, here):
     answer = vvdp("run", "prototype-constant-load", *SHORT, "--json", "--out", "out")
     found = json.loads(answer.out)
-    assert all(isinstance(value, float | bool) for key, value in found.items() if key not in ("system", "out"))
+    assert all(isinstance(value, float | int) for key, value in found.items() if key not in ("system", "out"))
     assert found.pop("system") == "prototype-constant-load"
     assert found.pop("out") == "out"
     assert read_results(here / "out").summary == found
@@ -164,3 +164,12 @@ def test_report_of_a_run_and_again(vvdp, here):
     assert again.code == 0
     assert path.is_file()
     assert again.out.strip() == line.removeprefix("report: ")
+
+
+def test_counts_are_whole_numbers_in_json(vvdp, here):
+    text = vvdp("run", "prototype", "--until", "0.02 s", "--no-report", "--json").out
+    found = json.loads(text)
+    for key in ("steps", "rejected_steps", "evaluations", "averaged_periods"):
+        assert isinstance(found[key], int), key
+    assert isinstance(found["duration_s"], float)
+    assert found["finished"] is True

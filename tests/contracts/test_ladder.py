@@ -16,10 +16,11 @@ RUNGS = [
     {"network"},
     {"components"},
     {"systems"},
-    {"studies"},
+    {"runs", "studies"},
     {"steady"},
     {"rigs", "design", "cfd", "logs", "comparison", "export"},
     {"report", "reproduction"},
+    {"api"},
     {"cli"},
 ]
 RUNG = {package: i for i, packages in enumerate(RUNGS) for package in packages}

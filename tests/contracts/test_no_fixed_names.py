@@ -14,7 +14,7 @@ import pytest
 from vvdp.simulation.values import leaves, names
 from vvdp.systems.system import load_system, shipped
 
-PACKAGES = ("studies", "steady", "rigs", "design", "comparison", "geometry", "logs", "report", "cli")
+PACKAGES = ("runs", "api", "studies", "steady", "rigs", "design", "comparison", "geometry", "logs", "report", "cli")
 HOLDERS = frozenset(
     ("state", "states", "params", "outputs", "books", "totals", "spent", "supplied", "tables")
     + ("command", "commands", "held", "memory", "settings")
@@ -130,7 +130,7 @@ def test_no_circuit_is_reached_into_by_a_fixed_name(source: Path, package: str) 
 
 def test_all_packages_above_systems_are_looked_at(source: Path) -> None:
     above = {path.parent.name for path in source.glob("*/__init__.py")}
-    below = {"base", "fluid", "numerics", "valve", "hydraulics", "sensing", "estimation", "simulation"}
+    below = {"base", "fluid", "numerics", "results", "valve", "hydraulics", "sensing", "estimation", "simulation"}
     assert above - below - {"network", "components", "systems"} == set(PACKAGES)
 
 

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -59,11 +59,23 @@ def run(
         reported = not no_report and add_report(RUN, folder)
     if json:
         checked = {"check": {move.key: move.change for move in changes}} if changes else {}
-        print_json({"system": loaded.name, **done.summary, **checked, "out": str(directory)})
+        print_json({"system": loaded.name, **_with_counts(done), **checked, "out": str(directory)})
     else:
         _print(done, changes)
         typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
     _exit(done)
+
+
+def _with_counts(run: "RecordedRun") -> dict[str, Any]:
+    """The summary of a run with its counts as whole numbers."""
+    from vvdp.results.result import Number, json_value
+    from vvdp.systems.quantities import quantities
+
+    known = quantities(run.system)
+    return {
+        key: json_value(Number(value, *known[key])) if key in known and isinstance(value, float) else value
+        for key, value in run.summary.items()
+    }
 
 
 def _exit(run: "RecordedRun") -> None:

@@ -283,7 +283,7 @@ def _tolerance(found: Mapping[str, Any], figures: Sequence[Drawn]) -> Iterator[s
     yield f"<p>{assumed} of {len(found['spreads'])} spreads are merely assumed; the shares hang on them.</p>"
     yield table(("input", "from, to", "status", "source", "note"), [_spread(each) for each in found["spreads"]])
     yield (
-        f'<p class="small">{found["evaluations"]} designs evaluated analytically: the fully open valve for drop and frequency, '
+        f'<p class="small">{found["evaluations"]} analytic designs: the fully open valve for drop and frequency, '
         "the sum of the losses at the operating point of the system for the efficiency. A sum of the shares below 1 is "
         "interaction; a share may come out slightly below zero by chance.</p>"
     )

@@ -67,17 +67,24 @@ def _with_short_paths(svg: str) -> str:
     return re.sub(r'\bd="([^"]*)"', shorten, svg)
 
 
+def empty_figure(height: float) -> "Figure":
+    """A figure as wide as the page and `height` inches high, in the style of all figures when drawn within it."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
 def image(name: str, height: float, draw: Callable[["Figure"], None], form: str) -> bytes:
     """A figure in the form "svg", "png" or "pdf"."""
     import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
 
     style: Any = {**STYLE, "svg.hashsalt": name}
     with mpl.rc_context(style):
-        figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = empty_figure(height)
         draw(figure)
         _settle(figure)
         content = io.BytesIO()

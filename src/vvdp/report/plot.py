@@ -8,7 +8,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array, Rows
 from vvdp.base.display import DisplayUnit, display_unit, plain
-from vvdp.report.drawing import Drawn, drawn
+from vvdp.report.drawing import STYLE, Drawn, drawn, empty_figure
 from vvdp.results.chart import Bars, Chart, Colour, Field, Level, Line, Lines, Panel, Stroke
 from vvdp.results.result import Column, Table
 
@@ -34,6 +34,17 @@ EDGE = 0.07
 def draw_chart(chart: Chart, tables: Mapping[str, Table]) -> Drawn:
     """The printed figure of a chart over the tables of its result."""
     return drawn(chart.name, chart.caption, chart.height, lambda figure: fill_figure(figure, chart, tables))
+
+
+def new_figure(chart: Chart, tables: Mapping[str, Table]) -> "Figure":
+    """A chart as a Matplotlib figure of its own, for a notebook or to change and save."""
+    import matplotlib as mpl
+
+    style: Any = STYLE
+    with mpl.rc_context(style):
+        figure = empty_figure(chart.height)
+        fill_figure(figure, chart, tables)
+    return figure
 
 
 def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> None:

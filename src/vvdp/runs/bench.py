@@ -207,7 +207,7 @@ def cycle_table(run: RecordedRun, bench: RotaryBench, series: Table) -> Table | 
     if not part.periods:
         return None
     pitch = 2.0 * np.pi / bench.valve.sections
-    angle = np.mod(run.state("spool.angle")[part.rows], pitch)
+    angle = np.mod(bench.series(run.state, run.output).spool_angle[part.rows], pitch)
     breaks = np.flatnonzero(np.abs(np.diff(angle)) > 0.5 * pitch) + 1
     shown = ("inlet_pressure_Pa", "load_pressure_Pa", "pump_flow_m3_s", "load_flow_m3_s", "tank_flow_m3_s",
              "relief_flow_m3_s", "load_port_m2", "tank_port_m2")  # fmt: skip

@@ -186,13 +186,13 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
     """
     table = system_table(name)
     if settings:
-        table = with_settings(_without_other_position(table, settings), list(settings))
+        table = with_settings(without_other_position(table, settings), list(settings))
     if until is not None:
         table = lasting(table, until)
     return built_system(table, Path(name).stem, Path(name).parent)
 
 
-def _without_other_position(table: Table, settings: Sequence[str]) -> Table:
+def without_other_position(table: Table, settings: Sequence[str]) -> Table:
     """`table` without the duty ratio where a setting gives the axial position instead, and the other way round."""
     operation = table.content.get("operation")
     if not isinstance(operation, Mapping):

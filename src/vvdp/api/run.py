@@ -1,0 +1,153 @@
+"""Runs for scripts and notebooks."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vvdp.base.display import key_suffix, with_unit
+from vvdp.base.errors import ParameterError
+from vvdp.base.extras import require
+from vvdp.base.files import result_directory
+from vvdp.base.tables import suggestion
+from vvdp.results.chart import Chart, Line, Lines
+from vvdp.results.result import Result
+from vvdp.runs.result import run_result
+from vvdp.runs.run import RecordedRun, open_run
+from vvdp.runs.simulate import save_run
+from vvdp.runs.tables import screen_listings
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(RecordedRun):
+    """A simulated run: `summary`, `numbers`, recorded series by name, and its result with tables and charts."""
+
+    @property
+    def result(self) -> Result:
+        """Everything that the report shows: listings, tables, charts, findings."""
+        return run_result(self)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all recorded series, as `to_xarray` has them."""
+        return tuple(name for name, _ in self._series())
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """All recorded series as a dataset with the dimension `time` [s]; `units` and `long_name` with each.
+
+        Names are "states.load_line", "outputs.pump_flow" and so on. Raises MissingExtraError without xarray.
+        """
+        require("xarray", "notebook", "an xarray dataset")
+        import xarray
+
+        variables = {
+            name: (_dimensions(name, each.values.ndim), each.values, {"units": each.unit, "long_name": each.long_name})
+            for name, each in self._series()
+        }
+        time = ("time", self.times, {"units": "s", "long_name": "time"})
+        described = {"title": self.system.title, "system": self.system.name, "vvdp": str(self.meta.get("vvdp", ""))}
+        found: xarray.Dataset = xarray.Dataset(variables, coords={"time": time}, attrs=described)
+        return found
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """All recorded series of one number each, over the time [s]; the names end with the SI unit."""
+        require("pandas", "notebook", "a pandas table")
+        import pandas
+
+        columns = {
+            name + (key_suffix(each.kind) if each.kind else ""): each.values
+            for name, each in self._series()
+            if each.values.ndim == 1
+        }
+        found: pandas.DataFrame = pandas.DataFrame(columns, index=pandas.Index(self.times, name="time_s"))
+        return found
+
+    def plot(self, *names: str) -> "Figure":
+        """A figure of charts or series by name; the course of the run without names.
+
+        `run.result.charts` names the charts, the columns of `run.result.tables["series"]` the series. Raises
+        ParameterError for a name that is neither.
+        """
+        from vvdp.report.plot import new_figure
+
+        result = self.result
+        chosen = next(iter(result.charts)) if not names else names[0]
+        if len(names) < 2 and chosen in result.charts:
+            return new_figure(result.charts[chosen], result.tables)
+        return new_figure(_chart_of(names, result), result.tables)
+
+    def save(self, directory: str | Path, *, report: bool = True, force: bool = False) -> Path:
+        """Writes the run, with its report, as `vvdp run --out` does; gives the directory.
+
+        Raises ConfigError where that exists already, without `force`.
+        """
+        from vvdp.report.report import write_report
+
+        with result_directory(Path(directory), force=force) as folder:
+            save_run(folder, self)
+            if report:
+                write_report(folder)
+        return Path(directory)
+
+    def _series(self) -> Iterator[tuple[str, Any]]:
+        for group, members in self.record.groups.items():
+            for path, series in members.items():
+                yield f"{group}.{path}", series
+
+    def __repr__(self) -> str:
+        place = f" in {self.directory}" if self.directory else ""
+        reached = f"{self.number('duration_s'):.4g} s, {self.times.size} rows"
+        return f"<Run of {self.system.name}{place}: {reached}, {', '.join(each.words for each in self.result.badges)}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{escape(row.label)}</td>"
+            + "".join(f"<td>{_cell(value, row.kind)}</td>" for value in row.values)
+            + "</tr>"
+            for listing in screen_listings(self)
+            for row in listing.rows
+        )
+        badges = " · ".join(escape(badge.words) for badge in self.result.badges)
+        return f"<b>{escape(self.system.title)}</b><p>{badges}</p><table>{rows}</table>"
+
+
+def open_directory(directory: str | Path) -> Run | Result:
+    """What a directory holds: a `Run`, or the `Result` of any other verb. Raises ConfigError where it is neither."""
+    from vvdp.results.store import is_result, read_result
+
+    place = Path(directory)
+    if is_result(place):
+        return read_result(place)
+    found = open_run(place)
+    return Run(**{each.name: getattr(found, each.name) for each in fields(found)})
+
+
+def _dimensions(name: str, count: int) -> tuple[str, ...]:
+    return ("time", *(f"{name}.{axis}" for axis in range(1, count)))
+
+
+def _cell(value: float | str | None, kind: Any) -> str:
+    if value is None or isinstance(value, str):
+        return escape(value or "")
+    return escape(with_unit(value, kind)) if kind else f"{value:g}"
+
+
+def _chart_of(names: tuple[str, ...], result: Result) -> Chart:
+    """A chart of series by name, a panel for each kind."""
+    columns = result.tables["series"].columns
+    for name in names:
+        if name not in columns:
+            known = [*result.charts, *columns]
+            raise ParameterError(f"{name!r} is neither a chart nor a series{suggestion(name, known)}")
+    kinds = dict.fromkeys(columns[name].kind for name in names)
+    panels = tuple(
+        Lines(lines=tuple(Line(x="time_s", y=n, label=columns[n].label) for n in names if columns[n].kind is kind))
+        for kind in kinds
+    )
+    return Chart(name="series", caption="", table="series", panels=panels, height=0.6 + 1.6 * len(panels))

@@ -1,0 +1,100 @@
+"""Systems for scripts and notebooks."""
+
+import json
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from vvdp.api.run import Run
+from vvdp.base import kinds
+from vvdp.base.kinds import Kind
+from vvdp.base.tables import with_settings
+from vvdp.runs.simulate import run_system
+from vvdp.systems import system as systems
+
+Value = float | str | list[float] | Mapping[str, Any]
+"""A number [SI, pressures absolute], a text with its unit, a list of numbers, or a signal as in a file."""
+
+
+@dataclass(frozen=True, repr=False)
+class System(systems.System):
+    """A system: its circuit with values, each with unit and source, ready to run."""
+
+    def with_values(self, **tables: Mapping[str, Value]) -> "System":
+        """The same system with other values, by table and key.
+
+        >>> system.with_values(operation={"duty_ratio": 0.4, "oil_temperature": "50 degC"})
+
+        A number is SI, and a pressure absolute; a text has its unit. Raises ConfigError naming every fault.
+        """
+        known = {(row.table, row.key): row.kind for row in self.rows}
+        settings = [
+            f"{table}.{key}={_setting(value, known.get((table, key)))}"
+            for table, values in tables.items()
+            for key, value in values.items()
+        ]
+        return _public(self.read_from(with_settings(systems.without_other_position(self.table, settings), settings)))
+
+    def run(self, until: str | float | None = None, *, progress: Callable[[float], None] | None = None) -> Run:
+        """Simulates the system, until a time ("50 ms", or a number [s]) or as long as its file says.
+
+        `progress` hears the simulated time [s] now and then. Ctrl-C stops early and keeps what was reached.
+        """
+        system = self
+        if until is not None:
+            text = until if isinstance(until, str) else f"{until!r} s"
+            system = _public(self.read_from(systems.lasting(self.table, text)))
+        done = run_system(system, progress=progress, say=lambda message: print(message, file=sys.stderr))
+        return Run(**{each.name: getattr(done, each.name) for each in fields(done)})
+
+    def __repr__(self) -> str:
+        network = self.circuit.network
+        return (
+            f"<System {self.name}: {self.title}; {len(network.nodes)} nodes, {len(network.parts)} components, "
+            f"{len(self.rows)} values, {len(self.assumed)} assumed>"
+        )
+
+    def _repr_html_(self) -> str:
+        from vvdp.report.circuit import graph_of
+        from vvdp.report.diagram import diagram
+
+        drawing = diagram(graph_of(self.circuit.network, self.title), {})
+        return f"<b>{escape(self.title)}</b><div>{drawing[drawing.index('<svg') :]}</div>"
+
+
+def load(name: str | Path, **tables: Mapping[str, Value]) -> System:
+    """The system called `name`, shipped (`vvdp list` shows all) or the path of a file, with other values where given.
+
+    >>> system = vvdp.load("prototype", operation={"duty_ratio": 0.4})
+
+    Raises ConfigError naming every fault at once.
+    """
+    return _public(systems.load_system(str(name))).with_values(**tables)
+
+
+def _public(system: systems.System) -> System:
+    return System(**{each.name: getattr(system, each.name) for each in fields(system)})
+
+
+def _setting(value: Value, kind: Kind | None) -> str:
+    """A value as the text of a setting."""
+    if isinstance(value, Mapping):
+        inner = ", ".join(f"{json.dumps(key)} = {_setting(each, kind)}" for key, each in value.items())
+        return f"{{{inner}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_setting(each, kind) for each in value)}]"
+    if isinstance(value, str):
+        return json.dumps(value)
+    return json.dumps(_text(float(value), kind))
+
+
+def _text(value: float, kind: Kind | None) -> str:
+    """A number [SI] with the unit of its kind."""
+    if kind is kinds.PRESSURE_LEVEL:
+        return f"{value / 1e5!r} bara"
+    if kind is None or kind.unit == "1":
+        return repr(value)
+    return f"{value!r} {kind.unit}"

@@ -1,0 +1,122 @@
+"""What `import vvdp` offers: five lines to a result, values in SI or with units, arrays with units."""
+
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+import vvdp
+from vvdp.base.errors import ConfigError, ParameterError
+from vvdp.systems.system import load_system
+
+
+@pytest.fixture(scope="module")
+def run():
+    return vvdp.load("prototype", operation={"duty_ratio": 0.4}).run(until="50 ms")
+
+
+def test_a_first_script(run):
+    assert run.summary["duration_s"] == 0.05
+    assert "prototype" in repr(run)
+    assert len(repr(run)) < 300
+    assert run.system.tables["operation"].duty_ratio.base == 0.4
+
+
+def test_names_are_few_loaded_late_and_listed():
+    assert set(vvdp.__all__) <= set(dir(vvdp))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = vvdp.nothing
+    code = "import sys, vvdp; print(sorted({'numpy', 'numba', 'h5py', 'matplotlib'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        ({"operation": {"duty_ratio": 0.3}}, {"operation": {"duty_ratio": "0.3"}}),
+        ({"operation": {"oil_temperature": 323.15}}, {"operation": {"oil_temperature": "50 degC"}}),
+        ({"relief_valve": {"cracking_pressure": 101e5}}, {"relief_valve": {"cracking_pressure": "101 bara"}}),
+        ({"pump": {"displacement": 1e-5 / (2 * np.pi)}}, {"pump": {"displacement": "10 cc/rev"}}),
+        ({"run": {"until": 0.5, "average_from": 0.25}}, {"run": {"until": "500 ms", "average_from": "0.25 s"}}),
+        ({"operation": {"pump_speed": 50.0}}, {"operation": {"pump_speed": "50 rad/s"}}),
+    ],
+)
+def test_a_number_is_si_and_a_text_has_its_unit(number, text):
+    one, other = (vvdp.load("prototype", **values) for values in (number, text))
+    for a, b in zip(one.rows, other.rows, strict=True):
+        assert a.key == b.key
+        if isinstance(a.value, float):
+            assert a.value == pytest.approx(b.value, rel=1e-12)
+    assert [row.value for row in one.rows] != [row.value for row in load_system("prototype").rows]
+
+
+def test_the_axial_position_takes_the_place_of_the_duty_ratio():
+    system = vvdp.load("prototype", operation={"axial_position": "2 mm"})
+    assert "axial_position" in system.content["operation"]
+    assert "duty_ratio" not in system.content["operation"]
+
+
+def test_every_fault_is_named_at_once():
+    with pytest.raises(ConfigError) as problem:
+        vvdp.load("prototype", operation={"duty_ratoi": 0.4}, pump={"displacement": "10 bar"})
+    assert "duty_ratoi" in str(problem.value)
+    assert "10 bar" in str(problem.value)
+
+
+def test_the_dataset_has_the_dimension_time_and_units(run):
+    data = run.to_xarray()
+    assert data.sizes["time"] == run.times.size
+    assert data["states.load_line"].dims == ("time",)
+    assert data["states.load_line"].attrs["units"] == "Pa"
+    assert data["time"].attrs["units"] == "s"
+    assert np.array_equal(data["states.load_line"].values, run.state("load_line"))
+    assert set(run.names) == set(data.data_vars)
+
+
+def test_the_table_has_units_in_its_names(run):
+    table = run.to_pandas()
+    assert table.index.name == "time_s"
+    assert np.array_equal(table["states.load_line_Pa"].to_numpy(), run.state("load_line"))
+
+
+def test_a_saved_run_opens_as_it_was_and_its_file_in_xarray(run, tmp_path):
+    directory = run.save(tmp_path / "out", report=False)
+    back = vvdp.open(directory)
+    assert back.summary.keys() == run.summary.keys()
+    assert back.to_xarray().equals(run.to_xarray())
+    assert str(directory) in repr(back)
+    with xarray.open_dataset(directory / "result.h5", engine="h5netcdf", group="states") as states:
+        assert states["load_line"].dims == ("time",)
+    with h5py.File(directory / "result.h5") as file:
+        assert file.attrs["system"] == "prototype"
+    with pytest.raises(ConfigError, match="already exists"):
+        run.save(tmp_path / "out")
+
+
+def test_what_is_no_result_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match="not a result directory"):
+        vvdp.open(tmp_path)
+
+
+def test_plots_are_figures_of_charts_or_series(run):
+    lines = run.plot("load_pressure_Pa", "load_flow_m3_s").axes
+    assert [axes.get_ylabel() for axes in lines] == ["load [bar]", "to load [lpm]"]
+    assert len(run.plot("speed").axes) == 1
+    assert len(run.plot().axes) == 3
+    with pytest.raises(ParameterError, match="load_pressure_Pa"):
+        run.plot("load_presure_Pa")
+
+
+def test_notebooks_see_a_drawing_and_numbers(run):
+    assert "<svg" in run.system._repr_html_()
+    assert "PWM frequency" in run._repr_html_()
+
+
+def test_a_run_until_a_number_of_seconds_is_that_of_the_text(run):
+    system = vvdp.load("prototype", operation={"duty_ratio": 0.4})
+    again = system.run(until=0.05)
+    assert again.record.states["load_line"].values.tobytes() == run.record.states["load_line"].values.tobytes()
