@@ -16,7 +16,6 @@ from vvdp.results.cells import column_head, row_unit, shown_cell, shown_columns,
 from vvdp.results.result import Finding, Grade, Listing, Result, Row, Section, Table
 from vvdp.results.store import read_meta, read_result
 
-
 MOST_SPACED = 6
 """Columns of a listing that stand wide apart."""
 

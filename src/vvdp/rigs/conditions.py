@@ -2,21 +2,8 @@
 
 from collections.abc import Sequence
 
+from vvdp.base import kinds
 from vvdp.base.display import plain, with_unit
-from vvdp.base.kinds import (
-    BULK_MODULUS,
-    DENSITY,
-    DISPLACEMENT,
-    FLOW,
-    KINEMATIC_VISCOSITY,
-    POWER,
-    PRESSURE_DIFFERENCE,
-    PRESSURE_LEVEL,
-    SPEED,
-    TEMPERATURE,
-    VOLUME,
-    Kind,
-)
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.steady.test_stand import Stand
 
@@ -25,17 +12,17 @@ def conditions(stand: Stand) -> dict[str, str]:
     """Fluid, temperature, pump, relief setting, spool drive, load and motor of a stand, as a reader wants them."""
     here, bench = stand.set_point, stand.bench
     oil, relief = bench.oil, bench.relief_valve
-    override = with_unit(relief.override_pressure, PRESSURE_DIFFERENCE) + " override"
+    override = with_unit(relief.override_pressure, kinds.PRESSURE_DIFFERENCE) + " override"
     return {
         "fluid": f"{fluid(stand)}, {plain(100.0 * oil.air_fraction, 3)} % free air, "
-        f"bulk modulus {with_unit(oil.liquid_bulk_modulus, BULK_MODULUS)} without it",
-        "temperature": with_unit(here.oil_temperature, TEMPERATURE),
-        "pump": f"{with_unit(bench.pump.displacement, DISPLACEMENT)} at {with_unit(here.pump_speed, SPEED, 5)}, "
-        f"{with_unit(stand.pump_flow(here), FLOW)}",
-        "motor": with_unit(bench.motor.rated_power, POWER),
-        "relief valve": f"{with_unit(stand.relief_pressure, PRESSURE_LEVEL)}, "
+        f"bulk modulus {with_unit(oil.liquid_bulk_modulus, kinds.BULK_MODULUS)} without it",
+        "temperature": with_unit(here.oil_temperature, kinds.TEMPERATURE),
+        "pump": f"{with_unit(bench.pump.displacement, kinds.DISPLACEMENT)} at "
+        f"{with_unit(here.pump_speed, kinds.SPEED, 5)}, {with_unit(stand.pump_flow(here), kinds.FLOW)}",
+        "motor": with_unit(bench.motor.rated_power, kinds.POWER),
+        "relief valve": f"{with_unit(stand.relief_pressure, kinds.PRESSURE_LEVEL)}, "
         f"{override if relief.override_pressure > 0.0 else 'ideal'}",
-        "tank": with_unit(stand.tank_pressure, PRESSURE_LEVEL),
+        "tank": with_unit(stand.tank_pressure, kinds.PRESSURE_LEVEL),
         "spool": "driven by a motor" if stand.is_driven else "spun by the flow",
         "load": _load(stand),
     }
@@ -45,8 +32,9 @@ def _load(stand: Stand) -> str:
     line = stand.bench.load_line
     if line is None:
         return "a source that holds its pressure"
-    gas = f", {with_unit(line.gas_volume, VOLUME)} gas at {with_unit(line.precharge_pressure, PRESSURE_LEVEL)}"
-    return f"line of {with_unit(line.oil_volume, VOLUME)}{gas if line.gas_volume > 0.0 else ''}, then an orifice"
+    precharge = with_unit(line.precharge_pressure, kinds.PRESSURE_LEVEL)
+    gas = f", {with_unit(line.gas_volume, kinds.VOLUME)} gas at {precharge}"
+    return f"line of {with_unit(line.oil_volume, kinds.VOLUME)}{gas if line.gas_volume > 0.0 else ''}, then an orifice"
 
 
 def fluid(stand: Stand) -> str:
@@ -54,11 +42,11 @@ def fluid(stand: Stand) -> str:
     oil, temperature = stand.bench.oil, stand.set_point.oil_temperature
     rho = float(density(temperature, oil))
     nu = float(dynamic_viscosity(temperature, oil)) / rho
-    words = f"{with_unit(nu, KINEMATIC_VISCOSITY)} and {with_unit(rho, DENSITY)}"
-    return f"{words} at {with_unit(temperature, TEMPERATURE)}"
+    words = f"{with_unit(nu, kinds.KINEMATIC_VISCOSITY)} and {with_unit(rho, kinds.DENSITY)}"
+    return f"{words} at {with_unit(temperature, kinds.TEMPERATURE)}"
 
 
-def axis_words(values: Sequence[float], kind: Kind) -> str:
+def axis_words(values: Sequence[float], kind: kinds.Kind) -> str:
     """An axis in words: its value, or its ends and how many values there are."""
     if len(values) == 1:
         return with_unit(values[0], kind, 5)

@@ -4,25 +4,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from vvdp.base import kinds
 from vvdp.base.display import number, percent, plain, with_unit
-from vvdp.base.kinds import (
-    AREA,
-    COUNT,
-    DUTY_RATIO,
-    EFFICIENCY,
-    FLAG,
-    FLOW,
-    FREQUENCY,
-    GAUGE_PRESSURE,
-    MEAN_POWER,
-    NUMBER,
-    POWER,
-    PRESSURE_DIFFERENCE,
-    PRESSURE_LEVEL,
-    SPEED,
-    TEMPERATURE,
-    Kind,
-)
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Table, numbers_of
 from vvdp.rigs.conditions import axis_words, conditions
 from vvdp.rigs.map_charts import map_charts
@@ -52,40 +35,40 @@ LEFT_OUT = (
     "The pump's own flow ripple, which has no common period with the valve.",
 )
 LEFT_OUT_ANALYTIC = "The load line and its pressure ripple, the compressibility of the oil, the spool's own ripple."
-COLUMNS: Mapping[str, tuple[Kind, str]] = {
-    "duty_ratio": (DUTY_RATIO, "duty ratio"),
-    "load_pressure_Pa": (GAUGE_PRESSURE, "load pressure"),
-    "pump_speed_rad_s": (SPEED, "pump speed"),
-    "oil_temperature_K": (TEMPERATURE, "oil temperature"),
-    "delivered_flow_m3_s": (FLOW, "delivered flow"),
-    "derived_flow_m3_s": (FLOW, "derived flow"),
-    "volumetric_efficiency": (EFFICIENCY, "volumetric efficiency"),
-    "hydromechanical_efficiency": (EFFICIENCY, "hydromechanical efficiency"),
-    "overall_efficiency": (EFFICIENCY, "overall efficiency"),
-    "input_power_W": (MEAN_POWER, "input power"),
-    "spool_motor_power_W": (MEAN_POWER, "power of the spool motor"),
-    "load_power_W": (MEAN_POWER, "load power"),
-    "loss_total_W": (MEAN_POWER, "total loss"),
-    "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
-    "pressure_mean_load_line_Pa": (GAUGE_PRESSURE, "mean load pressure"),
-    "pressure_mean_inlet_Pa": (GAUGE_PRESSURE, "mean inlet pressure"),
-    "mean_pump_flow_m3_s": (FLOW, "pump flow"),
-    "mean_tank_flow_m3_s": (FLOW, "flow through the tank port"),
-    "flow_mean_relief_valve_m3_s": (FLOW, "flow over the relief valve"),
-    "mean_leakage_flow_m3_s": (FLOW, "leakage of the valve"),
-    "motor_overloaded": (FLAG, "above the motor's rated power"),
-    "loss_compressibility_W": (MEAN_POWER, "nominal compressibility loss"),
-    "estimated_ripple_Pa": (PRESSURE_DIFFERENCE, "estimated ripple of the load pressure, peak to peak"),
-    "ripple_reaches_relief": (FLAG, "ripple reaches the relief valve"),
-    "load_area_m2": (AREA, "area of the load orifice"),
-    "pressure_min_inlet_Pa": (GAUGE_PRESSURE, "lowest inlet pressure"),
-    "pressure_max_inlet_Pa": (GAUGE_PRESSURE, "highest inlet pressure"),
-    "pressure_min_load_line_Pa": (GAUGE_PRESSURE, "lowest load pressure"),
-    "pressure_max_load_line_Pa": (GAUGE_PRESSURE, "highest load pressure"),
-    "cavitation": (FLAG, "cavitation"),
-    "trusted": (FLAG, "trusted"),
-    "periodic_residual": (NUMBER, "residual of the periodic state"),
-    "periodic_distance": (NUMBER, "distance of the periodic state"),
+COLUMNS: Mapping[str, tuple[kinds.Kind, str]] = {
+    "duty_ratio": (kinds.DUTY_RATIO, "duty ratio"),
+    "load_pressure_Pa": (kinds.GAUGE_PRESSURE, "load pressure"),
+    "pump_speed_rad_s": (kinds.SPEED, "pump speed"),
+    "oil_temperature_K": (kinds.TEMPERATURE, "oil temperature"),
+    "delivered_flow_m3_s": (kinds.FLOW, "delivered flow"),
+    "derived_flow_m3_s": (kinds.FLOW, "derived flow"),
+    "volumetric_efficiency": (kinds.EFFICIENCY, "volumetric efficiency"),
+    "hydromechanical_efficiency": (kinds.EFFICIENCY, "hydromechanical efficiency"),
+    "overall_efficiency": (kinds.EFFICIENCY, "overall efficiency"),
+    "input_power_W": (kinds.MEAN_POWER, "input power"),
+    "spool_motor_power_W": (kinds.MEAN_POWER, "power of the spool motor"),
+    "load_power_W": (kinds.MEAN_POWER, "load power"),
+    "loss_total_W": (kinds.MEAN_POWER, "total loss"),
+    "pwm_frequency_Hz": (kinds.FREQUENCY, "PWM frequency"),
+    "pressure_mean_load_line_Pa": (kinds.GAUGE_PRESSURE, "mean load pressure"),
+    "pressure_mean_inlet_Pa": (kinds.GAUGE_PRESSURE, "mean inlet pressure"),
+    "mean_pump_flow_m3_s": (kinds.FLOW, "pump flow"),
+    "mean_tank_flow_m3_s": (kinds.FLOW, "flow through the tank port"),
+    "flow_mean_relief_valve_m3_s": (kinds.FLOW, "flow over the relief valve"),
+    "mean_leakage_flow_m3_s": (kinds.FLOW, "leakage of the valve"),
+    "motor_overloaded": (kinds.FLAG, "above the motor's rated power"),
+    "loss_compressibility_W": (kinds.MEAN_POWER, "nominal compressibility loss"),
+    "estimated_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "estimated ripple of the load pressure, peak to peak"),
+    "ripple_reaches_relief": (kinds.FLAG, "ripple reaches the relief valve"),
+    "load_area_m2": (kinds.AREA, "area of the load orifice"),
+    "pressure_min_inlet_Pa": (kinds.GAUGE_PRESSURE, "lowest inlet pressure"),
+    "pressure_max_inlet_Pa": (kinds.GAUGE_PRESSURE, "highest inlet pressure"),
+    "pressure_min_load_line_Pa": (kinds.GAUGE_PRESSURE, "lowest load pressure"),
+    "pressure_max_load_line_Pa": (kinds.GAUGE_PRESSURE, "highest load pressure"),
+    "cavitation": (kinds.FLAG, "cavitation"),
+    "trusted": (kinds.FLAG, "trusted"),
+    "periodic_residual": (kinds.NUMBER, "residual of the periodic state"),
+    "periodic_distance": (kinds.NUMBER, "distance of the periodic state"),
 }
 SHOWN = (
     "oil_temperature_K",
@@ -102,20 +85,20 @@ SHOWN = (
     "remark",
 )
 AXES = ("duty_ratio", "load_pressure_Pa", "pump_speed_rad_s", "oil_temperature_K")
-QUANTITIES: Mapping[str, tuple[Kind, str]] = {
-    "points": (COUNT, "points"),
-    "points_without_result": (COUNT, "points without an efficiency"),
-    "points_above_motor_power": (COUNT, "points above the motor's rated power"),
-    "points_with_ripple_at_relief": (COUNT, "points whose ripple reaches the relief valve"),
-    "motor_rated_power_W": (POWER, "rated power of the motor"),
-    "best_efficiency": (EFFICIENCY, "best efficiency that the motor bears"),
-    "best_efficiency_duty_ratio": (DUTY_RATIO, "duty ratio there"),
-    "best_efficiency_load_pressure_Pa": (GAUGE_PRESSURE, "load pressure there"),
-    "best_efficiency_pump_speed_rad_s": (SPEED, "pump speed there"),
-    "best_efficiency_oil_temperature_K": (TEMPERATURE, "oil temperature there"),
-    "highest_delivered_flow_m3_s": (FLOW, "largest delivered flow"),
-    "largest_periodic_residual": (NUMBER, "largest residual of the periodic states"),
-    "untrusted_points": (COUNT, "points whose balances are above the limit"),
+QUANTITIES: Mapping[str, tuple[kinds.Kind, str]] = {
+    "points": (kinds.COUNT, "points"),
+    "points_without_result": (kinds.COUNT, "points without an efficiency"),
+    "points_above_motor_power": (kinds.COUNT, "points above the motor's rated power"),
+    "points_with_ripple_at_relief": (kinds.COUNT, "points whose ripple reaches the relief valve"),
+    "motor_rated_power_W": (kinds.POWER, "rated power of the motor"),
+    "best_efficiency": (kinds.EFFICIENCY, "best efficiency that the motor bears"),
+    "best_efficiency_duty_ratio": (kinds.DUTY_RATIO, "duty ratio there"),
+    "best_efficiency_load_pressure_Pa": (kinds.GAUGE_PRESSURE, "load pressure there"),
+    "best_efficiency_pump_speed_rad_s": (kinds.SPEED, "pump speed there"),
+    "best_efficiency_oil_temperature_K": (kinds.TEMPERATURE, "oil temperature there"),
+    "highest_delivered_flow_m3_s": (kinds.FLOW, "largest delivered flow"),
+    "largest_periodic_residual": (kinds.NUMBER, "largest residual of the periodic states"),
+    "untrusted_points": (kinds.COUNT, "points whose balances are above the limit"),
 }
 MOST_LISTINGS, MOST_HEADS = 8, 12
 """Pairs of pump speed and oil temperature that have a listing, and duty ratios in it."""
@@ -129,10 +112,10 @@ def map_result(found: PumpMap, table: str = "map") -> Result:
     whole = Table(title="All points", columns=columns, shown=SHOWN, axes=AXES)
     numbers = _numbers(found)
     said = conditions(stand) | {
-        "duty ratio": axis_words(axes.duty_ratios, DUTY_RATIO),
-        "load pressure": axis_words(axes.load_pressures, PRESSURE_LEVEL),
-        "pump speed": axis_words(axes.pump_speeds, SPEED),
-        "temperature": axis_words(axes.temperatures, TEMPERATURE),
+        "duty ratio": axis_words(axes.duty_ratios, kinds.DUTY_RATIO),
+        "load pressure": axis_words(axes.load_pressures, kinds.PRESSURE_LEVEL),
+        "pump speed": axis_words(axes.pump_speeds, kinds.SPEED),
+        "temperature": axis_words(axes.temperatures, kinds.TEMPERATURE),
     }
     if found.simulated and stand.makes_pressure:
         said["load"] += f", sized to hold the mean load pressure within {plain(100.0 * HELD, 2)} %"
@@ -162,12 +145,14 @@ def _listings(found: PumpMap) -> dict[str, Listing]:
     places = [round(x) for x in np.linspace(0, count - 1, min(MOST_HEADS, count)).tolist()]
     listings: dict[str, Listing] = {}
     for i, k in pairs:
-        where = f", {with_unit(axes.pump_speeds[k], SPEED, 5)}, {with_unit(axes.temperatures[i], TEMPERATURE)}"
+        where = (
+            f", {with_unit(axes.pump_speeds[k], kinds.SPEED, 5)}, {with_unit(axes.temperatures[i], kinds.TEMPERATURE)}"
+        )
         grids = [found.grid(name)[i, k] for name in ("overall_efficiency", "motor_overloaded", *_ripple_flag(found))]
         rows = tuple(
             Row(
-                with_unit(pressure, PRESSURE_LEVEL),
-                EFFICIENCY,
+                with_unit(pressure, kinds.PRESSURE_LEVEL),
+                kinds.EFFICIENCY,
                 tuple(_marked(*(float(grid[row, place]) for grid in grids)) for place in places),
             )
             for row, pressure in enumerate(axes.load_pressures)
@@ -224,19 +209,19 @@ def _where(found: PumpMap, numbers: Mapping[str, float]) -> str:
     """Pump speed and oil temperature of the best point, where the map has several of them."""
     words = ""
     if len(found.axes.pump_speeds) > 1:
-        words += f", {with_unit(numbers['best_efficiency_pump_speed_rad_s'], SPEED, 5)}"
+        words += f", {with_unit(numbers['best_efficiency_pump_speed_rad_s'], kinds.SPEED, 5)}"
     if len(found.axes.temperatures) > 1:
-        words += f", {with_unit(numbers['best_efficiency_oil_temperature_K'], TEMPERATURE)}"
+        words += f", {with_unit(numbers['best_efficiency_oil_temperature_K'], kinds.TEMPERATURE)}"
     return words
 
 
 def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]:
     if "best_efficiency" in numbers:
-        pressure = with_unit(numbers["best_efficiency_load_pressure_Pa"], GAUGE_PRESSURE)
+        pressure = with_unit(numbers["best_efficiency_load_pressure_Pa"], kinds.GAUGE_PRESSURE)
         yield Finding(
             text=f"The best efficiency that the motor bears is {percent(numbers['best_efficiency'])}, at duty ratio "
             f"{plain(numbers['best_efficiency_duty_ratio'], 3)} and {pressure}{_where(found, numbers)}; at most "
-            f"{with_unit(numbers['highest_delivered_flow_m3_s'], FLOW)} are delivered."
+            f"{with_unit(numbers['highest_delivered_flow_m3_s'], kinds.FLOW)} are delivered."
         )
     count = found.axes.count
     if over := int(numbers["points_above_motor_power"]):

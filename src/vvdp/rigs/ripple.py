@@ -6,23 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from vvdp.base import kinds
 from vvdp.base.arrays import Array
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import (
-    COUNT,
-    DUTY_RATIO,
-    EFFICIENCY,
-    FLOW,
-    FREQUENCY,
-    GAUGE_PRESSURE,
-    NUMBER,
-    PRESSURE_DIFFERENCE,
-    PRESSURE_LEVEL,
-    SIGNED_PRESSURE,
-    TIME,
-    VOLUME,
-)
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.volume import Vessel, pressure_rate
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
@@ -62,28 +49,28 @@ SWEEPS = {
 }
 """The tables of the sweeps and their titles."""
 COLUMNS = {
-    "duty_ratio": (DUTY_RATIO, "duty ratio"),
-    "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
-    "gas_volume_m3": (VOLUME, "gas volume"),
-    "pressure_mean_load_line_Pa": (GAUGE_PRESSURE, "mean load pressure"),
-    "delivered_flow_m3_s": (FLOW, "delivered flow"),
-    "load_ripple_Pa": (PRESSURE_DIFFERENCE, "load, peak to peak"),
-    "load_ripple_rms_Pa": (PRESSURE_DIFFERENCE, "load, rms"),
-    "load_first_harmonic_Pa": (PRESSURE_DIFFERENCE, "load, first harmonic"),
-    "estimated_ripple_Pa": (PRESSURE_DIFFERENCE, "estimated, peak to peak"),
-    "inlet_ripple_Pa": (PRESSURE_DIFFERENCE, "inlet, peak to peak"),
+    "duty_ratio": (kinds.DUTY_RATIO, "duty ratio"),
+    "pwm_frequency_Hz": (kinds.FREQUENCY, "PWM frequency"),
+    "gas_volume_m3": (kinds.VOLUME, "gas volume"),
+    "pressure_mean_load_line_Pa": (kinds.GAUGE_PRESSURE, "mean load pressure"),
+    "delivered_flow_m3_s": (kinds.FLOW, "delivered flow"),
+    "load_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "load, peak to peak"),
+    "load_ripple_rms_Pa": (kinds.PRESSURE_DIFFERENCE, "load, rms"),
+    "load_first_harmonic_Pa": (kinds.PRESSURE_DIFFERENCE, "load, first harmonic"),
+    "estimated_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "estimated, peak to peak"),
+    "inlet_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "inlet, peak to peak"),
 }
 QUANTITIES = {
-    "load_ripple_Pa": (PRESSURE_DIFFERENCE, "ripple of the load pressure, peak to peak"),
-    "load_ripple_rms_Pa": (PRESSURE_DIFFERENCE, "ripple of the load pressure, rms"),
-    "estimated_ripple_Pa": (PRESSURE_DIFFERENCE, "estimated ripple of the load pressure, peak to peak"),
-    "inlet_ripple_Pa": (PRESSURE_DIFFERENCE, "ripple of the inlet pressure, peak to peak"),
-    "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
-    "first_harmonic_share": (EFFICIENCY, "share of the ripple's power in the first harmonic"),
-    "worst_duty_ratio": (DUTY_RATIO, "duty ratio with the largest ripple"),
-    "worst_load_ripple_Pa": (PRESSURE_DIFFERENCE, "largest ripple of the load pressure"),
-    "frequency_exponent": (NUMBER, "exponent of the PWM frequency in the ripple"),
-    "gas_volume_exponent": (NUMBER, "exponent of the gas volume in the ripple"),
+    "load_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "ripple of the load pressure, peak to peak"),
+    "load_ripple_rms_Pa": (kinds.PRESSURE_DIFFERENCE, "ripple of the load pressure, rms"),
+    "estimated_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "estimated ripple of the load pressure, peak to peak"),
+    "inlet_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "ripple of the inlet pressure, peak to peak"),
+    "pwm_frequency_Hz": (kinds.FREQUENCY, "PWM frequency"),
+    "first_harmonic_share": (kinds.EFFICIENCY, "share of the ripple's power in the first harmonic"),
+    "worst_duty_ratio": (kinds.DUTY_RATIO, "duty ratio with the largest ripple"),
+    "worst_load_ripple_Pa": (kinds.PRESSURE_DIFFERENCE, "largest ripple of the load pressure"),
+    "frequency_exponent": (kinds.NUMBER, "exponent of the PWM frequency in the ripple"),
+    "gas_volume_exponent": (kinds.NUMBER, "exponent of the gas volume in the ripple"),
 }
 
 
@@ -197,7 +184,7 @@ def _conditions(stand: Stand) -> dict[str, str]:
     here = stand.set_point
     return conditions(stand) | {
         "duty ratio": f"{plain(here.duty_ratio, 4)} unless varied",
-        "load pressure": f"{with_unit(here.load_pressure, PRESSURE_LEVEL)}, mean, held by the orifice",
+        "load pressure": f"{with_unit(here.load_pressure, kinds.PRESSURE_LEVEL)}, mean, held by the orifice",
     }
 
 
@@ -236,11 +223,11 @@ def _spectrum(wave: Waveform) -> Table:
     return Table(
         title="Harmonics at the system's set point",
         columns={
-            "harmonic": Column(order, COUNT, "harmonic of the PWM frequency"),
-            "frequency_Hz": Column(order / wave.period, FREQUENCY, "frequency"),
-            "load_pressure_Pa": Column(load, PRESSURE_DIFFERENCE, "load pressure"),
-            "inlet_pressure_Pa": Column(inlet, PRESSURE_DIFFERENCE, "inlet pressure"),
-            "load_flow_m3_s": Column(flow, FLOW, "flow to the load"),
+            "harmonic": Column(order, kinds.COUNT, "harmonic of the PWM frequency"),
+            "frequency_Hz": Column(order / wave.period, kinds.FREQUENCY, "frequency"),
+            "load_pressure_Pa": Column(load, kinds.PRESSURE_DIFFERENCE, "load pressure"),
+            "inlet_pressure_Pa": Column(inlet, kinds.PRESSURE_DIFFERENCE, "inlet pressure"),
+            "load_flow_m3_s": Column(flow, kinds.FLOW, "flow to the load"),
         },
     )
 
@@ -250,9 +237,9 @@ def _wave(wave: Waveform) -> Table:
     return Table(
         title="One period at the system's set point",
         columns={
-            "time_s": Column(wave.times, TIME, "time"),
-            "load_pressure_swing_Pa": Column(swing, SIGNED_PRESSURE, "load pressure less its mean"),
-            "load_flow_m3_s": Column(wave.load_flow, FLOW, "flow to the load"),
+            "time_s": Column(wave.times, kinds.TIME, "time"),
+            "load_pressure_swing_Pa": Column(swing, kinds.SIGNED_PRESSURE, "load pressure less its mean"),
+            "load_flow_m3_s": Column(wave.load_flow, kinds.FLOW, "flow to the load"),
         },
         is_data=True,
     )
@@ -331,14 +318,16 @@ def _numbers(row: Mapping[str, float], wave: Waveform, tables: Mapping[str, Tabl
 
 
 def _findings(n: Mapping[str, float]) -> Iterator[Finding]:
-    swing, estimate = (with_unit(n[key], PRESSURE_DIFFERENCE, 3) for key in ("load_ripple_Pa", "estimated_ripple_Pa"))
+    swing, estimate = (
+        with_unit(n[key], kinds.PRESSURE_DIFFERENCE, 3) for key in ("load_ripple_Pa", "estimated_ripple_Pa")
+    )
     yield Finding(
         text=f"At the system's set point the load pressure swings by {swing} from peak to peak at "
-        f"{with_unit(n['pwm_frequency_Hz'], FREQUENCY)}; {percent(n['first_harmonic_share'])} of its power is in the "
+        f"{with_unit(n['pwm_frequency_Hz'], kinds.FREQUENCY)}; {percent(n['first_harmonic_share'])} of its power is in the "
         f"first harmonic. The estimate q (1 - q/Q) / (f C) gives {estimate}."
     )
     if "worst_duty_ratio" in n:
-        largest = with_unit(n["worst_load_ripple_Pa"], PRESSURE_DIFFERENCE, 3)
+        largest = with_unit(n["worst_load_ripple_Pa"], kinds.PRESSURE_DIFFERENCE, 3)
         yield Finding(text=f"It is largest, {largest}, at duty ratio {n['worst_duty_ratio']:.3g}.")
     frequency, volume = (number(n[f"{name}_exponent"], 3) for name in ("frequency", "gas_volume"))
     yield Finding(
