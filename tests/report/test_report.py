@@ -232,3 +232,13 @@ def test_project_and_customer_stay_with_the_result(orifice):
     said = page(orifice)
     assert "Project <b>Press 7 &lt;b&gt;</b>" in said
     assert "For <b>ACME</b>" in said
+
+
+def test_a_report_at_once_is_that_of_the_directory(whole, tmp_path):
+    run = open_run(whole)
+    copy = shutil.copytree(whole, tmp_path / "run")
+    assert write_report(copy, run).read_bytes() == write_report(copy).read_bytes()
+
+
+def test_a_page_of_a_run_is_light(orifice):
+    assert len(page(orifice).encode()) < 1_000_000

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -58,19 +58,22 @@ def report(
         typer.echo(str(page))
 
 
-def add_report(writer: tuple[str, str], folder: Path) -> bool:
-    """Writes the report beside results that are about to be put in place; Ctrl-C leaves it out, and gives False."""
+def add_report(writer: tuple[str, str], folder: Path, *results: Any) -> bool:
+    """Writes the report beside results that are about to be put in place; Ctrl-C leaves it out, and gives False.
+
+    `results` are at hand already, where the writer would otherwise read them.
+    """
     from vvdp.cli.screen import say
 
     try:
-        _write(writer, folder)
+        _write(writer, folder, *results)
     except KeyboardInterrupt:
         say("interrupted; the report is left out, the results are written")
         return False
     return True
 
 
-def _write(writer: tuple[str, str], directory: Path) -> Path:
+def _write(writer: tuple[str, str], directory: Path, *results: Any) -> Path:
     module, name = writer
-    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
+    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory, *results)
     return page
