@@ -17,6 +17,10 @@ from vvdp.results.result import Finding, Grade, Listing, Result, Row, Section, T
 from vvdp.results.store import read_meta, read_result
 
 
+MOST_SPACED = 6
+"""Columns of a listing that stand wide apart."""
+
+
 @dataclass(frozen=True)
 class Page:
     """What a page is made of. `ready` is HTML that sections name beside what the result has, `drawings` ready SVG."""
@@ -150,7 +154,8 @@ def listing_html(listing: Listing) -> str:
         lines.append(_listing_row(each, noted))
     title = f"<h3>{text(listing.title)}</h3>\n" if listing.title else ""
     note = f'<p class="small">{text(listing.note)}</p>\n' if listing.note else ""
-    return title + note + table([*heads, *([""] if noted else [])], lines, numeric, "listing")
+    kind = "listing" if len(listing.heads) <= MOST_SPACED else "wide"
+    return title + note + table([*heads, *([""] if noted else [])], lines, numeric, kind)
 
 
 def _listing_row(each: Row, noted: bool) -> str:

@@ -178,12 +178,14 @@ class FieldContent {
     const [top, bottom] = [toY(box.top), toY(box.top + box.height)];
     context.strokeStyle = "#a3180c";
     context.lineWidth = ratio;
+    const size = 3 * ratio;
     context.beginPath();
     this.marks.forEach((mark, place) => {
       const across = (this.across[place % this.across.length] - left) / (right - left);
       const down = (this.up[Math.floor(place / this.across.length)] - top) / (bottom - top);
       if (!(mark > 0) || across < 0 || across > 1 || down < 0 || down > 1) return;
-      const [x, y, size] = [box.left + across * box.width, box.top + down * box.height, 3 * ratio];
+      const x = box.left + Math.min(Math.max(across * box.width, size), box.width - size);
+      const y = box.top + Math.min(Math.max(down * box.height, size), box.height - size);
       context.moveTo(x - size, y - size);
       context.lineTo(x + size, y + size);
       context.moveTo(x - size, y + size);
