@@ -6,6 +6,7 @@ from typing import Any
 
 import typer.main
 
+import vvdp
 from vvdp.cli.main import app
 from vvdp.report.references import bibliography
 
@@ -20,12 +21,17 @@ def pages() -> dict[str, str]:
     return {
         "reference/verbs.md": verbs_page(),
         "reference/literature.md": literature_page(),
-        "reference/python.md": "# Python\n\n::: vvdp\n\nPackages:\n\n"
-        + "\n".join(
-            f"- [`vvdp.{name}`](python/{name}.md): {_summary(ROOT / name / '__init__.py')}" for name in PACKAGES
-        ),
+        "reference/python.md": python_page(),
         **{f"reference/python/{name}.md": package_page(name) for name in PACKAGES},
     }
+
+
+def python_page() -> str:
+    """What `import vvdp` offers, and the packages below it."""
+    offered = [f"## vvdp.{name}\n\n::: {module}.{inner}\n" for name, (module, inner) in sorted(vvdp._PLACES.items())]
+    packages = [f"- [`vvdp.{n}`](python/{n}.md): {_summary(ROOT / n / '__init__.py')}" for n in PACKAGES]
+    head = "# Python\n\n::: vvdp\n    options:\n      members: false\n"
+    return "\n".join([head, *offered, "## Packages\n", *packages, ""])
 
 
 def package_nav() -> list[str | dict[str, str]]:
