@@ -28,7 +28,8 @@ def pages() -> dict[str, str]:
 
 def python_page() -> str:
     """What `import vvdp` offers, and the packages below it."""
-    offered = [f"## vvdp.{name}\n\n::: {module}.{inner}\n" for name, (module, inner) in sorted(vvdp._PLACES.items())]
+    public = {name: getattr(vvdp, name) for name in vvdp.__all__}
+    offered = [f"## vvdp.{name}\n\n::: {each.__module__}.{each.__qualname__}\n" for name, each in public.items()]
     packages = [f"- [`vvdp.{n}`](python/{n}.md): {_summary(ROOT / n / '__init__.py')}" for n in PACKAGES]
     head = "# Python\n\n::: vvdp\n    options:\n      members: false\n"
     return "\n".join([head, *offered, "## Packages\n", *packages, ""])
