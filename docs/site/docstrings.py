@@ -7,6 +7,7 @@ from griffe import Extension, Object
 
 ARGUMENT = re.compile(r"^(\w[\w, ]*?) {2,}(\S.*)$")
 PAGE = re.compile(r"\bdocs/([\w/-]+)\.md")
+CODE = re.compile(r"^(?:>>> |import |\w+ = \w+\.\w+\()")
 FORMULA = re.compile(r"^\S.* = |^[^a-z]*[\w ]*[*/^√∫]|\bsqrt\(")
 
 
@@ -30,6 +31,8 @@ def _paragraph(text: str) -> str:
     head, _, rest = text.partition("  ")
     if head in ("Source", "Holds", "Error"):
         return f"*{head}:* " + " ".join(rest.split())
+    if CODE.match(text):
+        return "```python\n" + text + "\n```"
     if ARGUMENT.match(lines[0]):
         return _table(lines)
     if len(lines) <= 3 and FORMULA.search(lines[0]) and not lines[0].endswith("."):

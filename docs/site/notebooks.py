@@ -68,14 +68,21 @@ def _pictures() -> Iterator[Output]:
     import matplotlib.pyplot as plt
 
     for number in plt.get_fignums():
-        out = io.BytesIO()
-        plt.figure(number).savefig(out, format="png", dpi=80, metadata={"Software": None})
+        yield {"output_type": "display_data", "metadata": {}, "data": _picture(plt.figure(number))}
         plt.close(number)
-        data = {"image/png": base64.b64encode(out.getvalue()).decode("ascii"), "text/plain": ["<Figure>"]}
-        yield {"output_type": "display_data", "metadata": {}, "data": data}
 
 
-def _data(value: object) -> dict[str, list[str]]:
+def _picture(figure: Any) -> dict[str, Any]:
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=80, metadata={"Software": None})
+    return {"image/png": base64.b64encode(out.getvalue()).decode("ascii"), "text/plain": ["<Figure>"]}
+
+
+def _data(value: object) -> dict[str, Any]:
+    from matplotlib.figure import Figure
+
+    if isinstance(value, Figure):
+        return _picture(value)
     data = {"text/plain": repr(value).splitlines(keepends=True)}
     if hasattr(value, "_repr_html_"):
         data["text/html"] = value._repr_html_().splitlines(keepends=True)

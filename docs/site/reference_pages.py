@@ -6,6 +6,7 @@ from typing import Any
 
 import typer.main
 
+import vvdp
 from vvdp.cli.main import app
 from vvdp.report.references import bibliography
 
@@ -20,12 +21,18 @@ def pages() -> dict[str, str]:
     return {
         "reference/verbs.md": verbs_page(),
         "reference/literature.md": literature_page(),
-        "reference/python.md": "# Python\n\n::: vvdp\n\nPackages:\n\n"
-        + "\n".join(
-            f"- [`vvdp.{name}`](python/{name}.md): {_summary(ROOT / name / '__init__.py')}" for name in PACKAGES
-        ),
+        "reference/python.md": python_page(),
         **{f"reference/python/{name}.md": package_page(name) for name in PACKAGES},
     }
+
+
+def python_page() -> str:
+    """What `import vvdp` offers, and the packages below it."""
+    public = {name: getattr(vvdp, name) for name in vvdp.__all__}
+    offered = [f"## vvdp.{name}\n\n::: {each.__module__}.{each.__qualname__}\n" for name, each in public.items()]
+    packages = [f"- [`vvdp.{n}`](python/{n}.md): {_summary(ROOT / n / '__init__.py')}" for n in PACKAGES]
+    head = "# Python\n\n::: vvdp\n    options:\n      members: false\n"
+    return "\n".join([head, *offered, "## Packages\n", *packages, ""])
 
 
 def package_nav() -> list[str | dict[str, str]]:

@@ -76,3 +76,12 @@ def test_the_first_run_ends_as_the_readme_says():
     }
     for pattern, value in said.items():
         assert float(re.search(pattern, " ".join(section.split()))[1].replace(" ", "")) == value, pattern
+
+
+def test_the_script_of_the_readme_runs(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    exec(compile(script, "README.md", "exec"), {})
+    power, names = capsys.readouterr().out.split(maxsplit=1)
+    assert 1000.0 < float(power) < 3000.0 and "states.load_line" in names
+    assert (tmp_path / "load.png").stat().st_size > 1000

@@ -222,3 +222,23 @@ def test_a_system_that_cannot_be_read_is_refused_before_anything_is_written(orif
     with pytest.raises(ConfigError):
         write_report(orifice)
     assert not (orifice / "report.html").exists() and not (orifice / "figures").exists()
+
+
+def test_project_and_customer_stay_with_the_result(orifice):
+    from vvdp.results.store import add_labels
+
+    add_labels(orifice, {"project": "Press 7 <b>", "customer": ""})
+    add_labels(orifice, {"project": "", "customer": "ACME"})
+    said = page(orifice)
+    assert "Project <b>Press 7 &lt;b&gt;</b>" in said
+    assert "For <b>ACME</b>" in said
+
+
+def test_a_report_at_once_is_that_of_the_directory(whole, tmp_path):
+    run = open_run(whole)
+    copy = shutil.copytree(whole, tmp_path / "run")
+    assert write_report(copy, run).read_bytes() == write_report(copy).read_bytes()
+
+
+def test_a_page_of_a_run_is_light(orifice):
+    assert len(page(orifice).encode()) < 1_000_000

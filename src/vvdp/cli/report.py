@@ -2,7 +2,7 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -25,13 +25,19 @@ def report(
     directory: Annotated[
         Path, typer.Argument(metavar="DIR", help="Result directory of any command except `vvdp geometry`.")
     ],
+    project: Annotated[str, typer.Option("--project", metavar="TEXT", help="Project named at the head.")] = "",
+    customer: Annotated[str, typer.Option("--customer", metavar="TEXT", help="Customer named at the head.")] = "",
     json: AsJson = False,
 ) -> None:
-    """Rebuild the report of a result directory."""
+    """Rebuild the report of a result directory.
+
+    A project or customer that was given once stays until another is given.
+    """
     from vvdp.base.errors import unusable
     from vvdp.cli.screen import print_json
     from vvdp.comparison.results import is_comparison
     from vvdp.logs.kept import is_estimate
+    from vvdp.results.store import add_labels
 
     if (directory / "geometry.toml").is_file():
         raise unusable(directory, "its report.html shows the solids themselves; run the command again for another")
@@ -41,6 +47,8 @@ def report(
     elif is_comparison(directory):
         writer = COMPARISON
     try:
+        if project or customer:
+            add_labels(directory, {"project": project, "customer": customer})
         page = _write(writer, directory)
     except (KeyError, TypeError) as problem:
         raise unusable(directory, f"is damaged or not complete: {problem!r}") from None
@@ -50,19 +58,22 @@ def report(
         typer.echo(str(page))
 
 
-def add_report(writer: tuple[str, str], folder: Path) -> bool:
-    """Writes the report beside results that are about to be put in place; Ctrl-C leaves it out, and gives False."""
+def add_report(writer: tuple[str, str], folder: Path, *results: Any) -> bool:
+    """Writes the report beside results that are about to be put in place; Ctrl-C leaves it out, and gives False.
+
+    `results` are at hand already, where the writer would otherwise read them.
+    """
     from vvdp.cli.screen import say
 
     try:
-        _write(writer, folder)
+        _write(writer, folder, *results)
     except KeyboardInterrupt:
         say("interrupted; the report is left out, the results are written")
         return False
     return True
 
 
-def _write(writer: tuple[str, str], directory: Path) -> Path:
+def _write(writer: tuple[str, str], directory: Path, *results: Any) -> Path:
     module, name = writer
-    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
+    page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory, *results)
     return page

@@ -56,7 +56,7 @@ def run(
             with reached(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
                 changes = check_accuracy(done, progress)
         save_run(folder, done)
-        reported = not no_report and add_report(RUN, folder)
+        reported = not no_report and add_report(RUN, folder, done)
     if json:
         checked = {"check": {move.key: move.change for move in changes}} if changes else {}
         print_json({"system": loaded.name, **_with_counts(done), **checked, "out": str(directory)})

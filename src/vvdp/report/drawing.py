@@ -100,7 +100,9 @@ def image(name: str, height: float, draw: Callable[["Figure"], None], form: str)
 
 def _settle(figure: "Figure") -> None:
     """Lays the figure out once, to a millionth of its size: the solver's last digits differ from time to time."""
-    if figure.get_layout_engine() is None:
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    if not isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
         return
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

@@ -1,7 +1,6 @@
 """A chart as a printed figure: SVG for the page, PNG for other documents; drawn again it has the same bytes."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -140,11 +139,13 @@ def kept_places(y: Array, most: int = MOST_POINTS) -> Rows:
     """Places of at most about `most` values of a line that looks the same: lowest and highest of each part."""
     if y.size <= most:
         return np.arange(y.size)
-    edges = np.linspace(0, y.size, most // 2 + 1).astype(int)
+    size = -(-y.size // (most // 2))
     kept = [np.zeros(1, int), np.full(1, y.size - 1), np.flatnonzero(np.isnan(y))]  # a gap stays a gap
     for sign in (1.0, -1.0):
-        filled = np.where(np.isfinite(y), sign * y, np.inf)
-        kept.append(np.array([begin + int(np.argmin(filled[begin:end])) for begin, end in pairwise(edges)]))
+        filled = np.full(-(-y.size // size) * size, np.inf)
+        filled[: y.size] = np.where(np.isfinite(y), sign * y, np.inf)
+        parts = filled.reshape(-1, size)
+        kept.append(np.argmin(parts, axis=1) + size * np.arange(len(parts)))
     return np.unique(np.concatenate(kept))
 
 

@@ -18,13 +18,13 @@ from vvdp.systems.overview import flow_lines, node_lines
 DIAGRAM = "circuit"
 
 
-def write_report(directory: Path) -> Path:
+def write_report(directory: Path, run: RecordedRun | None = None) -> Path:
     """Writes report.html and figures/ into a result directory and gives the path of the page.
 
-    All is made from the files in the directory; made again, it has the same bytes.
+    All is made from the files in the directory, or from the `run` that was just written there: the bytes are the same.
     Raises ConfigError where the directory is no result directory or the system in it cannot be read.
     """
-    run = open_run(directory)
+    run = run or open_run(directory)
     ready = {
         "parameters": parameter_table(run.system, bibliography()),
         "assumed": assumed_table(run.system),

@@ -82,6 +82,16 @@ def read_meta(directory: Path) -> Mapping[str, Any]:
         raise unusable(directory, f"is damaged: meta.json: {problem}") from None
 
 
+def add_labels(directory: Path, labels: Mapping[str, str]) -> None:
+    """Adds what is known of a result besides its numbers, such as project and customer; empty ones change nothing.
+
+    Raises ConfigError where the directory holds no result.
+    """
+    write_json(
+        directory / "meta.json", {**read_meta(directory), **{name: text for name, text in labels.items() if text}}
+    )
+
+
 def table_text(table: Table) -> str:
     """A table as CSV; an empty cell stands for what is not known."""
     text = io.StringIO()
