@@ -323,8 +323,8 @@ def _findings(n: Mapping[str, float]) -> Iterator[Finding]:
     )
     yield Finding(
         text=f"At the system's set point the load pressure swings by {swing} from peak to peak at "
-        f"{with_unit(n['pwm_frequency_Hz'], kinds.FREQUENCY)}; {percent(n['first_harmonic_share'])} of its power is in the "
-        f"first harmonic. The estimate q (1 - q/Q) / (f C) gives {estimate}."
+        f"{with_unit(n['pwm_frequency_Hz'], kinds.FREQUENCY)}; {percent(n['first_harmonic_share'])} of its power is in "
+        f"the first harmonic. The estimate q (1 - q/Q) / (f C) gives {estimate}."
     )
     if "worst_duty_ratio" in n:
         largest = with_unit(n["worst_load_ripple_Pa"], kinds.PRESSURE_DIFFERENCE, 3)
