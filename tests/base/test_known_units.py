@@ -10,7 +10,7 @@ from vvdp.base.kinds import Kind
 from vvdp.base.known_units import KNOWN, SCALES, conversion, known_unit
 from vvdp.base.units import _registry, _unit, is_unit
 
-ALL = [kind for kind in vars(kinds).values() if isinstance(kind, Kind) and kind.unit not in ("1", "SI")]
+ALL = [kind for kind in vars(kinds).values() if isinstance(kind, Kind) and kind.unit not in ("1", "SI", "dB")]
 WRITTEN = sorted(
     {unit for kind in ALL for unit in (kind.unit, kind.shown, *kind.units)} | {"mm2", "m**2", "s^-1", "(m)"}
 )

@@ -52,7 +52,7 @@ window = "20 ms"
 MODULE = '''\
 """A pump against an orifice."""
 
-from vvdp.base.kinds import AreaSignal, Pressure, SpeedSignal
+from vvdp.base.kinds import DURATION, PRESSURE_LEVEL, SIGNED_PRESSURE, AreaSignal, Pressure, SpeedSignal
 from vvdp.base.params import Params
 from vvdp.components.machines import PUMP
 from vvdp.components.resistances import ORIFICE
@@ -62,7 +62,10 @@ from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.pump import Pump
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
-from vvdp.systems.extras import Extras, Line, OwnFigure
+from vvdp.results.chart import Chart, Lines
+from vvdp.results.chart import Line as Curve
+from vvdp.results.result import Column, Table
+from vvdp.systems.extras import Extras, Line
 
 
 class Load(Orifice):
@@ -81,7 +84,7 @@ class Operation(Params):
 class Peak(Extras):
     """How far the pressure overshoots."""
 
-    OVERVIEW = (Line("overshoot", ("overshoot_Pa",), "bar"),)
+    OVERVIEW = (Line("overshoot", ("overshoot_Pa",), SIGNED_PRESSURE),)
 
     def simulated(self, run, found):
         return {"overshoot_Pa": found["pressure_max_rail_Pa"] - found["pressure_mean_rail_Pa"]}
@@ -89,9 +92,14 @@ class Peak(Extras):
     def warnings(self, found):
         yield "this is only an example"
 
-    def figures(self, results):
-        rail = results.states["rail"].values
-        yield OwnFigure("own", "Our own figure.", 2.0, lambda f: f.subplots(1, 1).plot(results.times, rail))
+    def charts(self, record):
+        columns = {
+            "time_s": Column(record.times, DURATION, "time"),
+            "rail_Pa": Column(record.states["rail"].values, PRESSURE_LEVEL, "rail"),
+        }
+        panel = Lines(lines=(Curve(x="time_s", y="rail_Pa"),))
+        chart = Chart(name="own", caption="Our own figure.", table="rail", panels=(panel,), height=2.0)
+        yield chart, Table(title="Rail", columns=columns)
 
 
 def network(pump: Pump, rail: Chamber, load: Load, operation: Operation) -> Network:
@@ -151,14 +159,14 @@ def own(here):
 def test_a_drawn_circuit_from_file_to_page(vvdp, drawn):
     answer = vvdp("run", "press.toml", "--out", "out")
     assert answer.code == 0, answer.err
-    for words in ("Pump and throttle", "rail", "store", "power given", "of it, leakage", "balances: energy"):
+    for words in ("Pump and throttle", "rail", "store", "power into the circuit", "of it, leakage", "balances: energy"):
         assert words in answer.out
     assert "PWM" not in answer.out and "closed form" not in answer.out
     page = (drawn / "out" / "report.html").read_text("utf-8")
     for words in ("Pump and throttle", "drawn, 4 nodes, 3 components", "def circuit(t, s, u, p):", "merritt1967"):
         assert words in page
     assert "PWM" not in page
-    assert {p.stem for p in (drawn / "out" / "figures").glob("*.svg")} == {"circuit", "detail", "run", "losses"}
+    assert {p.stem for p in (drawn / "out" / "figures").glob("*.svg")} == {"circuit", "detail", "run", "losses-component"}
     again = vvdp("report", "out")
     assert again.code == 0
     assert (drawn / "out" / "report.html").read_text("utf-8") == page

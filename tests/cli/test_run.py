@@ -6,8 +6,8 @@ import json
 import pytest
 
 from vvdp.base.errors import RunError
+from vvdp.runs import simulate
 from vvdp.simulation.results import read_results
-from vvdp.systems import summary as summaries
 from vvdp.systems.system import load_system
 
 SHORT = ("--until", "0.06 s", "--no-report")
@@ -19,8 +19,8 @@ def test_what_is_written_and_printed(vvdp, here):
     assert "results: deep/down" in answer.out
     assert "PWM frequency" in answer.out
     kept = read_results(here / "deep" / "down")
-    assert kept.times[-1] == pytest.approx(0.06)
-    assert kept.meta["settings"] == ["operation.duty_ratio=0.4"]
+    assert kept.record.times[-1] == pytest.approx(0.06)
+    assert kept.meta["command"][0] == "vvdp"
     assert kept.meta["system"] == "prototype"
     assert load_system(str(here / "deep" / "down" / "system.toml")).stepping.until == pytest.approx(0.06)
     assert not [p for p in (here / "deep").iterdir() if p.name.startswith(".")]
@@ -46,17 +46,18 @@ def test_json_is_one_flat_object_and_the_summary_kept(vvdp, here):
 
 
 def test_a_number_that_is_none_becomes_null(vvdp, here, monkeypatch):
-    whole = summaries.summary
-    monkeypatch.setattr(summaries, "summary", lambda *both: whole(*both) | {"efficiency": float("nan")})
+    whole = simulate.summary
+    monkeypatch.setattr(simulate, "summary", lambda *both: whole(*both) | {"efficiency": float("nan")})
     answer = vvdp("run", "prototype", *SHORT, "--json", "--out", "out")
     assert json.loads(answer.out)["efficiency"] is None
     assert json.loads((here / "out" / "summary.json").read_text())["efficiency"] is None
-    assert " - " in vvdp("run", "prototype", *SHORT, "--out", "other").out
+    line = next(x for x in vvdp("run", "prototype", *SHORT, "--out", "other").out.splitlines() if "efficiency" in x)
+    assert "–" in line
 
 
 def test_untrusted_results_are_kept_and_told(vvdp, here, monkeypatch):
-    whole = summaries.summary
-    monkeypatch.setattr(summaries, "summary", lambda *both: whole(*both) | {"energy_residual": 2e-6, "trusted": False})
+    whole = simulate.summary
+    monkeypatch.setattr(simulate, "summary", lambda *both: whole(*both) | {"energy_residual": 2e-6, "trusted": False})
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 3
     assert "the balances of this run do not close" in answer.err
@@ -77,14 +78,12 @@ def test_a_run_that_fails_leaves_nothing(vvdp, here):
 
 
 def test_an_interrupt_keeps_what_was_reached(vvdp, here, monkeypatch):
-    import vvdp.simulation.run as running
-
-    whole = running.simulate
+    whole = simulate.simulate
 
     def stopped(model, case, stepping, **others):
         return dataclasses.replace(whole(model, case, stepping, **others), finished=False)
 
-    monkeypatch.setattr(running, "simulate", stopped)
+    monkeypatch.setattr(simulate, "simulate", stopped)
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 130
     assert "warning: the run was interrupted" in answer.out
@@ -95,7 +94,7 @@ def test_an_interrupt_before_anything_was_reached_leaves_nothing(vvdp, here, mon
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("vvdp.simulation.run.simulate", stopped)
+    monkeypatch.setattr(simulate, "simulate", stopped)
     assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 130
     assert not list(here.iterdir())
 
@@ -104,7 +103,7 @@ def test_a_full_disk_is_told_in_a_line(vvdp, here, monkeypatch):
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("vvdp.simulation.results.write_results", full)
+    monkeypatch.setattr(simulate, "write_results", full)
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 1
     assert answer.err.splitlines() == ["out: cannot be written (No space left on device)"]
@@ -115,7 +114,7 @@ def test_the_output_is_checked_before_the_run(vvdp, here, monkeypatch):
     def never(*_, **__):
         raise RunError("was run")
 
-    monkeypatch.setattr("vvdp.simulation.run.simulate", never)
+    monkeypatch.setattr(simulate, "simulate", never)
     (here / "out").mkdir()
     assert "already exists" in vvdp("run", "prototype", "--out", "out").err
 

@@ -7,6 +7,7 @@ import pytest
 
 from vvdp.simulation.run import simulate
 from vvdp.systems.accuracy import OF_THE_RUN, Move, moves
+from vvdp.systems.quantities import summary_units
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped
 
@@ -28,7 +29,7 @@ def of_the_machine(changes):
 def test_moves_by_hand():
     found = {"loss_a_W": 100.0, "loss_b_W": 0.05, "steps": 10.0, "settled": True, "flow_m3_s": 2e-4}
     finer = {"loss_a_W": 101.0, "loss_b_W": 0.06, "steps": 20.0, "settled": False, "flow_m3_s": 2e-4}
-    first, second, third = moves(found, finer)
+    first, second, third = moves(found, finer, {"loss_a_W": "W", "loss_b_W": "W", "flow_m3_s": "m^3/s"})
     assert first == Move("loss_b_W", 0.06, pytest.approx(0.01 / 0.101))  # over a thousandth of the largest loss
     assert second == Move("loss_a_W", 101.0, pytest.approx(1.0 / 101.0))
     assert third.change == 0.0 and "steps" in OF_THE_RUN
@@ -38,7 +39,8 @@ def test_moves_by_hand():
 def test_parts_are_exact_at_the_default(name):
     """Within 1e-5 of the converged value, relative to the part or to a thousandth of the largest of its unit."""
     system = load_system(name, until="0.3 s")
-    changes = of_the_machine(moves(found_at(system, system.stepping.relative_tolerance), found_at(system, FINEST)))
+    found, exact = (found_at(system, tolerance) for tolerance in (system.stepping.relative_tolerance, FINEST))
+    changes = of_the_machine(moves(found, exact, summary_units(system)))
     assert changes[0].change < 1e-5, changes[:3]
 
 
@@ -72,6 +74,6 @@ def test_the_check_tells_the_true_error_of_random_variants():
         system = variant(rng)
         tolerance = system.stepping.relative_tolerance
         coarse, finer, exact = (found_at(system, x) for x in (tolerance, 0.1 * tolerance, FINEST))
-        said, true = (of_the_machine(moves(coarse, other))[0].change for other in (finer, exact))
+        said, true = (of_the_machine(moves(coarse, other, summary_units(system)))[0].change for other in (finer, exact))
         shares.append(max(said, SEEN) / max(true, SEEN))
     assert np.mean((np.array(shares) > 1.0 / 3.0) & (np.array(shares) < 3.0)) >= 0.8

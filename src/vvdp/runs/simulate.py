@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from vvdp.base.errors import RunError
 from vvdp.base.files import write_whole
 from vvdp.results.store import finite
 from vvdp.runs.run import RecordedRun
@@ -15,6 +14,7 @@ from vvdp.simulation.record import record_of
 from vvdp.simulation.results import Results, origin, write_results
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.accuracy import FINER, Move, moves
+from vvdp.systems.quantities import summary_units
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
 from vvdp.systems.system import System
@@ -30,17 +30,19 @@ def run_system(
 ) -> RecordedRun:
     """Simulates a system to its end, or to where `stop` or Ctrl-C ends it, which is kept.
 
-    `progress` hears the time reached [s]; `command` is what was typed. Raises RunError where nothing was reached, or
-    the simulation fails.
+    `progress` hears the time reached [s]; `command` is what was typed. Raises RunError where the simulation fails.
     """
     done = simulate(system.model, system.case, system.stepping, progress=progress, stop=stop, say=say)
     return recorded_run(system, done, command)
 
 
 def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> RecordedRun:
-    """A simulated run with its summary and origin. Raises RunError where it was stopped before its first step."""
+    """A simulated run with its summary and origin. Raises KeyboardInterrupt where it was stopped before its first step.
+
+    `command` is what was typed.
+    """
     if not done.end > system.stepping.begin:
-        raise RunError(f"{system.name}: stopped before the first step; there is nothing to keep")
+        raise KeyboardInterrupt  # nothing to keep
     found = summary(system, done)
     balances = {key: found[key] for key in ("energy_residual", "mass_residual", "trusted") if key in found}
     meta: dict[str, Any] = origin(done) | {
@@ -59,7 +61,9 @@ def check_accuracy(run: RecordedRun, progress: Callable[[float], None] | None = 
     stepping = run.system.stepping
     finer = replace(stepping, relative_tolerance=max(1e-13, FINER * stepping.relative_tolerance))
     done = simulate(run.system.model, run.system.case, finer, progress=progress)
-    return moves(run.system, dict(run.summary), summary(run.system, done)) if done.finished else ()
+    if not done.finished:
+        return ()
+    return moves(dict(run.summary), summary(run.system, done), summary_units(run.system))
 
 
 def save_run(folder: Path, run: RecordedRun) -> None:

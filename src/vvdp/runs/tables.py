@@ -38,9 +38,10 @@ def overview(run: RecordedRun, lines: tuple[Line, ...]) -> Listing:
         known = [run.number(key) for key in keys if key in run.summary]
         return sum(known) if known and len(known) == len(keys) else None
 
-    values = ((line, (total(line.keys), total(line.closed_form))) for line in lines)
-    rows = tuple(Row(line.label, line.kind, found, line.group) for line, found in values if found != (None, None))
-    return Listing(title="", heads=("simulated", "analytic"), rows=rows, note=GAUGE)
+    values = [(line, (total(line.keys), total(line.closed_form))) for line in lines]
+    columns = 2 if any(analytic is not None for _, (_, analytic) in values) else 1
+    rows = tuple(Row(line.label, line.kind, found[:columns], line.group) for line, found in values if found != (None, None))
+    return Listing(title="", heads=("simulated", "analytic")[:columns], rows=rows, note=GAUGE)
 
 
 def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:

@@ -1,10 +1,9 @@
 """How far the numbers of a run still move with its tolerance, which no balance sees: it holds along any path."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from vvdp.systems.extras import Summary
-from vvdp.systems.quantities import quantities
-from vvdp.systems.system import System
 
 FINER = 0.1
 """Tolerance of the second run of a check, over that of the first."""
@@ -27,17 +26,17 @@ class Move(NamedTuple):
     change: float
 
 
-def moves(system: System, found: Summary, finer: Summary) -> tuple[Move, ...]:
+def moves(found: Summary, finer: Summary, units: Mapping[str, str]) -> tuple[Move, ...]:
     """The changes of all numbers from one summary to that of a finer run, the largest first.
 
-    A change is over the value itself or, where that is smaller, over 1/1000 of the largest value of the same unit.
+    A change is over the value itself or, where that is smaller, over 1/1000 of the largest value of the same unit;
+    `units` are those of the keys.
     """
     values = {
         key: float(value)
         for key, value in finer.items()
         if not isinstance(value, bool) and key not in OF_THE_RUN and key in found
     }
-    units = {key: kind.unit for key, (kind, _) in quantities(system).items()}
     largest: dict[str, float] = {}
     for key, value in values.items():
         unit = units.get(key, key)

@@ -48,6 +48,11 @@ def quantities(system: System) -> dict[str, tuple[Kind, str]]:
     return dict(OF_ANY_RUN) | dict(_of_nodes(system)) | dict(_of_parts(system)) | own
 
 
+def summary_units(system: System) -> dict[str, str]:
+    """The SI unit of every key that a summary of the system may have."""
+    return {key: kind.unit for key, (kind, _) in quantities(system).items()}
+
+
 def summary_numbers(system: System, found: Mapping[str, float | bool]) -> dict[str, Number]:
     """The values of a summary with their kinds; what a user's own circuit adds without a kind is a plain number."""
     known = quantities(system)
