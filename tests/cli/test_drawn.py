@@ -166,7 +166,12 @@ def test_a_drawn_circuit_from_file_to_page(vvdp, drawn):
     for words in ("Pump and throttle", "drawn, 4 nodes, 3 components", "def circuit(t, s, u, p):", "merritt1967"):
         assert words in page
     assert "PWM" not in page
-    assert {p.stem for p in (drawn / "out" / "figures").glob("*.svg")} == {"circuit", "detail", "run", "losses-component"}
+    assert {p.stem for p in (drawn / "out" / "figures").glob("*.svg")} == {
+        "circuit",
+        "detail",
+        "run",
+        "losses-component",
+    }
     again = vvdp("report", "out")
     assert again.code == 0
     assert (drawn / "out" / "report.html").read_text("utf-8") == page

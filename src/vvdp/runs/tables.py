@@ -40,7 +40,9 @@ def overview(run: RecordedRun, lines: tuple[Line, ...]) -> Listing:
 
     values = [(line, (total(line.keys), total(line.closed_form))) for line in lines]
     columns = 2 if any(analytic is not None for _, (_, analytic) in values) else 1
-    rows = tuple(Row(line.label, line.kind, found[:columns], line.group) for line, found in values if found != (None, None))
+    rows = tuple(
+        Row(line.label, line.kind, found[:columns], line.group) for line, found in values if found != (None, None)
+    )
     return Listing(title="", heads=("simulated", "analytic")[:columns], rows=rows, note=GAUGE)
 
 
