@@ -115,7 +115,7 @@ def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], 
     assumed = f"{len(run.system.assumed)} of {len(run.system.rows)} values are assumptions; the results depend on them."
     shown = (*(chart.name for chart in course), *harmonics)
     return (
-        Section(title="Circuit", shows=("circuit",)),
+        Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit",)),
         Section(title="Key numbers", shows=(*key_listings(run), "nodes", "components")),
         Section(title="Course of the run", shows=shown, starts_page=True),
         Section(title="Losses", shows=(*(chart.name for chart in losses), *of_losses), words=(), starts_page=True),
