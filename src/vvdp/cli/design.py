@@ -256,14 +256,18 @@ def tolerance(
 
     The scatter of drop, PWM frequency and efficiency is split into the shares of valve and oil parameters.
     """
+    from vvdp.base.files import write_whole
     from vvdp.design import tolerance as study
-    from vvdp.design.tolerance_result import tolerance_result
+    from vvdp.design.tolerance_result import draws, tolerance_result
+    from vvdp.results.store import table_text
 
     loaded = _bench_system("tolerance", system, settings)
     taken = study.spreads(loaded, spread or ())
 
-    def work(_: Path) -> "Result":
-        return tolerance_result(study.tolerance(loaded, taken, samples=samples, seed=seed))
+    def work(folder: Path) -> "Result":
+        found = study.tolerance(loaded, taken, samples=samples, seed=seed)
+        write_whole(folder / "draws.csv", table_text(draws(found)))
+        return tolerance_result(found)
 
     _run(loaded, "tolerance", work, out, force, json, no_report)
 

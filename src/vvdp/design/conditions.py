@@ -6,6 +6,17 @@ from vvdp.design.quantities import Setup, setup
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 
+LEFT_OUT = (
+    "The ripple behind the load port: analytic values take load and relief pressure as steady.",
+    "Lag and override of the relief valve, which analytic values take as ideal.",
+    "Vapour: no flow law saturates, also where a port cavitates.",
+)
+
+
+def sentence(text: str) -> str:
+    """Words as a sentence: with a capital and a full stop."""
+    return f"{text[:1].upper()}{text[1:]}."
+
 
 def conditions(system: System) -> dict[str, str]:
     """Pump flow, oil, duty ratio, load, relief setting and motor at the start of a run, as a reader wants them."""

@@ -63,9 +63,9 @@ def optimum_charts(found: Optimum, curves: Sequence[LimitCurve]) -> Iterator[Cha
     """Drops and losses before and after, the variables between their bounds, and the optimum over moved limits."""
     labels = ("before", "optimum")
     yield Chart(
-        name="losses",
-        caption="Before and at the optimum: pressure drop of the fully open valve, and losses, analytic. The total loss "
-        "of the simulation stands below them.",
+        name="before-and-after",
+        caption="Before and at the optimum: pressure drop of the fully open valve, and losses. All are analytic but "
+        "the simulated total loss.",
         table="losses",
         panels=(
             Bars(table="drops", names="part", values=("before_Pa", "optimum_Pa"), labels=labels, colours=COLOURS),
@@ -75,7 +75,7 @@ def optimum_charts(found: Optimum, curves: Sequence[LimitCurve]) -> Iterator[Cha
         height=3.0,
     )
     yield Chart(
-        name="variables",
+        name="between-bounds",
         caption="Where the variables lie between their lower (0 %) and upper bound (100 %), in logarithms.",
         table="bounds",
         panels=(Bars(names="label", values=("before", "optimum"), labels=labels, colours=COLOURS),),

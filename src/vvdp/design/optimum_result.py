@@ -1,10 +1,10 @@
 """An optimum as a result: before and after, what holds it, how sure it is, analytic beside simulated."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
-from vvdp.base.display import NOTHING, fixed, percent, with_unit
-from vvdp.base.kinds import EFFICIENCY, NUMBER, Kind
-from vvdp.design.conditions import conditions
+from vvdp.base.display import NOTHING, fixed, number, percent, with_unit
+from vvdp.base.kinds import EFFICIENCY, NUMBER
+from vvdp.design.conditions import LEFT_OUT, conditions, sentence
 from vvdp.design.optimise import Optimum
 from vvdp.design.optimum_charts import chart_tables, optimum_charts
 from vvdp.design.proof import Proof, simulated_means
@@ -18,24 +18,24 @@ from vvdp.systems.quantities import quantities as summary_quantities
 SOURCE_OPTIMUM = 2.48e5
 """Full-open drop that wang2017, section 2.6, states for its optimum [Pa]."""
 MANNER = (
-    "Variables are sought in their logarithms, with exact derivatives of the formulas, by an interior-point solver from "
-    "the system and from random starts; a differential evolution, which uses no gradients, then searches the whole box. "
-    "With the spool radius go the radii of the jets and the friction area, with its square the spool's mass, and with "
-    "the outlet area its effective area."
+    "Variables are sought in their logarithms, with exact derivatives of the formulas, by an interior-point solver "
+    "from the system and from random starts; a differential evolution, which uses no gradients, then searches the "
+    "whole box. With the spool radius go the radii of the jets and the friction area, with its square the spool's "
+    "mass, and with the outlet area its effective area."
 )
 HOLDING = (
     "From the multipliers of the solver. The change of the objective is for 1 % more of the value, which zero and a "
     "constraint of the geometry do not have; a bound that is not listed has no influence."
 )
 COUNTING = (
-    "The compressibility loss counts the PWM frequency of the fully open valve here, that of the switching valve, which "
-    "is lower, in vvdp valve and in the comparison with the simulation. The efficiency is the load power, less leakage "
-    "and compressibility, over the power put in; that of an analytic map leaves compressibility out."
+    "The compressibility loss counts the PWM frequency of the fully open valve here, that of the switching valve, "
+    "which is lower, in vvdp valve and in the comparison with the simulation. The efficiency is the load power, less "
+    "leakage and compressibility, over the power put in; that of an analytic map leaves compressibility out."
 )
 COMPARING = (
-    "The analytic values count volumes and add up an upper estimate of the losses, see the model of the rotary valve; 1 "
-    "to 4 % of difference is usual, more where a warning stands above. Here they are taken at the mean load pressure of "
-    "the simulation, above at that of the operating point."
+    "The analytic values count volumes and add up an upper estimate of the losses, see the model of the rotary valve; "
+    "1 to 4 % of difference is usual, more where a warning stands above. Here they are taken at the mean load pressure "
+    "of the simulation, above at that of the operating point."
 )
 
 
@@ -55,6 +55,7 @@ def optimum_result(
         manner=MANNER,
         references=("wang2017",) if _is_published(found) else (),
         conditions=conditions(system),
+        left_out=LEFT_OUT,
         numbers=dict(_numbers(found, proven)),
         tables=chart_tables(found, proven, curves),
         listings=listings,
@@ -65,9 +66,7 @@ def optimum_result(
     )
 
 
-def _sections(
-    found: Optimum, listings: Sequence[str] | dict[str, Listing], charts: dict[str, object]
-) -> Iterator[Section]:
+def _sections(found: Optimum, listings: Collection[str], charts: Collection[str]) -> Iterator[Section]:
     yield Section(title="Figures", shows=tuple(charts))
     demands = [*(each.words for each in found.problem.limits), *(each.words for each in geometry_of(found.problem))]
     asked = f"Least {LABELS[found.problem.objective]}, subject to: {'; '.join(demands)}."
@@ -182,9 +181,9 @@ def _quantities(found: Optimum) -> Listing:
 
 def _held(found: Optimum) -> Listing:
     rows = (
-        Row(each.words, EFFICIENCY, (each.kind, each.elasticity / 100.0, f"{each.sensitivity:.4g}"))
+        Row(each.words, EFFICIENCY, (each.kind, each.elasticity / 100.0, number(each.sensitivity)))
         if each.elasticity == each.elasticity
-        else Row(each.words, None, (each.kind, NOTHING, f"{each.sensitivity:.4g}".replace("nan", NOTHING)))
+        else Row(each.words, None, (each.kind, NOTHING, number(each.sensitivity)))
         for each in found.active
     )
     heads = ("which is a", "1 % more changes the objective by", "sensitivity, SI over SI")
@@ -215,13 +214,9 @@ def _simulated(found: Optimum, proven: Sequence[Proof]) -> Listing:
             for design in ("before", "after"):
                 pair = [_sum(by_design.get((point, design)), keys) for keys in (simulated, analytic)]
                 cells += [*pair, percent(pair[1] / pair[0] - 1.0) if pair[0] else NOTHING]
-            rows.append(Row(label, _kind(name), tuple(cells), group=group))
+            rows.append(Row(label, KINDS[name], tuple(cells), group=group))
     heads = ("before, simulated", "analytic", "difference", "optimum, simulated", "analytic", "difference")
     return Listing(title="Simulation before and after", heads=heads, rows=tuple(rows))
-
-
-def _kind(name: str) -> Kind:
-    return KINDS[name]
 
 
 def _sum(proof: Proof | None, keys: Sequence[str]) -> float:
@@ -235,6 +230,6 @@ def doubt_findings(simulated: Sequence[str], analytic: Sequence[str]) -> tuple[F
     """What the simulation does not bear out, then what puts the analytic values in doubt."""
     refuted = "The simulation does not bear out the optimum"
     return (
-        *(Finding(text=text, grade=Grade.BAD, title=refuted) for text in simulated),
-        *(Finding(text=text, grade=Grade.WARNING, title="In doubt at the optimum") for text in analytic),
+        *(Finding(text=sentence(text), grade=Grade.BAD, title=refuted) for text in simulated),
+        *(Finding(text=sentence(text), grade=Grade.WARNING, title="In doubt at the optimum") for text in analytic),
     )

@@ -8,7 +8,7 @@ import numpy as np
 from vvdp.base.display import percent, with_unit
 from vvdp.base.files import write_whole
 from vvdp.base.kinds import COUNT, EFFICIENCY, FLAG, FREQUENCY, MEAN_POWER
-from vvdp.design.conditions import conditions
+from vvdp.design.conditions import LEFT_OUT, conditions
 from vvdp.design.pareto import Front
 from vvdp.design.problem import ON_BOUND
 from vvdp.design.proof import TOLERANCE
@@ -20,9 +20,9 @@ from vvdp.systems.resolved import resolved_text
 
 MANNER = (
     "An evolutionary search, begun with the optimum of each objective alone, spreads designs over the front; a gradient "
-    "solver then makes the first objective of each as small as the others allow. All designs are simulated, and what "
-    f"the simulation refuses is not on the front: a total loss more than {percent(TOLERANCE, 0)} off the analytic one, "
-    "means that do not settle, or a run that fails. Each design is a system file in systems/ for vvdp run."
+    "solver makes the first objective of each as small as the others allow. All designs are simulated. What the "
+    f"simulation refuses is not on the front: a total loss more than {percent(TOLERANCE, 0)} off the analytic one, means "
+    "that do not settle, or a run that fails. Each design is a system file in systems/ for vvdp run."
 )
 SIMULATED = {
     "loss_total": (MEAN_POWER, "total loss, simulated"),
@@ -46,6 +46,7 @@ def front_result(found: Front, *, finished: bool) -> Result:
         system=system.name,
         manner=MANNER,
         conditions=conditions(system),
+        left_out=LEFT_OUT,
         numbers=dict(_numbers(found)),
         tables=tables,
         listings={"reasons": _reasons(found), "bounds": _bounds(found)},
@@ -56,7 +57,7 @@ def front_result(found: Front, *, finished: bool) -> Result:
             Section(title="Figures", words=(f"Wanted: {good}. Subject to: {demands}.",), shows=tuple(charts)),
             Section(title="Designs on the front", shows=("front",), starts_page=True),
             *refused,
-            Section(title="Bounds", shows=("bounds",)),
+            Section(title="Variables and their bounds", shows=("bounds",)),
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
         finished=finished,
@@ -68,10 +69,8 @@ def write_designs(folder: Path, found: Front) -> None:
     system = found.problem.system
     (folder / "systems").mkdir()
     good = ", ".join(f"{'large' if each.large else 'small'} {each.quantity}" for each in found.objectives)
-    for name, place in (
-        *zip(_names("point", found.kept), found.kept),
-        *zip(_names("refused", found.refused), found.refused),
-    ):
+    names = [*_names("point", found.kept), *_names("refused", found.refused)]
+    for name, place in zip(names, (*found.kept, *found.refused), strict=True):
         note = f"{name} of a Pareto front: {good}"
         design = redesigned(system, found.values[place], note, f"{system.title}, {name} of a front")
         write_whole(folder / "systems" / f"{name}.toml", resolved_text(design))
@@ -179,17 +178,9 @@ def _findings(found: Front) -> Iterator[Finding]:
     whom = f"{better} of them {'is' if better == 1 else 'are'}" if better else "None of them is"
     yield Finding(text=f"{whom} at least as good as the design as it was in every objective.")
     bounds = len(found.on_a_bound)
-    which = sorted(
-        {
-            b.variable.label
-            for b in found.problem.bounds
-            for k in found.on_a_bound
-            if b.holds(found.values[k][b.variable.name])
-        }
-    )
+    other = "other bounds would move that part of the front."
     yield Finding(
-        text=f"Of {bounds} of these {count} designs a variable lies on a bound ({', '.join(which)}); other bounds would "
-        "move that part of the front."
+        text=f"{bounds} of these {count} designs {'has' if bounds == 1 else 'have'} a variable on a bound; {other}"
         if bounds
         else "No variable of any of them lies on a bound."
     )
@@ -238,7 +229,7 @@ def _pair_charts(found: Front) -> Iterator[Chart]:
     for place, x in enumerate(keys[:-1]):
         label = LABELS[found.objectives[place].quantity]
         yield Chart(
-            name="front" if not place else f"front-{place + 1}",
+            name="trade-offs" if not place else f"trade-offs-{place + 1}",
             caption=f"Designs over the {label}. No design on the front is better than another in every objective; "
             "what the simulation refuses is not on it.",
             table="drawn",
@@ -256,9 +247,9 @@ def _variable_chart(found: Front) -> Chart:
         ends = tuple(Level(value=end, colour=Colour.RELIEF) for end in (bound.low, bound.high))
         panels.append(Lines(lines=_points(found, key(first, KINDS[first]), y), levels=ends))
     return Chart(
-        name="front-variables",
-        caption=f"The variables along the front, over the {LABELS[first]}; dashed: their bounds. Where designs of alike "
-        f"{LABELS[first]} differ, the other objectives decide.",
+        name="variables",
+        caption=f"The variables along the front, over the {LABELS[first]}; dashed: their bounds. Where designs of "
+        f"alike {LABELS[first]} differ, the other objectives decide.",
         table="drawn",
         panels=tuple(panels),
         height=0.6 + 1.4 * len(panels),

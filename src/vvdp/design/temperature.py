@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -96,8 +97,8 @@ class Check:
     @property
     def usage(self) -> Array:
         """How much of the limit is used up: above 1 the model is in doubt."""
-        if not self.limit:
-            return (self.whole - self.values) / self.whole
+        if self.whole:
+            return 1.0 - self.values / self.whole
         return self.limit / self.values if self.at_least else self.values / self.limit
 
 
@@ -209,58 +210,91 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
     }
 
 
+class _Demand(NamedTuple):
+    """What a check is about: its words, what it means where it is not kept, and its kind."""
+
+    label: str
+    otherwise: str
+    kind: Kind = NUMBER
+    at_least: bool = False
+
+
+_DEMANDS = {
+    "nozzle_reynolds_number": _Demand(
+        "Reynolds number of the nozzles",
+        "a discharge coefficient from a turbulent model is uncertain",
+        at_least=True,
+    ),
+    "cavitation_number_open": _Demand(
+        "cavitation number, tank port open",
+        "air or vapour comes out behind the nozzles: less flow at the same drop, and erosion",
+        at_least=True,
+    ),
+    "cavitation_number_closing": _Demand(
+        "cavitation number, tank port closing",
+        "the closing port cavitates for part of every period, which the orifice law leaves out",
+        at_least=True,
+    ),
+    "taylor_number": _Demand(
+        "Taylor number of the clearance", "vortices in the clearance: friction is above the linear law"
+    ),
+    "sheared_temperature_rise": _Demand(
+        "warming of the film by its shear",
+        "the film is thinner than the oil's temperature says: less friction",
+        TEMPERATURE_DIFFERENCE,
+    ),
+    "carried_temperature_rise": _Demand(
+        "warming of the leaking oil, at most",
+        "an upper bound, without the heat that goes into the walls: friction may be less, frequency and leakage more "
+        "than shown",
+        TEMPERATURE_DIFFERENCE,
+    ),
+    "input_power": _Demand("power of the pump's motor", "the motor is overloaded", POWER),
+    "eccentricity": _Demand(
+        "eccentricity of the spool", "the lands leak more than those of a centred spool and may touch"
+    ),
+    "relief_margin": _Demand(
+        "relief setting above load and open drop",
+        "the relief valve is open even with the load port fully open, and the analytic losses do not hold",
+        KINDS["relief_margin"],
+        at_least=True,
+    ),
+    "transition_fraction": _Demand(
+        "transition fraction",
+        "a port never opens fully at this duty ratio: the analytic transition loss does not hold",
+    ),
+}
+
+
 def _checks(columns: Mapping[str, Array], limits: RangeLimits, rated_power: float, at: Setup) -> tuple[Check, ...]:
-    c = columns
-    kappa = np.full_like(c["taylor_number"], float(quantities(at).transition_fraction))
-    room = min(at.duty_ratio, 1.0 - at.duty_ratio)
-    return (
+    margin = at.relief_pressure - at.load_pressure - columns["pressure_drop_total"]
+    fraction = np.full_like(margin, float(quantities(at).transition_fraction))
+    values = {**columns, "relief_margin": margin, "transition_fraction": fraction}
+    ends = {
+        "nozzle_reynolds_number": limits.reynolds_number,
+        "cavitation_number_open": limits.cavitation_number,
+        "cavitation_number_closing": limits.cavitation_number,
+        "taylor_number": limits.taylor_number,
+        "sheared_temperature_rise": limits.temperature_rise,
+        "carried_temperature_rise": limits.temperature_rise,
+        "input_power": rated_power,
+        "eccentricity": limits.eccentricity,
+        "relief_margin": 0.0,
+        "transition_fraction": min(at.duty_ratio, 1.0 - at.duty_ratio),
+    }
+    return tuple(
         Check(
-            "nozzle_reynolds_number", "Reynolds number of the nozzles", NUMBER, c["nozzle_reynolds_number"],
-            limits.reynolds_number, True, "a discharge coefficient from a turbulent model is uncertain",
-        ),
-        Check(
-            "cavitation_number_open", "cavitation number of the nozzles, tank port open", NUMBER,
-            c["cavitation_number_open"], limits.cavitation_number, True,
-            "air or vapour comes out behind the nozzles: less flow at the same drop, and erosion",
-        ),
-        Check(
-            "cavitation_number_closing", "cavitation number of the nozzles while the tank port closes", NUMBER,
-            c["cavitation_number_closing"], limits.cavitation_number, True,
-            "the closing port cavitates for part of every period, which the orifice law leaves out",
-        ),
-        Check(
-            "taylor_number", "Taylor number of the clearance", NUMBER, c["taylor_number"], limits.taylor_number,
-            False, "vortices in the clearance: friction is above the linear law",
-        ),
-        Check(
-            "sheared_temperature_rise", "warming of the film by its shear", TEMPERATURE_DIFFERENCE,
-            c["sheared_temperature_rise"], limits.temperature_rise, False, "the film is thinner than the oil's temperature says: less friction",
-        ),
-        Check(
-            "carried_temperature_rise", "warming of the leaking oil, if it carries off all heat", TEMPERATURE_DIFFERENCE,
-            c["carried_temperature_rise"], limits.temperature_rise, False,
-            "an upper bound, without the heat that goes into the walls: friction may be less, frequency and leakage "
-            "more than shown",
-        ),
-        Check(
-            "input_power", "power of the pump's motor", POWER, c["input_power"],
-            rated_power, False, "the motor is overloaded",
-        ),
-        Check(
-            "eccentricity", "eccentricity of the spool under the jets", NUMBER, c["eccentricity"],
-            limits.eccentricity, False, "the lands leak more than those of a centred spool and may touch",
-        ),
-        Check(
-            "relief_margin", "relief setting above load and open drop", KINDS["relief_margin"],
-            at.relief_pressure - at.load_pressure - c["pressure_drop_total"], 0.0, True,
-            "the relief valve is open even with the load port fully open, and the analytic losses do not hold",
-            at.relief_pressure,
-        ),
-        Check(
-            "transition_fraction", "transition fraction", NUMBER, kappa, room, False,
-            f"at duty ratio {at.duty_ratio:.4g} a port never opens fully: the analytic transition loss does not hold",
-        ),
-    )  # fmt: skip
+            name=name,
+            label=each.label,
+            kind=each.kind,
+            values=values[name],
+            limit=ends[name],
+            at_least=each.at_least,
+            otherwise=each.otherwise,
+            whole=at.relief_pressure if name == "relief_margin" else 0.0,
+        )
+        for name, each in _DEMANDS.items()
+    )
 
 
 def _sentence(temperatures: Array, check: Check) -> str:

@@ -17,7 +17,7 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.base.params import field_kinds
-from vvdp.design.conditions import conditions
+from vvdp.design.conditions import LEFT_OUT, conditions, sentence
 from vvdp.design.quantities import KINDS, LABELS, key
 from vvdp.design.temperature import ORIGINS, QUANTITIES, OverTemperature, RangeLimits, temperature_spans
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
@@ -70,14 +70,15 @@ def temperature_result(found: OverTemperature) -> Result:
         manner=MANNER,
         references=("taylor1923", "ocvirk1952", "wang2017"),
         conditions=conditions(found.system),
+        left_out=LEFT_OUT,
         tables={"temperature": table},
         listings={"checks": _checks(found), "limits": _limits(found.limits)},
         charts={each.name: each for each in charts},
         findings=tuple(_findings(found)),
         sections=(
             Section(title="Figures", shows=tuple(each.name for each in charts)),
-            Section(title="Checks", shows=("checks",)),
-            Section(title="Limits and values taken", shows=("limits",)),
+            Section(title="Where the model holds", shows=("checks",)),
+            Section(title="What was taken", shows=("limits",)),
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
             Section(title="Values", shows=("temperature",), starts_page=True),
         ),
@@ -101,7 +102,9 @@ def _findings(found: OverTemperature) -> Iterator[Finding]:
         f"{with_unit(float(frequency[-1]), FREQUENCY, 3)}, the efficiency from {percent(float(efficiency[0]))} to "
         f"{percent(float(efficiency[-1]))}."
     )
-    yield from (Finding(text=text, grade=Grade.WARNING, title="The model is in doubt") for text in found.warnings)
+    yield from (
+        Finding(text=sentence(text), grade=Grade.WARNING, title="The model is in doubt") for text in found.warnings
+    )
 
 
 def _checks(found: OverTemperature) -> Listing:
@@ -141,7 +144,7 @@ def _valve_chart(table: Table) -> Chart:
         Line(x=T, y="bearing_ratio", label="bearing capacity over force of the jets", colour=Colour.INLET),
     )
     return Chart(
-        name="temperature",
+        name="frequency",
         caption="From cold to hot oil: the PWM frequency, and what jets and lands do.",
         table="temperature",
         panels=(Lines(lines=speed, label="PWM frequency"), Lines(lines=numbers, label="ratio", y_log=True)),
@@ -199,6 +202,6 @@ def _range_chart(found: OverTemperature) -> Chart:
         name="range",
         caption="How much of its limit each check uses: above the dashed line the model is in doubt.",
         table="temperature",
-        panels=(Lines(lines=lines, label="part of the limit", levels=(limit,), y_log=True, legend="Check"),),
+        panels=(Lines(lines=lines, label="part of the limit", levels=(limit,), y_log=True, low=1e-2, legend="Check"),),
         height=3.0,
     )

@@ -6,11 +6,11 @@ import numpy as np
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import COUNT, EFFICIENCY, Kind
-from vvdp.design.conditions import conditions
+from vvdp.design.conditions import LEFT_OUT, conditions, sentence
 from vvdp.design.quantities import KINDS, LABELS, key
 from vvdp.design.tolerance import OUTPUTS, Scatter, Tolerance
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Grade, Listing, Number, Result, Row, Section, Table, sentences
+from vvdp.results.result import Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
 
 BINS = 48
 MANNER = (
@@ -32,15 +32,16 @@ def tolerance_result(found: Tolerance) -> Result:
         manner=MANNER,
         references=tuple(sorted({each.source for each in found.spreads if each.source})),
         conditions=conditions(found.system),
+        left_out=LEFT_OUT,
         numbers=dict(_numbers(found)),
-        tables={"shares": _share_table(found), "distribution": _distribution(found), "draws": _draws(found)},
+        tables={"shares": _share_table(found), "distribution": _distribution(found)},
         listings={"outputs": _outputs(found), "variance": _variance(found), "spreads": _spreads(found)},
         charts={each.name: each for each in charts},
         findings=tuple(_findings(found)),
         sections=(
             Section(title="Figures", shows=tuple(each.name for each in charts)),
-            Section(title="Outputs", shows=("outputs",)),
-            Section(title="Spreads taken", words=(_assumed(found),), shows=("spreads",)),
+            Section(title="Scatter", shows=("outputs",)),
+            Section(title="Inputs", words=(_assumed(found),), shows=("spreads",)),
             Section(title="Shares of the variance", shows=("shares",)),
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
@@ -78,8 +79,8 @@ def _share_table(found: Tolerance) -> Table:
     return Table(
         title="Shares of the variance",
         columns=columns,
-        shown=tuple(each for each in columns if each != "input"),
-        note="± is the half width of the 95 % confidence.",
+        shown=tuple(each for each in columns if each.endswith(("label", "_index"))),
+        note="The half widths of the 95 % confidence are there as well.",
     )
 
 
@@ -92,7 +93,8 @@ def _distribution(found: Tolerance) -> Table:
     return Table(title="Distributions", columns=columns, is_data=True)
 
 
-def _draws(found: Tolerance) -> Table:
+def draws(found: Tolerance) -> Table:
+    """All draws of inputs and outputs, a row each."""
     inputs: dict[str, tuple[Kind, str]] = {each.name: (each.kind, each.label) for each in found.spreads}
     known = inputs | {name: (KINDS[name], LABELS[name]) for name in OUTPUTS}
     columns = {
@@ -111,9 +113,7 @@ def _findings(found: Tolerance) -> Iterator[Finding]:
             text=f"The {LABELS[name]} lies between {low} and {high} in 95 % of the cases, mostly through the "
             f"{labels[main]} ({percent(each.whole[main], 0)} of the variance)."
         )
-    told = [text[:1].upper() + text[1:] for text in found.warnings]
-    for finding in sentences(told, Grade.WARNING):
-        yield Finding(text=finding.text, grade=Grade.WARNING, title="What is in doubt")
+    yield from (Finding(text=sentence(text), grade=Grade.WARNING, title="In doubt") for text in found.warnings)
 
 
 def _middle(name: str, each: Scatter) -> tuple[str, str]:
@@ -127,9 +127,8 @@ def _outputs(found: Tolerance) -> Listing:
         Row(LABELS[name], KINDS[name], (each.nominal, each.mean, each.deviation, *map(each.percentiles.get, PERCENTS)))
         for name, each in found.scatter.items()
     )
-    return Listing(
-        title="Outputs", heads=("nominal", "mean", "deviation", "2.5 %", "median", "97.5 %"), rows=tuple(rows)
-    )
+    heads = ("nominal", "mean", "deviation", "2.5 %", "median", "97.5 %")
+    return Listing(title="Outputs", heads=heads, rows=tuple(rows))
 
 
 PERCENTS = ("2.5", "50", "97.5")
@@ -146,16 +145,15 @@ def _variance(found: Tolerance) -> Listing:
 
 
 def _spreads(found: Tolerance) -> Listing:
-    rows = (
-        Row(each.label, None, (with_unit(each.low, each.kind), with_unit(each.high, each.kind), each.status, each.source),
-            note=each.note)
-        for each in found.spreads
-    )  # fmt: skip
+    rows = []
+    for each in found.spreads:
+        ends = (with_unit(end, each.kind) for end in (each.low, each.high))
+        rows.append(Row(each.label, None, (*ends, each.status, each.source), note=each.note))
     return Listing(title="Spreads taken", heads=("from", "to", "status", "source"), rows=tuple(rows))
 
 
 def _distribution_chart(found: Tolerance) -> Chart:
-    panels = []
+    panels: list[Lines] = []
     for name, each in found.scatter.items():
         ends = (Level(value=each.percentiles[p], upright=True, colour=Colour.RELIEF) for p in ("2.5", "97.5"))
         nominal = Level(value=each.nominal, upright=True, stroke=Stroke.SOLID)
@@ -196,5 +194,7 @@ def _share_chart(found: Tolerance) -> Chart:
         "Where the two are alike, inputs act independently.",
         table="shares",
         panels=panels,
-        height=1.0 + 1.35 * len(panels),
+        side_by_side=True,
+        share=True,
+        height=0.9 + 0.4 * len(found.spreads),
     )
