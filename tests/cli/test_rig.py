@@ -5,13 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-<<<<<<< HEAD
 
 from vvdp.results.store import read_result
-=======
-from vvdp.rigs.result import read_rig
-
->>>>>>> 725b9b7 (Optimum, front, tolerances and oil temperature are Results; only confirmed designs are on a front; the solver, the search and the infeasibility analysis stand apart)
 from vvdp.simulation.run import simulate
 from vvdp.steady.test_stand import stand
 from vvdp.steady.waveform import whole_run

@@ -19,10 +19,10 @@ from vvdp.results.result import Badge, Column, Finding, Grade, Listing, Number, 
 from vvdp.systems.resolved import resolved_text
 
 MANNER = (
-    "An evolutionary search, begun with the optimum of each objective alone, spreads designs over the front; a gradient "
-    "solver makes the first objective of each as small as the others allow. All designs are simulated. What the "
-    f"simulation refuses is not on the front: a total loss more than {percent(TOLERANCE, 0)} off the analytic one, means "
-    "that do not settle, or a run that fails. Each design is a system file in systems/ for vvdp run."
+    "An evolutionary search, begun with the optimum of each objective alone, spreads designs over the front; a "
+    "gradient solver makes the first objective of each as small as the others allow. All designs are simulated. What "
+    f"the simulation refuses is not on the front: a total loss more than {percent(TOLERANCE, 0)} off the analytic one, "
+    "means that do not settle, or a run that fails. Each design is a system file in systems/ for vvdp run."
 )
 SIMULATED = {
     "loss_total": (MEAN_POWER, "total loss, simulated"),
