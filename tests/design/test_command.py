@@ -116,18 +116,18 @@ def test_a_directory_is_not_replaced(designing, tmp_path):
 
 
 def test_interrupted_before_anything_is_found_leaves_nothing(designing, tmp_path, monkeypatch):
-    from vvdp.design.optimise import Traced
+    from vvdp.design.solver import Traced
 
     def stopped(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Traced, "solved", stopped)
+    monkeypatch.setattr(Traced, "solve", stopped)
     code, _, _ = designing("prototype", "--no-simulation", "--starts", "1", "--out", "there")
     assert code == 130
     assert not (tmp_path / "there").exists()
 
 
-@pytest.mark.parametrize("where", ["vvdp.design.optimise._searched", "vvdp.design.proof.simulate"])
+@pytest.mark.parametrize("where", ["vvdp.design.optimise._global_search", "vvdp.design.proof.simulate"])
 def test_interrupted_later_keeps_what_was_found(designing, tmp_path, monkeypatch, where):
     """In the global search, and in the simulation of the optimum."""
 
@@ -149,7 +149,7 @@ def test_interrupted_while_limits_are_moved_keeps_the_simulations(designing, tmp
     def stopped(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("vvdp.design.optimise._least_from", stopped)
+    monkeypatch.setattr("vvdp.design.sensitivity._least_from", stopped)
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--starts", "1", "--out", "there", "--json")
     assert code == 130
     assert json.loads(out)["after_simulated_trusted"] is True

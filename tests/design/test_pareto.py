@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.design.optimise import InfeasibleError, Traced, optimised
-from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated, write_front
+from vvdp.design.infeasibility import InfeasibleError
+from vvdp.design.optimise import optimise
+from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated
+from vvdp.design.pareto_result import front_result, write_designs
 from vvdp.design.problem import problem
 from vvdp.design.proof import simulated_designs
 from vvdp.design.quantities import quantities, setup
+from vvdp.design.solver import Traced
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
@@ -56,7 +59,7 @@ def test_ends_are_the_optima_of_one_objective(four, prototype):
     for k, each in enumerate(four.objectives):
         if each.large:
             continue
-        alone = optimised(problem(prototype, each.quantity, limits, BOUNDS), starts=2, globally=False).objective
+        alone = optimise(problem(prototype, each.quantity, limits, BOUNDS), starts=2, globally=False).objective
         assert four.costs[:, k].min() == pytest.approx(alone, rel=2e-4), each.quantity
 
 
@@ -65,7 +68,7 @@ def test_a_curve_is_what_single_optima_with_a_moved_limit_give(two, prototype):
     rows = two.quantities[1 :: max(1, len(two.quantities) // 5)]
     for row in rows:
         limit = f"pwm_frequency >= {row['pwm_frequency']!r} Hz"
-        alone = optimised(
+        alone = optimise(
             problem(prototype, "pressure_drop_total", [limit, LIMITS[1]], BOUNDS), starts=2, globally=False
         )
         assert row["pressure_drop_total"] == pytest.approx(alone.objective, rel=5e-4)
@@ -85,7 +88,7 @@ def test_no_random_design_beats_the_front(two):
 
 
 def test_every_design_is_a_system(four, tmp_path):
-    write_front(tmp_path, four)
+    write_designs(tmp_path, four)
     names = sorted(path.name for path in (tmp_path / "systems").iterdir())
     assert names[0] == "point-001.toml"
     assert len(names) == len(four.values)
@@ -167,7 +170,7 @@ def test_a_front_at_an_exact_frequency(prototype):
 
 def test_interrupted_in_an_optimum_of_one_objective_leaves_nothing(designing, tmp_path, monkeypatch):
     """The first optimum is found from its second point, then comes Ctrl-C."""
-    calls, solved = [], Traced.solved
+    calls, solved = [], Traced.solve
 
     def stopped(traced, start):
         calls.append(start)
@@ -175,7 +178,7 @@ def test_interrupted_in_an_optimum_of_one_objective_leaves_nothing(designing, tm
             raise KeyboardInterrupt
         return solved(traced, start)
 
-    monkeypatch.setattr(Traced, "solved", stopped)
+    monkeypatch.setattr(Traced, "solve", stopped)
     code, out, _ = designing("pareto", "prototype", "--points", "8", "--generations", "2", "--out", "there")
     assert (code, out) == (130, "")
     assert not (tmp_path / "there").exists()

@@ -3,7 +3,8 @@
 import pytest
 
 from vvdp.base.errors import ConfigError, ParameterError
-from vvdp.design.optimise import InfeasibleError, optimised
+from vvdp.design.infeasibility import InfeasibleError
+from vvdp.design.optimise import optimise
 from vvdp.design.problem import problem, with_usual_limits
 from vvdp.design.proof import doubts
 from vvdp.systems.system import load_system
@@ -13,7 +14,7 @@ DROP = "pressure_drop_total"
 
 def conflict(system, limits, bounds, minimise=DROP):
     with pytest.raises(InfeasibleError) as raised:
-        optimised(problem(system, minimise, limits, bounds), starts=3, globally=False)
+        optimise(problem(system, minimise, limits, bounds), starts=3, globally=False)
     return str(raised.value)
 
 
@@ -61,7 +62,7 @@ def test_conflict_names_limits_that_fight_and_no_others(prototype):
     # and without either of the two there is a design
     for dropped in (0, 2):
         rest = [limit for k, limit in enumerate(limits) if k != dropped]
-        assert optimised(problem(prototype, DROP, rest, ["radial_clearance <= 22.5 um"]), starts=2, globally=False)
+        assert optimise(problem(prototype, DROP, rest, ["radial_clearance <= 22.5 um"]), starts=2, globally=False)
 
 
 def test_what_all_else_allows_can_be_had(prototype):
@@ -70,7 +71,7 @@ def test_what_all_else_allows_can_be_had(prototype):
     told = conflict(prototype, limits, ["radial_clearance <= 22.5 um"])
     reach = float(told.partition("pwm_frequency >= 150 Hz (all else allows ")[2].split()[0])
     bounds = ["radial_clearance <= 22.5 um"]
-    optimised(
+    optimise(
         problem(prototype, DROP, [limits[0], f"pwm_frequency >= {0.999 * reach} Hz"], bounds), starts=3, globally=False
     )
     conflict(prototype, [limits[0], f"pwm_frequency >= {1.001 * reach} Hz"], bounds)
@@ -134,7 +135,7 @@ def test_no_equilibrium_speed_over_a_cycle():
     """At duty ratio 1.4 the tank port never opens, and the load of 130 bar is above the relief valve's 120 bar: all
     flow goes over that, and no jet turns the spool."""
     stalled = load_system("prototype-constant-load", ["operation.duty_ratio=1.4", "load.pressure=130 bar"])
-    found = optimised(problem(stalled, DROP, ["pwm_frequency >= 72 Hz"]), starts=1, globally=False)
+    found = optimise(problem(stalled, DROP, ["pwm_frequency >= 72 Hz"]), starts=1, globally=False)
     with pytest.raises(ConfigError, match="no equilibrium speed: over a cycle the torques balance at "):
         doubts(found.problem, found.values)
 
@@ -174,7 +175,7 @@ def test_reach_of_a_mean(prototype, tmp_path):
     least, most = sorted(q.pwm_frequency for q in asked.found(corner))
     mean = 0.75 * least + 0.25 * most
     with pytest.raises(InfeasibleError) as raised:
-        optimised(asked, starts=1, globally=False)
+        optimise(asked, starts=1, globally=False)
     told = float(str(raised.value).partition("all else allows ")[2].split()[0])
     assert told == pytest.approx(mean, rel=1e-5)
     assert told > 1.05 * least

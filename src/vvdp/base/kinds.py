@@ -72,6 +72,9 @@ SPEED = Kind("rotational speed", "rad/s", -1e5, 1e5, "1800 rpm", units=SPEED_UNI
 FREQUENCY = Kind("frequency", "Hz", 0.0, 1e6, "72 Hz", units=("Hz", "kHz", "1/s"))
 TIME = Kind("time", "s", 0.0, 1e6, "10 ms")
 TEMPERATURE = Kind("temperature", "K", 223.15, 423.15, "40 degC", units=("degC", "K", "degF"))
+TEMPERATURE_DIFFERENCE = Kind("temperature difference", "K", -1e4, 1e4, "5 K", units=("K",))
+SPECIFIC_HEAT = Kind("specific heat", "J/(kg*K)", 1.0, 1e5, "1900 J/(kg*K)")
+THERMAL_CONDUCTIVITY = Kind("thermal conductivity", "W/(m*K)", 1e-3, 1e3, "0.13 W/(m*K)")
 DENSITY = Kind("density", "kg/m^3", 500.0, 2000.0, "876 kg/m^3")
 KINEMATIC_VISCOSITY = Kind("kinematic viscosity", "m^2/s", 1e-7, 1e-1, "44.2 cSt")
 DYNAMIC_VISCOSITY = Kind("dynamic viscosity", "Pa*s", 1e-4, 1e2, "0.0387 Pa*s")
@@ -158,6 +161,9 @@ Speed = Annotated[float, SPEED]
 Frequency = Annotated[float, FREQUENCY]
 Time = Annotated[float, TIME]
 Temperature = Annotated[float, TEMPERATURE]
+TemperatureDifference = Annotated[float, TEMPERATURE_DIFFERENCE]
+SpecificHeat = Annotated[float, SPECIFIC_HEAT]
+ThermalConductivity = Annotated[float, THERMAL_CONDUCTIVITY]
 Density = Annotated[float, DENSITY]
 KinematicViscosity = Annotated[float, KINEMATIC_VISCOSITY]
 DynamicViscosity = Annotated[float, DYNAMIC_VISCOSITY]

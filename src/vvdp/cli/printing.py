@@ -47,12 +47,17 @@ def write_with_report(folder: "Path", result: "Result", system: str, *, no_repor
     return not no_report and add_report(RESULT, folder)
 
 
-def show_result(result: "Result", directory: "Path", *, json: bool, reported: bool) -> None:
-    """Prints a result that stands in `directory`: as one JSON object, or its listings and findings for a person."""
+def show_result(
+    result: "Result", directory: "Path", *, json: bool, reported: bool, names: Sequence[str] | None = None
+) -> None:
+    """Prints a result that stands in `directory`: as one JSON object, or `names` and findings for a person.
+
+    `names` are the listings and tables to print, all listings by default.
+    """
     if json:
         print_json({**result.flat, "out": str(directory)})
         return
-    print_result(result, tuple(result.listings))
+    print_result(result, tuple(result.listings) if names is None else names)
     tell(f"results: {directory}")
     if reported:
         tell(f"report: {directory / 'report.html'}")

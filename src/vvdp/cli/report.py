@@ -13,10 +13,6 @@ RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
     "result.json": RESULT,
-    "design.json": ("design_report", "write_design_report"),
-    "front.json": ("design_report", "write_front_report"),
-    "tolerance.json": ("design_report", "write_tolerance_report"),
-    "temperature.json": ("design_report", "write_temperature_report"),
 }
 """What writes the report of a directory in which a file stands: module and function."""
 

@@ -6,7 +6,6 @@ then every design is moved onto the front by the gradient solver, the first quan
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,15 +15,12 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.extras import require
 from vvdp.base.tables import nearest
-from vvdp.design.optimise import Traced, geometry_of, searched, valve_of
+from vvdp.design.optimise import search_optima
 from vvdp.design.problem import Limit, Problem
-from vvdp.design.proof import TOLERANCE, Simulated
-from vvdp.design.quantities import KINDS, Quantities, key
-from vvdp.design.results import write_columns, write_numbers
-from vvdp.design.variables import VARIABLES, redesigned
-from vvdp.systems.resolved import resolved_text
+from vvdp.design.proof import Simulated
+from vvdp.design.quantities import KINDS, Quantities
+from vvdp.design.solver import Traced, geometry_of, valve_of
 
-NUMBERS_OF_FRONT = "front.json"
 GENERATIONS = 60
 ROOM = 1e-4
 """By what part the other quantities may be worse when a design is moved onto the front: the solver needs some room."""
@@ -71,22 +67,20 @@ class Front:
     simulated: tuple[Simulated, ...] = ()
 
     @property
-    def doubtful(self) -> tuple[bool, ...]:
-        """Of every design, whether its simulation does not bear it out."""
-        return tuple(bool(each.doubts) for each in self.simulated[1:])
+    def refused(self) -> tuple[int, ...]:
+        """The designs that their simulation does not bear out; none where nothing was simulated."""
+        return tuple(place for place, each in enumerate(self.simulated[1:]) if each.doubts)
 
     @property
-    def warnings(self) -> list[str]:
-        """What to know before a design is taken, a sentence each."""
-        if not self.simulated:
-            return ["the designs were not simulated: analytic figures alone may mislead"]
-        count = sum(self.doubtful)
-        if not count:
-            return []
-        return [
-            f"{count} of {len(self.values)} designs are in doubt and marked so: their simulation is more than "
-            f"{100.0 * TOLERANCE:.3g} % off the analytic total loss, has not settled or failed"
-        ]
+    def kept(self) -> tuple[int, ...]:
+        """The designs that are on the front: confirmed by simulation, or all where nothing was simulated."""
+        return tuple(place for place in range(len(self.values)) if place not in self.refused)
+
+    @property
+    def on_a_bound(self) -> tuple[int, ...]:
+        """The designs on the front of which some variable lies on a bound."""
+        bounds = [bound for bound in self.problem.bounds if not bound.fixed]
+        return tuple(k for k in self.kept if any(b.holds(self.values[k][b.variable.name]) for b in bounds))
 
     def column(self, quantity: str) -> Array:
         """A quantity along the front [SI]."""
@@ -119,63 +113,6 @@ def objectives(minimise: Sequence[str], maximise: Sequence[str]) -> tuple[Object
     return (*(Objective(name, False) for name in minimise), *(Objective(name, True) for name in maximise))
 
 
-def write_front(folder: Path, found: Front) -> None:
-    """Writes every design of a front as a system file, front.csv and the numbers for the report."""
-    systems = folder / "systems"
-    systems.mkdir()
-    title = found.problem.system.title
-    good = ", ".join(f"{'large' if each.large else 'small'} {each.quantity}" for each in found.objectives)
-    for number, values in enumerate(found.values, 1):
-        note = f"design {number} of {len(found.values)} of a Pareto front: {good}"
-        system = redesigned(found.problem.system, values, note, f"{title}, design {number} of a front")
-        (systems / f"{point_name(number)}.toml").write_text(resolved_text(system), "utf-8")
-    write_columns(folder / "front.csv", flat_front(found))
-    write_numbers(folder, NUMBERS_OF_FRONT, front_content(found))
-
-
-def flat_front(found: Front) -> dict[str, list[float]]:
-    """Variables and quantities of all designs as columns, SI units in the names."""
-    columns = {key(name, VARIABLES[name].kind): [values[name] for values in found.values] for name in found.values[0]}
-    columns |= {key(name, kind): [row[name] for row in found.quantities] for name, kind in KINDS.items()}
-    if found.simulated:
-        designs = found.simulated[1:]
-        columns["simulated_loss_total_W"] = [each.loss_total for each in designs]
-        columns["simulated_pwm_frequency_Hz"] = [each.pwm_frequency for each in designs]
-        columns["simulated_efficiency"] = [each.efficiency for each in designs]
-        columns["simulated_settled"] = [each.settled for each in designs]
-        columns["doubtful"] = list(found.doubtful)
-    return columns
-
-
-def point_name(number: int) -> str:
-    """The name of the system file of a design of a front, counted from 1."""
-    return f"point-{number:03d}"
-
-
-def front_content(found: Front) -> dict[str, Any]:
-    """The front as JSON can hold it."""
-    return {
-        "system": found.problem.system.name,
-        "title": found.problem.system.title,
-        "objectives": [{"quantity": each.quantity, "large": each.large} for each in found.objectives],
-        "limits": [f"{each}{' (usual limit)' if each.usual else ''}" for each in found.problem.limits],
-        "bounds": [
-            {"name": b.variable.name, "words": b.variable.words, "low": b.low, "high": b.high}
-            for b in found.problem.bounds
-        ],
-        "points": len(found.problem.points),
-        "designs": [
-            {"file": f"systems/{point_name(number)}.toml", "values": values, "quantities": row}
-            for number, (values, row) in enumerate(zip(found.values, found.quantities, strict=True), 1)
-        ],
-        "before": found.before,
-        "simulated": [each._asdict() for each in found.simulated],
-        "warnings": found.warnings,
-        "evaluations": found.evaluations,
-        "finished": found.finished,
-    }
-
-
 def undominated(costs: Array) -> npt.NDArray[np.bool_]:
     """Which rows of `costs` no other row beats: is nowhere worse and somewhere better."""
     no_worse = np.all(costs[:, None, :] <= costs[None, :, :], axis=2)
@@ -201,11 +138,12 @@ def front(
     require("casadi", "opt", "a Pareto front")
     asked = replace(asked, beside=tuple(each.quantity for each in wanted))
     anchors = [_anchor(asked, each, seed) for each in wanted]
-    spread, evaluations, finished = _spread(asked, wanted, anchors, points, generations, seed, progress)
+    evolution = Evolution(points, generations, seed)
+    spread, evaluations, finished = _spread(asked, wanted, anchors, evolution, progress)
     found = list(anchors)
     try:
         for number, values in enumerate(spread):
-            found.append(_moved_onto(asked, wanted, values))
+            found.append(_move_onto(asked, wanted, values))
             if progress:
                 progress(generations + number + 1, generations + len(spread))
     except KeyboardInterrupt:
@@ -217,13 +155,13 @@ def front(
     kept = kept[_apart(costs[kept])]
     order = kept[np.argsort(costs[kept, 0])]
     return Front(
-        asked,
-        tuple(wanted),
-        tuple(found[k] for k in order),
-        tuple(rows[k] for k in order),
-        _means(asked, asked.found({})),
-        evaluations,
-        finished,
+        problem=asked,
+        objectives=tuple(wanted),
+        values=tuple(found[k] for k in order),
+        quantities=tuple(rows[k] for k in order),
+        before=_means(asked, asked.found({})),
+        evaluations=evaluations,
+        finished=finished,
     )
 
 
@@ -242,45 +180,85 @@ def _means(asked: Problem, found: Sequence[Quantities]) -> dict[str, float]:
 def _anchor(asked: Problem, objective: Objective, seed: int) -> dict[str, float]:
     """The optimum of one objective alone; Ctrl-C ends it, as there is no front without all of these."""
     signed = replace(asked, objective=objective.quantity, sign=objective.sign)
-    search = searched(signed, starts=3, seed=seed, globally=False)
+    search = search_optima(signed, starts=3, seed=seed, globally=False)
     if not search.finished:
         raise KeyboardInterrupt
     return search.best.traced.values(search.best.x)
+
+
+@dataclass(frozen=True)
+class Evolution:
+    """How many designs evolve for how long, from which seed."""
+
+    points: int
+    generations: int
+    seed: int
 
 
 def _spread(
     asked: Problem,
     wanted: Sequence[Objective],
     anchors: Sequence[dict[str, float]],
-    points: int,
-    generations: int,
-    seed: int,
+    evolution: Evolution,
     progress: Callable[[int, int], None] | None,
 ) -> tuple[list[dict[str, float]], int, bool]:
     """Designs spread over the front, as far as evolution has brought them, how many were looked at, and whether it
     came to its end."""
     from pymoo.algorithms.moo.age import AGEMOEA
+
+    points, bounds = evolution.points, asked.bounds
+    low, high = _box(asked)
+    rng = np.random.default_rng(evolution.seed)
+    first = rng.uniform(low, high, (points, len(bounds)))
+    known = [*anchors, asked.start]
+    for k, design in enumerate(known[:points]):
+        first[k] = np.log([design[b.variable.name] for b in bounds])
+    algorithm = AGEMOEA(pop_size=points, sampling=first)
+    algorithm.setup(_evolved(asked, wanted), termination=("n_gen", evolution.generations), seed=evolution.seed)
+    best, finished, done = None, True, 0
+    try:
+        while algorithm.has_next():
+            algorithm.next()
+            done += 1
+            best = algorithm.opt
+            if progress:
+                progress(done, evolution.generations + points)
+    except KeyboardInterrupt:
+        finished = False
+    fine = [] if best is None else [each.X for each in best if each.CV[0] <= 0.0]
+    columns = _columns(asked, np.array(fine).reshape(-1, len(bounds)))
+    return [{name: float(c[k]) for name, c in columns.items()} for k in range(len(fine))], done * points, finished
+
+
+def _box(asked: Problem) -> tuple[Array, Array]:
+    """Lower and upper ends of the search, logarithms."""
+    low, high = (np.log([getattr(b, end) for b in asked.bounds]) for end in ("low", "high"))
+    return low, high
+
+
+def _columns(asked: Problem, x: Array) -> dict[str, Any]:
+    """Columns of variables for rows of the search."""
+    columns = np.exp(np.clip(x, *_box(asked)))
+    return {
+        b.variable.name: np.rint(columns[:, k]) if b.variable.whole else columns[:, k]
+        for k, b in enumerate(asked.bounds)
+    }
+
+
+def _evolved(asked: Problem, wanted: Sequence[Objective]) -> Any:
+    """The problem as pymoo takes it."""
     from pymoo.core.problem import Problem as Evolved
 
-    bounds = asked.bounds
-    low, high = (np.log([getattr(b, end) for b in bounds]) for end in ("low", "high"))
-    demands = geometry_of(asked)
-    sided = _banded(asked)
+    low, high = _box(asked)
+    demands, sided = geometry_of(asked), _banded(asked)
     count = sum(1 if each.over_the_points else len(asked.points) for each in sided.limits) + len(demands)
-
-    def values_of(x: Array) -> dict[str, Any]:
-        """Columns of variables for rows of the search."""
-        columns = np.exp(np.clip(x, low, high))
-        return {
-            b.variable.name: np.rint(columns[:, k]) if b.variable.whole else columns[:, k] for k, b in enumerate(bounds)
-        }
 
     class Designs(Evolved):  # type: ignore[misc]
         def __init__(self) -> None:
-            super().__init__(n_var=len(bounds), n_obj=len(wanted), n_ieq_constr=count, xl=low, xu=high)
+            super().__init__(n_var=len(asked.bounds), n_obj=len(wanted), n_ieq_constr=count, xl=low, xu=high)
 
         def _evaluate(self, x: Array, out: dict[str, Any], *_: Any, **__: Any) -> None:
-            values = values_of(x)
+            values = _columns(asked, x)
             with np.errstate(all="ignore"):
                 found = asked.found(values)
                 valve = valve_of(asked, values)
@@ -290,26 +268,7 @@ def _spread(
             out["F"] = np.stack([np.nan_to_num(np.broadcast_to(c, len(x)), nan=1e12) for c in costs], axis=1)
             out["G"] = np.stack([np.nan_to_num(np.broadcast_to(e, len(x)), nan=1e3) for e in excess], axis=1)
 
-    rng = np.random.default_rng(seed)
-    first = rng.uniform(low, high, (points, len(bounds)))
-    known = [*anchors, asked.start]
-    for k, design in enumerate(known[:points]):
-        first[k] = np.log([design[b.variable.name] for b in bounds])
-    algorithm = AGEMOEA(pop_size=points, sampling=first)
-    algorithm.setup(Designs(), termination=("n_gen", generations), seed=seed)
-    best, finished, done = None, True, 0
-    try:
-        while algorithm.has_next():
-            algorithm.next()
-            done += 1
-            best = algorithm.opt
-            if progress:
-                progress(done, generations + points)
-    except KeyboardInterrupt:
-        finished = False
-    fine = [] if best is None else [each.X for each in best if each.CV[0] <= 0.0]
-    columns = values_of(np.array(fine).reshape(-1, len(bounds)))
-    return [{name: float(c[k]) for name, c in columns.items()} for k in range(len(fine))], done * points, finished
+    return Designs()
 
 
 def _banded(asked: Problem) -> Problem:
@@ -327,17 +286,17 @@ def _is_exact(asked: Problem, values: dict[str, float]) -> bool:
     return all(abs(excess) <= EXACT for limit, excesses in pairs if limit.exactly for excess in excesses)
 
 
-def _moved_onto(asked: Problem, wanted: Sequence[Objective], values: dict[str, float]) -> dict[str, float]:
+def _move_onto(asked: Problem, wanted: Sequence[Objective], values: dict[str, float]) -> dict[str, float]:
     """The design at which the first objective is least while no other gets worse; `values` where that fails."""
     at = _means(asked, asked.found(values))
     ceilings = []
     for each in wanted[1:]:
         worst = at[each.quantity] + each.sign * ROOM * abs(at[each.quantity])
-        ceilings.append(Limit(each.quantity, each.large, worst, over_the_points=True))
+        ceilings.append(Limit(each.quantity, at_least=each.large, value=worst, over_the_points=True))
     bounds_held = {b.variable.name: values[b.variable.name] for b in asked.bounds if b.variable.whole}
     question = replace(asked, objective=wanted[0].quantity, sign=wanted[0].sign, limits=(*asked.limits, *ceilings))
     traced = Traced(question, bounds_held)
-    local = traced.solved(np.clip(traced.inside(values), traced.low, traced.high))
+    local = traced.solve(np.clip(traced.inside(values), traced.low, traced.high))
     if local is None:
         return values
     moved = traced.values(local.x)

@@ -4,30 +4,22 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
-from vvdp.base.kinds import PRESSURE_LEVEL, Kind
+from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.tables import nearest, read_table, with_settings
-from vvdp.base.units import ATMOSPHERE, in_unit, parsed
-from vvdp.design.quantities import KINDS, Quantities, Setup, quantities, setup
+from vvdp.base.units import parsed
+from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
 from vvdp.design.variables import VARIABLES, Variable, changed, value_in
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 
 _STATEMENT = re.compile(r"\s*(\w+)\s*(>=|<=|=|≥|≤)\s*(.+?)\s*\Z")
 _SIGNS = {"≥": ">=", "≤": "<="}
-
-
-def shown(value: float, kind: Kind, digits: int = 6) -> str:
-    """A value [SI] with its unit, as people write it; a pressure level gauge."""
-    if kind is PRESSURE_LEVEL:
-        return f"{(value - ATMOSPHERE) / 1e5:.{digits}g} bar"
-    if kind.unit in ("1", "SI"):
-        return f"{value:.{digits}g}{' SI' if kind.unit == 'SI' else ''}"
-    return f"{in_unit(value, kind, kind.shown):.{digits}g} {kind.shown}"
 
 
 @dataclass(frozen=True)
@@ -45,9 +37,18 @@ class Limit:
     exactly: bool = False
 
     def __str__(self) -> str:
+        """As a person types it."""
+        return self._statement(self.quantity, ">=", "<=")
+
+    @property
+    def words(self) -> str:
+        """As a person reads it."""
+        return self._statement(LABELS[self.quantity], "≥", "≤") + (" (usual limit)" if self.usual else "")
+
+    def _statement(self, name: str, at_least: str, at_most: str) -> str:
         mean = " on average" if self.over_the_points else ""
-        sign = "=" if self.exactly else ">=" if self.at_least else "<="
-        return f"{self.quantity} {sign} {shown(self.value, KINDS[self.quantity])}{mean}"
+        sign = "=" if self.exactly else at_least if self.at_least else at_most
+        return f"{name} {sign} {with_unit(self.value, KINDS[self.quantity], 6)}{mean}"
 
     @property
     def measure(self) -> float:
@@ -81,16 +82,56 @@ class Bound:
     low_given: bool = False
     high_given: bool = False
 
-    def side(self, upper: bool) -> str:
-        """One of its sides in words."""
-        value = self.high if upper else self.low
-        sign = "=" if self.fixed else "<=" if upper else ">="
-        return f"{self.variable.name} {sign} {shown(value, self.variable.kind)}"
-
     @property
     def fixed(self) -> bool:
         """Whether there is nothing to choose."""
         return self.low == self.high
+
+    @property
+    def sides(self) -> "tuple[Side, Side]":
+        """Upper and lower side."""
+        return Side(self, True), Side(self, False)
+
+    def holds(self, value: float) -> bool:
+        """Whether a value [SI] lies on one of its sides."""
+        return any(abs(value - end) <= ON_BOUND * abs(end) for end in (self.low, self.high))
+
+
+ON_BOUND = 2e-3
+"""How close to a bound a variable lies on it, as a part of it."""
+
+
+class Side(NamedTuple):
+    """One side of a bound."""
+
+    bound: Bound
+    upper: bool
+
+    def __str__(self) -> str:
+        """As a person types it."""
+        sign = "=" if self.bound.fixed else "<=" if self.upper else ">="
+        return f"{self.bound.variable.name} {sign} {self.amount}"
+
+    @property
+    def words(self) -> str:
+        """As a person reads it."""
+        sign = "=" if self.bound.fixed else "≤" if self.upper else "≥"
+        return f"{self.bound.variable.label} {sign} {self.amount}"
+
+    @property
+    def amount(self) -> str:
+        """The value with its unit."""
+        return with_unit(self.value, self.bound.variable.kind, 6)
+
+    @property
+    def value(self) -> float:
+        """Where it is [SI]."""
+        return self.bound.high if self.upper else self.bound.low
+
+    @property
+    def is_given(self) -> bool:
+        """Whether somebody asked for it."""
+        return self.bound.fixed or (self.bound.high_given if self.upper else self.bound.low_given)
 
 
 @dataclass(frozen=True)
@@ -170,7 +211,14 @@ def problem(
     _check_variables(system, found, faults)
     if not faults:
         faults += [fault for point in points for fault in _unusable_points(point)]
-    asked = Problem(system, minimise, tuple(limits), found, points, beside=tuple(beside))
+    asked = Problem(
+        system=system,
+        objective=minimise,
+        limits=tuple(limits),
+        bounds=found,
+        points=points,
+        beside=tuple(beside),
+    )
     if not faults and asked.quantities & TRANSITIONAL:
         faults += [fault for point in points for fault in _never_switching(point)]
     if faults:
@@ -184,24 +232,34 @@ RIPPLE = frozenset(("pwm_frequency", "load_pulsation"))
 """What tells of the ripple behind the load port."""
 
 
+MOST_TRANSITION = 0.5
+"""Of a PWM period: a transition that takes longer leaves no duty ratio at which both ports open fully."""
+
+
 def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
-    """`asked` with what is usually demanded of a valve added, each where the question names nothing of that sort.
+    """`asked` with what is usually demanded of a valve added, each where the question limits nothing of that sort.
 
     The PWM frequency is at least that of the system as it is: a slower valve loses less in closed form, which takes the
-    load pressure as steady, but its ripple grows. Of a `front`, the relief valve stays shut while a port is open, and
-    the pump needs no more than the power of its motor, or what it needed before.
+    load pressure as steady, but its ripple grows. Of a `front`, a transition takes at most half a PWM period, or what
+    it took before, the relief valve stays shut while a port is open, and the pump needs no more than the power of its
+    motor, or what it needed before. Names in the objectives of a front do not bound them.
     """
-    before, mean, named = asked.found({}), len(asked.points) > 1, asked.quantities
+    before, mean = asked.found({}), len(asked.points) > 1
+    named = frozenset(limit.quantity for limit in asked.limits) if front else asked.quantities
     more = []
     frequency = float(asked.mean(before, "pwm_frequency"))
     if not named & RIPPLE and frequency > 0.0:
-        more.append(Limit("pwm_frequency", True, frequency, mean, usual=True))
+        more.append(Limit("pwm_frequency", at_least=True, value=frequency, over_the_points=mean, usual=True))
+    if front and "transition_fraction" not in named:
+        now = max(float(q.transition_fraction) for q in before)
+        most = max(MOST_TRANSITION, now)
+        more.append(Limit("transition_fraction", at_least=False, value=most, usual=True))
     if front and "relief_margin" not in named:
-        more.append(Limit("relief_margin", True, 0.0, usual=True))
+        more.append(Limit("relief_margin", at_least=True, value=0.0, usual=True))
     if front and "input_power" not in named:
         rated = rotary_bench(asked.system, "design").motor.rated_power
         now = max(float(q.input_power) for q in before)
-        more.append(Limit("input_power", False, max(rated, now), usual=True))
+        more.append(Limit("input_power", at_least=False, value=max(rated, now), usual=True))
     return replace(asked, limits=(*asked.limits, *more))
 
 
@@ -234,7 +292,7 @@ def _unusable_points(point: Point) -> list[Fault]:
     if not at.flow > 0.0:
         return [Fault(place, 0, "operation.pump_speed", f"no equilibrium speed: the pump delivers {at.flow:g} m^3/s")]
     if not at.load_pressure > at.tank_pressure:
-        load, tank = (shown(p, PRESSURE_LEVEL) for p in (at.load_pressure, at.tank_pressure))
+        load, tank = (with_unit(p, PRESSURE_LEVEL) for p in (at.load_pressure, at.tank_pressure))
         return [Fault(place, 0, "load", f"the load at {load} is not above the tank at {tank}")]
     return []
 
@@ -268,59 +326,72 @@ def _limits(text: str, faults: list[Fault]) -> list[Limit]:
 
 
 def _bounds(texts: Iterable[str], at: Setup, faults: list[Fault]) -> tuple[Bound, ...]:
-    option = "--bound"
     given: dict[str, dict[str, float]] = {}
     for text in texts:
-        told = _statement(option, text, faults)
-        if told is None:
-            continue
-        name, sign, number = told
-        if name not in VARIABLES:
-            other = "; it is a result, use --subject-to" if name in KINDS else nearest(name, list(VARIABLES))
-            faults.append(Fault(option, 0, name, f"unknown variable{other}"))
-            continue
-        if name == "lap_ratio" and number.startswith("-"):
-            message = f"{number}: a negative lap beyond the barrier, which would be {number} nozzle widths wide"
-            faults.append(Fault(option, 0, name, message))
-            continue
-        if name == "spool_motor_speed" and not at.coupling > 0.0:
-            message = "has no effect: the spool spins by itself; give spool_drive.coupling a value above 0 N*m*s"
-            faults.append(Fault(option, 0, name, message))
-            continue
+        _read_bound(text, at, given, faults)
+    wanted = [each for name, each in VARIABLES.items() if each.usual or name in given]
+    bounds = [_bound(each, given.get(each.name, {}), value_in(at, each.name), faults) for each in wanted]
+    return tuple(bound for bound in bounds if bound is not None)
+
+
+def _read_bound(text: str, at: Setup, given: dict[str, dict[str, float]], faults: list[Fault]) -> None:
+    """Adds the ends that one statement gives to those of its variable."""
+    told = _statement(BOUND, text, faults)
+    if told is None:
+        return
+    name, sign, number = told
+    message = _why_not(name, number, at)
+    if not message:
         try:
             value = parsed(number, VARIABLES[name].kind)
         except ParameterError as problem:
-            faults.append(Fault(option, 0, name, str(problem)))
-            continue
-        for end in ("low", "high"):
-            if sign == "=" or sign == {"low": ">=", "high": "<="}[end]:
-                given.setdefault(name, {})[end] = value
-    found = []
-    for name, variable in VARIABLES.items():
-        if not variable.usual and name not in given:
-            continue
-        sides, now = given.get(name, {}), value_in(at, name)
-        usual_low, usual_high = (
-            float(np.clip(factor * now, variable.kind.low, variable.kind.high))
-            for factor in (variable.lowest, variable.highest)
-        )
-        low = sides.get("low", min(usual_low, sides.get("high", np.inf)))
-        high = sides.get("high", max(usual_high, sides.get("low", 0.0)))
-        if variable.whole:
-            low, high = np.ceil(low - 1e-9), np.floor(high + 1e-9)
-            if not low <= high:
-                asked_for = " to ".join(f"{value:g}" for value in dict.fromkeys(sides.values()))
-                message = f"{asked_for}; expected whole numbers, and there is none between"
-                faults.append(Fault(option, 0, name, message))
-                continue
-        ends = f"{shown(low, variable.kind)} to {shown(high, variable.kind)}"
-        if not low > 0.0:
-            faults.append(Fault(option, 0, name, f"{ends}; both ends must be above zero"))
-        elif not low <= high:
-            faults.append(Fault(option, 0, name, f"{ends} leaves nothing between"))
-        else:
-            found.append(Bound(variable, float(low), float(high), "low" in sides, "high" in sides))
-    return tuple(found)
+            message = str(problem)
+    if message:
+        faults.append(Fault(BOUND, 0, name, message))
+        return
+    for end, own in (("low", ">="), ("high", "<=")):
+        if sign in ("=", own):
+            given.setdefault(name, {})[end] = value
+
+
+BOUND = "--bound"
+
+
+def _why_not(name: str, number: str, at: Setup) -> str:
+    """What speaks against a bound of a variable; empty where nothing does."""
+    if name not in VARIABLES:
+        other = "; it is a result, use --subject-to" if name in KINDS else nearest(name, list(VARIABLES))
+        return f"unknown variable{other}"
+    if name == "lap_ratio" and number.startswith("-"):
+        return f"{number}: a negative lap beyond the barrier, which would be {number} nozzle widths wide"
+    if name == "spool_motor_speed" and not at.coupling > 0.0:
+        return "has no effect: the spool spins by itself; give spool_drive.coupling a value above 0 N*m*s"
+    return ""
+
+
+def _bound(variable: Variable, sides: Mapping[str, float], now: float, faults: list[Fault]) -> Bound | None:
+    """The bounds of a variable that is `now` [SI], from those that were given and the usual ones; None with a fault."""
+    name, kind = variable.name, variable.kind
+    usual_low, usual_high = (
+        float(np.clip(factor * now, kind.low, kind.high)) for factor in (variable.lowest, variable.highest)
+    )
+    low = sides.get("low", min(usual_low, sides.get("high", np.inf)))
+    high = sides.get("high", max(usual_high, sides.get("low", 0.0)))
+    message = ""
+    if variable.whole:
+        low, high = np.ceil(low - 1e-9), np.floor(high + 1e-9)
+        if not low <= high:
+            between = " to ".join(f"{value:g}" for value in dict.fromkeys(sides.values()))
+            message = f"{between}; expected whole numbers, and there is none between"
+    ends = f"{with_unit(low, kind, 6)} to {with_unit(high, kind, 6)}"
+    if not message and not low > 0.0:
+        message = f"{ends}; both ends must be above zero"
+    elif not message and not low <= high:
+        message = f"{ends} leaves nothing between"
+    if message:
+        faults.append(Fault(BOUND, 0, name, message))
+        return None
+    return Bound(variable, float(low), float(high), low_given="low" in sides, high_given="high" in sides)
 
 
 def _points(path: Path, system: System, faults: list[Fault]) -> tuple[Point, ...]:

@@ -4,16 +4,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from vvdp.base.display import MINUS, percent, with_unit
 from vvdp.base.errors import ConfigError, Fault, RunError
+from vvdp.base.kinds import FREQUENCY, MEAN_POWER, Kind
 from vvdp.design.optimise import Optimum
-from vvdp.design.problem import Problem, shown
-from vvdp.design.quantities import KINDS
+from vvdp.design.problem import Problem, Side
 from vvdp.design.variables import redesigned
 from vvdp.geometry.shape import given_shape
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import simulate
 from vvdp.systems.bench import rotary_bench
+from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import simulated_summary, summary
 from vvdp.systems.system import System
 
@@ -69,6 +71,18 @@ def optimum_system(problem: Problem, values: Mapping[str, float], system: System
     if problem.limits:
         note += " subject to " + ", ".join(map(str, problem.limits))
     return redesigned(source, values, note, f"{problem.system.title}, optimised")
+
+
+def optimum_text(found: Optimum) -> str:
+    """The optimum as a system file, under what it was asked for."""
+    problem = found.problem
+    asked = [
+        f"The optimum of {problem.system.name}: least {problem.objective}",
+        *(f"  subject to {limit}{' (usual limit)' if limit.usual else ''}" for limit in problem.limits),
+        *(f"  within {Side(b, upper=False)} and {Side(b, upper=True)}" for b in problem.bounds),
+    ]
+    text = "".join(f"# {line}\n" for line in asked)
+    return text + "\n" + resolved_text(optimum_system(problem, found.values))
 
 
 def proofs(
@@ -148,20 +162,21 @@ def simulation_doubts(found: Optimum, proven: Sequence[Proof]) -> list[str]:
                 f"simulated{where}, the optimum loses {loss:.4g} W, more than the {simulated_before:.4g} W before; "
                 f"analytically it loses less ({claimed:.4g} W against {was:.4g} W)"
             )
-        told += [f"{text}{where}" for text in _apart("total loss", "W", loss, claimed)]
+        told += [f"{text}{where}" for text in _apart("total loss", MEAN_POWER, loss, claimed)]
         if "analytic_pwm_frequency_Hz" in each.found:
             pair = each.found["pwm_frequency_Hz"], each.found["analytic_pwm_frequency_Hz"]
-            told += [f"{text}{where}" for text in _apart("PWM frequency", "Hz", *pair)]
+            told += [f"{text}{where}" for text in _apart("PWM frequency", FREQUENCY, *pair)]
         told += [f"{text}{where}" for text in _unsettled(each.found)]
     return told
 
 
-def _apart(words: str, unit: str, simulated: float, claimed: float) -> list[str]:
-    if abs(simulated - claimed) <= TOLERANCE * abs(claimed):
+def _apart(label: str, kind: Kind, simulated: float, analytic: float) -> list[str]:
+    if abs(simulated - analytic) <= TOLERANCE * abs(analytic):
         return []
+    apart = percent(simulated / analytic - 1.0)
     return [
-        f"the {words} is {simulated:.4g} {unit} simulated and {claimed:.4g} {unit} analytic, "
-        f"{100.0 * (simulated / claimed - 1.0):+.3g} %; more than {100.0 * TOLERANCE:.3g} % is not to be relied on"
+        f"the {label} is {with_unit(simulated, kind)} simulated and {with_unit(analytic, kind)} analytic, "
+        f"{apart if apart.startswith(MINUS) else f'+{apart}'}; more than {percent(TOLERANCE, 0)} is not to be relied on"
     ]
 
 
@@ -186,20 +201,6 @@ def simulated_means(problem: Problem, proven: Sequence[Proof]) -> tuple[str, flo
             return None
         means.append(_mean(problem, [float(value) for value in values if value is not None]))
     return quantity, means[0], means[1]
-
-
-def headline(found: Optimum, proven: Sequence[Proof]) -> str:
-    """What the optimum gains, in closed form and simulated, in a sentence."""
-    asked = found.problem
-    name, kind = asked.objective, KINDS[asked.objective]
-    was = float(asked.mean(found.before, name))
-    told = f"{name.replace('_', ' ')}: {shown(was, kind, 4)} to {shown(found.objective, kind, 4)} (analytic)"
-    if pair := simulated_means(asked, proven):
-        quantity, before, after = pair
-        kind = KINDS[quantity]
-        words = "" if quantity == name else f"{quantity.replace('_', ' ')} "
-        told += f"; simulated, {words}{shown(before, kind, 4)} to {shown(after, kind, 4)}"
-    return told
 
 
 def _mean(problem: Problem, values: Sequence[float]) -> float:
@@ -243,10 +244,17 @@ def simulated_designs(
 def _simulated(problem: Problem, values: Mapping[str, float], rows: Sequence[Mapping[str, Any]]) -> Simulated:
     told = [f"the simulation gives nothing: {row['failure']}" for row in rows if "failure" in row]
     if told:
-        return Simulated(float("nan"), float("nan"), float("nan"), False, tuple(told))
+        nan = float("nan")
+        return Simulated(loss_total=nan, pwm_frequency=nan, efficiency=nan, settled=False, doubts=tuple(told))
     loss, frequency, efficiency = (
         _mean(problem, [float(row[key]) for row in rows]) for key in ("loss_total_W", "pwm_frequency_Hz", "efficiency")
     )
-    told = _apart("total loss", "W", loss, float(problem.mean(problem.found(values), "loss_total")))
+    told = _apart("total loss", MEAN_POWER, loss, float(problem.mean(problem.found(values), "loss_total")))
     told += list(dict.fromkeys(text for row in rows for text in _unsettled(row)))
-    return Simulated(loss, frequency, efficiency, all(row["settled"] for row in rows), tuple(told))
+    return Simulated(
+        loss_total=loss,
+        pwm_frequency=frequency,
+        efficiency=efficiency,
+        settled=all(row["settled"] for row in rows),
+        doubts=tuple(told),
+    )

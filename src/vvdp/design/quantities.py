@@ -9,8 +9,11 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from vvdp.base.display import key_suffix
 from vvdp.base.kinds import (
-    FLOW,
+    EFFICIENCY,
+    MEAN_POWER,
+    SIGNED_PRESSURE,
     Flow,
     Fraction,
     Frequency,
@@ -40,24 +43,9 @@ from vvdp.valve.operating_point import nozzle_reynolds_number
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import driven_speed, friction_coefficient, pwm_frequency
 
-LeakageFlow = Annotated[float, FLOW]
-LostPower = Annotated[float, Kind("power", "W", -1e9, 1e9, "450 W")]
-NetPressure = Annotated[float, Kind("pressure difference", "Pa", -1e9, 1e9, "5 bar", scale=1e5)]
-
-ENDINGS = {
-    "Pa": "_Pa",
-    "Hz": "_Hz",
-    "W": "_W",
-    "m": "_m",
-    "m^2": "_m2",
-    "m^3": "_m3",
-    "m^3/s": "_m3_s",
-    "m^2/s": "_m2_s",
-    "rad/s": "_rad_s",
-    "K": "_K",
-    "N": "_N",
-    "Pa*s": "_Pa_s",
-}
+MeanPower = Annotated[float, MEAN_POWER]
+SignedPressure = Annotated[float, SIGNED_PRESSURE]
+Efficiency = Annotated[float, EFFICIENCY]
 
 
 class Setup(NamedTuple):
@@ -90,29 +78,55 @@ class Quantities(NamedTuple):
     pressure_drop_outlet_turbine: PressureDifference
     pwm_frequency: Frequency
     transition_fraction: Fraction
-    loss_full_open: LostPower
-    loss_transition: LostPower
-    loss_leakage: LostPower
-    loss_compressibility: LostPower
-    spool_drive_power: LostPower
-    loss_total: LostPower
-    efficiency: Ratio
-    leakage_flow: LeakageFlow
+    loss_full_open: MeanPower
+    loss_transition: MeanPower
+    loss_leakage: MeanPower
+    loss_compressibility: MeanPower
+    spool_drive_power: MeanPower
+    loss_total: MeanPower
+    efficiency: Efficiency
+    leakage_flow: Flow
     load_flow: Flow
     load_pulsation: Volume
     spool_volume: Volume
-    relief_margin: NetPressure
-    input_power: LostPower
+    relief_margin: SignedPressure
+    input_power: MeanPower
     nozzle_reynolds_number: Ratio
-    spool_friction_power: LostPower
+    spool_friction_power: MeanPower
 
 
 KINDS: Mapping[str, Kind] = {name: kind for name, kind in field_kinds(Quantities).items() if kind}
 
 
+LABELS: Mapping[str, str] = {
+    "pressure_drop_total": "pressure drop",
+    "pressure_drop_nozzle": "pressure drop, nozzles",
+    "pressure_drop_centre_section": "pressure drop, centre section",
+    "pressure_drop_outlet_turbine": "pressure drop, outlet turbine",
+    "pwm_frequency": "PWM frequency",
+    "transition_fraction": "transition fraction",
+    "loss_full_open": "loss, fully open",
+    "loss_transition": "loss, transitions",
+    "loss_leakage": "loss, leakage",
+    "loss_compressibility": "loss, compressibility",
+    "spool_drive_power": "power of the spool's motor",
+    "loss_total": "total loss",
+    "efficiency": "efficiency",
+    "leakage_flow": "leakage flow",
+    "load_flow": "load flow",
+    "load_pulsation": "load pulsation",
+    "spool_volume": "spool volume",
+    "relief_margin": "relief margin",
+    "input_power": "input power",
+    "nozzle_reynolds_number": "Reynolds number of the nozzles",
+    "spool_friction_power": "viscous friction of the spool",
+}
+"""What a person calls each quantity."""
+
+
 def key(name: str, kind: Kind) -> str:
     """The flat key of a value of `kind`, with its SI unit at the end."""
-    return name + ENDINGS.get(kind.unit, "")
+    return name + key_suffix(kind)
 
 
 def setup(system: System) -> Setup:

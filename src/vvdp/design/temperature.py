@@ -1,19 +1,29 @@
 """The valve from cold to hot oil, and where on the way its model leaves the range in which it holds."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import with_unit
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Kind, Ratio
+from vvdp.base.kinds import (
+    NUMBER,
+    POWER,
+    TEMPERATURE,
+    TEMPERATURE_DIFFERENCE,
+    Kind,
+    Ratio,
+    SpecificHeat,
+    TemperatureDifference,
+    ThermalConductivity,
+)
 from vvdp.base.params import Params
-from vvdp.base.units import ATMOSPHERE
-from vvdp.design.problem import require_flow, shown
-from vvdp.design.quantities import KINDS, Setup, key, quantities, setup
+from vvdp.design.problem import require_flow
+from vvdp.design.quantities import KINDS, Setup, quantities, setup
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
@@ -30,10 +40,6 @@ from vvdp.valve.gap_flow import (
 from vvdp.valve.operating_point import TURBULENT
 from vvdp.valve.torque import pwm_frequency
 
-_KELVIN = Kind("temperature difference", "K", -1e4, 1e4, "5 K")
-TemperatureRise = Annotated[float, _KELVIN]
-SpecificHeat = Annotated[float, Kind("specific heat", "J/(kg*K)", 1.0, 1e5, "1900 J/(kg*K)")]
-ThermalConductivity = Annotated[float, Kind("thermal conductivity", "W/(m*K)", 1e-3, 1e3, "0.13 W/(m*K)")]
 COLDEST, HOTTEST, STEP = 283.15, 353.15, 2.5
 
 
@@ -47,7 +53,7 @@ class RangeLimits(Params):
     reynolds_number: Ratio = TURBULENT
     cavitation_number: Ratio = 0.4
     taylor_number: Ratio = 41.2
-    temperature_rise: TemperatureRise = 5.0
+    temperature_rise: TemperatureDifference = 5.0
     eccentricity: Ratio = 0.3
     excess_share: Ratio = 0.158
     specific_heat: SpecificHeat = 1900.0
@@ -68,21 +74,32 @@ ORIGINS: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Check:
-    """A number that must stay on one side of a limit for the model to hold, over the temperatures."""
+    """A number that must stay on one side of a limit for the model to hold, over the temperatures.
+
+    `whole` is what a limit of zero is measured with.
+    """
 
     name: str
-    words: str
+    label: str
     kind: Kind
     values: Array
     limit: float
     at_least: bool
     otherwise: str
+    whole: float = 0.0
 
     @property
     def outside(self) -> npt.NDArray[np.bool_]:
         """Where the limit is not kept."""
         found: npt.NDArray[np.bool_] = self.values < self.limit if self.at_least else self.values > self.limit
         return found
+
+    @property
+    def usage(self) -> Array:
+        """How much of the limit is used up: above 1 the model is in doubt."""
+        if self.whole:
+            return 1.0 - self.values / self.whole
+        return self.limit / self.values if self.at_least else self.values / self.limit
 
 
 @dataclass(frozen=True)
@@ -92,7 +109,6 @@ class OverTemperature:
     system: System
     temperatures: Array
     columns: Mapping[str, Array]
-    kinds: Mapping[str, Kind]
     checks: tuple[Check, ...]
     limits: RangeLimits
 
@@ -102,12 +118,7 @@ class OverTemperature:
         return [_sentence(self.temperatures, check) for check in self.checks if np.any(check.outside)]
 
 
-_NUMBER = Kind("number", "1", -1e12, 1e12, "1")
-_HERTZ = KINDS["pwm_frequency"]
-_WATT = KINDS["loss_total"]
-_NEWTON = Kind("force", "N", -1e9, 1e9, "5 N")
-_VISCOSITY = Kind("dynamic viscosity", "Pa*s", 0.0, 1e2, "0.0387 Pa*s")
-SHOWN = (
+QUANTITIES = (
     "pressure_drop_total",
     "pwm_frequency",
     "loss_full_open",
@@ -138,7 +149,7 @@ def over_temperature(
     """
     require_flow(system)
     if not (200.0 <= coldest < hottest <= 450.0 and step > 0.0):
-        ends = ", ".join(f"{t - 273.15:g} degC" for t in (coldest, hottest))
+        ends = ", ".join(with_unit(t, TEMPERATURE) for t in (coldest, hottest))
         raise ParameterError(f"from, to: {ends}, in steps of {step:g} K; expected a range of temperatures")
     limits = limits or RangeLimits()
     steps = int(np.ceil((hottest - coldest) / step - 1e-9))
@@ -151,21 +162,10 @@ def over_temperature(
         if progress:
             progress(len(rows), len(temperatures))
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    kinds = {name: KINDS.get(name, _EXTRA.get(name, _NUMBER)) for name in columns}
-    return OverTemperature(
-        system, temperatures, columns, kinds, _checks(columns, limits, bench.motor.rated_power, at), limits
-    )
+    checks = _checks(columns, limits, bench.motor.rated_power, at)
+    return OverTemperature(system, temperatures, columns, checks, limits)
 
 
-_EXTRA: Mapping[str, Kind] = {
-    "pwm_frequency_averaged": _HERTZ,
-    "viscosity": _VISCOSITY,
-    "input_power": _WATT,
-    "sheared_temperature_rise": _KELVIN,
-    "carried_temperature_rise": _KELVIN,
-    "radial_force": _NEWTON,
-    "bearing_capacity": _NEWTON,
-}
 FULL = 0.9
 """Eccentricity at which the capacity of the lands is stated: close to touching."""
 
@@ -189,7 +189,7 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
     force = radial_jet_force(Q, limits.excess_share, rho, valve)
     difference = at.load_pressure - at.tank_pressure
     return {
-        **{name: float(getattr(q, name)) for name in SHOWN},
+        **{name: float(getattr(q, name)) for name in QUANTITIES},
         "pwm_frequency_averaged": float(averaged),
         "viscosity": mu,
         "input_power": float(q.input_power),
@@ -210,115 +210,106 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
     }
 
 
+class _Demand(NamedTuple):
+    """What a check is about: its words, what it means where it is not kept, and its kind."""
+
+    label: str
+    otherwise: str
+    kind: Kind = NUMBER
+    at_least: bool = False
+
+
+_DEMANDS = {
+    "nozzle_reynolds_number": _Demand(
+        "Reynolds number of the nozzles",
+        "a discharge coefficient from a turbulent model is uncertain",
+        at_least=True,
+    ),
+    "cavitation_number_open": _Demand(
+        "cavitation number, tank port open",
+        "air or vapour comes out behind the nozzles: less flow at the same drop, and erosion",
+        at_least=True,
+    ),
+    "cavitation_number_closing": _Demand(
+        "cavitation number, tank port closing",
+        "the closing port cavitates for part of every period, which the orifice law leaves out",
+        at_least=True,
+    ),
+    "taylor_number": _Demand(
+        "Taylor number of the clearance", "vortices in the clearance: friction is above the linear law"
+    ),
+    "sheared_temperature_rise": _Demand(
+        "warming of the film by its shear",
+        "the film is thinner than the oil's temperature says: less friction",
+        TEMPERATURE_DIFFERENCE,
+    ),
+    "carried_temperature_rise": _Demand(
+        "warming of the leaking oil, at most",
+        "an upper bound, without the heat that goes into the walls: friction may be less, frequency and leakage more "
+        "than shown",
+        TEMPERATURE_DIFFERENCE,
+    ),
+    "input_power": _Demand("power of the pump's motor", "the motor is overloaded", POWER),
+    "eccentricity": _Demand(
+        "eccentricity of the spool", "the lands leak more than those of a centred spool and may touch"
+    ),
+    "relief_margin": _Demand(
+        "relief setting above load and open drop",
+        "the relief valve is open even with the load port fully open, and the analytic losses do not hold",
+        KINDS["relief_margin"],
+        at_least=True,
+    ),
+    "transition_fraction": _Demand(
+        "transition fraction",
+        "a port never opens fully at this duty ratio: the analytic transition loss does not hold",
+    ),
+}
+
+
 def _checks(columns: Mapping[str, Array], limits: RangeLimits, rated_power: float, at: Setup) -> tuple[Check, ...]:
-    c = columns
-    kappa = np.full_like(c["taylor_number"], float(quantities(at).transition_fraction))
-    room = min(at.duty_ratio, 1.0 - at.duty_ratio)
-    return (
+    margin = at.relief_pressure - at.load_pressure - columns["pressure_drop_total"]
+    fraction = np.full_like(margin, float(quantities(at).transition_fraction))
+    values = {**columns, "relief_margin": margin, "transition_fraction": fraction}
+    ends = {
+        "nozzle_reynolds_number": limits.reynolds_number,
+        "cavitation_number_open": limits.cavitation_number,
+        "cavitation_number_closing": limits.cavitation_number,
+        "taylor_number": limits.taylor_number,
+        "sheared_temperature_rise": limits.temperature_rise,
+        "carried_temperature_rise": limits.temperature_rise,
+        "input_power": rated_power,
+        "eccentricity": limits.eccentricity,
+        "relief_margin": 0.0,
+        "transition_fraction": min(at.duty_ratio, 1.0 - at.duty_ratio),
+    }
+    return tuple(
         Check(
-            "nozzle_reynolds_number", "Reynolds number of the nozzles", _NUMBER, c["nozzle_reynolds_number"],
-            limits.reynolds_number, True, "a discharge coefficient from a turbulent model is uncertain",
-        ),
-        Check(
-            "cavitation_number_open", "cavitation number of the nozzles, tank port open", _NUMBER,
-            c["cavitation_number_open"], limits.cavitation_number, True,
-            "air or vapour comes out behind the nozzles: less flow at the same drop, and erosion",
-        ),
-        Check(
-            "cavitation_number_closing", "cavitation number of the nozzles while the tank port closes", _NUMBER,
-            c["cavitation_number_closing"], limits.cavitation_number, True,
-            "the closing port cavitates for part of every period, which the orifice law leaves out",
-        ),
-        Check(
-            "taylor_number", "Taylor number of the clearance", _NUMBER, c["taylor_number"], limits.taylor_number,
-            False, "vortices in the clearance: friction is above the linear law",
-        ),
-        Check(
-            "sheared_temperature_rise", "warming of the film by its shear", _KELVIN, c["sheared_temperature_rise"],
-            limits.temperature_rise, False, "the film is thinner than the oil's temperature says: less friction",
-        ),
-        Check(
-            "carried_temperature_rise", "warming of the leaking oil, if it carries off all heat", _KELVIN,
-            c["carried_temperature_rise"], limits.temperature_rise, False,
-            "an upper bound, without the heat that goes into the walls: friction may be less, frequency and leakage "
-            "more than shown",
-        ),
-        Check(
-            "input_power", "power of the pump's motor", Kind("power", "W", 0.0, 1e9, "5.6 kW"), c["input_power"],
-            rated_power, False, "the motor is overloaded",
-        ),
-        Check(
-            "eccentricity", "eccentricity of the spool under the jets", _NUMBER, c["eccentricity"],
-            limits.eccentricity, False, "the lands leak more than those of a centred spool and may touch",
-        ),
-        Check(
-            "relief_margin", "relief setting above load and open drop", KINDS["relief_margin"],
-            at.relief_pressure - at.load_pressure - c["pressure_drop_total"], 0.0, True,
-            "the relief valve is open even with the load port fully open, and the analytic losses do not hold",
-        ),
-        Check(
-            "transition_fraction", "transition fraction", _NUMBER, kappa, room, False,
-            f"at duty ratio {at.duty_ratio:.4g} a port never opens fully: the analytic transition loss does not hold",
-        ),
-    )  # fmt: skip
+            name=name,
+            label=each.label,
+            kind=each.kind,
+            values=values[name],
+            limit=ends[name],
+            at_least=each.at_least,
+            otherwise=each.otherwise,
+            whole=at.relief_pressure if name == "relief_margin" else 0.0,
+        )
+        for name, each in _DEMANDS.items()
+    )
 
 
 def _sentence(temperatures: Array, check: Check) -> str:
-    outside = np.flatnonzero(check.outside)
-    values = check.values[outside]
-    worst = float(np.min(values) if check.at_least else np.max(values))
-    side = "below" if check.at_least else "above"
-    number = shown(worst, check.kind, 3)
-    extreme = "down to" if check.at_least else "up to"
-    where, limit = _spans(temperatures, outside), shown(check.limit, check.kind, 4)
-    return f"{check.words} {extreme} {number} {where}, {side} {limit}; {check.otherwise}"
+    values = check.values[check.outside]
+    worst = with_unit(float(np.min(values) if check.at_least else np.max(values)), check.kind, 3)
+    extreme, side = ("down to", "below") if check.at_least else ("up to", "above")
+    where, limit = temperature_spans(temperatures, check.outside), with_unit(check.limit, check.kind, 4)
+    return f"{check.label}: {extreme} {worst} {where}, {side} {limit}; {check.otherwise}"
 
 
-def _spans(temperatures: Array, places: Any) -> str:
-    """Runs of temperatures in words."""
-    if len(places) == len(temperatures):
+def temperature_spans(temperatures: Array, where: npt.NDArray[np.bool_]) -> str:
+    """The temperatures [K] at which something holds, in words."""
+    if np.all(where):
         return "at all temperatures"
+    places = np.flatnonzero(where)
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
-    ends = [(temperatures[run[0]] - 273.15, temperatures[run[-1]] - 273.15) for run in runs]
-    return "at " + ", ".join(f"{a:.4g} degC" if a == b else f"{a:.4g} to {b:.4g} degC" for a, b in ends)
-
-
-def temperature_columns(found: OverTemperature) -> dict[str, Array]:
-    """All columns, SI units in the names."""
-    return {"temperature_K": found.temperatures} | {
-        key(name, found.kinds[name]): column for name, column in found.columns.items()
-    }
-
-
-def temperature_content(found: OverTemperature) -> dict[str, Any]:
-    """The study as JSON can hold it."""
-    at = setup(found.system)
-    return {
-        "system": found.system.name,
-        "title": found.system.title,
-        "flow_m3_s": at.flow,
-        "duty_ratio": at.duty_ratio,
-        "load_pressure_Pa": at.load_pressure - ATMOSPHERE,
-        "relief_pressure_Pa": at.relief_pressure - ATMOSPHERE,
-        "temperatures": found.temperatures.tolist(),
-        "columns": {name: column.tolist() for name, column in found.columns.items()},
-        "units": {name: kind.unit for name, kind in found.kinds.items()},
-        "checks": [
-            {
-                "name": each.name, "words": each.words, "limit": shown(each.limit, each.kind, 4),
-                "low": shown(float(np.min(each.values)), each.kind, 4),
-                "high": shown(float(np.max(each.values)), each.kind, 4),
-                "at_least": each.at_least, "outside": each.outside.tolist(),
-            }
-            for each in found.checks
-        ],
-        "warnings": found.warnings,
-        "limits": [
-            {"name": name, "value": getattr(found.limits, name), "origin": origin} for name, origin in ORIGINS.items()
-        ],
-    }  # fmt: skip
-
-
-def by_temperature(found: OverTemperature, wanted: Sequence[float]) -> list[int]:
-    """The rows closest to the temperatures `wanted` [K]."""
-    return [int(np.argmin(np.abs(found.temperatures - t))) for t in wanted]
+    ends = [tuple(with_unit(float(temperatures[k]), TEMPERATURE) for k in (run[0], run[-1])) for run in runs]
+    return "at " + ", ".join(a if a == b else f"{a} to {b}" for a, b in ends)

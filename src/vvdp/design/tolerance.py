@@ -5,20 +5,21 @@ Distributions come from evenly spread draws, the shares of the variance from Sal
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import percent, with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.extras import require
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import nearest
 from vvdp.base.units import parsed
-from vvdp.design.problem import require_flow, shown
-from vvdp.design.quantities import KINDS, Setup, key, quantities, setup, unchecked
+from vvdp.design.problem import require_flow
+from vvdp.design.quantities import Quantities, Setup, quantities, setup, unchecked
 from vvdp.fluid.oil import Oil, density
 from vvdp.systems.system import System
 from vvdp.valve.condition import Condition
@@ -37,7 +38,7 @@ class Spread:
     """Between which values [SI] an input lies, evenly (or evenly in its logarithm), and who says so."""
 
     name: str
-    words: str
+    label: str
     kind: Kind
     low: float
     high: float
@@ -53,7 +54,7 @@ class Spread:
         return self.low + share * (self.high - self.low)
 
     def __str__(self) -> str:
-        return f"{shown(self.low, self.kind, 4)} to {shown(self.high, self.kind, 4)}"
+        return f"{with_unit(self.low, self.kind)} to {with_unit(self.high, self.kind)}"
 
 
 def usual_spreads(at: Setup) -> tuple[Spread, ...]:
@@ -61,10 +62,13 @@ def usual_spreads(at: Setup) -> tuple[Spread, ...]:
     valve, oil = at.valve, at.oil
     of_valve, of_oil = field_kinds(RotaryValve), field_kinds(Oil)
 
-    def around(name: str, words: str, share: float, status: str, source: str, note: str) -> Spread:
+    def around(name: str, label: str, share: float, status: str, source: str, note: str) -> Spread:
         value, kind = getattr(valve, name), of_valve[name]
         assert kind
-        return Spread(name, words, kind, (1.0 - share) * value, (1.0 + share) * value, False, status, source, note)
+        return Spread(
+            name=name, label=label, kind=kind, low=(1.0 - share) * value, high=(1.0 + share) * value,
+            logarithmic=False, status=status, source=source, note=note,
+        )  # fmt: skip
 
     clearance, viscosity, air = of_valve["radial_clearance"], of_oil["viscosity_40"], of_oil["air_fraction"]
     assert clearance and viscosity and air
@@ -72,16 +76,18 @@ def usual_spreads(at: Setup) -> tuple[Spread, ...]:
     half = min(3e-6, 0.5 * c)
     return (
         Spread(
-            "radial_clearance", "radial clearance", clearance, c - half, c + half, False, "derived", "iso286",
-            "spool and sleeve each within grade IT4, 6 um on 18 to 30 mm of diameter",
+            name="radial_clearance", label="radial clearance", kind=clearance, low=c - half, high=c + half,
+            logarithmic=False, status="derived", source="iso286",
+            note="spool and sleeve each within grade IT4, 6 µm on 18 to 30 mm of diameter",
         ),
         Spread(
-            "viscosity", "viscosity of the oil", viscosity, 0.9 * nu, 1.1 * nu, False, "published", "iso3448",
-            "a viscosity grade is 10 % to either side at 40 degC; the same part at 100 degC",
+            name="viscosity", label="viscosity of the oil", kind=viscosity, low=0.9 * nu, high=1.1 * nu,
+            logarithmic=False, status="published", source="iso3448",
+            note="a viscosity grade is 10 % to either side at 40 °C; the same part at 100 °C",
         ),
         Spread(
-            "air_fraction", "free air in the oil", air, 1e-3, 5e-2, True, "assumed", "",
-            "0.1 to 5 %, evenly in the logarithm",
+            name="air_fraction", label="free air in the oil", kind=air, low=1e-3, high=5e-2,
+            logarithmic=True, status="assumed", source="", note="0.1 to 5 %, evenly in the logarithm",
         ),
         around(
             "nozzle_discharge_coefficient", "discharge coefficient, nozzles", 0.05, "assumed", "",
@@ -122,7 +128,7 @@ def spreads(system: System, texts: Iterable[str] = ()) -> tuple[Spread, ...]:
             faults.append(Fault(option, 0, name, f"{match[2]} to {match[3]}; expected the lower one first"))
             continue
         old = found[name]
-        found[name] = Spread(name, old.words, old.kind, low, high, False, "given", "", "")
+        found[name] = replace(old, low=low, high=high, logarithmic=False, status="given", source="", note="")
     if faults:
         raise ConfigError(faults)
     return tuple(found.values())
@@ -171,7 +177,7 @@ class Tolerance:
         worst = max(max(each.whole_error.values()) for each in self.scatter.values())
         if worst > COARSE:
             told.append(
-                f"with {self.samples} samples the shares of the variance are uncertain by up to {100.0 * worst:.0f} % "
+                f"with {self.samples} samples the shares of the variance are uncertain by up to {percent(worst, 0)} "
                 f"of the whole (95 % confidence) and need not sum to 100 %; give more --samples, for example {SAMPLES}"
             )
         return told
@@ -197,17 +203,7 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
     at, names = setup(system), [each.name for each in taken]
     nominal = quantities(at)
     if not nominal.efficiency > 0.0:
-        through = at.flow * (at.load_pressure - at.tank_pressure)
-        lost = (
-            at.duty_ratio
-            - nominal.load_flow / at.flow
-            + (nominal.loss_leakage + nominal.loss_compressibility) / through
-        )
-        message = (
-            f"{at.duty_ratio:g}: analytically, transitions, leakage and compression take all that the load would get, "
-            f"so there is no efficiency to scatter; expected more than {lost:.4g}"
-        )
-        raise ConfigError([Fault(system.name, 0, "operation.duty_ratio", message)])
+        raise ConfigError([Fault(system.name, 0, "operation.duty_ratio", _nothing_left(at, nominal))])
     cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     shares = sampling.sample(cube, samples, calc_second_order=False, seed=seed)
     drawn = _evaluated(at, taken, shares)
@@ -219,21 +215,38 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
         # Sobol's estimators lose digits where the mean is large against the scatter.
         centred = (values - np.mean(values)) / (np.std(values) or 1.0)
         found = analysis.analyze(cube, centred, calc_second_order=False, seed=seed)
-        by_input = {
-            key: dict(zip(names, map(float, found[key]), strict=True)) for key in ("S1", "S1_conf", "ST", "ST_conf")
-        }
-        scatter[name] = Scatter(
-            float(getattr(nominal, name)),
-            float(np.mean(column)),
-            float(np.std(column, ddof=1)),
-            {each: float(np.percentile(column, float(each))) for each in PERCENTILES},
-            by_input["S1"],
-            by_input["S1_conf"],
-            by_input["ST"],
-            by_input["ST_conf"],
+        alone, alone_error, whole, whole_error = (
+            dict(zip(names, map(float, found[each]), strict=True)) for each in ("S1", "S1_conf", "ST", "ST_conf")
         )
-    inputs = {each.name: each.drawn(even[:, k]) for k, each in enumerate(taken)}
-    return Tolerance(system, tuple(taken), scatter, inputs, spread_out, shares.shape[0] + even.shape[0], samples)
+        scatter[name] = Scatter(
+            nominal=float(getattr(nominal, name)),
+            mean=float(np.mean(column)),
+            deviation=float(np.std(column, ddof=1)),
+            percentiles={each: float(np.percentile(column, float(each))) for each in PERCENTILES},
+            alone=alone,
+            alone_error=alone_error,
+            whole=whole,
+            whole_error=whole_error,
+        )
+    return Tolerance(
+        system=system,
+        spreads=tuple(taken),
+        scatter=scatter,
+        inputs={each.name: each.drawn(even[:, k]) for k, each in enumerate(taken)},
+        outputs=spread_out,
+        evaluations=shares.shape[0] + even.shape[0],
+        samples=samples,
+    )
+
+
+def _nothing_left(at: Setup, nominal: Quantities) -> str:
+    """Why there is no efficiency to scatter, and from which duty ratio on there is."""
+    through = at.flow * (at.load_pressure - at.tank_pressure)
+    lost = at.duty_ratio - nominal.load_flow / at.flow + (nominal.loss_leakage + nominal.loss_compressibility) / through
+    return (
+        f"{at.duty_ratio:g}: analytically, transitions, leakage and compression take all that the load would get, "
+        f"so there is no efficiency to scatter; expected more than {lost:.4g}"
+    )
 
 
 def _evaluated(at: Setup, taken: Sequence[Spread], shares: Array) -> dict[str, Array]:
@@ -252,50 +265,3 @@ def scattered(at: Setup, values: Mapping[str, Any]) -> Setup:
         else:
             setattr(oil if name == "air_fraction" else valve, name, value)
     return at._replace(valve=valve, oil=oil)
-
-
-def tolerance_content(found: Tolerance) -> dict[str, Any]:
-    """All numbers of a study but the draws, as JSON can hold them."""
-    return {
-        "system": found.system.name,
-        "title": found.system.title,
-        "evaluations": found.evaluations,
-        "warnings": found.warnings,
-        "spreads": [
-            {
-                "name": each.name, "words": each.words, "low": each.low, "high": each.high, "shown": str(each),
-                "logarithmic": each.logarithmic, "status": each.status, "source": each.source, "note": each.note,
-            }
-            for each in found.spreads
-        ],
-        "scatter": {name: dict(vars(each)) for name, each in found.scatter.items()},
-        "bins": {name: _histogram(column) for name, column in found.outputs.items()},
-    }  # fmt: skip
-
-
-def _histogram(column: Array) -> dict[str, list[float]]:
-    counts, edges = np.histogram(column, bins=48)
-    return {"counts": counts.astype(float).tolist(), "edges": edges.tolist()}
-
-
-def columns(found: Tolerance) -> dict[str, Array]:
-    """The draws of the distributions, inputs and outputs, SI units in the names."""
-    units = {**{each.name: each.kind for each in found.spreads}, **KINDS}
-    return {key(name, units[name]): column for name, column in {**found.inputs, **found.outputs}.items()}
-
-
-def flat_tolerance(found: Tolerance) -> dict[str, Any]:
-    """The study as flat numbers for programs."""
-    flat: dict[str, Any] = {"warnings": list(found.warnings)}
-    for name, each in found.scatter.items():
-        kind = KINDS[name]
-        flat[key(name, kind)] = each.nominal
-        flat[key(f"{name}_mean", kind)] = each.mean
-        flat[key(f"{name}_deviation", kind)] = each.deviation
-        for percentile, value in each.percentiles.items():
-            flat[key(f"{name}_percentile_{percentile.replace('.', '_')}", kind)] = value
-        for spread, share in each.whole.items():
-            flat[f"{name}_total_index_{spread}"] = share
-        for spread, share in each.alone.items():
-            flat[f"{name}_first_index_{spread}"] = share
-    return flat

@@ -23,7 +23,7 @@ class Variable:
     """
 
     name: str
-    words: str
+    label: str
     setting: str
     kind: Kind
     lowest: float
@@ -41,10 +41,22 @@ class Variable:
         return self.kind is COUNT
 
 
-def _of_valve(name: str, words: str, lowest: float, highest: float, usual: bool = False) -> Variable:
+def _of_valve(name: str, label: str, lowest: float, highest: float, usual: bool = False) -> Variable:
     kind = field_kinds(RotaryValve)[name]
     assert kind
-    return Variable(name, words, f"valve.{name}", kind, lowest, highest, usual)
+    return Variable(
+        name=name,
+        label=label,
+        setting=f"valve.{name}",
+        kind=kind,
+        lowest=lowest,
+        highest=highest,
+        usual=usual,
+    )
+
+
+def _around(name: str, label: str, setting: str, kind: Kind, span: tuple[float, float]) -> Variable:
+    return Variable(name=name, label=label, setting=setting, kind=kind, lowest=span[0], highest=span[1])
 
 
 VARIABLES: Mapping[str, Variable] = {
@@ -57,9 +69,9 @@ VARIABLES: Mapping[str, Variable] = {
         _of_valve("helix_length", "helix length", 0.5, 2.0),
         _of_valve("lap_ratio", "lap ratio", 1.0, 2.0),
         _of_valve("sections", "nozzle count", 0.6, 2.0),
-        Variable("relief_pressure", "relief setting", "relief_valve.cracking_pressure", PRESSURE_LEVEL, 0.8, 2.0),
-        Variable("inlet_volume", "inlet volume", "inlet.volume", VOLUME, 0.25, 2.0),
-        Variable("spool_motor_speed", "speed of the spool's motor", "operation.spool_motor_speed", SPEED, 0.25, 4.0),
+        _around("relief_pressure", "relief setting", "relief_valve.cracking_pressure", PRESSURE_LEVEL, (0.8, 2.0)),
+        _around("inlet_volume", "inlet volume", "inlet.volume", VOLUME, (0.25, 2.0)),
+        _around("spool_motor_speed", "speed of the spool's motor", "operation.spool_motor_speed", SPEED, (0.25, 4.0)),
     )
 }
 

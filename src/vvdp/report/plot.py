@@ -285,10 +285,12 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
     axes.set_xlabel(axis_label([table.columns[key] for key in panel.values]))
     axes.grid(axis="y", visible=False)
     axes.tick_params(axis="y", length=0)
-    low, high = axes.get_xlim()
-    axes.set_xlim(1.3 * low if low < 0.0 else 0.0, 1.3 * max(high, 1e-12))
+    spans = [each.dataLim for each in axes.get_shared_x_axes().get_siblings(axes)]
+    low, high = min(span.x0 for span in spans), max(span.x1 for span in spans)
+    axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
     if len(panel.values) > 1:
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, handlelength=1.0)
+        above = 1.12 if panel.title else 1.0
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
 
 
 def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:

@@ -1,0 +1,92 @@
+"""How the optimum changes with what it is asked for: one limit or bound limit_curves at a time, and exact gradients."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.extras import require
+from vvdp.design.optimise import Optimum
+from vvdp.design.problem import Limit, Problem, Side
+from vvdp.design.quantities import Quantities
+from vvdp.design.solver import Traced, quiet_casadi, row_of
+
+FACTORS = tuple(float(f) for f in np.linspace(0.7, 1.4, 15))
+AT = int(np.argmin(np.abs(np.array(FACTORS) - 1.0)))
+"""The place of the value that a limit has."""
+MOST = 4
+"""How many limits and bounds are moved."""
+
+
+@dataclass(frozen=True)
+class LimitCurve:
+    """The optimum's objective where one limit or bound takes other values [SI]; NaN where there is no design."""
+
+    source: Limit | Side
+    values: tuple[float, ...]
+    objectives: tuple[float, ...]
+
+
+def movable(found: Optimum) -> list[Limit | Side]:
+    """What holds an optimum most, the most at first, of all that can be moved by parts of itself."""
+    finite = (each.source for each in found.active if np.isfinite(each.elasticity))
+    return [source for source in finite if isinstance(source, Limit | Side)][:MOST]
+
+
+def limit_curves(found: Optimum, *, progress: Callable[[int, int], None] | None = None) -> list[LimitCurve]:
+    """How the optimum goes with what is `movable`: each limit or bound moved by `FACTORS`, all else as it is.
+
+    Ctrl-C ends it; the curves are then fewer.
+    """
+    curves: list[LimitCurve] = []
+    wanted = movable(found)
+    try:
+        for source in wanted:
+            values, objectives = tuple(f * source.value for f in FACTORS), []
+            for value in values:
+                objectives.append(_least_from(found, _with_value(found.problem, source, value)))
+                if progress:
+                    progress(len(curves) * len(FACTORS) + len(objectives), len(wanted) * len(FACTORS))
+            curves.append(LimitCurve(source, values, tuple(objectives)))
+    except KeyboardInterrupt:
+        pass
+    return curves
+
+
+def _with_value(problem: Problem, source: Limit | Side, value: float) -> Problem:
+    """The problem with a limit or one side of a bound at `value` [SI]."""
+    if isinstance(source, Limit):
+        limits = tuple(replace(each, value=value) if each is source else each for each in problem.limits)
+        return replace(problem, limits=limits)
+    bound = source.bound
+    low, high = (value, value) if bound.fixed else (bound.low, value) if source.upper else (value, bound.high)
+    moved = replace(bound, low=low, high=high)
+    return replace(problem, bounds=tuple(moved if each is bound else each for each in problem.bounds))
+
+
+def _least_from(found: Optimum, variant: Problem) -> float:
+    """The least objective of a `variant` of a solved problem; NaN where there is no design."""
+    if any(bound.low > bound.high for bound in variant.bounds):
+        return float("nan")
+    held = {b.variable.name: found.values[b.variable.name] for b in variant.bounds if b.variable.whole}
+    traced = Traced(variant, held)
+    start = np.clip(traced.inside(found.values), traced.low, traced.high)
+    ends = [local.objective for point in (start, traced.inside(variant.start)) if (local := traced.solve(point))]
+    return min(ends, default=float("nan"))
+
+
+def gradients(problem: Problem, values: Mapping[str, float]) -> dict[str, Array]:
+    """Exact derivatives of every quantity at the first point by the logarithms of the free variables."""
+    require("casadi", "opt", "a gradient")
+    import casadi
+
+    with quiet_casadi():
+        x = casadi.SX.sym("x", len(problem.bounds))
+        symbols = {b.variable.name: casadi.exp(x[i]) for i, b in enumerate(problem.bounds)}
+        found = problem.found(symbols)[0]
+        at = np.log([values[b.variable.name] for b in problem.bounds])
+        return {
+            name: row_of(casadi.Function("g", [x], [casadi.gradient(getattr(found, name), x)])(at))
+            for name in Quantities._fields
+        }

@@ -1,0 +1,200 @@
+"""How a valve scatters with its tolerances, as a result: percentiles, shares of the variance, draws, charts."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from vvdp.base.display import percent, with_unit
+from vvdp.base.kinds import COUNT, EFFICIENCY, Kind
+from vvdp.design.conditions import LEFT_OUT, conditions, sentence
+from vvdp.design.quantities import KINDS, LABELS, key
+from vvdp.design.tolerance import OUTPUTS, Scatter, Tolerance
+from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Stroke
+from vvdp.results.result import Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
+
+BINS = 48
+MANNER = (
+    "All values are analytic: the fully open valve for drop and PWM frequency, the sum of the losses at the operating "
+    "point of the system for the efficiency. Inputs are taken as even within their spreads and as independent. "
+    "Distributions come from evenly spread draws, shares of the variance from Saltelli's scheme for Sobol's indices. A "
+    "sum of the shares below 1 is interaction; a share may come out slightly below zero by chance."
+)
+SHARES = {"first": "alone", "total": "with all others"}
+
+
+def tolerance_result(found: Tolerance) -> Result:
+    """The study as a result."""
+    charts = (_distribution_chart(found), _share_chart(found))
+    return Result(
+        verb="design tolerance",
+        title="Scatter of the valve with its tolerances",
+        system=found.system.name,
+        manner=MANNER,
+        references=tuple(sorted({each.source for each in found.spreads if each.source})),
+        conditions=conditions(found.system),
+        left_out=LEFT_OUT,
+        numbers=dict(_numbers(found)),
+        tables={"shares": _share_table(found), "distribution": _distribution(found)},
+        listings={"outputs": _outputs(found), "variance": _variance(found), "spreads": _spreads(found)},
+        charts={each.name: each for each in charts},
+        findings=tuple(_findings(found)),
+        sections=(
+            Section(title="Figures", shows=tuple(each.name for each in charts)),
+            Section(title="Scatter", shows=("outputs",)),
+            Section(title="Inputs", words=(_assumed(found),), shows=("spreads",)),
+            Section(title="Shares of the variance", shows=("shares",)),
+            Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
+        ),
+    )
+
+
+def _assumed(found: Tolerance) -> str:
+    assumed = sum(each.status == "assumed" for each in found.spreads)
+    return f"{assumed} of {len(found.spreads)} spreads are assumptions; the shares depend on them."
+
+
+def _numbers(found: Tolerance) -> Iterator[tuple[str, Number]]:
+    yield "evaluations", Number(found.evaluations, COUNT, "designs evaluated")
+    for name, each in found.scatter.items():
+        kind, label = KINDS[name], LABELS[name]
+        yield key(name, kind), Number(each.nominal, kind, f"{label}, nominal")
+        yield key(f"{name}_mean", kind), Number(each.mean, kind, f"{label}, mean")
+        yield key(f"{name}_deviation", kind), Number(each.deviation, kind, f"{label}, standard deviation")
+        for percentile, value in each.percentiles.items():
+            named = key(f"{name}_percentile_{percentile.replace('.', '_')}", kind)
+            yield named, Number(value, kind, f"{label}, {percentile} % of the draws are below")
+
+
+def _share_table(found: Tolerance) -> Table:
+    columns = {
+        "input": Column(np.array([each.name for each in found.spreads]), None, "key"),
+        "label": Column(np.array([each.label for each in found.spreads]), None, "input"),
+    }
+    for name, each in found.scatter.items():
+        for index, words in SHARES.items():
+            values, errors = (each.alone, each.alone_error) if index == "first" else (each.whole, each.whole_error)
+            for suffix, column, what in (("", values, words), ("_error", errors, "±")):
+                share = np.array([column[spread.name] for spread in found.spreads])
+                columns[f"{name}_{index}_index{suffix}"] = Column(share, EFFICIENCY, f"{LABELS[name]}, {what}")
+    return Table(
+        title="Shares of the variance",
+        columns=columns,
+        shown=tuple(each for each in columns if each.endswith(("label", "_index"))),
+        note="The half widths of the 95 % confidence are there as well.",
+    )
+
+
+def _distribution(found: Tolerance) -> Table:
+    columns = {}
+    for name, values in found.outputs.items():
+        counts, edges = np.histogram(values, bins=BINS)
+        columns[key(name, KINDS[name])] = Column(edges, KINDS[name], LABELS[name])
+        columns[f"{name}_count"] = Column(np.append(counts, 0).astype(float), COUNT, "draws from here to the next")
+    return Table(title="Distributions", columns=columns, is_data=True)
+
+
+def draws(found: Tolerance) -> Table:
+    """All draws of inputs and outputs, a row each."""
+    inputs: dict[str, tuple[Kind, str]] = {each.name: (each.kind, each.label) for each in found.spreads}
+    known = inputs | {name: (KINDS[name], LABELS[name]) for name in OUTPUTS}
+    columns = {
+        key(name, known[name][0]): Column(values, *known[name])
+        for name, values in {**found.inputs, **found.outputs}.items()
+    }
+    return Table(title="Draws", columns=columns, is_data=True)
+
+
+def _findings(found: Tolerance) -> Iterator[Finding]:
+    labels = {each.name: each.label for each in found.spreads}
+    for name, each in found.scatter.items():
+        main = max(each.whole, key=each.whole.__getitem__)
+        low, high = _middle(name, each)
+        yield Finding(
+            text=f"The {LABELS[name]} lies between {low} and {high} in 95 % of the cases, mostly through the "
+            f"{labels[main]} ({percent(each.whole[main], 0)} of the variance)."
+        )
+    yield from (Finding(text=sentence(text), grade=Grade.WARNING, title="In doubt") for text in found.warnings)
+
+
+def _middle(name: str, each: Scatter) -> tuple[str, str]:
+    """The ends of the middle 95 % in words."""
+    low, high = (with_unit(each.percentiles[p], KINDS[name]) for p in ("2.5", "97.5"))
+    return low, high
+
+
+def _outputs(found: Tolerance) -> Listing:
+    rows = (
+        Row(LABELS[name], KINDS[name], (each.nominal, each.mean, each.deviation, *map(each.percentiles.get, PERCENTS)))
+        for name, each in found.scatter.items()
+    )
+    heads = ("nominal", "mean", "deviation", "2.5 %", "median", "97.5 %")
+    return Listing(title="Outputs", heads=heads, rows=tuple(rows))
+
+
+PERCENTS = ("2.5", "50", "97.5")
+
+
+def _variance(found: Tolerance) -> Listing:
+    rows = (
+        Row(each.label, EFFICIENCY, tuple(scatter.whole[each.name] for scatter in found.scatter.values()))
+        for each in found.spreads
+    )
+    return Listing(
+        title="Share of the variance, with all others", heads=tuple(LABELS[name] for name in OUTPUTS), rows=tuple(rows)
+    )
+
+
+def _spreads(found: Tolerance) -> Listing:
+    rows = []
+    for each in found.spreads:
+        ends = (with_unit(end, each.kind) for end in (each.low, each.high))
+        rows.append(Row(each.label, None, (*ends, each.status, each.source), note=each.note))
+    return Listing(title="Spreads taken", heads=("from", "to", "status", "source"), rows=tuple(rows))
+
+
+def _distribution_chart(found: Tolerance) -> Chart:
+    panels: list[Lines] = []
+    for name, each in found.scatter.items():
+        ends = (Level(value=each.percentiles[p], upright=True, colour=Colour.RELIEF) for p in ("2.5", "97.5"))
+        nominal = Level(value=each.nominal, upright=True, stroke=Stroke.SOLID)
+        line = Line(x=key(name, KINDS[name]), y=f"{name}_count", colour=Colour.LOAD, stroke=Stroke.STEPS)
+        panels.append(
+            Lines(
+                lines=(line,),
+                label="draws" if not panels else " ",
+                title="95 %: {} to {}".format(*_middle(name, each)),
+                levels=(*ends, nominal),
+                low=0.0,
+            )
+        )
+    return Chart(
+        name="distributions",
+        caption="How the outputs scatter. Solid: nominal; dashed: the ends of the middle 95 %.",
+        table="distribution",
+        panels=tuple(panels),
+        side_by_side=True,
+        height=2.4,
+    )
+
+
+def _share_chart(found: Tolerance) -> Chart:
+    panels = tuple(
+        Bars(
+            names="label",
+            values=tuple(f"{name}_{index}_index" for index in SHARES),
+            labels=tuple(SHARES.values()),
+            colours=(Colour.LOAD, Colour.TANK),
+            title=LABELS[name],
+        )
+        for name in OUTPUTS
+    )
+    return Chart(
+        name="indices",
+        caption="Share of the variance of each output that an input explains by itself, and together with all others. "
+        "Where the two are alike, inputs act independently.",
+        table="shares",
+        panels=panels,
+        side_by_side=True,
+        share=True,
+        height=0.9 + 0.4 * len(found.spreads),
+    )
