@@ -16,7 +16,7 @@ RUNGS = [
     {"network"},
     {"components"},
     {"systems"},
-    {"studies"},
+    {"studies", "runs"},
     {"steady"},
     {"rigs", "design", "cfd", "logs", "comparison", "export"},
     {"report", "reproduction"},
