@@ -37,7 +37,7 @@ def compare() -> None:
 
 @app.command(cls=Verb)
 def runs(
-    directories: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Result directories of `vvdp run`.")],
+    directories: Annotated[list[Path], typer.Argument(metavar="DIR", help="Result directories of `vvdp run`.")],
     out: Annotated[Path | None, out_option("results/compare-runs-DATE-TIME")] = None,
     force: Force = False,
     json: AsJson = False,

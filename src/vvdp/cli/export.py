@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from vvdp.cli.options import Verb
+from vvdp.cli.options import AsJson, Verb
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -29,18 +29,24 @@ def data(
         list[str] | None, typer.Option("--table", metavar="NAME", help="Export this table only (repeatable).")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Export the recorded series of a run, or the tables of any other result.
 
     All values are in SI; the name of each column ends with its unit. Several tables are written to one file each.
     """
     from vvdp.base.errors import unusable
+    from vvdp.cli.screen import print_json, tell
     from vvdp.export.data import export_tables, result_tables
 
     if csv is None and parquet is None:
         raise unusable("export data", "no file is given; expected --csv FILE or --parquet FILE")
     tables = result_tables(directory, tuple(table or ()))
+    written: list[str] = []
     for path, as_parquet in ((csv, False), (parquet, True)):
         if path is not None:
-            for each in export_tables(tables, path, as_parquet=as_parquet, force=force):
-                typer.echo(str(each))
+            written += map(str, export_tables(tables, path, as_parquet=as_parquet, force=force))
+    if json:
+        print_json({"files": written})
+    else:
+        tell("\n".join(written))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vvdp.cli.completion import drawable_names
-from vvdp.cli.options import parsed_option
+from vvdp.cli.options import AsJson, parsed_option
 
 if TYPE_CHECKING:
     from vvdp.results.result import Result
@@ -27,24 +27,32 @@ def plot(
     end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Right end of the time axis.")] = None,
     show: Annotated[bool, typer.Option("--list", help="List what can be drawn (default without a NAME).")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Draw charts or series of a result as PNG, SVG or PDF."""
     from vvdp.base.errors import unusable
     from vvdp.base.kinds import TIME
-    from vvdp.report.chosen import check_form, chosen_chart, open_drawable, write_figure
+    from vvdp.cli.screen import print_json
+    from vvdp.report.chosen import check_form, chosen_chart, open_drawable, series_names, write_figure
 
     ends = tuple(None if t is None else parsed_option(o, t, TIME) for o, t in (("--from", begin), ("--to", end)))
     if out is not None:
         check_form(out)
     result = open_drawable(directory)
     if show or not names:
-        _print_names(result)
+        if json:
+            print_json({"charts": list(result.charts), "series": list(series_names(result))})
+        else:
+            _print_names(result)
         return
     path = out if out is not None else Path(f"{'-'.join(names)}.png")
     if path.exists() and (path.is_dir() or not force):
         raise unusable(path, "already exists; choose another name or use --force")
     write_figure(path, chosen_chart(result, names, (ends[0], ends[1])), result)
-    typer.echo(str(path))
+    if json:
+        print_json({"figure": str(path)})
+    else:
+        typer.echo(str(path))
 
 
 def _print_names(result: "Result") -> None:
