@@ -94,3 +94,27 @@ def is_shown() -> Callable[[str, str], bool]:
 def changed() -> Callable[[str, str], str]:
     """The text of a file after a block of a page that draws it step by step."""
     return _changed
+
+
+def _run(directory: Path, name: str, settings: list[str]) -> Path:
+    from vvdp.runs.simulate import run_system, save_run
+    from vvdp.systems.system import load_system
+
+    directory.mkdir()
+    save_run(directory, run_system(load_system(name, settings, "0.1 s")))
+    return directory
+
+
+@pytest.fixture(scope="session")
+def two_runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Result directories of two runs of the prototype: 1200 rpm at a duty ratio of 0.4, 1800 rpm at 0.6."""
+    folder = tmp_path_factory.mktemp("runs")
+    slow = _run(folder / "slow", "prototype", ["operation.pump_speed=1200 rpm", "operation.duty_ratio=0.4"])
+    fast = _run(folder / "fast", "prototype", ["operation.pump_speed=1800 rpm", "operation.duty_ratio=0.6"])
+    return slow, fast
+
+
+@pytest.fixture(scope="session")
+def other_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Result directory of a run of the buck converter."""
+    return _run(tmp_path_factory.mktemp("other") / "buck", "buck-converter", [])

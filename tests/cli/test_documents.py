@@ -111,3 +111,19 @@ def test_the_run_of_the_guide_shows_what_a_run_shows(vvdp, here):
     quantities = [line.partition("  ")[0] for line in lines if "  " in line]
     assert len(quantities) > 15
     assert set(quantities) <= labels
+
+
+def test_the_examples_on_results_are_real(vvdp, here, is_shown):
+    """`vvdp compare runs`, `vvdp plot` and `vvdp export data`, on the two runs that the guide has."""
+    guide = (DOCUMENTS / "command-line.md").read_text("utf-8")
+    for duty in ("0.4", "0.6"):
+        words = ("--set", f"operation.duty_ratio={duty}", "--out", f"results/duty-{duty}", "--no-report")
+        assert vvdp("run", "prototype", *words).code == 0
+    blocks = re.findall(
+        r"^    \$ vvdp ((?:compare runs|plot|export) .*)\n((?:    (?!\$).*\n|\n)*)", guide, re.MULTILINE
+    )
+    assert len(blocks) == 4
+    for command, shown in blocks:
+        answer = vvdp(*shlex.split(command))
+        assert answer.code == 0, answer.err
+        assert is_shown(re.sub("^    ", "", shown, flags=re.MULTILINE), answer.out), command

@@ -8,6 +8,7 @@ import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
 from vvdp.cli.options import AsJson, Force, NoReport, Verb, default_directory, out_option, parsed_option
+from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
     from vvdp.cli.table import Grid
@@ -31,7 +32,32 @@ Chosen = TypeVar("Chosen", bound=_Named)
 
 @app.callback()
 def compare() -> None:
-    """Compare estimators on simulated data."""
+    """Compare runs, or estimators on simulated data."""
+
+
+@app.command(cls=Verb)
+def runs(
+    directories: Annotated[list[Path], typer.Argument(metavar="DIR", help="Result directories of `vvdp run`.")],
+    out: Annotated[Path | None, out_option("results/compare-runs-DATE-TIME")] = None,
+    force: Force = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compare runs: parameters that differ, numbers side by side, series over each other.
+
+    Differences are to the first run.
+    """
+    from dataclasses import replace
+
+    from vvdp.base.files import result_directory
+    from vvdp.comparison.runs import compare_runs
+
+    result = compare_runs(directories)
+    directory = out if out is not None else default_directory("compare-runs")
+    with result_directory(directory, force=force) as folder:
+        reported = write_with_report(folder, result, "", no_report=no_report)
+    shown = replace(result, charts={}, tables={"runs": result.tables["runs"]}) if json else result  # series are long
+    show_result(shown, directory, json=json, reported=reported)
 
 
 @app.command(cls=Verb)

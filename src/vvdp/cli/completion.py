@@ -48,3 +48,15 @@ def _values(system: str) -> dict[str, str]:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, float) or bool(getattr(value, "is_constant", False))
+
+
+def drawable_names(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Charts and series of the result on the line that begin with what is typed."""
+    from vvdp.base.errors import VvdpError
+    from vvdp.report.chosen import open_drawable, series_names
+
+    rest = [word for word in ctx.args if not word.startswith("-")]
+    with suppress(VvdpError, OSError):
+        result = open_drawable(Path(str(ctx.params.get("directory") or "".join(rest[:1]))))
+        return [name for name in (*result.charts, *series_names(result)) if name.startswith(incomplete)]
+    return []

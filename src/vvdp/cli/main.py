@@ -22,9 +22,11 @@ from vvdp.cli import (
     design,
     docs,
     estimate,
+    export,
     geometry,
     listing,
     new,
+    plot,
     report,
     rig,
     run,
@@ -41,7 +43,7 @@ INTERRUPTED = 130
 COLLECT_AFTER = 50_000
 """New objects between two searches for garbage. While libraries load, nearly all are kept: a tenth of a short run."""
 
-ORDER = ("run", "valve", "map", "rig", "study", "design", "compare", "estimate", "geometry")
+ORDER = ("run", "valve", "map", "rig", "study", "design", "compare", "plot", "export", "estimate", "geometry")
 """Verbs that compute, in the order of their use; the others follow."""
 
 
@@ -70,6 +72,8 @@ app.add_typer(rig.app, name="rig")
 app.command("study", cls=Verb)(study.study)
 app.add_typer(design.app, name="design")
 app.add_typer(compare.app, name="compare")
+app.command("plot", cls=Verb)(plot.plot)
+app.add_typer(export.app, name="export")
 app.command("estimate", cls=Verb)(estimate.estimate)
 app.command("geometry", cls=Verb)(geometry.geometry)
 app.command("show", cls=Verb)(show.show)

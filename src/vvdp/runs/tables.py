@@ -132,6 +132,24 @@ def series_table(run: RecordedRun) -> Table:
     return Table(title="Recorded series", columns=columns, is_data=True)
 
 
+def record_table(run: RecordedRun) -> Table:
+    """All that a run recorded, pressures absolute, a column for each number of a value that has several.
+
+    Columns are called by group and path (`states.load`), with the SI unit at their end.
+    """
+    columns = {"time_s": Column(run.times, DURATION, "time", "t")}
+    for group, members in run.record.groups.items():
+        for path, series in members.items():
+            kind = series.kind or NUMBER
+            flat = series.values.reshape(run.times.size, -1)
+            for place, values in enumerate(flat.T):
+                index = f".{place}" if series.values.ndim > 1 else ""
+                columns[f"{group}.{path}{index}{key_suffix(kind)}"] = Column(
+                    values, kind, series.long_name.removesuffix(" (absolute)") + index
+                )
+    return Table(title="Record", columns=columns, is_data=True)
+
+
 def _all_series(run: RecordedRun) -> Iterator[tuple[str, Array, Kind, str]]:
     for name in run.volumes:
         yield f"pressure_{name}", run.pressure(name), GAUGE_PRESSURE, name.replace("_", " ")

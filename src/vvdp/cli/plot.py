@@ -1,0 +1,70 @@
+"""`vvdp plot`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vvdp.cli.completion import drawable_names
+from vvdp.cli.options import AsJson, parsed_option
+
+if TYPE_CHECKING:
+    from vvdp.results.result import Result
+
+
+def plot(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Result directory.")],
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[NAME]...", help="Charts and series, drawn over one axis.", autocompletion=drawable_names
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Figure, PNG, SVG or PDF (default: NAME.png).")
+    ] = None,
+    begin: Annotated[str | None, typer.Option("--from", metavar="TIME", help="Left end of the time axis.")] = None,
+    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Right end of the time axis.")] = None,
+    show: Annotated[bool, typer.Option("--list", help="List what can be drawn (default without a NAME).")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    json: AsJson = False,
+) -> None:
+    """Draw charts or series of a result as PNG, SVG or PDF."""
+    from vvdp.base.errors import unusable
+    from vvdp.base.kinds import TIME
+    from vvdp.cli.screen import print_json
+    from vvdp.report.chosen import check_form, chosen_chart, open_drawable, series_names, write_figure
+
+    ends = tuple(None if t is None else parsed_option(o, t, TIME) for o, t in (("--from", begin), ("--to", end)))
+    if out is not None:
+        check_form(out)
+    result = open_drawable(directory)
+    if show or not names:
+        if json:
+            print_json({"charts": list(result.charts), "series": list(series_names(result))})
+        else:
+            _print_names(result)
+        return
+    path = out if out is not None else Path(f"{'-'.join(names)}.png")
+    if path.exists() and (path.is_dir() or not force):
+        raise unusable(path, "already exists; choose another name or use --force")
+    write_figure(path, chosen_chart(result, names, (ends[0], ends[1])), result)
+    if json:
+        print_json({"figure": str(path)})
+    else:
+        typer.echo(str(path))
+
+
+def _print_names(result: "Result") -> None:
+    from vvdp.cli.screen import console, grid
+    from vvdp.report.chosen import series_labels, series_names
+
+    charts = grid("chart", "what it shows", title="Charts")
+    for chart in result.charts.values():
+        charts.add_row(chart.name, chart.caption.partition(". ")[0].partition(";")[0].removesuffix("."))
+    series = grid("series", "what it is", "table", title="Series")
+    for name, table, label in series_labels(result):
+        series.add_row(name, label, table)
+    for each, known in ((charts, result.charts), (series, series_names(result))):
+        if known:
+            console().print(each)

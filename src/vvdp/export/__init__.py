@@ -1,0 +1,1 @@
+"""What vvdp holds, in the forms that other programs read."""
