@@ -8,10 +8,11 @@ import typer
 
 from vvdp.cli.options import AsJson
 
-RESULT = ("result_page", "write_result_report")
+RESULT, GEOMETRY = ("result_page", "write_result_report"), ("geometry_report", "write_geometry_report")
 RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
+    "geometry.toml": GEOMETRY,
     "result.json": RESULT,
     "design.json": ("design_report", "write_design_report"),
     "front.json": ("design_report", "write_front_report"),
@@ -22,9 +23,7 @@ WRITERS = {
 
 
 def report(
-    directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Result directory of any command except `vvdp geometry`.")
-    ],
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Result directory of any command.")],
     json: AsJson = False,
 ) -> None:
     """Rebuild the report of a result directory."""
@@ -33,8 +32,6 @@ def report(
     from vvdp.comparison.results import is_comparison
     from vvdp.logs.kept import is_estimate
 
-    if (directory / "geometry.toml").is_file():
-        raise unusable(directory, "its report.html shows the solids themselves; run the command again for another")
     writer = next((writer for name, writer in WRITERS.items() if (directory / name).is_file()), RUN)
     if is_estimate(directory):
         writer = LOG
@@ -63,6 +60,10 @@ def add_report(writer: tuple[str, str], folder: Path) -> bool:
 
 
 def _write(writer: tuple[str, str], directory: Path) -> Path:
+    from vvdp.base.extras import require_solids
+
+    if writer == GEOMETRY:
+        require_solids()
     module, name = writer
     page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory)
     return page
