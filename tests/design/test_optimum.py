@@ -7,11 +7,11 @@ import pytest
 
 from vvdp.base.errors import VvdpError
 from vvdp.design.optimise import optimise
-from vvdp.design.sensitivity import gradients, limit_curves, movable
-from vvdp.design.solver import FEASIBLE
 from vvdp.design.problem import problem
 from vvdp.design.proof import doubts, optimum_system
 from vvdp.design.quantities import Quantities
+from vvdp.design.sensitivity import gradients, limit_curves, movable
+from vvdp.design.solver import FEASIBLE
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system

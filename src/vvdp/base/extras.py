@@ -18,3 +18,9 @@ def require(module: str, extra: str, purpose: str) -> None:
     """
     if importlib.util.find_spec(module) is None:
         raise MissingExtraError(f"{purpose} needs {module}, which is not installed: pip install 'vvdp[{extra}]'")
+
+
+def require_solids() -> None:
+    """Raises MissingExtraError where a valve cannot be made as solids."""
+    for module in ("manifold3d", "trimesh"):
+        require(module, "geometry", "a valve as solids")

@@ -1,16 +1,18 @@
 """`vvdp geometry`."""
 
-from collections.abc import Sequence
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vvdp.cli.options import AsJson, Force, NoReport, Settings, SystemName, default_directory, out_option, parsed_option
+from vvdp.cli.printing import print_result
+from vvdp.cli.report import GEOMETRY, add_report
 
 if TYPE_CHECKING:
-    from vvdp.geometry.measure import Comparison
-    from vvdp.report.geometry_product import Product
+    from vvdp.geometry.product import Order
+    from vvdp.results.result import Result
     from vvdp.systems.system import System
 
 INTERRUPTED = 130
@@ -46,84 +48,74 @@ def geometry(
     The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set with
     --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.
     """
-    _require_libraries(step)
-    from vvdp.base.files import result_directory
+    from vvdp.base.extras import require, require_solids
+
+    require_solids()
+    if step:
+        require("OCP", "cad", "a STEP file")
     from vvdp.base.kinds import ANGLE
-    from vvdp.base.signal import signal_value
-    from vvdp.cli.screen import print_json, say
-    from vvdp.geometry.domains import require_within_stroke
-    from vvdp.geometry.shape import given_shape
-    from vvdp.report.geometry_product import Order, write_product
-    from vvdp.systems.bench import rotary_bench
+    from vvdp.cli.screen import print_json, say, tell
     from vvdp.systems.system import load_system
 
     own = [text for text in settings or () if text.strip().startswith("geometry.")]
     loaded = load_system(system, [text for text in settings or () if text not in own])
-    bench = rotary_bench(loaded, "geometry")
-    made, rows = given_shape(bench.valve, shape, own)
-    position = float(signal_value(0.0, bench.axial_position))
-    require_within_stroke(position, made, bench.valve)
-    order = Order(
-        title=loaded.title,
-        name=loaded.name,
-        valve=bench.valve,
-        shape=made,
-        rows=rows,
-        angle=parsed_option("--angle", angle, ANGLE),
-        position=position,
-        fineness=fineness,
-        frames=frames,
-        step=step,
-        report=not no_report,
-    )
+    order = _order(loaded, shape, own, parsed_option("--angle", angle, ANGLE), fineness, step=step)
     directory = out if out is not None else default_directory(f"geometry-{loaded.name}")
-    with result_directory(directory, force=force) as folder:
-        product = write_product(folder, order, say)
+    result = _make(directory, loaded, order, frames, force=force, no_report=no_report)
     if json:
-        print_json({**product.summary, "out": str(directory)})
+        print_json({**result.flat, "out": str(directory)})
     else:
-        _print(loaded, product)
-        typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
-    if not product.finished:
+        print_result(result, [name for name in ("comparison", "bodies") if name in {*result.listings, *result.tables}])
+        tell(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
+    if not result.finished:
         say("interrupted; what was made is written")
         raise typer.Exit(INTERRUPTED)
 
 
-def _require_libraries(step: bool) -> None:
-    """Raises MissingExtraError where solids, or STEP files of them, cannot be made."""
-    from vvdp.base.extras import require
+def _order(
+    loaded: "System", file: Path | None, settings: list[str], angle: float, fineness: float, *, step: bool
+) -> "Order":
+    """What is to be made. Raises ParameterError where the spool would stand outside its stroke."""
+    from vvdp.base.signal import signal_value
+    from vvdp.geometry.domains import require_within_stroke
+    from vvdp.geometry.product import Order
+    from vvdp.geometry.shape import given_shape
+    from vvdp.systems.bench import rotary_bench
 
-    for library in ("manifold3d", "trimesh"):
-        require(library, "geometry", "a valve as solids")
-    if step:
-        require("OCP", "cad", "a STEP file")
+    bench = rotary_bench(loaded, "geometry")
+    made, rows = given_shape(bench.valve, file, settings)
+    position = float(signal_value(0.0, bench.axial_position))
+    require_within_stroke(position, made, bench.valve)
+    return Order(
+        name=loaded.name,
+        valve=bench.valve,
+        shape=made,
+        rows=rows,
+        angle=angle,
+        position=position,
+        fineness=fineness,
+        step=step,
+    )
 
 
-def _print(system: "System", product: "Product") -> None:
-    from vvdp.cli.screen import console, grid, tell
-    from vvdp.report.geometry_report import shown
+def _make(directory: Path, loaded: "System", order: "Order", frames: int, *, force: bool, no_report: bool) -> "Result":
+    """Makes all files of an order and the page; what they come to."""
+    from vvdp.base.files import result_directory
+    from vvdp.cli.screen import say
+    from vvdp.geometry.product import make_product
+    from vvdp.geometry.result import geometry_result
+    from vvdp.report.geometry_figures import animation
+    from vvdp.results.store import write_result
+    from vvdp.systems.resolved import resolved_text
 
-    out, s = console(), product.summary
-    tell(system.title)
-    out.print(f"duty ratio {s['duty_ratio']:.4g}, spool angle {shown(s['spool_angle_rad'], 'rad')}")
-    if product.comparisons:
-        out.print(_compared(product.comparisons, s.get("openings_difference")))
-    table = grid("", "volume", "triangles", right=("volume", "triangles"))
-    for name, volume, triangles in product.bodies:
-        table.add_row(name, shown(volume, "m^3"), str(triangles) if triangles else "-")
-    out.print(table)
-    for name in product.shut:
-        tell(f"{name}: not made, the nozzles are shut to this side here")
+    def film() -> bytes:
+        return animation(order.shape, order.valve, order.position, frames)
 
-
-def _compared(comparisons: "Sequence[Comparison]", openings: float | None) -> Any:
-    from vvdp.cli.screen import grid
-    from vvdp.report.geometry_report import shown
-
-    table = grid("quantity", "formula", "mesh", "difference", right=("formula", "mesh", "difference"))
-    for each in comparisons:
-        measured = shown(each.measured, each.unit)
-        table.add_row(each.title, shown(each.formula, each.unit), measured, f"{100.0 * each.difference:+.3f} %")
-    if openings is not None:
-        table.add_row("open share over a period, largest", "", "", f"{100.0 * openings:.3f} %")
-    return table
+    with result_directory(directory, force=force) as folder:
+        product = make_product(folder, order, say, film if frames else None)
+        result = geometry_result(order, product)
+        write_result(folder, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
+        if not no_report:
+            say("pictures")
+            add_report(GEOMETRY, folder)
+    return result

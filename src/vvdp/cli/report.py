@@ -8,19 +8,18 @@ import typer
 
 from vvdp.cli.options import AsJson
 
-RESULT = ("result_page", "write_result_report")
+RESULT, GEOMETRY = ("result_page", "write_result_report"), ("geometry_report", "write_geometry_report")
 RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
+    "geometry.toml": GEOMETRY,
     "result.json": RESULT,
 }
 """What writes the report of a directory in which a file stands: module and function."""
 
 
 def report(
-    directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Result directory of any command except `vvdp geometry`.")
-    ],
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Result directory of any command.")],
     project: Annotated[str, typer.Option("--project", metavar="TEXT", help="Project named at the head.")] = "",
     customer: Annotated[str, typer.Option("--customer", metavar="TEXT", help="Customer named at the head.")] = "",
     json: AsJson = False,
@@ -35,8 +34,6 @@ def report(
     from vvdp.logs.kept import is_estimate
     from vvdp.results.store import add_labels
 
-    if (directory / "geometry.toml").is_file():
-        raise unusable(directory, "its report.html shows the solids themselves; run the command again for another")
     writer = next((writer for name, writer in WRITERS.items() if (directory / name).is_file()), RUN)
     if is_estimate(directory):
         writer = LOG
@@ -70,6 +67,10 @@ def add_report(writer: tuple[str, str], folder: Path, *results: Any) -> bool:
 
 
 def _write(writer: tuple[str, str], directory: Path, *results: Any) -> Path:
+    from vvdp.base.extras import require_solids
+
+    if writer == GEOMETRY:
+        require_solids()
     module, name = writer
     page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory, *results)
     return page

@@ -24,6 +24,7 @@ DEGREE = 9
 """Of the polynomials along curved edges; on a flank that goes a sixth of a turn round they are 1e-12 radii off."""
 MILLI = 1e-3
 """Open CASCADE counts in millimetres: its tolerances are absolute."""
+TIMELESS = "1970-01-01T00:00:00"
 SEWN = 1e-6
 """Gap between neighbouring faces of one body that is closed [mm]."""
 
@@ -233,9 +234,14 @@ def _silence() -> None:
 
 
 def write_step(path: Path, body: Body) -> float:
-    """Writes a body as STEP AP214 in millimetres; its volume [m^3]. Raises RunError where it is no valid solid."""
+    """Writes a body as STEP AP214 in millimetres; its volume [m^3]. Raises RunError where it is no valid solid.
+
+    The head of the file bears no time of writing, so that the same body gives the same bytes.
+    """
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
     from OCP.IFSelect import IFSelect_ReturnStatus
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
+    from OCP.TCollection import TCollection_HAsciiString
 
     shape = body.shape()
     volume = shape_volume(shape)
@@ -244,6 +250,7 @@ def write_step(path: Path, body: Body) -> float:
     _silence()
     writer = STEPControl_Writer()
     written = writer.Transfer(shape, STEPControl_StepModelType.STEPControl_AsIs)
+    APIHeaderSection_MakeHeader(writer.Model()).SetTimeStamp(TCollection_HAsciiString(TIMELESS))
     written = writer.Write(str(path)) if written == IFSelect_ReturnStatus.IFSelect_RetDone else written
     if written != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise RunError(f"{path}: Open CASCADE could not write the STEP file")

@@ -24,6 +24,27 @@ HEAD = b"vvdp, lengths in metres".ljust(80)
 UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """Turns z upwards where viewers have y."""
 
+COLOURS: Mapping[str, Colour] = {
+    "spool": (0.76, 0.78, 0.81),
+    "sleeve": (0.82, 0.84, 0.86),
+    "section": (0.90, 0.91, 0.92),
+    "bore": (0.62, 0.66, 0.71),
+    "windows": (0.93, 0.76, 0.52),
+    "chamber": (0.56, 0.72, 0.86),
+    "channels": (0.30, 0.55, 0.78),
+    "collector": (0.24, 0.40, 0.60),
+    "outlet": (0.08, 0.22, 0.42),
+    "rail": (0.90, 0.62, 0.32),
+    "nozzles": (0.85, 0.45, 0.05),
+    "inlet": (0.62, 0.30, 0.02),
+}
+"""Of patches in pictures and GLB files; a numbered patch has the colour of its name."""
+
+
+def patch_colour(name: str) -> Colour:
+    """The colour of a patch, grey where it has none of its own."""
+    return COLOURS.get(name.rstrip("0123456789"), GREY)
+
 
 def _patches(mesh: Mesh) -> list[Trimesh]:
     """A surface for each patch, in the order of their names."""
@@ -57,13 +78,13 @@ def read_stl(path: Path) -> Mesh:
     return _merged([solid["vertices"][solid["faces"]] for solid in solids.values()], list(solids))
 
 
-def write_glb(path: Path, mesh: Mesh, name: str, colours: Mapping[str, Colour] | None = None) -> None:
+def write_glb(path: Path, mesh: Mesh, name: str) -> None:
     """Binary glTF 2.0, a mesh and a material for each patch, on nodes below one that is called `name`; z points up."""
     scene = Scene(base_frame=name)
     for patch, part in zip(mesh.names, _patches(mesh), strict=True):
         material = PBRMaterial(
             name=patch,
-            baseColorFactor=[*(colours or {}).get(patch, GREY), 1.0],
+            baseColorFactor=[*patch_colour(patch), 1.0],
             metallicFactor=0.2,
             roughnessFactor=0.6,
             doubleSided=True,

@@ -7,6 +7,7 @@ from manifold3d import CrossSection, FillRule
 from trimesh.triangles import cross
 
 from vvdp.base.errors import RunError
+from vvdp.base.kinds import ANGLE, AREA, LENGTH, VOLUME, Kind
 from vvdp.geometry.mesh import Floats, Mesh, unwrapped, volume
 from vvdp.geometry.shape import ValveShape, rail_volume, spool_volume
 from vvdp.valve.geometry import Openings, barrier_width, pitch
@@ -97,7 +98,7 @@ class Comparison(NamedTuple):
 
     key: str
     title: str
-    unit: str
+    kind: Kind
     formula: float
     measured: float
 
@@ -117,14 +118,14 @@ def comparisons(shape: ValveShape, valve: RotaryValve, spool: Mesh, sleeve: Mesh
     inclination = float(np.mean([jet.inclination for jet in found]))
     arm = float(np.mean([jet.arm for jet in found]))
     return (
-        Comparison("nozzle_area_m2", "area of all nozzles", "m^2", valve.nozzle_area, mouth_area(sleeve, valve)),
-        Comparison("nozzle_arm_m", "moment arm of the jets", "m", shape.nozzle_arm, arm),
-        Comparison("nozzle_inclination_rad", "angle from jet to radius", "rad",
+        Comparison("nozzle_area_m2", "area of all nozzles", AREA, valve.nozzle_area, mouth_area(sleeve, valve)),
+        Comparison("nozzle_arm_m", "moment arm of the jets", LENGTH, shape.nozzle_arm, arm),
+        Comparison("nozzle_inclination_rad", "angle from jet to radius", ANGLE,
                    float(np.arcsin(shape.nozzle_arm / bore)), inclination),
-        Comparison("barrier_width_m", "barrier width", "m",
+        Comparison("barrier_width_m", "barrier width", LENGTH,
                    float(barrier_width(valve)), barrier_width_on(spool, valve)),
-        Comparison("rail_volume_m3", "inlet rail and nozzles", "m^3", rail_volume(shape, valve), volume(rail)),
-        Comparison("spool_volume_m3", "material of the spool", "m^3", spool_volume(shape, valve), volume(spool)),
+        Comparison("rail_volume_m3", "inlet rail and nozzles", VOLUME, rail_volume(shape, valve), volume(rail)),
+        Comparison("spool_volume_m3", "material of the spool", VOLUME, spool_volume(shape, valve), volume(spool)),
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Figures of the valve's shape: the unwrapped spool below its nozzles, solids, oil, and one PWM period as a film."""
+"""Drawings of the valve's shape: the unwrapped spool below its nozzles, solids, oil, and one PWM period as a film."""
 
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -6,13 +6,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vvdp.geometry.domains import Domain
-from vvdp.geometry.mesh import Floats, Mesh
+from vvdp.base.display import plain, with_unit
+from vvdp.base.kinds import ANGLE, VOLUME
+from vvdp.geometry.files import patch_colour
+from vvdp.geometry.mesh import Floats, Mesh, volume
 from vvdp.geometry.shape import ValveShape, stations
 from vvdp.geometry.unrolled import Points, nozzle_outline, open_parts
 from vvdp.report.drawing import INK, INLET, LOAD, PAGE_WIDTH, STYLE, TANK, Drawn, drawn, legend
-from vvdp.report.shading import Colour, lying_frame, shaded, view_frame
-from vvdp.valve.geometry import barrier_width, helix_slope, nozzle_length, nozzle_width, pitch, port_openings
+from vvdp.report.shading import lying_frame, shaded, view_frame
+from vvdp.valve.geometry import (
+    barrier_width,
+    helix_slope,
+    nozzle_length,
+    nozzle_width,
+    pitch,
+    port_openings,
+    transition_fraction,
+)
 from vvdp.valve.rotary import RotaryValve
 
 if TYPE_CHECKING:
@@ -24,72 +34,29 @@ METAL, EDGE, PALE_LOAD, PALE_TANK = "#aab1b8", "#6b747d", "#d3dce8", "#e4f1f9"
 FILM_DOTS = 110
 LARGEST_PICTURE = 1100
 
-COLOURS: Mapping[str, Colour] = {
-    "spool": (0.76, 0.78, 0.81),
-    "sleeve": (0.82, 0.84, 0.86),
-    "section": (0.90, 0.91, 0.92),
-    "bore": (0.62, 0.66, 0.71),
-    "windows": (0.93, 0.76, 0.52),
-    "chamber": (0.56, 0.72, 0.86),
-    "channels": (0.30, 0.55, 0.78),
-    "collector": (0.24, 0.40, 0.60),
-    "outlet": (0.08, 0.22, 0.42),
-    "rail": (0.90, 0.62, 0.32),
-    "nozzles": (0.85, 0.45, 0.05),
-    "inlet": (0.62, 0.30, 0.02),
-}
-"""Of patches; a numbered patch has the colour of its name."""
 
-
-def patch_colour(name: str) -> Colour:
-    """The colour of a patch in pictures and GLB files."""
-    return COLOURS[name.rstrip("0123456789")]
-
-
-def unwrapped_figure(shape: ValveShape, valve: RotaryValve, angle: float, position: float) -> Drawn:
-    """The spool's surface rolled out below the nozzles, with the lengths that name it, and what is open over a turn."""
-    duty = position / valve.helix_length
+def unwrapped_figure(shape: ValveShape, valve: RotaryValve, position: float) -> Drawn:
+    """The spool's surface rolled out below the nozzles while these close, with the lengths that name it."""
+    duty, angle = position / valve.helix_length, telling_angle(valve, position)
 
     def draw(figure: "Figure") -> None:
-        above, below = figure.subplots(2, 1, height_ratios=(2.35, 1.0))
-        _surface(above, shape, valve, angle)
-        _nozzles(above, valve, angle, position)
-        _lengths(above, valve, _shift(valve, angle), position)
-        _openings(below, valve, position)
-        below.axvline(np.degrees(angle) % 360.0, color=INLET, linewidth=1.0)
-        below.set_xlim(0.0, 360.0)
+        axes = figure.subplots()
+        _surface(axes, shape, valve, angle)
+        _nozzles(axes, valve, angle, position)
+        _lengths(axes, valve, _shift(valve, angle), position)
 
     caption = (
-        f"The spool's surface, rolled out, below the {valve.sections:g} nozzles at duty ratio {duty:.3g} and a spool "
-        f"angle of {np.degrees(angle):.3g} deg. Barriers (dark grey) part pockets that lead to the load from pockets "
-        "that lead to the tank; the spool turns to the right and moves up or down to set the duty ratio. Below: open "
-        "shares of the nozzles over one turn, the line at this angle."
+        f"The spool's surface, rolled out, below the {valve.sections:g} nozzles at duty ratio {plain(duty, 3)} and a "
+        f"spool angle of {with_unit(angle, ANGLE, 3)}. Barriers (dark grey) part pockets that lead to the load from "
+        "pockets that lead to the tank; the spool turns to the right and moves up or down to set the duty ratio."
     )
-    return drawn("unwrapped", caption, 5.4, draw)
+    return drawn("unwrapped", caption, 3.9, draw)
 
 
-def openings_figure(valve: RotaryValve, position: float, over_period: Floats) -> Drawn:
-    """Openings by formula, those measured on the meshes (columns angle, load, tank), and their difference."""
-    angles, measured = over_period[:, 0], over_period[:, 1:]
-    formula = np.array([port_openings(float(angle), position, valve) for angle in angles])
-
-    def draw(figure: "Figure") -> None:
-        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
-        _openings(above, valve, position)
-        degrees = np.degrees(angles)
-        for column, colour, name in ((0, LOAD, "load"), (1, TANK, "tank")):
-            above.plot(degrees, measured[:, column], ".", color=colour, markersize=4.0, label=f"{name}, on the meshes")
-            below.plot(degrees, 100.0 * (measured[:, column] - formula[:, column]), ".-", color=colour, linewidth=0.8)
-        above.set_xlabel("")
-        legend(above, 4)
-        below.set(xlabel="spool angle [deg]", ylabel="difference [%]", xlim=(degrees[0], degrees[-1]))
-
-    worst = 100.0 * abs(measured - formula).max()
-    caption = (
-        "Open shares of the nozzle area: formula, and what the unwrapped meshes of spool and sleeve leave open. "
-        f"They differ by at most {worst:.2g} % of the nozzle area, as facets differ from curves."
-    )
-    return drawn("openings", caption, 3.4, draw)
+def telling_angle(valve: RotaryValve, position: float) -> float:
+    """A spool angle [rad] at which the nozzles are closing: something to see of load, barrier and motion."""
+    turn = 0.5 * position / valve.helix_length - 0.25 * transition_fraction(valve)
+    return float(2.0 * np.pi / valve.sections * np.clip(turn, 0.0, 0.5))
 
 
 def solids_figure(spool: Mesh, half_sleeve: Mesh) -> Drawn:
@@ -110,15 +77,15 @@ def solids_figure(spool: Mesh, half_sleeve: Mesh) -> Drawn:
     return drawn("solids", caption, 5.2, draw)
 
 
-def oil_figure(domains: Sequence[Domain]) -> Drawn:
-    """The volumes of oil, a shaded picture each."""
-    titles = {"rail": "inlet rail", "centre": "centre section", "turbine": "outlet turbine", "valve": "whole valve"}
+def oil_figure(volumes: Mapping[str, Mesh]) -> Drawn:
+    """The volumes of oil by their names, a shaded picture each, four at most."""
 
     def draw(figure: "Figure") -> None:
-        for axes, domain in zip(figure.subplots(2, 2).flat, domains, strict=False):
-            _picture(axes, [domain.mesh], view_frame(30.0, 28.0), LARGEST_PICTURE // 2)
-            axes.set_title(f"{titles[domain.name]}, {1e6 * domain.volume:.3g} cm$^3$", loc="left")
-        for axes in figure.axes[len(domains) :]:
+        grid = figure.subplots(2, 2).flat
+        for axes, (name, mesh) in zip(grid, volumes.items(), strict=False):
+            _picture(axes, [mesh], view_frame(30.0, 28.0), LARGEST_PICTURE // 2)
+            axes.set_title(f"{name}, {with_unit(volume(mesh), VOLUME, 3)}", loc="left")
+        for axes in figure.axes[len(volumes) :]:
             axes.axis("off")
 
     caption = (

@@ -47,19 +47,22 @@ SCRIPTS = (
     "plot.js",
     "charts.js",
 )
+VIEWER = "solids.js"
+"""Turns solids; only in pages that have some."""
 STYLES = ("uPlot.min.css", "charts.css")
 
 
 def live_head() -> str:
     """For the head of a page: the styles of live charts, and a policy that forbids the network and any other script."""
     hashes = " ".join(
-        f"'sha256-{base64.b64encode(hashlib.sha256(_asset(name).encode()).digest()).decode()}'" for name in SCRIPTS
+        f"'sha256-{base64.b64encode(hashlib.sha256(asset(name).encode()).digest()).decode()}'"
+        for name in (*SCRIPTS, VIEWER)
     )
     policy = (
         f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data:; "
         "base-uri 'none'; form-action 'none'"
     )
-    style = "".join(_asset(name) for name in STYLES)
+    style = "".join(asset(name) for name in STYLES)
     return f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n<style>\n{style}</style>'
 
 
@@ -71,7 +74,7 @@ def live_body(charts: Iterable[Chart], tables: Mapping[str, Table]) -> str:
     drawable = [chart for chart in charts if is_live(chart)]
     if not drawable:
         return ""
-    scripts = "".join(f"<script>{_asset(name)}</script>\n" for name in SCRIPTS)
+    scripts = "".join(f"<script>{asset(name)}</script>\n" for name in SCRIPTS)
     return f'<script type="application/json" id="chart-data">{interactive_data(drawable, tables)}</script>\n{scripts}'
 
 
@@ -244,5 +247,6 @@ def _describe_field(panel: Field, table: Table, columns: Columns) -> dict[str, A
 
 
 @cache
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """The text of a script or style that stands in pages."""
     return resources.files("vvdp.report").joinpath("assets", name).read_text("utf-8")
