@@ -189,7 +189,10 @@ def build(
     try:
         return cls(**values), rows
     except ParameterError as problem:
-        faults.append(_fault(origin, name, str(problem)))
+        field, _, message = str(problem).partition(": ")
+        key = field.removeprefix(f"{cls.__name__}.")
+        at_key = key in kinds and key != field
+        faults.append(_fault(origin, f"{name}.{key}" if at_key else name, message if at_key else str(problem)))
         return None, rows
 
 
