@@ -16,11 +16,12 @@ from pathlib import Path
 from typing import Any, TypeVar, get_origin
 
 from vvdp.base import signal as signals
+from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
 from vvdp.base.params import Params, default_values, field_kinds, field_types
 from vvdp.base.signal import Signal
-from vvdp.base.units import displayed, parsed, parsed_difference
+from vvdp.base.units import parsed, parsed_difference
 
 STATUSES = ("measured", "published", "derived", "assumed", "given")
 ORIGIN = ("status", "source", "where", "note")
@@ -50,7 +51,7 @@ class Sourced:
         if isinstance(self.value, Signal):
             return described(self.value, self.kind)
         values = self.value if isinstance(self.value, tuple) else (self.value,)
-        return ", ".join(displayed(value, self.kind) for value in values)
+        return ", ".join(value_text(value, self.kind) for value in values)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -274,10 +275,10 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
 def described(value: Signal, kind: Kind) -> str:
     """A signal as a person reads it."""
     if value.is_constant:
-        return displayed(value.base, kind)
+        return value_text(value.base, kind)
     low, high = value.extremes
     corners = sorted({*value.start, *(a + d for a, d in zip(value.start, value.duration, strict=True))})
-    parts = [f"between {displayed(low, kind)} and {displayed(high, kind)}"]
+    parts = [f"between {value_text(low, kind)} and {value_text(high, kind)}"]
     if corners:
         parts.append("corners at " + ", ".join(f"{t:g} s" for t in corners[:6]) + (" ..." if len(corners) > 6 else ""))
     parts += [f"sine of {f:g} Hz" for f in value.frequency]
