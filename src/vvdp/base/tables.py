@@ -167,7 +167,7 @@ def build(
     for key in table:
         if key not in kinds:
             near = nearest(key, list(kinds))
-            faults.append(_fault(origin, f"{name}.{key}", f"unknown key{near}"))
+            faults.append(fault_at(origin, f"{name}.{key}", f"unknown key{near}"))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     for key, kind in kinds.items():
@@ -177,7 +177,7 @@ def build(
             continue
         if key not in table:
             example = f', for example "{kind.example}"' if kind else ""
-            faults.append(_fault(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
+            faults.append(fault_at(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
             continue
         if kind is None:
             raise TypeError(f"{cls.__name__}.{key} has no kind")
@@ -193,7 +193,7 @@ def build(
         field, _, message = str(problem).partition(": ")
         key = field.removeprefix(f"{cls.__name__}.")
         at_key = key in kinds and key != field
-        faults.append(_fault(origin, f"{name}.{key}" if at_key else name, message if at_key else str(problem)))
+        faults.append(fault_at(origin, f"{name}.{key}" if at_key else name, message if at_key else str(problem)))
         return None, rows
 
 
@@ -205,7 +205,7 @@ def _sourced(
     text = {word: str(fields.pop(word, "")) for word in ORIGIN}
     status = text["status"] or "given"
     if status not in STATUSES:
-        faults.append(_fault(origin, path, f"status {status!r}; expected one of {', '.join(STATUSES)}"))
+        faults.append(fault_at(origin, path, f"status {status!r}; expected one of {', '.join(STATUSES)}"))
         return None
     try:
         value: float | Signal | tuple[float, ...]
@@ -219,7 +219,7 @@ def _sourced(
             other = ", ".join(sorted(set(fields) - {"value"})) or "no value"
             raise ParameterError(f"{other}; expected a value that does not change, for example {kind.example!r}")
     except ParameterError as problem:
-        faults.append(_fault(origin, path, str(problem)))
+        faults.append(fault_at(origin, path, str(problem)))
         return None
     return Sourced(
         table=name,
@@ -285,7 +285,8 @@ def described(value: Signal, kind: Kind) -> str:
     return ", ".join(parts)
 
 
-def _fault(origin: Table, path: str, message: str, key: str = "") -> Fault:
+def fault_at(origin: Table, path: str, message: str, key: str = "") -> Fault:
+    """A fault at a dotted `path`, with the line of that or of the table in which it stands; `key` is what is named."""
     line, part = origin.lines.get(path), path
     while line is None and "." in part:
         part = part.rpartition(".")[0]

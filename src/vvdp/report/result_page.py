@@ -99,7 +99,11 @@ def _quoted(word: str) -> str:
 
 def _findings(result: Result) -> Iterator[str]:
     if not result.finished:
-        words = "<p>The same command goes on from here.</p>" if result.verb == "map" else "<p>Run again for all.</p>"
+        words = (
+            "<p>The same command goes on from here.</p>"
+            if result.verb in ("map", "study")
+            else "<p>Run again for all.</p>"
+        )
         yield f'<div class="notice bad"><strong>Interrupted: not everything was run</strong>{words}</div>'
     for grade in (Grade.BAD, Grade.WARNING):
         yield from (_notice(each) for each in result.findings if each.grade is grade)
