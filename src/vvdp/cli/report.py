@@ -9,7 +9,7 @@ import typer
 from vvdp.cli.options import AsJson
 
 RESULT = ("result_page", "write_result_report")
-RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
+RUN = ("report", "write_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
     "result.json": RESULT,
@@ -31,14 +31,11 @@ def report(
     from vvdp.base.errors import unusable
     from vvdp.cli.screen import print_json
     from vvdp.comparison.results import is_comparison
-    from vvdp.logs.kept import is_estimate
 
     if (directory / "geometry.toml").is_file():
         raise unusable(directory, "its report.html shows the solids themselves; run the command again for another")
     writer = next((writer for name, writer in WRITERS.items() if (directory / name).is_file()), RUN)
-    if is_estimate(directory):
-        writer = LOG
-    elif is_comparison(directory):
+    if is_comparison(directory):
         writer = COMPARISON
     try:
         page = _write(writer, directory)
