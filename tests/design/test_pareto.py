@@ -10,7 +10,7 @@ from vvdp.base.errors import ConfigError
 from vvdp.design.infeasibility import InfeasibleError
 from vvdp.design.optimise import optimise
 from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated
-from vvdp.design.pareto_result import write_designs
+from vvdp.design.pareto_result import front_result, write_designs
 from vvdp.design.problem import problem
 from vvdp.design.proof import Simulated, simulated_designs
 from vvdp.design.quantities import quantities, setup

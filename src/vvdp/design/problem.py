@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vvdp.base.display import gauge_and_absolute, with_unit
+from vvdp.base.display import value_text, with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.tables import nearest, read_table, with_settings
@@ -38,7 +38,7 @@ class Limit:
 
     def __str__(self) -> str:
         """As a person types it."""
-        return self._statement(self.quantity, (">=", "<="), gauge_and_absolute(self.value, KINDS[self.quantity]))
+        return self._statement(self.quantity, (">=", "<="), value_text(self.value, KINDS[self.quantity]))
 
     @property
     def words(self) -> str:
@@ -111,7 +111,7 @@ class Side(NamedTuple):
     def __str__(self) -> str:
         """As a person types it."""
         sign = "=" if self.bound.fixed else "<=" if self.upper else ">="
-        return f"{self.bound.variable.name} {sign} {gauge_and_absolute(self.value, self.bound.variable.kind)}"
+        return f"{self.bound.variable.name} {sign} {value_text(self.value, self.bound.variable.kind)}"
 
     @property
     def words(self) -> str:
@@ -379,7 +379,7 @@ def _bound(variable: Variable, sides: Mapping[str, float], now: float, faults: l
         if not low <= high:
             between = " to ".join(f"{value:g}" for value in dict.fromkeys(sides.values()))
             message = f"{between}; expected whole numbers, and there is none between"
-    ends = " to ".join(gauge_and_absolute(float(end), kind) for end in (low, high))
+    ends = " to ".join(value_text(float(end), kind) for end in (low, high))
     if not message and not low > 0.0:
         message = f"{ends}; both ends must be above zero"
     elif not message and not low <= high:
