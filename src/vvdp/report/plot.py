@@ -290,9 +290,9 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
     spans = [each.dataLim for each in axes.get_shared_x_axes().get_siblings(axes)]
     low, high = min(span.x0 for span in spans), max(span.x1 for span in spans)
     axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
-    place = axes.get_subplotspec()
+    spec = axes.get_subplotspec()
     names_are_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
-    if len(panel.values) > 1 and (place is None or place.is_first_col() or not names_are_shared):
+    if len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):
         above = 1.12 if panel.title else 1.0
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
 
