@@ -44,7 +44,12 @@ class Limit:
     def words(self) -> str:
         """As a person reads it."""
         amount = with_unit(self.value, KINDS[self.quantity], 6)
-        return self._statement(LABELS[self.quantity], "≥≤", amount) + (" (usual limit)" if self.usual else "")
+        return self._statement(LABELS[self.quantity], "≥≤", amount)
+
+    @property
+    def words_with_origin(self) -> str:
+        """The same, and whether it is a usual one."""
+        return self.words + (" (usual limit)" if self.usual else "")
 
     def _statement(self, name: str, signs: Sequence[str], amount: str) -> str:
         mean = " on average" if self.over_the_points else ""

@@ -185,6 +185,7 @@ def _share_chart(found: Tolerance) -> Chart:
             labels=tuple(SHARES.values()),
             colours=(Colour.LOAD, Colour.TANK),
             title=LABELS[name],
+            label="share of the variance",
         )
         for name in OUTPUTS
     )

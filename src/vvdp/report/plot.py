@@ -73,13 +73,15 @@ def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> 
 def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mapping[str, Table]) -> None:
     """Places panels one above the other by known sizes [inch]; measuring each text would take half of the time."""
     width, height = figure.get_size_inches()
-    named = [not isinstance(p, Lines) or bool(_names(p, tables[p.table or chart.table])) for p in chart.panels]
+    named = [
+        -(-len(_names(p, tables[p.table or chart.table])) // 4) if isinstance(p, Lines) else 1 for p in chart.panels
+    ]
     longest = max(
         (len(str(n)) for p in chart.panels if isinstance(p, Bars) for n in tables[p.table or chart.table][p.names]),
         default=0,
     )
     left = max(LEFT, 0.15 + LETTER * longest)
-    above = [ABOVE * (each or bool(panel.title)) + GAP for each, panel in zip(named, chart.panels, strict=True)]
+    above = [ABOVE * max(each, bool(panel.title)) + GAP for each, panel in zip(named, chart.panels, strict=True)]
     free = height - BELOW - sum(above)
     top, heights = height, sum(panel.height for panel in chart.panels)
     figure.set_layout_engine("none")
@@ -289,13 +291,15 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
             texts = [str(table[panel.texts][row]) for row in rows][::-1]
         axes.bar_label(bars, texts, padding=3, fontsize=7.0, color=Colour.INK)
     axes.set_yticks(range(len(rows)), names)
-    axes.set_xlabel(axis_label([table.columns[key] for key in panel.values]))
+    axes.set_xlabel(axis_label([table.columns[key] for key in panel.values], panel.label))
     axes.grid(axis="y", visible=False)
     axes.tick_params(axis="y", length=0)
     spans = [each.dataLim for each in axes.get_shared_x_axes().get_siblings(axes)]
     low, high = min(span.x0 for span in spans), max(span.x1 for span in spans)
     axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
-    if len(panel.values) > 1:
+    spec = axes.get_subplotspec()
+    names_are_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
+    if len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):
         above = 1.12 if panel.title else 1.0
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
 

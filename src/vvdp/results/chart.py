@@ -124,6 +124,8 @@ class Bars:
     labels: tuple[str, ...] = ()
     texts: str = ""
     """A text column that stands behind the bars."""
+    label: str = ""
+    """What stands at the axis, where the columns have several labels."""
     colours: tuple[str, ...] = ()
     title: str = ""
     rows: tuple[int, ...] = ()
