@@ -33,7 +33,8 @@ def print_result(result: "Result", names: Sequence[str] | None = None) -> None:
             tell(each.note)
     for finding in result.findings:
         if finding.grade in (Grade.WARNING, Grade.BAD):
-            warn(finding.text)
+            title = f"{finding.title}: " if finding.title else ""
+            warn(" ".join(filter(None, (title + finding.text, finding.remedy))))
         else:
             tell(finding.text)
 

@@ -55,7 +55,7 @@ def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> 
         grid = figure.subplots(count, 1, squeeze=False, sharex=count > 1, height_ratios=heights)[:, 0]
     common = _has_common_legend(chart, tables)
     for place, (axes, panel) in enumerate(zip(grid, chart.panels, strict=True)):
-        _draw_panel(axes, panel, tables[panel.table or chart.table])
+        _draw_panel(axes, panel, tables[panel.table or chart.table], tables)
         if isinstance(panel, Lines) and not common and _names(panel, tables[panel.table or chart.table]):
             _legend(axes, panel, columns=2 if chart.side_by_side else 4)
         if not chart.side_by_side and place < count - 1:
@@ -95,9 +95,9 @@ def _is_beside(panel: Panel) -> bool:
     return isinstance(panel, Lines) and (bool(panel.legend) or len(panel.lines) > MOST_ABOVE)
 
 
-def _draw_panel(axes: "Axes", panel: Panel, table: Table) -> None:
+def _draw_panel(axes: "Axes", panel: Panel, table: Table, tables: Mapping[str, Table]) -> None:
     if isinstance(panel, Lines):
-        _draw_lines(axes, panel, table)
+        _draw_lines(axes, panel, table, tables)
     elif isinstance(panel, Bars):
         _draw_bars(axes, panel, table)
     else:
@@ -107,8 +107,13 @@ def _draw_panel(axes: "Axes", panel: Panel, table: Table) -> None:
 
 
 def line_label(line: Line, table: Table) -> str:
-    """What a line is called."""
+    """What a line is called; one of another table than that of its panel has a label of its own."""
     return line.label or table.columns[line.y].label
+
+
+def line_columns(panel: Lines, table: Table, tables: Mapping[str, Table]) -> list[Column]:
+    """The columns of y that a panel draws."""
+    return [(tables[line.table] if line.table else table).columns[line.y] for line in panel.lines]
 
 
 def axis_label(columns: Sequence[Column], label: str = "") -> str:
@@ -185,10 +190,12 @@ def _common_legend(figure: "Figure", grid: Sequence["Axes"], panels: Sequence[Pa
     figure.legend(list(found.values()), list(found), **place)
 
 
-def _draw_lines(axes: "Axes", panel: Lines, table: Table) -> None:
+def _draw_lines(axes: "Axes", panel: Lines, table: Table, tables: Mapping[str, Table]) -> None:
     for line, look in zip(panel.lines, line_looks(panel), strict=True):
-        _draw_line(axes, line, table, look, _rows_in_view(panel, line, table))
-    x, y = table.columns[panel.lines[0].x], [table.columns[line.y] for line in panel.lines]
+        own = tables[line.table] if line.table else table
+        _draw_line(axes, line, own, look, _rows_in_view(panel, line, own))
+    y = line_columns(panel, table, tables)
+    x = (tables[panel.lines[0].table] if panel.lines[0].table else table).columns[panel.lines[0].x]
     for level in panel.levels:
         _draw_level(axes, level, column_unit(x if level.upright else y[0]))
     axes.set_xlabel(axis_label([x], panel.x_label))

@@ -63,6 +63,8 @@ def _lines(page: Page, drawn: Mapping[str, Drawn]) -> Iterator[str]:
         for name in section.shows:
             count += name in drawn
             yield _part(page, drawn, name, count)
+        if section.text:
+            yield f'<pre class="keys">{text(section.text)}</pre>'
     yield from _references(result.references)
     yield live_body(result.charts.values(), result.tables)
     yield "</body>\n</html>"
@@ -137,7 +139,8 @@ def _conditions(result: Result) -> str:
     rows = [row([text(name), text(value)], ("q", "")) for name, value in result.conditions.items()]
     left = "".join(f"<li>{text(each)}</li>" for each in result.left_out)
     first = f"<div><h3>Conditions</h3>\n{table(('', ''), rows)}\n</div>"
-    return f'<div class="columns">\n{first}\n<div><h3>Left out</h3>\n<ul>{left}</ul></div>\n</div>'
+    second = f"\n<div><h3>Left out</h3>\n<ul>{left}</ul></div>" if left else ""
+    return f'<div class="columns">\n{first}{second}\n</div>'
 
 
 def listing_html(listing: Listing) -> str:
