@@ -15,7 +15,7 @@ from types import FrameType
 import numpy as np
 
 import vvdp
-from vvdp.base.display import gauge_and_absolute
+from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, RunError
 from vvdp.base.kinds import NUMBER, Kind
 from vvdp.base.signal import Signal
@@ -298,11 +298,8 @@ def _column(name: str, values: Sequence[tuple[float | str, Kind]]) -> Column:
     numbers = [value for value, _ in values if not isinstance(value, str)]
     if len(numbers) == len(values):
         return Column(np.array(numbers, float), values[0][1], name)
-    return Column(
-        np.array([value if isinstance(value, str) else gauge_and_absolute(value, kind) for value, kind in values]),
-        None,
-        name,
-    )
+    texts = [value if isinstance(value, str) else value_text(value, kind) for value, kind in values]
+    return Column(np.array(texts), None, name)
 
 
 @contextmanager
