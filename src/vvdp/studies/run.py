@@ -298,11 +298,8 @@ def _column(name: str, values: Sequence[tuple[float | str, Kind]]) -> Column:
     numbers = [value for value, _ in values if not isinstance(value, str)]
     if len(numbers) == len(values):
         return Column(np.array(numbers, float), values[0][1], name)
-    return Column(
-        np.array([value if isinstance(value, str) else value_text(value, kind) for value, kind in values]),
-        None,
-        name,
-    )
+    texts = [value if isinstance(value, str) else value_text(value, kind) for value, kind in values]
+    return Column(np.array(texts), None, name)
 
 
 @contextmanager
