@@ -2,6 +2,8 @@
 
 Every volume here is per volume of the same fluid at the reference pressure. All laws follow from one function, the
 specific-volume ratio, so mass and energy books that use them close exactly.
+
+Source  ours, docs/models/fluid.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -39,8 +41,6 @@ def power_growth(ratio: float, exponent: float) -> PowerGrowth:
 
     ratio     x, greater than zero [1]
     exponent  k, 0 or greater [1]
-
-    Source  ours, docs/models/fluid.md
     """
     k, L = exponent, np.log(ratio)
     e = np.expm1(k * L)
@@ -52,8 +52,6 @@ def power_growth_compiled(ratio: float, exponent: float) -> PowerGrowth:
 
     ratio     x, greater than zero [1]
     exponent  k, 0 or greater [1]
-
-    Source  ours, docs/models/fluid.md
     """
     k = exponent
     per_k = 1.0 / select(k > 0.0, k, 1.0)  # not where it is used: here all states of an oil share it
@@ -142,10 +140,7 @@ def bulk_modulus(pressure: float, oil: Oil) -> float:
 
 
 def enthalpy(pressure: float, oil: Oil) -> float:
-    """Enthalpy per volume at the reference pressure, h = int nu dP [J/m3].  pressure: absolute [Pa].
-
-    Source  ours, docs/models/fluid.md
-    """
+    """Enthalpy per volume at the reference pressure, h = int nu dP [J/m3].  pressure: absolute [Pa]."""
     return fluid_state(pressure, oil).enthalpy
 
 

@@ -1,4 +1,7 @@
-"""Cylinders as transformers: pressures to a force on the rod, the rod's motion to walls that move."""
+"""Cylinders as transformers: pressures to a force on the rod, the rod's motion to walls that move.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Conductance, Length, Mass
@@ -68,8 +71,6 @@ def wall_a(position: float, velocity: float, plunger: Plunger) -> Wall:
 
     position  x [m]
     velocity  v [m/s]
-
-    Source  ours, docs/models/components.md
     """
     return Wall(plunger.area_a * position, plunger.area_a * velocity)
 
@@ -79,7 +80,5 @@ def wall_b(position: float, velocity: float, cylinder: Cylinder) -> Wall:
 
     position  x [m]
     velocity  v [m/s]
-
-    Source  ours, docs/models/components.md
     """
     return Wall(cylinder.area_b * (cylinder.stroke - position), -cylinder.area_b * velocity)

@@ -1,4 +1,7 @@
-"""Friction of rods and shafts: viscous, dry, and the dry friction that falls from breaking away (Stribeck)."""
+"""Friction of rods and shafts: viscous, dry, and the dry friction that falls from breaking away (Stribeck).
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 import numpy as np
 
@@ -59,8 +62,6 @@ def smooth_sign(value: float, width: float) -> float:
 
     value  x
     width  w, greater than zero, in the unit of x
-
-    Source  ours, docs/models/components.md
     """
     sign: float = value / np.sqrt(value * value + width * width)
     return sign
@@ -83,8 +84,6 @@ def shaft_friction_torque(speed: float, friction: ShaftFriction) -> float:
     """Friction of a shaft [N m], against the speed: b omega + T_c omega/sqrt(omega^2 + omega_c^2).
 
     speed  omega [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     dry = friction.coulomb_torque * smooth_sign(speed, friction.coulomb_speed)
     return friction.shaft_damping * speed + dry

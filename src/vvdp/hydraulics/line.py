@@ -1,4 +1,7 @@
-"""Line: a column of oil with inertia and wall friction between two volumes."""
+"""Line: a column of oil with inertia and wall friction between two volumes.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import Protocol
 
@@ -40,10 +43,7 @@ class Line(Params):
 
 
 def line_volume(line: RoundLine) -> float:
-    """Volume inside a line [m^3]: pi d^2 l/4.
-
-    Source  ours, docs/models/components.md
-    """
+    """Volume inside a line [m^3]: pi d^2 l/4."""
     return 0.25 * np.pi * line.diameter**2 * line.length
 
 
@@ -51,8 +51,6 @@ def inertance(density: float, line: RoundLine) -> float:
     """Inertance of a line [Pa s^2/m^3]: rho l/A.
 
     density  of the oil at the tank [kg/m^3]
-
-    Source  ours, docs/models/components.md
     """
     return density * line.length / (0.25 * np.pi * line.diameter**2)
 
@@ -63,8 +61,6 @@ def flow_scale(a: FluidState, b: FluidState) -> float:
     A line's flow z is the geometric mean of its flow in tank volumes, q = z/sigma, and the actual one, Q = z sigma.
 
     a, b  oil at its ends
-
-    Source  ours, docs/models/components.md
     """
     scale: float = np.sqrt(0.5 * (a.volume_ratio + b.volume_ratio))
     return scale
@@ -81,8 +77,6 @@ def line_flow_rate(
     a, b       oil at its ends
     density    of the oil at the tank [kg/m^3]
     viscosity  dynamic [Pa s]
-
-    Source  ours, docs/models/components.md
     """
     sigma = flow_scale(a, b)
     drop = line_friction_drop(sigma * flow, density / sigma**2, viscosity, line)
@@ -118,8 +112,6 @@ def line_friction_power(
     a, b       oil at its ends
     density    of the oil at the tank [kg/m^3]
     viscosity  dynamic [Pa s]
-
-    Source  ours, docs/models/components.md
     """
     sigma = flow_scale(a, b)
     return sigma * flow * line_friction_drop(sigma * flow, density / sigma**2, viscosity, line)
@@ -130,7 +122,5 @@ def line_energy(flow: float, density: float, line: RoundLine) -> float:
 
     flow     z; see `flow_scale` [m^3/s]
     density  of the oil at the tank [kg/m^3]
-
-    Source  ours, docs/models/components.md
     """
     return 0.5 * inertance(density, line) * flow**2

@@ -1,6 +1,8 @@
 """Cavitation at the nozzles, and what the oil in the clearance does besides sealing and dragging.
 
 Derived in docs/design.md, "Where the model leaves its range".
+
+Source  ours, docs/design.md, where a function names no other.
 """
 
 import numpy as np
@@ -27,8 +29,6 @@ def gap_reynolds_number(spool_speed: float, density: float, viscosity: float, va
     spool_speed  [rad/s]
     density      [kg/m^3]
     viscosity    dynamic [Pa s]
-
-    Source  ours, docs/design.md
     """
     return density * abs(spool_speed) * valve.spool_radius * valve.radial_clearance / viscosity
 
@@ -56,8 +56,6 @@ def sheared_temperature_rise(
     spool_speed           [rad/s]
     viscosity             dynamic [Pa s]
     thermal_conductivity  of the oil [W/(m K)]
-
-    Source  ours, docs/design.md
     """
     u = spool_speed * valve.spool_radius
     return viscosity * u * u / (8.0 * thermal_conductivity)
@@ -75,7 +73,5 @@ def carried_temperature_rise(
     leakage_flow         q, above 0 [m^3/s]
     density              [kg/m^3]
     specific_heat        c_p [J/(kg K)]
-
-    Source  ours, docs/design.md
     """
     return (friction_power / leakage_flow + pressure_difference) / (density * specific_heat)

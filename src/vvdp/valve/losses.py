@@ -2,6 +2,8 @@
 
 Derived in docs/models/rotary-valve.md, "Losses". They count volumes: with a compressible oil expect differences of the
 size of its volume change.
+
+Source  ours, docs/models/rotary-valve.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -73,8 +75,6 @@ def port_ramp(port_pressure: float, relief_pressure: float, tank_pressure: float
     the excess drop is n (1/a* - 2 + a*) + Qv H + (a* - Qv) (P_R - P_T) - a* (n + r). a* is held at 1.
 
     port_pressure, relief_pressure, tank_pressure  P_S, P_R, P_T, absolute [Pa]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     n, r = full_drops.nozzle, full_drops.centre_section + full_drops.outlet_turbine
     H = maximum(relief_pressure - port_pressure, 0.0)
@@ -93,8 +93,6 @@ def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     duty ratio while that lies between kappa and 1 - kappa; `range_warnings` tells where it holds.
 
     at  with a flow > 0
-
-    Source  ours, docs/models/rotary-valve.md
     """
     Q, P_R, P_T = at.flow, at.relief_pressure, at.tank_pressure
     drops = full_open_drop(Q, at.density, valve)
@@ -119,8 +117,6 @@ def closed_form_load_flow(duty_ratio: float, at: Condition, valve: RotaryValve) 
 
     duty_ratio  d_0, between kappa and 1 - kappa [1]
     at          with a flow > 0
-
-    Source  ours, docs/models/rotary-valve.md
     """
     return at.flow * duty_ratio - transition_loss(at, valve).load_flow_lost
 
@@ -152,8 +148,6 @@ def compression_regime(
     volume                            [m^3]
     pressure_rise, mean_bulk_modulus  [Pa]
     flow                              of the pump, > 0 [m^3/s]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     filling = volume * pressure_rise / (mean_bulk_modulus * flow)
     return filling * pwm_frequency * pitch(valve) / nozzle_width(valve)
@@ -164,8 +158,6 @@ def leakage_loss(pressure_difference: float, viscosity: float, valve: RotaryValv
 
     pressure_difference  of load over tank [Pa]
     viscosity            dynamic [Pa s]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     return leakage_conductance(viscosity, valve) * pressure_difference * pressure_difference
 
@@ -185,8 +177,6 @@ def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tupl
     """What puts the closed form of the transition loss in doubt at an operating point, in sentences; empty if nothing.
 
     duty_ratio  [1]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     found = []
     kappa = transition_fraction(valve)
@@ -229,8 +219,6 @@ def best_relief_pressure(
     flow                          of the pump, > 0 [m^3/s]
     load_pressure, tank_pressure  absolute [Pa]
     density                       [kg/m^3]
-
-    Source  ours, docs/models/rotary-valve.md
     """
 
     def loss(relief_pressure: float) -> float:

@@ -1,6 +1,8 @@
 """Torques on the spool and the speed at which they balance.
 
 Derived in docs/models/rotary-valve.md, "Torque".
+
+Source  ours, docs/models/rotary-valve.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
@@ -42,8 +44,6 @@ def jet_section(opening: float, exponent: float) -> float:
 
     opening   open fraction a, 0 to 1 [1]
     exponent  s, 0 to 1 [1]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     section: float = power(opening, 2.0 - exponent)
     return section
@@ -54,8 +54,6 @@ def jet_section_compiled(opening: float, exponent: float) -> float:
 
     opening   open fraction a, 0 to 1 [1]
     exponent  s, 0 to 1 [1]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     if exponent == 0.0 or opening == 0.0 or opening == 1.0:
         return opening * opening
@@ -123,10 +121,7 @@ def spool_torque(
 
 
 def spool_inertia(valve: RotaryValve) -> float:
-    """Moment of inertia of the spool taken as a solid cylinder, M R^2 / 2 [kg m^2].
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """Moment of inertia of the spool taken as a solid cylinder, M R^2 / 2 [kg m^2]."""
     return 0.5 * valve.spool_mass * valve.spool_radius * valve.spool_radius
 
 
@@ -203,8 +198,6 @@ def spool_time_constant(flow: float, density: float, viscosity: float, valve: Ro
     flow       [m^3/s]
     density    [kg/m^3]
     viscosity  dynamic [Pa s]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     return spool_inertia(valve) / (friction_coefficient(viscosity, valve) + flow_damping(flow, density, valve))
 
