@@ -233,6 +233,7 @@ def _row(matrix: Any) -> Array:
 
 
 def valve_of(problem: Problem, values: Mapping[str, Any]) -> Any:
+    """The valve of a problem with its variables at `values` [SI], arrays or symbols."""
     from vvdp.design.variables import changed
 
     return changed(problem.points[0].setup, values).valve

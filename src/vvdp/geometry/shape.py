@@ -357,8 +357,8 @@ def _duct_faults(shape: ValveShape, valve: RotaryValve) -> Iterator[str]:
     ends = 2.0 * np.arcsin(min(rail / shape.rail_radius, 1.0))
     if not rail_arc(shape, valve) + ends < 2.0 * np.pi:
         yield (
-            f"the rail spans {np.degrees(rail_arc(shape, valve) + ends):.4g} deg with its ends; expected less than 360 deg "
-            "(rail_lead and rail_tail too large)"
+            f"the rail spans {np.degrees(rail_arc(shape, valve) + ends):.4g} deg with its ends; expected less than "
+            "360 deg (rail_lead and rail_tail too large)"
         )
     yield from _at_most("rail_port_diameter", shape.rail_port_diameter, shape.rail_diameter, "the rail diameter")
     yield from _at_most(
