@@ -88,7 +88,7 @@ def is_public(name: str) -> bool:
 
 
 def undescribed(tree: ast.Module) -> list[str]:
-    """Public functions and methods without a docstring; those that stand in others or only tell their form need none."""
+    """Public functions and methods without a docstring; inner ones and mere forms need none."""
     inner = {id(n) for f in ast.walk(tree) if isinstance(f, ast.FunctionDef) for n in ast.walk(f) if n is not f}
     return [
         name.lstrip(".")
