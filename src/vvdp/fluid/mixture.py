@@ -125,6 +125,10 @@ def specific_volume_ratio(pressure: float, oil: Oil) -> float:
     nu = phi (P/P0)^(-1/n) + (1 - phi) e^(-(P - P0)/b)
 
     Source  cho2002, bulk modulus
+    Holds   for air that stays free, at pressures changing too fast for it to dissolve
+
+    >>> print(round(specific_volume_ratio(100e5, oil), 5))
+    0.9834
     """
     return fluid_state(pressure, oil).volume_ratio
 
@@ -135,6 +139,10 @@ def bulk_modulus(pressure: float, oil: Oil) -> float:
     beta = (a + l)/(a/(n P) + l/b), a and l the volume of air and of oil per volume at the reference pressure.
 
     Source  cho2002, bulk modulus
+    Holds   for air that stays free; see `fluid.modulus` for laws in which it dissolves
+
+    >>> print(*[round(bulk_modulus(p, oil) / 1e6) for p in (2e5, 100e5, 300e5)])
+    44 1349 1392
     """
     return fluid_state(pressure, oil).bulk_modulus
 
@@ -162,6 +170,9 @@ def mean_bulk_modulus(pressure: float, oil: Oil) -> float:
     pressure: P, absolute [Pa], held at P0/100 below it.
 
     Source  wang2017, eq. 2.10 (W), eq. 5.19; ours, docs/models/fluid.md
+
+    >>> print(round(mean_bulk_modulus(100e5, oil) / 1e6))
+    1197
     """
     P0 = oil.reference_pressure
     L = np.log(maximum(pressure, RAREFIED * P0) / P0)
@@ -193,6 +204,10 @@ def compression_energy_per_volume(pressure: float, from_pressure: float, oil: Oi
     pressure: P; from_pressure: Pd, both absolute [Pa], held at P0/100 below it.
 
     Source  wang2017, eq. 5.22; closed form ours, docs/models/fluid.md
+    Error   none but rounding: a closed form
+
+    >>> print(round(compression_energy_per_volume(100e5, 101325.0, oil)))  # oil without air: 35 000
+    41062
     """
     P0, n, phi, b = oil.reference_pressure, oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
     P = maximum(pressure, RAREFIED * P0)

@@ -62,6 +62,11 @@ def cylinder_force(pressure_a: float, pressure_b: float, reference_pressure: flo
     reference_pressure      outside, absolute [Pa]
 
     Source  wang2017, eq. 6.1
+    Holds   at any speed; the friction of seals is `rod_friction_force`
+
+    >>> cylinder = Cylinder(area_a=2e-3, area_b=1e-3, moving_mass=5.0, stroke=0.3, leakage_conductance=0.0)
+    >>> cylinder_force(51e5, 11e5, 1e5, cylinder)
+    9000.0
     """
     return plunger_force(pressure_a, reference_pressure, cylinder) - (pressure_b - reference_pressure) * cylinder.area_b
 

@@ -57,6 +57,9 @@ def signed_root(pressure_drop: float, transition_pressure: float) -> float:
 
     pressure_drop        dp, either sign [Pa]
     transition_pressure  eps, greater than zero [Pa]
+
+    >>> print(round(signed_root(-100.0, 1e-3), 6))
+    -10.0
     """
     dp, eps = pressure_drop, transition_pressure
     # Two square roots are several times faster than a power.

@@ -73,6 +73,17 @@ def rod_friction_force(velocity: float, friction: RodFriction) -> float:
     velocity  v [m/s]
 
     Source  wang2017, eq. 6.1 (viscous); armstrong1994 (falling dry friction); its sign: ours, docs/models/components.md
+    Holds   for a rod that slides; at rest it creeps instead of sticking
+
+    >>> seal = RodFriction(
+    ...     viscous_friction=100.0,
+    ...     coulomb_friction=50.0,
+    ...     breakaway_friction=80.0,
+    ...     stribeck_velocity=0.02,
+    ...     coulomb_velocity=1e-3,
+    ... )
+    >>> print(round(rod_friction_force(0.5, seal), 1))
+    100.0
     """
     ratio = velocity / friction.stribeck_velocity
     excess = (friction.breakaway_friction - friction.coulomb_friction) * np.exp(-ratio * ratio)

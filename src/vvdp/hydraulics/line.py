@@ -51,6 +51,9 @@ def inertance(density: float, line: RoundLine) -> float:
     """Inertance of a line [Pa s^2/m^3]: rho l/A.
 
     density  of the oil at the tank [kg/m^3]
+
+    >>> inertance(870.0, Line(length=2.0, diameter=0.01)) == 870.0 * 2.0 / (np.pi * 0.005**2)
+    True
     """
     return density * line.length / (0.25 * np.pi * line.diameter**2)
 
@@ -94,6 +97,12 @@ def line_friction_drop(flow: float, density: float, viscosity: float, line: Roun
     viscosity  dynamic, mu [Pa s]
 
     Source  merritt1967, ch. 3 (laminar, Blasius); transition: ours, docs/models/components.md
+    Holds   for smooth round walls up to Re 100 000, without entry losses
+    Error   open between Re 2300 and 4000, where a flow may be either
+
+    >>> hose = Line(length=2.0, diameter=0.01)
+    >>> print(round(line_friction_drop(1e-4, 870.0, 0.03, hose) / 1e5, 3))  # laminar
+    0.244
     """
     d = line.diameter
     Re = 4.0 * density * abs(flow) / (np.pi * d * viscosity)

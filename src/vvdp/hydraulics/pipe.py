@@ -112,6 +112,10 @@ def sound_speed(density: float, fluid: FluidState, hose_compliance: float) -> fl
     hose_compliance  1/B, relative growth of the line's volume over pressure [1/Pa]
 
     Source  merritt1967, ch. 2, with the wall
+    Holds   for waves that are long against the diameter, without friction
+
+    >>> print(round(sound_speed(870.0, FluidState(1e5, 1.0, 1.5e9, 0.0), 0.0)))
+    1313
     """
     speed: float = np.sqrt(fluid.volume_ratio / (density * (1.0 / fluid.bulk_modulus + hose_compliance)))
     return speed

@@ -60,6 +60,14 @@ def pressure_rate(
     pressure            absolute [Pa]
     reference_pressure  of the oil, absolute [Pa]
     swept_volume        what a moving wall adds to the vessel [m^3]
+
+    Holds   for changes that are slow against a wave through the vessel: one pressure throughout
+
+    >>> vessel = Vessel(
+    ...     oil_volume=1e-3, hose_compliance=0.0, gas_volume=0.0, precharge_pressure=0.0, gas_exponent=1.2
+    ... )
+    >>> print(round(pressure_rate(1e-4, 0.0, 1e5, FluidState(1e5, 1.0, 1.4e9, 0.0), vessel, 1e5) / 1e5))  # bar/s
+    1400
     """
     gas = gas_volume(pressure, vessel)
     V = oil_beside(gas, pressure, vessel, reference_pressure) + swept_volume
@@ -184,6 +192,14 @@ def gas_volume(pressure: float, vessel: Vessel) -> float:
     """Volume of the gas in a vessel [m^3]: Vg0 (p0/p)^(1/k), p the precharge p0 and `gas_excess`.
 
     pressure  of the oil, absolute [Pa]
+
+    Holds   for an ideal gas that changes at one exponent
+
+    >>> vessel = Vessel(
+    ...     oil_volume=1e-3, hose_compliance=0.0, gas_volume=1e-3, precharge_pressure=50e5, gas_exponent=1.0
+    ... )
+    >>> print(round(1e3 * gas_volume(100e5, vessel), 3))  # litres
+    0.5
     """
     p0 = vessel.precharge_pressure
     ratio = 1.0 + gas_excess(pressure, vessel) / select(p0 > 0.0, p0, 1.0)

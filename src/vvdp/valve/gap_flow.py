@@ -18,6 +18,9 @@ def cavitation_number(upstream_pressure: float, downstream_pressure: float, cavi
     cavitation_pressure                     p_c, at which air or vapour comes out, absolute [Pa]
 
     Source  merritt1967, flow through orifices
+
+    >>> cavitation_number(11e5, 3e5, 1e5)
+    0.25
     """
     drop = maximum(upstream_pressure - downstream_pressure, 1.0)
     return (downstream_pressure - cavitation_pressure) / drop
@@ -41,6 +44,10 @@ def taylor_number(spool_speed: float, density: float, viscosity: float, valve: R
     viscosity    dynamic [Pa s]
 
     Source  taylor1923
+    Holds   for a smooth clearance that is small against the radius, its outer wall at rest
+
+    >>> print(round(taylor_number(150.0, 870.0, 0.03, valve), 3))
+    0.022
     """
     slenderness: float = np.sqrt(valve.radial_clearance / valve.spool_radius)
     return gap_reynolds_number(spool_speed, density, viscosity, valve) * slenderness

@@ -62,6 +62,10 @@ def full_open_loss(flow: float, density: float, valve: RotaryValve) -> float:
     density  [kg/m^3]
 
     Source  wang2017, eqs. 2.3 to 2.5
+    Holds   for turbulent flow; see `nozzle_reynolds_number`
+
+    >>> print(round(full_open_loss(6.3e-4, 870.0, valve), 1))
+    373.6
     """
     drops = full_open_drop(flow, density, valve)
     return flow * (drops.nozzle + drops.centre_section + drops.outlet_turbine)
@@ -93,6 +97,12 @@ def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     duty ratio while that lies between kappa and 1 - kappa; `range_warnings` tells where it holds.
 
     at  with a flow > 0
+
+    Holds   where `range_warnings` says nothing
+
+    >>> at = Condition(flow=6.3e-4, load_pressure=70e5, relief_pressure=80e5, tank_pressure=1e5, density=870.0)
+    >>> print(round(transition_loss(at, valve).loss, 1))
+    959.8
     """
     Q, P_R, P_T = at.flow, at.relief_pressure, at.tank_pressure
     drops = full_open_drop(Q, at.density, valve)
@@ -132,6 +142,9 @@ def compressibility_loss(pwm_frequency: float, volume: float, pressure: float, t
     pressure, tank_pressure  absolute [Pa]
 
     Source  wang2017, eq. 2.10, with the frequency counted once and the energy of oil with air
+
+    >>> print(round(compressibility_loss(60.0, 1e-4, 70e5, 101325.0, oil), 1))
+    132.5
     """
     return pwm_frequency * volume * compression_energy_per_volume(pressure, tank_pressure, oil)
 
