@@ -67,6 +67,7 @@ class Moments:
 
     @property
     def deviation(self) -> float:
+        """Root mean square, NaN of nothing."""
         return float(np.sqrt(self.squares / self.count)) if self.count else np.nan
 
 
@@ -181,16 +182,19 @@ class Sums:
 
     @property
     def folded_mean(self) -> Array:
+        """Mean in each part of the period, NaN where nothing fell."""
         found: Array = np.where(self._fold_count > 0, self._fold_total / np.fmax(self._fold_count, 1.0), np.nan)
         return found
 
     @property
     def folded_low(self) -> Array:
+        """The lowest value in each part of the period, NaN where nothing fell."""
         found: Array = np.where(self._fold_count > 0, self._fold_low, np.nan)
         return found
 
     @property
     def folded_high(self) -> Array:
+        """The highest value in each part of the period, NaN where nothing fell."""
         found: Array = np.where(self._fold_count > 0, self._fold_high, np.nan)
         return found
 
