@@ -163,6 +163,7 @@ def _worst(openings: Table) -> float:
 
 def _chart(openings: Table) -> Chart:
     sides = (("load", Colour.LOAD), ("tank", Colour.TANK))
+    left, right = (float(openings["spool_angle_rad"][end]) for end in (0, -1))
     lines = [Line(x="spool_angle_rad", y=f"{side}_formula", colour=colour) for side, colour in sides]
     lines += [
         Line(x="spool_angle_rad", y=f"{side}_mesh", colour=colour, stroke=Stroke.POINTS, width=0.8)
@@ -179,8 +180,8 @@ def _chart(openings: Table) -> Chart:
         caption=caption,
         table="openings",
         panels=(
-            Lines(lines=tuple(lines), label="open share", low=-0.04, high=1.04, height=2.0),
-            Lines(lines=tuple(below), label="difference"),
+            Lines(lines=tuple(lines), label="open share", low=-0.04, high=1.04, left=left, right=right, height=2.0),
+            Lines(lines=tuple(below), label="difference", left=left, right=right),
         ),
         height=3.4,
     )
