@@ -61,7 +61,7 @@ def geometry_result(order: Order, product: Product) -> Result:
     """What was made to an order; the sections name drawings that the page has: view, solids, unwrapped, film, oil."""
     numbers = numbers_of(_lengths(order, product), QUANTITIES)
     openings = {"openings": _openings(product.openings, order)} if product.openings is not None else {}
-    numbers |= dict(_measured(product))
+    numbers |= dict(_measured_numbers(product))
     if openings:
         numbers["openings_difference"] = Number(_worst(openings["openings"]), FRACTION, "largest difference")
     listings = {"sizes": _sizes(numbers)}
@@ -107,7 +107,7 @@ def _lengths(order: Order, product: Product) -> dict[str, float]:
     return lengths if product.inertia is None else {**lengths, "spool_inertia_kg_m2": product.inertia}
 
 
-def _measured(product: Product) -> Iterator[tuple[str, Number]]:
+def _measured_numbers(product: Product) -> Iterator[tuple[str, Number]]:
     """Compared quantities, by formula and as the meshes have them, and what the files enclose."""
     for each in product.comparisons:
         stem, _, unit = each.key.rpartition("_")
@@ -134,14 +134,14 @@ def _sizes(numbers: dict[str, Number]) -> Listing:
 
 def _comparison(product: Product, worst: float) -> Listing:
     rows = [
-        Row(each.title, each.kind, (each.formula, each.measured, _signed(each.difference)))
+        Row(each.title, each.kind, (each.formula, each.measured, _with_sign(each.difference)))
         for each in product.comparisons
     ]
     rows.append(Row("open share over a period, largest difference", FRACTION, ("", "", percent(worst, 3))))
     return Listing(title="", heads=("formula", "mesh", "difference"), rows=tuple(rows))
 
 
-def _signed(share: float) -> str:
+def _with_sign(share: float) -> str:
     return f"{'+' if share > 0.0 else ''}{percent(share, 3)}"
 
 
