@@ -13,7 +13,7 @@ from vvdp.design.pareto import Front
 from vvdp.design.problem import ON_BOUND
 from vvdp.design.proof import TOLERANCE
 from vvdp.design.quantities import KINDS, LABELS, key
-from vvdp.design.variables import redesigned, value_in
+from vvdp.design.variables import redesign, value_in
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Badge, Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
 from vvdp.systems.resolved import resolved_text
@@ -72,7 +72,7 @@ def write_designs(folder: Path, found: Front) -> None:
     names = [*_names("point", found.kept), *_names("refused", found.refused)]
     for name, place in zip(names, (*found.kept, *found.refused), strict=True):
         note = f"{name} of a Pareto front: {good}"
-        design = redesigned(system, found.values[place], note, f"{system.title}, {name} of a front")
+        design = redesign(system, found.values[place], note, f"{system.title}, {name} of a front")
         write_whole(folder / "systems" / f"{name}.toml", resolved_text(design))
 
 
