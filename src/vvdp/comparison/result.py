@@ -155,12 +155,12 @@ def _speed_tables(found: Comparison) -> dict[str, Table]:
     """The speed error of each estimator by scenario, as many scenarios in a table as a page has room for."""
     names, played = list(found.estimators), list(found.played)
     tables = {}
-    for number, first in enumerate(range(0, len(played), MOST_COLUMNS), 1):
+    for count, first in enumerate(range(0, len(played), MOST_COLUMNS), 1):
         columns = {"estimator": Column(np.array(names), None, "estimator")}
         for scenario in played[first : first + MOST_COLUMNS]:
             values = np.array([found.scores[scenario, name][SPEED].value for name in names])
             columns[f"{scenario}_rad_s"] = Column(values, SPEED_ERROR, scenario)
-        tables[f"speed-{number}"] = Table(title="Error of the speed", columns=columns, note="Rms over all runs.")
+        tables[f"speed-{count}"] = Table(title="Error of the speed", columns=columns, note="Rms over all runs.")
     return tables
 
 
