@@ -56,7 +56,7 @@ TOLERANCE = 0.1
 
 @dataclass(frozen=True)
 class Proof:
-    """What simulation and closed forms say of one design at one operating point; `failure` where a run broke off."""
+    """What simulation and closed forms say of one design at one operating point; `failure` if a simulation failed."""
 
     design: str
     point: int
