@@ -109,8 +109,6 @@ RECORD = "a record that is filled by name, one line for each of its fields"
 FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
-    "base.tables._sourced": "what an entry of a table is told apart by, each of another kind",
-    "base.tables.build": CHOICE,
     "base.units._converted": CHOICE,
     "components.directional_valves.directional_valve": LAW,
     "components.directional_valves.throttled_directional_valve": LAW,

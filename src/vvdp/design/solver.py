@@ -195,4 +195,4 @@ def valve_of(problem: Problem, values: Mapping[str, Any]) -> Any:
 
 def plain_quantities(found: Quantities) -> Quantities:
     """Quantities as plain floats."""
-    return Quantities(*(float(value) for value in found))
+    return Quantities(**{name: float(value) for name, value in found._asdict().items()})

@@ -679,8 +679,15 @@ class _Run:
         wave = isinstance(self.finder, WaveEdges)
         level = self.finder.level if isinstance(self.finder, WaveEdges) else np.nan
         band = self.finder.band if isinstance(self.finder, WaveEdges) else np.nan
-        kept = (times[begin:end].copy(), values[begin:end].copy()) if wave else (np.empty(0), np.empty(0))
-        self.excerpt = Excerpt(*kept, level, band, shown, pressure)
+        part = slice(begin, end) if wave else slice(0)
+        self.excerpt = Excerpt(
+            times=times[part].copy(),
+            values=values[part].copy(),
+            level=level,
+            band=band,
+            edges=shown,
+            pressure=pressure,
+        )
 
     def smooth(self, progress: Callable[[float], None]) -> None:
         """The second pass: every row again, given the edges before and after it; it may be interrupted as well."""

@@ -123,9 +123,16 @@ def piece(
     inner = around([fit.symbol.box, label.box]) if lines else fit.symbol.box
     level, band = levels
     exits = [
-        Exit(port, node := nodes[port], fit.symbol.terminals[terminal], node in level and level[node] >= band,
-             node not in level, terminal == "pilot")
+        Exit(
+            port=port,
+            node=(node := nodes[port]),
+            terminal=fit.symbol.terminals[terminal],
+            up=node in level and level[node] >= band,
+            tank=node not in level,
+            pilot=terminal == "pilot",
+        )
         for port, terminal in fit.terminals.items()
-    ]  # fmt: skip
+    ]
     leads = led(name, exits, inner, to_right=bool(fit.links) and beside is Beside.RIGHT)
-    return Piece(name, fit.symbol, (0.0, 0.0), label, leads, around([inner, *(reach(lead) for lead in leads)]))
+    box = around([inner, *(reach(lead) for lead in leads)])
+    return Piece(name=name, symbol=fit.symbol, at=(0.0, 0.0), label=label, leads=leads, box=box)

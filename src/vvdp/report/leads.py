@@ -96,7 +96,15 @@ def led(owner: str, exits: Iterable[Exit], inner: Box, to_right: bool) -> tuple[
         if each.tank:
             down = points[-1][1] + LEAD if each.is_straight else max(points[-1][1] + LEAD, inner[3] - LEAD, lowest)
             points = (*points, (points[-1][0], down))
-        found[each.port] = Lead(owner, each.port, each.node, points, each.up, each.tank, each.pilot)
+        found[each.port] = Lead(
+            owner=owner,
+            port=each.port,
+            node=each.node,
+            points=points,
+            up=each.up,
+            tank=each.tank,
+            pilot=each.pilot,
+        )
     return tuple(found[each.port] for each in exits)
 
 

@@ -1,7 +1,7 @@
 """The heights of a diagram: bands of symbols, the lines of nodes between them, and where the nodes' names stand."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise, permutations
 
 from vvdp.report.blocks import Block, Label, Piece
@@ -80,7 +80,15 @@ def plan(
     boxes = [*(piece.box for piece in pieces), *(label.box for label in names.values())]
     left = min([0.0, *(box[0] for box in boxes), *(r.ends[0] for r in rails.values())])
     right = max([0.0, *(box[2] for box in boxes), *(r.ends[1] for r in rails.values())])
-    made = Plan(right - left, height, tuple(pieces), tuple(links), tuple(wires), tuple(rails.values()), names)
+    made = Plan(
+        width=right - left,
+        height=height,
+        pieces=tuple(pieces),
+        links=tuple(links),
+        wires=tuple(wires),
+        rails=tuple(rails.values()),
+        names=names,
+    )
     return _shifted(made, MARGIN - left, MARGIN)
 
 
@@ -97,13 +105,13 @@ def _shifted(given: Plan, dx: float, dy: float) -> Plan:
         for node, label in given.names.items()
     }
     return Plan(
-        given.width + 2 * MARGIN,
-        given.height + 2 * MARGIN,
-        tuple(piece.moved(dx, dy) for piece in given.pieces),
-        tuple(tuple(to(p) for p in link) for link in given.links),
-        tuple(Wire(w.owner, w.port, w.node, tuple(to(p) for p in w.points), w.tank, w.pilot) for w in given.wires),
-        given.rails,
-        names,
+        width=given.width + 2 * MARGIN,
+        height=given.height + 2 * MARGIN,
+        pieces=tuple(piece.moved(dx, dy) for piece in given.pieces),
+        links=tuple(tuple(to(p) for p in link) for link in given.links),
+        wires=tuple(replace(wire, points=tuple(to(p) for p in wire.points)) for wire in given.wires),
+        rails=given.rails,
+        names=names,
     )
 
 
@@ -169,7 +177,8 @@ def _heights(
 
 def _wire(lead: Lead, rails: Mapping[str, Rail]) -> Wire:
     end = () if lead.tank else ((lead.x, rails[lead.node].y),)
-    return Wire(lead.owner, lead.port, lead.node, (*lead.points, *end), lead.tank, lead.pilot)
+    points = (*lead.points, *end)
+    return Wire(owner=lead.owner, port=lead.port, node=lead.node, points=points, tank=lead.tank, pilot=lead.pilot)
 
 
 def _names(
