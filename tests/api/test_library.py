@@ -64,6 +64,7 @@ def test_every_fault_is_named_at_once():
     with pytest.raises(ConfigError) as problem:
         vvdp.load("prototype", operation={"duty_ratoi": 0.4}, pump={"displacement": "10 bar"})
     assert "duty_ratoi" in str(problem.value)
+    assert "--set" not in str(problem.value)
     assert "10 bar" in str(problem.value)
 
 
@@ -74,7 +75,8 @@ def test_the_dataset_has_the_dimension_time_and_units(run):
     assert data["states.load_line"].attrs["units"] == "Pa"
     assert data["time"].attrs["units"] == "s"
     assert np.array_equal(data["states.load_line"].values, run.state("load_line"))
-    assert set(run.names) == set(data.data_vars)
+    recorded = {f"{group}.{path}" for group, members in run.record.groups.items() for path in members}
+    assert recorded == set(data.data_vars)
 
 
 def test_the_table_has_units_in_its_names(run):
@@ -107,6 +109,7 @@ def test_plots_are_figures_of_charts_or_series(run):
     assert [axes.get_ylabel() for axes in lines] == ["load [bar]", "to load [lpm]"]
     assert len(run.plot("speed").axes) == 1
     assert len(run.plot().axes) == 3
+    assert {"speed", "load_pressure_Pa"} <= set(run.names)
     with pytest.raises(ParameterError, match="load_pressure_Pa"):
         run.plot("load_presure_Pa")
 

@@ -159,7 +159,14 @@ def own(here):
 def test_a_drawn_circuit_from_file_to_page(vvdp, drawn):
     answer = vvdp("run", "press.toml", "--out", "out")
     assert answer.code == 0, answer.err
-    for words in ("Pump and throttle", "rail", "store", "power into the circuit", "of it, leakage", "balances: energy"):
+    for words in (
+        "Pump and throttle",
+        "rail",
+        "store",
+        "power into the circuit",
+        "of which leakage",
+        "balances: energy",
+    ):
         assert words in answer.out
     assert "PWM" not in answer.out and "closed form" not in answer.out
     page = (drawn / "out" / "report.html").read_text("utf-8")

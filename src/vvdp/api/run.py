@@ -35,8 +35,9 @@ class Run(RecordedRun):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all recorded series, as `to_xarray` has them."""
-        return tuple(name for name, _ in self._series())
+        """What `plot` takes: names of charts and of series. `to_xarray` has everything that is recorded."""
+        result = self.result
+        return (*result.charts, *result.tables["series"].columns)
 
     def to_xarray(self) -> "xarray.Dataset":
         """All recorded series as a dataset with the dimension `time` [s]; `units` and `long_name` with each.
@@ -71,8 +72,7 @@ class Run(RecordedRun):
     def plot(self, *names: str) -> "Figure":
         """A figure of charts or series by name; the course of the run without names.
 
-        `run.result.charts` names the charts, the columns of `run.result.tables["series"]` the series. Raises
-        ParameterError for a name that is neither.
+        `names` tells all of them. Raises ParameterError for a name that is neither.
         """
         from vvdp.report.plot import new_figure
 

@@ -3,13 +3,14 @@
 import json
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from html import escape
 from pathlib import Path
 from typing import Any
 
 from vvdp.api.run import Run
 from vvdp.base import kinds
+from vvdp.base.errors import ConfigError
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import with_settings
 from vvdp.runs.simulate import run_system
@@ -36,7 +37,12 @@ class System(systems.System):
             for table, values in tables.items()
             for key, value in values.items()
         ]
-        return _public(self.read_from(with_settings(systems.without_other_position(self.table, settings), settings)))
+        try:
+            table = with_settings(systems.without_other_position(self.table, settings), settings)
+            return _public(self.read_from(table))
+        except ConfigError as problem:
+            named = (replace(each, place=self.name) if each.place == "--set" else each for each in problem.faults)
+            raise ConfigError(list(named)) from None
 
     def run(self, until: str | float | None = None, *, progress: Callable[[float], None] | None = None) -> Run:
         """Simulates the system, until a time ("50 ms", or a number [s]) or as long as its file says.

@@ -102,7 +102,7 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     tell(run.system.title)
     periods = f"{found['averaged_periods']:g} {period(run.system)}s, " if found["averaged_periods"] else ""
     begin, end = found["averaged_from_s"], found["averaged_to_s"]
-    tell(f"means over {periods}{begin:.4g} s to {end:.4g} s; pressures gauge")
+    tell(f"means over {periods}{begin:.4g} s to {end:.4g} s; lowest and highest over the whole run; pressures gauge")
     for place, listing in enumerate(screen_listings(run)):
         if place == 0 and listing.title:
             tell("")

@@ -117,7 +117,7 @@ def _findings(found: Optimum, proven: Sequence[Proof]) -> Iterator[Finding]:
     yield Finding(text=text)
     bounds = [each.words for each in found.active if each.kind not in ("limit", "usual limit")]
     if bounds:
-        yield Finding(text=f"It depends on these: {'; '.join(bounds)}. Other bounds give another optimum.")
+        yield Finding(text=f"The optimum is set by these limits: {'; '.join(bounds)}; changing them moves it.")
     yield Finding(text=_search(found))
 
 

@@ -103,7 +103,7 @@ LABELS: Mapping[str, str] = {
     "pressure_drop_nozzle": "pressure drop, nozzles",
     "pressure_drop_centre_section": "pressure drop, centre section",
     "pressure_drop_outlet_turbine": "pressure drop, outlet turbine",
-    "pwm_frequency": "PWM frequency",
+    "pwm_frequency": "PWM frequency, fully open",
     "transition_fraction": "transition fraction",
     "loss_full_open": "loss, fully open",
     "loss_transition": "loss, transitions",

@@ -167,17 +167,25 @@ def line_looks(panel: Lines) -> list[tuple[str, Stroke]]:
     return looks
 
 
-def kept_places(y: Array, most: int = MOST_POINTS) -> Rows:
-    """Places of at most about `most` values of a line that looks the same: lowest and highest of each part."""
+def kept_places(x: Array, y: Array, most: int = MOST_POINTS) -> Rows:
+    """Places of at most about `most` points of a line that looks the same: lowest and highest in each stretch of x.
+
+    Stretches are of one length, however densely they are recorded. Where x runs back, points count instead. A gap of y
+    stays a gap.
+    """
     if y.size <= most:
         return np.arange(y.size)
-    size = -(-y.size // (most // 2))
-    kept = [np.zeros(1, int), np.full(1, y.size - 1), np.flatnonzero(np.isnan(y))]  # a gap stays a gap
+    runs_on = bool(np.all(np.diff(x) >= 0.0)) and x[-1] > x[0]  # False for nan too
+    along = (x - x[0]) / (x[-1] - x[0]) if runs_on else np.linspace(0.0, 1.0, y.size)
+    begins = np.unique((along * (most // 2)).astype(int).clip(max=most // 2 - 1), return_index=True)[1]
+    sizes = np.diff(np.append(begins, y.size))
+    kept = [np.zeros(1, int), np.full(1, y.size - 1), np.flatnonzero(np.isnan(y))]
     for sign in (1.0, -1.0):
-        filled = np.full(-(-y.size // size) * size, np.inf)
-        filled[: y.size] = np.where(np.isfinite(y), sign * y, np.inf)
-        parts = filled.reshape(-1, size)
-        kept.append(np.argmin(parts, axis=1) + size * np.arange(len(parts)))
+        filled = np.where(np.isfinite(y), sign * y, np.inf)
+        least = np.repeat(np.fmin.reduceat(filled, begins), sizes)
+        places = np.flatnonzero(filled == least)
+        stretch = np.repeat(np.arange(begins.size), sizes)[places]
+        kept.append(places[np.unique(stretch, return_index=True)[1]])
     return np.unique(np.concatenate(kept))
 
 
@@ -265,12 +273,12 @@ def _draw_line(axes: "Axes", line: Line, table: Table, look: tuple[str, Stroke],
     label = line_label(line, table)
     if line.low:
         low, high = (shown_values(table, key, line.rows)[rows] for key in (line.low, line.high))
-        kept = np.union1d(kept_places(low), kept_places(high))
+        kept = np.union1d(kept_places(x, low), kept_places(x, high))
         axes.fill_between(x[kept], low[kept], high[kept], facecolor=colour, alpha=0.25, linewidth=0.0)
     if stroke is Stroke.STEMS:
         axes.vlines(x, 0.0, y, color=colour, linewidth=line.width, label=label)
         return
-    kept = kept_places(y)
+    kept = kept_places(x, y)
     x, y = x[kept], y[kept]
     style: dict[str, Any] = {"color": colour, "linewidth": line.width, "label": label}
     if stroke is Stroke.POINTS:

@@ -104,9 +104,9 @@ def _findings(result: Result) -> Iterator[str]:
         words = (
             "<p>Rerun the same command to resume.</p>"
             if result.verb in ("map", "study")
-            else "<p>Run again for all.</p>"
+            else "<p>Run it again to complete them.</p>"
         )
-        yield f'<div class="notice bad"><strong>Interrupted: not everything was run</strong>{words}</div>'
+        yield f'<div class="notice bad"><strong>Run interrupted: results are partial</strong>{words}</div>'
     for grade in (Grade.BAD, Grade.WARNING):
         yield from (_notice(each) for each in result.findings if each.grade is grade)
     yield from (f'<p class="lead">{text(f.text)}</p>' for f in result.findings if f.grade in (Grade.PLAIN, Grade.GOOD))

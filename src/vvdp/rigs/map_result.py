@@ -91,7 +91,7 @@ QUANTITIES: Mapping[str, tuple[kinds.Kind, str]] = {
     "points_above_motor_power": (kinds.COUNT, "points above the motor's rated power"),
     "points_with_ripple_at_relief": (kinds.COUNT, "points whose ripple reaches the relief valve"),
     "motor_rated_power_W": (kinds.POWER, "rated power of the motor"),
-    "best_efficiency": (kinds.EFFICIENCY, "best efficiency that the motor bears"),
+    "best_efficiency": (kinds.EFFICIENCY, "best efficiency within the motor's rating"),
     "best_efficiency_duty_ratio": (kinds.DUTY_RATIO, "duty ratio there"),
     "best_efficiency_load_pressure_Pa": (kinds.GAUGE_PRESSURE, "load pressure there"),
     "best_efficiency_pump_speed_rad_s": (kinds.SPEED, "pump speed there"),
@@ -219,8 +219,8 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
     if "best_efficiency" in numbers:
         pressure = with_unit(numbers["best_efficiency_load_pressure_Pa"], kinds.GAUGE_PRESSURE)
         yield Finding(
-            text=f"The best efficiency that the motor bears is {percent(numbers['best_efficiency'])}, at duty ratio "
-            f"{plain(numbers['best_efficiency_duty_ratio'], 3)} and {pressure}{_where(found, numbers)}; at most "
+            text=f"The best efficiency within the motor's rating is {percent(numbers['best_efficiency'])}, at duty "
+            f"ratio {plain(numbers['best_efficiency_duty_ratio'], 3)} and {pressure}{_where(found, numbers)}; at most "
             f"{with_unit(numbers['highest_delivered_flow_m3_s'], kinds.FLOW)} are delivered."
         )
     count = found.axes.count

@@ -25,6 +25,7 @@ from vvdp.fluid.oil import density
 from vvdp.numerics.spectrum import line_spectrum
 from vvdp.results.result import Column, Finding, Grade, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
+from vvdp.runs.tables import without_dust
 from vvdp.systems.bench import BenchSeries, RotaryBench
 from vvdp.systems.spool_encoder import estimate_errors
 from vvdp.valve.condition import Condition
@@ -82,13 +83,13 @@ def bench_loss_listings(run: RecordedRun) -> dict[str, Listing]:
     whole = run.number("input_power_W") + run.number("spool_motor_power_W")
     total = run.number("loss_total_W")
     spool = run.number("loss_spool_friction_W") - run.number("spool_shaft_power_W")
-    parts = (*components(run), Loss("spool friction beyond its drive", spool))
+    parts = (*components(run), Loss("spool friction not covered by the flow", spool))
     stored = Loss("stored in oil and spool", total - sum(part.simulated for part in parts))
     both = Loss("input power minus load power", total, run.number("analytic_loss_total_W"))
 
     def row(loss: Loss, *values: float, is_sum: bool = False, is_part: bool = False) -> Row:
         share = f"{100.0 * loss.simulated / whole:.2f} %" if whole > 0.0 and np.isfinite(loss.simulated) else ""
-        shown = tuple(None if np.isnan(value) else value for value in values)
+        shown = tuple(None if np.isnan(value) else without_dust(value, whole) for value in values)
         return Row(loss.name, MEAN_POWER, shown, note=share, is_sum=is_sum, is_part=is_part)
 
     by_component = [*(row(loss, loss.simulated) for loss in (*parts, stored)), row(both, both.simulated, is_sum=True)]
@@ -96,7 +97,7 @@ def bench_loss_listings(run: RecordedRun) -> dict[str, Listing]:
     for loss in causes(run):
         by_cause.append(row(loss, loss.simulated, loss.analytic, loss.simulated - loss.analytic))
         if loss.name.startswith("transition"):
-            for name, key in (("of it, transition", "transition"), ("of it, compression", "compressibility")):
+            for name, key in (("of which transition", "transition"), ("of which compression", "compressibility")):
                 analytic = run.number(f"analytic_loss_{key}_W")
                 by_cause.append(row(Loss(name, np.nan), np.nan, analytic, np.nan, is_part=True))
     by_cause.append(row(both, both.simulated, both.analytic, both.simulated - both.analytic, is_sum=True))
@@ -115,8 +116,8 @@ def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
         return
     yield (
         "The analytic formulas count volumes (the oil keeps its volume under pressure), with ideal conditions: "
-        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of 1 to 2 % are "
-        "to be expected. Their sum is an upper estimate, because part of the compression happens while flow would be "
+        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of a few per cent "
+        "are to be expected. Their sum is an upper estimate, because part of the compression happens while flow would be "
         "lost over the relief valve anyway. In the simulation compression shows as throttling, so it is part of the "
         "transition."
     )

@@ -52,7 +52,7 @@ def cycle_panels(
         line("pump_flow_m3_s", Colour.FAINT, width=2.4),
         line("load_flow_m3_s", Colour.LOAD),
         line("tank_flow_m3_s", Colour.TANK),
-        line("relief_flow_m3_s", Colour.RELIEF, Stroke.DASHED),
+        line("relief_flow_m3_s", Colour.RELIEF),
     )
     areas = (line("load_port_m2", Colour.LOAD), line("tank_port_m2", Colour.TANK))
     return tuple(

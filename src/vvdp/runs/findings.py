@@ -3,11 +3,12 @@
 from collections.abc import Iterator
 
 from vvdp.base.display import display_unit, fixed, number, percent, plain, with_unit
-from vvdp.base.kinds import DURATION, MEAN_POWER, SIGNED_PRESSURE
+from vvdp.base.kinds import DURATION, MEAN_POWER, POSITION, SIGNED_PRESSURE
 from vvdp.results.result import Badge, Finding, Grade
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.bench import RotaryBench
 from vvdp.systems.overview import loss_lines, lowest_volume, node_lines, power_lines
 from vvdp.systems.summary import cavitation_pressure
 
@@ -56,7 +57,7 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             grade=Grade.BAD,
             title="Interrupted run",
             text=f"The run was stopped at {with_unit(reached, DURATION)} of {with_unit(until, DURATION)}. "
-            "Means cover what was reached.",
+            "Means are taken over the part that was simulated.",
             remedy="Run again to the end, or ask for a shorter run with --until.",
         )
     lowest = lowest_volume(run.system, run.summary)
@@ -73,7 +74,7 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
         )
 
 
-def bench_warnings(run: RecordedRun) -> Iterator[Finding]:
+def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
     """What may be wrong with the run of a test bench of the rotary valve."""
     if run.has("motor_overloaded"):
         power, rated = run.number("input_power_W"), run.number("motor_rated_power_W")
@@ -83,6 +84,16 @@ def bench_warnings(run: RecordedRun) -> Iterator[Finding]:
             text=f"The pump takes {with_unit(power, MEAN_POWER)} on average; the motor is rated "
             f"{with_unit(rated, MEAN_POWER)} ({percent(power / rated, 0)}).",
             remedy="Lower the pump speed, the load pressure or the relief setting, or fit a larger motor.",
+        )
+    low, high = bench.duty_ratio.extremes
+    if low < 0.0 or high > 1.0:
+        beyond = with_unit(max(-low, high - 1.0) * bench.valve.helix_length, POSITION)
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Duty ratio outside 0 to 1",
+            text=f"The duty ratio goes from {plain(low, 4)} to {plain(high, 4)}: the spool travels {beyond} beyond the "
+            "helix.",
+            remedy="Both ports close and open fully only a little beyond the helix; check that the value was meant.",
         )
     if not run.number("averaged_periods") >= 1:
         yield Finding(

@@ -29,6 +29,7 @@ from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_line
 ROUNDING = 1e-9
 """What is stored counts as nothing below this share of the largest power."""
 GAUGE = "Pressures are gauge."
+MEANS = "Means over the averaging window; lowest and highest over the whole run, its start included."
 
 
 def overview(run: RecordedRun, lines: tuple[Line, ...]) -> Listing:
@@ -43,7 +44,12 @@ def overview(run: RecordedRun, lines: tuple[Line, ...]) -> Listing:
     rows = tuple(
         Row(line.label, line.kind, found[:columns], line.group) for line, found in values if found != (None, None)
     )
-    return Listing(title="", heads=("simulated", "analytic")[:columns], rows=rows, note=GAUGE)
+    return Listing(title="", heads=("simulated", "analytic")[:columns], rows=rows, note=f"{MEANS} {GAUGE}")
+
+
+def without_dust(power: float, largest: float) -> float:
+    """A power, or zero where it is nothing but rounding beside the largest."""
+    return 0.0 if abs(power) < ROUNDING * abs(largest) else power
 
 
 def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
@@ -60,7 +66,7 @@ def node_listing(run: RecordedRun) -> Listing:
         Row(f"{line.name.replace('_', ' ')}, {line.quantity}", line.kind, (line.mean, line.low, line.high))
         for line in node_lines(run.system, run.summary)
     )
-    note = f"Means over the averaging window; extremes over every step of the run, its start included. {GAUGE}"
+    note = f"{MEANS} {GAUGE}"
     return Listing(title="Nodes", heads=("mean", "lowest", "highest"), rows=tuple(rows), note=note)
 
 
@@ -81,17 +87,17 @@ def loss_listing(run: RecordedRun) -> Listing:
     """What the components turn to heat, what is stored, and what comes from outside."""
     powers = [power for _, power in power_lines(run.system, run.summary)]
     put_in, given = sum(p for p in powers if p > 0.0), -sum(p for p in powers if p < 0.0)
-    stored = run.number("stored_power_W")
-    stored = 0.0 if abs(stored) < ROUNDING * max(map(abs, powers), default=0.0) else stored
+    stored, largest = run.number("stored_power_W"), max(map(abs, powers), default=0.0)
 
     def row(label: str, power: float, *, is_part: bool = False, is_sum: bool = False) -> Row:
+        power = without_dust(power, largest)
         share = f"{100.0 * power / put_in:.2f} %" if put_in > 0.0 else ""
         return Row(label, MEAN_POWER, (power,), note=share, is_part=is_part, is_sum=is_sum)
 
     rows = []
     for line in loss_lines(run.system, run.summary):
         rows.append(row(line.component.replace("_", " "), line.loss))
-        rows += [row(f"of it, {name.replace('_', ' ')}", power, is_part=True) for name, power in line.parts]
+        rows += [row(f"of which {name.replace('_', ' ')}", power, is_part=True) for name, power in line.parts]
     rows += [
         row("stored in the circuit", stored),
         row("given to the outside", given),

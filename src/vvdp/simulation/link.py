@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.errors import RunError
+from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.simulation.cache import Wanted, default_cache, is_kept, is_loaded, loaded, quiet
 from vvdp.simulation.layout import arrays, blocks
 from vvdp.simulation.model import Case, Model
@@ -145,7 +146,8 @@ class Hashed:
         within = pending or Pending([self], cache)
         wanted = Wanted(self.digest, self.part.source, known, self._prepare, lambda: within.words(self))
         try:
-            return loaded(wanted, cache, say)
+            with interrupts_afterwards():
+                return loaded(wanted, cache, say)
         except RunError:
             raise
         except Exception as problem:
@@ -183,7 +185,7 @@ class Pending:
         past, left = (sum(self._seconds[name] for name in some) for some in (digests[:number], digests[number:]))
         pace = (time.monotonic() - self._began) / past if past else 1.0
         place = f"part {number + 1} of {len(digests)}, " if len(digests) > 1 else ""
-        return f"compiling {part.part.title}, once for each: {place}about {max(1.0, pace * left):.0f} s left"
+        return f"compiling {part.part.title} (first use only): {place}about {max(1.0, pace * left):.0f} s left"
 
 
 @remembered

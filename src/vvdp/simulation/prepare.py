@@ -12,6 +12,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.books import NOTHING
+from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.base.kinds import KINK
 from vvdp.numerics.sparse import Pattern, pattern
 from vvdp.simulation import places
@@ -175,7 +176,7 @@ def is_loop_compiled() -> bool:
 
 def compiled_loop(say: Callable[[str], None]) -> Any:
     """The compiled loop; Numba is loaded here, and only here."""
-    with one_at_a_time, registries_left_out(), warnings.catch_warnings():
+    with one_at_a_time, interrupts_afterwards(), registries_left_out(), warnings.catch_warnings():
         _drop_stale_loop()
         if not is_loop_compiled():
             say("compiling the simulation loop (once for each installation, about half a minute)")

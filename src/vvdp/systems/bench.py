@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault
+from vvdp.base.kinds import POSITION
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.pump import Pump
@@ -318,6 +320,10 @@ class RotaryBench(Extras):
                 yield (
                     "what is prescribed changes over time: the means are those of the averaging window, no steady state"
                 )
+        low, high = self.duty_ratio.extremes
+        if low < 0.0 or high > 1.0:
+            beyond = with_unit(max(-low, high - 1.0) * self.valve.helix_length, POSITION)
+            yield f"the duty ratio goes outside 0 to 1: the spool travels {beyond} beyond the helix"
         if found["motor_overloaded"]:
             power, rated = found["input_power_W"], found["motor_rated_power_W"]
             yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
