@@ -116,10 +116,10 @@ def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
         return
     yield (
         "The analytic formulas count volumes (the oil keeps its volume under pressure), with ideal conditions: "
-        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of a few per cent "
-        "are to be expected. Their sum is an upper estimate, because part of the compression happens while flow would be "
-        "lost over the relief valve anyway. In the simulation compression shows as throttling, so it is part of the "
-        "transition."
+        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of a few per "
+        "cent are to be expected. Their sum is an upper estimate, because part of the compression happens while flow "
+        "would be lost over the relief valve anyway. In the simulation compression shows as throttling, so it is part "
+        "of the transition."
     )
     if run.varies:
         yield "Something prescribed changes during this run; the analytic values belong to its start."
