@@ -5,12 +5,15 @@ them are written by hand and stay. A key that has no row gets one at the end of 
 """
 
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
+
+import numpy as np
 
 from vvdp.base.kinds import FLAG, Kind
 from vvdp.results.result import Result
@@ -27,9 +30,10 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
     "design optimum": ("design optimum prototype --starts 1 --no-simulation",),
     "design tolerance": ("design tolerance prototype --samples 16",),
     "design temperature": ("design temperature prototype",),
+    "estimate": ("estimate log.csv --wave photodiode --pressure inlet",),
     "geometry": ("geometry prototype --fineness 10 --frames 0",),
 }
-"""What is run for the keys of a verb, small; `--out` and `--json` are added."""
+"""What is run for the keys of a verb, small, beside a log; `--out` and `--json` are added."""
 LONG_COMMANDS: Mapping[str, tuple[str, ...]] = {
     "map": ('map prototype --duty 0.3 0.9 2 --pressure "60 bar" "60 bar" 1',),
     "rig ripple": ("rig ripple prototype",),
@@ -83,6 +87,8 @@ def _cells(line: str) -> tuple[str, str, str, str]:
 def keys_of(result: Result) -> dict[str, tuple[str, str]]:
     """Unit and label of every key of the flat object of a result, but for those that all results have."""
     found = {key: (_unit(each.kind, each.kind is FLAG), each.label) for key, each in result.numbers.items()}
+    if result.verb == "estimate":  # prints its numbers alone
+        return found
     for name, table in result.tables.items():
         prefix = f"{name}_" if len(result.tables) > 1 else ""
         found |= {f"{prefix}{key}": (_unit(column.kind), column.label) for key, column in table.columns.items()}
@@ -125,7 +131,7 @@ def fill_in(page: str, verb: str, keys: Keys) -> str:
             lines[place], last = _row(key.strip("`"), unit, label, meaning), place
     new = [_row(key, *value, "") for key, value in own.items() if key not in exact]
     lines[last + 1 : last + 1] = new
-    return page[:start] + "\n".join(lines) + ("\n" if end < 0 else page[end:])
+    return page[:start] + "\n".join(lines) + "\n" + (page[end:] if end >= 0 else "")
 
 
 def _is_one_of(key: str, patterns: list[str]) -> bool:
@@ -161,10 +167,20 @@ def results_of(commands: Mapping[str, tuple[str, ...]]) -> Iterator[tuple[str, R
     for verb, lines in commands.items():
         for line in lines:
             with tempfile.TemporaryDirectory() as folder:
-                words = [*re.findall(r'"[^"]*"|\S+', line), "--no-report", "--json", "--out", f"{folder}/out"]
-                command = [sys.executable, "-m", "vvdp", *(word.strip('"') for word in words)]
-                subprocess.run(command, check=True, capture_output=True, cwd=folder)
+                (Path(folder) / "log.csv").write_text(_log(), "utf-8")
+                words = [*shlex.split(line), "--no-report", "--json", "--out", "out"]
+                subprocess.run([sys.executable, "-m", "vvdp", *words], check=True, capture_output=True, cwd=folder)
                 yield verb, read_result(Path(folder) / "out")
+
+
+def _log() -> str:
+    """A log of time, photodiode and inlet pressure at 24.7 turns a second."""
+    time = np.arange(0.0, 1.5, 2e-4)
+    angle = 0.3 + 2.0 * np.pi * 24.7 * time
+    light = 0.4 + 3.0 * np.clip(0.5 + 1.6 * np.sin(4.0 * angle), 0.0, 1.0)
+    inlet = np.clip(50.0 + 300.0 * np.sin(3.0 * angle), 5.0, 100.0)
+    rows = (f"{t:.9g},{v:.9g},{p:.9g}" for t, v, p in zip(time, light, inlet, strict=True))
+    return "\n".join(["time [s],photodiode [V],inlet [bar]", *rows, ""])
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import FractionSignal, Length, PressureSignal, Ratio, SpeedSignal, TemperatureSignal
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
-from vvdp.base.tables import build, described, parsed_table, read_table, with_settings
+from vvdp.base.tables import Table, build, described, parsed_table, read_table, with_settings
 
 
 class Plate(Params):
@@ -186,3 +186,24 @@ def test_files_that_cannot_be_read_are_told_apart(tmp_path: Path) -> None:
         with pytest.raises(ConfigError) as caught:
             read_table(tmp_path / name)
         assert told in str(caught.value), name
+
+
+def test_a_signal_that_leaves_its_range_is_a_fault_of_its_own_line_or_option() -> None:
+    text = '[operation]\nfirst = "5 mm"\nshare = {sine = "0.5", amplitude = "5", frequency = "1 Hz"}\n'
+    faults = refused_signals(parsed_table(text, "a"))
+    assert faults == ["a:3: operation.share: -4.5 is outside 0 to 1 for a fraction"]
+    table = with_settings(parsed_table('[operation]\nfirst = "5 mm"\n', "a"), [f"operation.{text.splitlines()[2]}"])
+    assert refused_signals(table) == ["--set: operation.share: -4.5 is outside 0 to 1 for a fraction"]
+
+
+def refused_signals(table: Table) -> list[str]:
+    faults: list[Fault] = []
+    assert build(Shared, table.content["operation"], "operation", table, faults)[0] is None
+    return [str(fault) for fault in faults]
+
+
+class Shared(Params):
+    """A length and a share over time."""
+
+    first: Length
+    share: FractionSignal

@@ -7,9 +7,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vvdp.base import kinds
+from vvdp.base.display import value_text
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind
-from vvdp.base.units import ATMOSPHERE, displayed, in_unit, number_and_unit, parsed, parsed_difference
+from vvdp.base.units import ATMOSPHERE, in_unit, number_and_unit, parsed, parsed_difference
 
 FITTED = Kind("fitted coefficient", "SI", 1e-12, 1.0, "1.45e-6 SI", units=("SI",))
 ALL = {name: kind for name, kind in vars(kinds).items() if isinstance(kind, Kind)} | {"FITTED": FITTED}
@@ -27,7 +28,7 @@ def kinds_and_values(draw: st.DrawFn) -> tuple[Kind, float]:
 @given(kinds_and_values())
 def test_what_is_displayed_can_be_written(pair: tuple[Kind, float]) -> None:
     kind, value = pair
-    text = displayed(value, kind).partition(" (")[0]
+    text = value_text(value, kind).partition(" (")[0]
     number, _ = number_and_unit(text)
     again = parsed_difference(text, kind) + (ATMOSPHERE if kind is kinds.PRESSURE_LEVEL else 0.0)
     if kind is kinds.TEMPERATURE:
@@ -99,7 +100,7 @@ def test_gauge_and_absolute_are_one_atmosphere_apart(number: float) -> None:
     )
     if number >= 0.0:
         assert gauge - absolute == pytest.approx(ATMOSPHERE, abs=1e-6)
-    assert displayed(gauge, kinds.PRESSURE_LEVEL).startswith(f"{(gauge - ATMOSPHERE) / 1e5:.6g} bar (")
+    assert value_text(gauge, kinds.PRESSURE_LEVEL).startswith(f"{(gauge - ATMOSPHERE) / 1e5:.6g} bar (")
     assert parsed(f"{number!r} barg", kinds.PRESSURE_LEVEL) == gauge
 
 

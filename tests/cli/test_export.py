@@ -57,7 +57,7 @@ def test_any_result_is_exported(vvdp, here):
 def test_several_tables_are_several_files(vvdp, here, two_runs):
     assert vvdp("compare", "runs", *map(str, two_runs), "--out", "two", "--no-report").code == 0
     answer = vvdp("export", "data", "two", "--csv", "out.csv")
-    assert answer.out.split() == ["out-runs.csv", "out-series.csv"]
+    assert answer.out.split() == ["out-runs.csv", "out-series-1.csv", "out-series-2.csv"]
     assert vvdp("export", "data", "two", "--csv", "one.csv", "--table", "runs").out.split() == ["one.csv"]
     assert (here / "one.csv").read_bytes() == (here / "out-runs.csv").read_bytes()
     refused = vvdp("export", "data", "two", "--csv", "one.csv", "--table", "run")

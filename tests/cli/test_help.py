@@ -8,8 +8,8 @@ import typer.main
 from vvdp.cli.main import app
 
 ROOT = typer.main.get_command(app)
-WRITE_NO_REPORT = {"study", "plot"}
-"""Verbs with a result directory but without a page."""
+WRITE_NO_REPORT = {"plot"}
+"""Verbs that write something else than a result directory."""
 
 
 def verbs(command, words=()):

@@ -8,16 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vvdp.results.store import read_result
 from vvdp.studies.engine import all_cores
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
+FREQUENCY = {"pwm_frequency_Hz"}
 
 
 def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", GUIDE, re.DOTALL)
 
 
-def test_grid_of_the_guide(vvdp, here):
+def test_grid_of_the_guide(vvdp, here, keys_as_described):
     (here / "duty.toml").write_text(blocks("toml")[0])
     done = vvdp("study", "duty.toml", "--json")
     assert done.code == 0, done.err
@@ -27,17 +29,29 @@ def test_grid_of_the_guide(vvdp, here):
     assert np.all(np.diff(flow[::2]) > 0.0)  # more load flow with more duty
     rows = list(csv.reader((here / "results" / "duty" / "study.csv").open()))
     assert len(rows) == 1 + 6
-    assert "mean_load_flow_m3_s [m^3/s]" in rows[0]
+    assert rows[0][:3] == ["case", "operation.duty_ratio", "oil.air_fraction"] and rows[0][-1] == "failure"
+    assert [float(row[rows[0].index("mean_load_flow_m3_s")]) for row in rows[1:]] == found["mean_load_flow_m3_s"]
+    keys_as_described(
+        "study", {key for key in found if "." not in key} - {"efficiency", "mean_load_flow_m3_s"} - FREQUENCY
+    )
     again = vvdp("study", "duty.toml")
-    assert "0 cases run" in again.out
+    assert "0 cases run" in again.err
     assert "6 of 6 cases" in again.err
+    # A line for each of the two fractions of air over the three duty ratios.
+    page = (here / "results" / "duty" / "report.html").read_text("utf-8")
+    assert page.count("<figure ") == 3 and "Efficiency over operation.duty_ratio and oil.air_fraction." in page
+    drawn = read_result(here / "results" / "duty").charts["over-efficiency"].panels[0]
+    assert [(line.label, line.rows) for line in drawn.lines] == [("0.5 %", (0, 2, 4)), ("2 %", (1, 3, 5))]
+    written = (here / "results" / "duty" / "report.html").read_bytes()
+    assert vvdp("report", "results/duty").code == 0
+    assert (here / "results" / "duty" / "report.html").read_bytes() == written
 
 
 def test_random_spreads_of_the_guide(vvdp, here):
     (here / "spread.toml").write_text(blocks("toml")[1].replace("count = 20", "count = 3"))
     done = vvdp("study", "spread.toml", "--out", "kept", "--cores", "1")
     assert done.code == 0, done.err
-    assert "3 cases run" in done.out
+    assert "3 cases run" in done.err
     assert (here / "kept" / "study.csv").is_file()
 
 
@@ -100,11 +114,11 @@ def test_force_starts_a_study_over_once_it_can_begin(vvdp, here):
     )
     (here / "one.toml").write_text(good)
     assert vvdp("study", "one.toml", "--out", "kept").code == 0
-    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").out
+    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").err
     (here / "bad.toml").write_text(good.replace("duration_s", "duratio"))
     assert vvdp("study", "bad.toml", "--out", "kept", "--force").code == 2
-    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").out
-    assert "1 cases run" in vvdp("study", "one.toml", "--out", "kept", "--force").out
+    assert "0 cases run" in vvdp("study", "one.toml", "--out", "kept").err
+    assert "1 cases run" in vvdp("study", "one.toml", "--out", "kept", "--force").err
     assert {path.name for path in here.iterdir()} == {"one.toml", "bad.toml", "kept"}
     (here / "mine").mkdir()
     (here / "mine" / "thesis.txt").write_text("years of work")

@@ -1,10 +1,11 @@
 """The tutorial "speed from a bad encoder": its blocks run, print what stands under them, and its pictures are there."""
 
 import importlib.util
-import json
 import re
 import shlex
 from pathlib import Path
+
+from vvdp.results.store import read_result
 
 FOLDER = Path(__file__).parents[2] / "docs" / "tutorials"
 PAGE = (FOLDER / "speed-from-a-bad-encoder.md").read_text("utf-8")
@@ -30,10 +31,10 @@ def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
     assert ran.count("python") >= 12 and ran.count("sh") == 2
     warning = re.search(r'The command also warns: "([^"]+)"', PAGE)[1]
     assert warning in said["wheel"] and warning not in said["wheel-fit"]
-    default, fitted = (json.loads((here / name / "summary.json").read_text()) for name in ("wheel", "wheel-fit"))
-    assert f"The fitted *q* is {fitted['acceleration_density_rad2_s3']:.0f} rad²/s³" in PAGE
+    default, fitted = (read_result(here / name).numbers for name in ("wheel", "wheel-fit"))
+    assert f"The fitted *q* is {fitted['acceleration_density_rad2_s3'].value:.0f} rad²/s³" in PAGE
     for digits, key in (("{:.2f}", "nis_mean"), ("{:.2g}", "speed_deviation_mean_rad_s")):
-        assert "from " + " to ".join(digits.format(found[key]) for found in (default, fitted)) in PAGE, key
+        assert "from " + " to ".join(digits.format(found[key].value) for found in (default, fitted)) in PAGE, key
 
 
 def test_the_pictures_are_drawn_and_small(tmp_path):

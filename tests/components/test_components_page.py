@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
+from vvdp.base.display import value_text
 from vvdp.base.params import default_values, field_kinds
-from vvdp.base.units import displayed
 from vvdp.components.library import COMPONENTS, PROGRAMS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
@@ -19,7 +19,7 @@ def values(cls):
     """Each value with an example, and with the one that holds where none is given."""
     usual = default_values(cls)
     for name, kind in field_kinds(cls).items():
-        given = f" ({displayed(usual[name], kind)})" if isinstance(usual.get(name), float) else ""
+        given = f" ({value_text(usual[name], kind)})" if isinstance(usual.get(name), float) else ""
         yield f"`{name}` {kind.example}{given}"
 
 
@@ -44,7 +44,7 @@ def row(name, component):
     else:
         ports = [f"{port}{ENDS.get(role, '')}" for port, role in component.ports.items()]
         inputs = [
-            f"`{a.name}` {a.kind.example}" + ("" if a.default is None else f" ({displayed(a.default, a.kind)})")
+            f"`{a.name}` {a.kind.example}" + ("" if a.default is None else f" ({value_text(a.default, a.kind)})")
             for a in component.inputs
         ]
         own = [line for cls in component.params for line in values(cls)]

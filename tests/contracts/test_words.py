@@ -65,6 +65,11 @@ def test_examples_of_kinds_can_be_read(parameters_and_states):
             parsed(kind.example, kind)
 
 
+def source_of(documented) -> re.Match | None:
+    """The Source line of a function, or of the module for all that name no other."""
+    return re.search(r"Source\s+(.*)\Z", inspect.getdoc(documented) or "", re.DOTALL)
+
+
 def test_every_formula_has_a_source(formula_modules, functions_of, root):
     keys = set(re.findall(r"^@\w+\{([^,]+),", (root / "docs/references.bib").read_text("utf-8"), re.MULTILINE))
     keys |= {"ours"}
@@ -72,7 +77,7 @@ def test_every_formula_has_a_source(formula_modules, functions_of, root):
     for module in formula_modules:
         for name, function in functions_of(module).items():
             count += 1
-            told = re.search(r"Source\s+(.*)\Z", inspect.getdoc(function) or "", re.DOTALL)
+            told = source_of(function) or source_of(module)
             cited = set(re.findall(r"\b(?:[a-z]+\d{4}|astm-d341|iso\d+|ours)\b", told[1])) if told else set()
             if not cited:
                 faults.append(f"{module.__name__}.{name}: no Source line")

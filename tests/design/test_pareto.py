@@ -1,6 +1,7 @@
 """The front: nothing beats it, gradients of one objective at a time agree, every design is a system."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,11 +10,13 @@ from vvdp.base.errors import ConfigError
 from vvdp.design.infeasibility import InfeasibleError
 from vvdp.design.optimise import optimise
 from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated
-from vvdp.design.pareto_result import write_designs
+from vvdp.design.pareto_result import front_result, write_designs
 from vvdp.design.problem import problem
-from vvdp.design.proof import simulated_designs
+from vvdp.design.proof import Simulated, simulated_designs
 from vvdp.design.quantities import quantities, setup
 from vvdp.design.solver import Traced
+from vvdp.report.result_page import write_result_report
+from vvdp.results.store import write_result
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
@@ -123,29 +126,30 @@ def test_objectives_in_words():
 def test_command_for_a_front(designing, tmp_path, keys_as_described):
     code, out, err = designing(
         "pareto", "prototype", "--minimise", "loss_total", "--maximise", "pwm_frequency", "--points", "10",
-        "--generations", "4", "--subject-to", "transition_fraction <= 0.5", "--json", "--out", "there",
+        "--generations", "4", "--subject-to", "transition_fraction <= 0.4", "--json", "--out", "there",
     )  # fmt: skip
     assert code == 0, err
     found = json.loads(out)
     keys_as_described("design pareto", found)
-    count = len(found["loss_total_W"])
-    assert count == len(list((tmp_path / "there" / "systems").iterdir()))
+    count, refused = len(found["front_loss_total_W"]), len(found["refused_loss_total_W"])
+    assert count == found["designs"] == found["confirmed_designs"] == len(found["front_design"])
+    assert count + refused == len(list((tmp_path / "there" / "systems").iterdir()))
     assert "Pareto front" in (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert (tmp_path / "there" / "figures" / "front.png").is_file()
+    assert (tmp_path / "there" / "figures" / "trade-offs.svg").is_file()
     assert len((tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()) == count + 1
 
 
 def test_command_for_a_front_and_a_person(designing):
     code, out, err = designing("pareto", "prototype", "--points", "8", "--generations", "2")
     assert code == 0
-    assert "as it was" in out
-    assert "point-001.toml" in out
+    assert "point-001" in out
+    assert "on a bound" in out
     assert "generations and designs" in err
 
 
 def test_a_front_over_a_cycle(designing, tmp_path):
-    """The usual frequency is one demand on the mean, shut relief valve and motor are demanded at each of two points:
-    5 numbers, and 2 of the geometry."""
+    """The usual frequency is one demand on the mean; transition, shut relief valve and motor are demanded at each of
+    two points: 7 numbers, and 2 of the geometry."""
     (tmp_path / "cycle.toml").write_text(
         '[[points]]\nweight = 3\n[[points]]\nweight = 1\n"operation.oil_temperature" = "50 degC"\n'
     )
@@ -155,9 +159,9 @@ def test_a_front_over_a_cycle(designing, tmp_path):
     )  # fmt: skip
     assert code == 0, err
     found = json.loads(out)
-    assert len(found["loss_total_W"]) >= 4
+    assert len(found["front_loss_total_W"]) >= 4
     # 0.75 of 71.99 Hz and 0.25 of 106.3 Hz
-    assert min(found["pwm_frequency_Hz"]) == pytest.approx(0.75 * 71.99 + 0.25 * 106.3, rel=1e-3)
+    assert min(found["front_pwm_frequency_Hz"]) == pytest.approx(0.75 * 71.99 + 0.25 * 106.3, rel=1e-3)
 
 
 def test_a_front_at_an_exact_frequency(prototype):
@@ -201,36 +205,75 @@ def test_interrupted_front_keeps_its_designs(prototype):
         assert np.all(undominated(found.costs))
 
 
-def test_designs_keep_the_relief_valve_shut_and_the_motor_in_its_power(designing, tmp_path):
-    """The front of loss, ripple, size and frequency ends in fast valves whose drop would open the relief valve."""
+def test_only_what_the_simulation_confirms_is_on_the_front(designing, tmp_path):
+    """The front of loss, ripple, size and frequency keeps the usual limits, and what is refused stands apart."""
     arguments = ("pareto", "prototype", "--points", "12", "--generations", "6")
     code, out, err = designing(*arguments, "--json", "--out", "there")
     assert code == 0, err
     found = json.loads(out)
-    assert min(found["relief_margin_Pa"]) >= -10.0
-    assert max(found["input_power_W"]) <= 5600.0 * (1.0 + 1e-5)
-    # each is simulated, and marked by what the page says
-    pairs = list(zip(found["loss_total_W"], found["simulated_loss_total_W"], found["simulated_settled"], strict=True))
-    marked = [loss is None or abs(loss / claimed - 1.0) > 0.1 or not settled for claimed, loss, settled in pairs]
-    assert found["doubtful"] == marked
-    assert any(marked)
-    assert not all(marked)
+    for designs in ("front", "refused"):
+        assert min(found[f"{designs}_pwm_frequency_Hz"]) >= 71.99 * (1.0 - 1e-4)
+        assert max(found[f"{designs}_transition_fraction"]) <= 0.5 * (1.0 + 1e-5)
+        assert min(found[f"{designs}_relief_margin_Pa"]) >= -10.0
+        assert max(found[f"{designs}_input_power_W"]) <= 5600.0 * (1.0 + 1e-5)
+        # each is simulated, and stands where its simulation puts it
+        columns = (
+            found[f"{designs}_{name}"] for name in ("loss_total_W", "simulated_loss_total_W", "simulated_settled")
+        )
+        for claimed, loss, settled in zip(*columns, strict=True):
+            doubted = loss is None or abs(loss / claimed - 1.0) > 0.1 or not settled
+            assert doubted is (designs == "refused")
+    refused = len(found["refused_design"])
+    assert refused == found["refused_designs"] > 0
+    assert found["confirmed_designs"] > 0
     (warning,) = found["warnings"]
-    assert f"{sum(marked)} of {len(marked)} designs are in doubt" in warning
-    head, *lines = (tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()
-    place = head.split(",").index("doubtful")
-    assert [line.split(",")[place] == "1" for line in lines] == marked
+    assert warning.startswith(f"{refused} of {refused + found['designs']} designs are not on the front")
+    assert all("simulated" in reason or "settled" in reason for reason in found["refused_reason"])
+    assert len((tmp_path / "there" / "refused.csv").read_text("utf-8").splitlines()) == refused + 1
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert page.count(", in doubt</span>") == sum(marked)
-    assert "Designs in doubt" in page
-    assert "relief_margin &gt;= 0 bar (usual limit)" in page
+    assert "Refused by the simulation" in page
+    assert "relief margin ≥ 0 bar (usual limit)" in page
 
-    code, out, err = designing(*arguments, "--json", "--no-usual-limits", "--no-simulation")
+
+def test_without_simulation_nothing_is_confirmed(designing, tmp_path):
+    arguments = ("--points", "12", "--generations", "6", "--no-usual-limits", "--no-simulation", "--out", "there")
+    code, out, err = designing("pareto", "prototype", *arguments, "--json")
     assert code == 0, err
     found = json.loads(out)
-    assert max(found["input_power_W"]) > 5600.0
-    assert found["warnings"] == ["the designs were not simulated: analytic figures alone may mislead"]
-    assert not any(key.startswith("simulated") for key in found)
+    assert max(found["front_input_power_W"]) > 5600.0
+    assert found["warnings"] == ["No design is confirmed: none was simulated, and analytic values alone may mislead."]
+    assert found["confirmed_designs"] == found["refused_designs"] == 0
+    assert not any("_simulated" in key for key in found)
+    assert "Nothing is confirmed" in (tmp_path / "there" / "report.html").read_text("utf-8")
+
+
+def simulated(*doubts):
+    return [Simulated(1.0, 50.0, 0.6, settled=True, doubts=each) for each in doubts]
+
+
+def test_refused_designs_and_those_on_a_bound_by_hand(two):
+    """Three of the curve's designs, of which the simulation refuses the second; the first alone lies on a bound."""
+    low = {b.variable.name: b.low for b in two.problem.bounds}
+    inside = {name: 1.1 * value for name, value in low.items()}
+    on_bound = inside | {"spool_radius": low["spool_radius"] * 1.001}
+    doubts = ((), (), ("it turns too slowly",), ())
+    found = replace(
+        two, values=(on_bound, on_bound, inside), quantities=two.quantities[:3], simulated=tuple(simulated(*doubts))
+    )
+    assert (found.kept, found.refused, found.on_a_bound) == ((0, 2), (1,), (0,))
+    result = front_result(found, finished=True)
+    assert result.tables["front"]["design"].tolist() == ["point-001", "point-002"]
+    assert result.tables["refused"]["reason"].tolist() == ["it turns too slowly"]
+    assert result.tables["drawn"]["state"].tolist() == ["front", "front", "refused", "as it was"]
+    assert any("1 of these 2 designs has a variable on a bound" in each.text for each in result.findings)
+
+
+def test_a_front_of_which_nothing_is_confirmed_has_a_page(two, tmp_path):
+    doubted = replace(two, simulated=tuple(simulated((), *[("it failed",)] * len(two.values))))
+    write_result(tmp_path, front_result(doubted, finished=True), "")
+    page = write_result_report(tmp_path).read_text("utf-8")
+    assert "0 designs confirmed by simulation" in page
+    assert f"{len(two.values)} of {len(two.values)} designs are not on the front" in page
 
 
 def test_a_batch_simulates_as_single_runs_do(prototype):
@@ -252,5 +295,5 @@ def test_interrupted_in_the_simulation_keeps_the_front(designing, tmp_path, monk
     monkeypatch.setattr("vvdp.design.proof.simulate_batch", stopped)
     code, _, err = designing("pareto", "prototype", "--points", "8", "--generations", "2", "--out", "there")
     assert code == 130
-    assert "interrupted; the designs found until then are written" in err
+    assert "interrupted; what was found until then is written" in err
     assert len((tmp_path / "there" / "front.csv").read_text("utf-8").splitlines()) > 3

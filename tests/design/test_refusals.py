@@ -7,6 +7,7 @@ from vvdp.design.infeasibility import InfeasibleError
 from vvdp.design.optimise import optimise
 from vvdp.design.problem import problem, with_usual_limits
 from vvdp.design.proof import doubts
+from vvdp.design.quantities import quantities, setup
 from vvdp.systems.system import load_system
 
 DROP = "pressure_drop_total"
@@ -257,9 +258,28 @@ def test_usual_limits_stand_where_nothing_of_their_sort_is_asked(prototype):
     assert told(DROP, ["transition_fraction <= 0.5"]) == [base]
     assert told(DROP, ["pwm_frequency >= 20 Hz"]) == told(DROP, ["load_pulsation <= 9 cc"]) == []
     assert told("load_pulsation") == told("loss_total", front=False, beside=["pwm_frequency"]) == []
-    on_fronts = ["relief_margin >= 0 bar", "input_power <= 5600 W"]
-    assert told("loss_total", front=True, beside=["pwm_frequency"]) == on_fronts
-    assert told("loss_total", ["input_power <= 4 kW"], front=True) == [base, on_fronts[0]]
+    on_fronts = [base, "transition_fraction <= 0.5", "relief_margin >= 0 bar", "input_power <= 5600 W"]
+    assert told("loss_total", front=True, beside=["pwm_frequency", "transition_fraction"]) == on_fronts
+    assert told("loss_total", ["input_power <= 4 kW"], front=True) == on_fronts[:3]
+    assert told("loss_total", ["load_pulsation <= 9 cc", "transition_fraction <= 0.4"], front=True) == on_fronts[2:]
+
+
+def test_a_usual_limit_does_not_refuse_the_system_as_it_is():
+    """With nozzles of three times the area a transition takes more than half a period."""
+    slow = load_system("prototype", ["valve.nozzle_area=110 mm^2"])
+    now = quantities(setup(slow)).transition_fraction
+    assert now > 0.5
+    limits = with_usual_limits(problem(slow, "loss_total"), front=True).limits
+    assert next(limit.value for limit in limits if limit.quantity == "transition_fraction") == now
+
+
+def test_limits_and_bounds_in_words(prototype):
+    asked = problem(prototype, DROP, ["pwm_frequency >= 72 Hz", "efficiency = 0.6"], ["radial_clearance <= 22.5 um"])
+    assert [limit.words for limit in asked.limits] == ["PWM frequency ≥ 72 Hz", "efficiency = 60 %"]
+    assert [str(limit) for limit in asked.limits] == ["pwm_frequency >= 72 Hz", "efficiency = 0.6"]
+    upper, lower = next(b for b in asked.bounds if b.variable.name == "radial_clearance").sides
+    assert (upper.words, str(upper)) == ("radial clearance ≤ 22.5 µm", "radial_clearance <= 22.5 um")
+    assert (upper.is_given, lower.is_given) == (True, False)
 
 
 def test_a_usual_limit_that_cannot_be_met_is_told_as_such(designing):

@@ -7,7 +7,8 @@ import pytest
 
 from vvdp.base.errors import ParameterError
 from vvdp.design.quantities import quantities, setup
-from vvdp.design.temperature import over_temperature, temperature_columns
+from vvdp.design.temperature import over_temperature
+from vvdp.design.temperature_result import temperature_result
 from vvdp.systems.system import load_system
 from vvdp.valve.operating_point import SetPoint, operating_point
 
@@ -69,8 +70,8 @@ def test_cavitation_numbers_by_hand(warmed):
 def test_the_prototype_is_warned_of(warmed):
     told = warmed.warnings
     assert len(told) == 3
-    assert any("Reynolds number of the nozzles down to 247 at 10 to 50 degC, below 2300" in text for text in told)
-    assert any("while the tank port closes" in text and "at all temperatures" in text for text in told)
+    assert any("Reynolds number of the nozzles: down to 247 at 10 °C to 50 °C, below 2300" in text for text in told)
+    assert any("tank port closing" in text and "at all temperatures" in text for text in told)
     assert any("leaking oil" in text for text in told)
 
 
@@ -80,7 +81,7 @@ def test_the_prototype_is_warned_of(warmed):
         # 40 lpm at 12 to 13 MPa and duty ratio 0.8 are above 5.6 kW
         (["operation.duty_ratio=0.8"], "the motor is overloaded"),
         # at duty ratio 0.2 the load port never opens fully, kappa 0.30
-        (["operation.duty_ratio=0.2"], "at duty ratio 0.2 a port never opens fully"),
+        (["operation.duty_ratio=0.2"], "a port never opens fully at this duty ratio"),
         # two thousandths of the land length bear a billionth of the force
         (["valve.land_length=0.3 mm"], "lands leak more"),
         # 0.5 mm of clearance and 3000 turns per minute: Re = 876*314*0.0127*5e-4/0.0387 = 45, times sqrt(0.04) = 9;
@@ -95,7 +96,7 @@ def test_the_prototype_is_warned_of(warmed):
             "the film is thinner than",
         ),
         # 118 bar and 6.68 bar of open drop above a setting of 120 bar
-        (["load.pressure=118 bar"], "relief setting above load and open drop down to -4."),
+        (["load.pressure=118 bar"], "relief setting above load and open drop: down to −4."),
         # nothing behind the nozzles but the tank
         (["valve.outlet_area=2000 mm^2", "valve.centre_coefficient=1e-3 SI"], "comes out behind the nozzles"),
     ],
@@ -113,8 +114,18 @@ def test_a_check_is_kept_on_the_other_side():
 
 
 def test_columns_have_units(warmed):
-    names = set(temperature_columns(warmed))
+    names = set(temperature_result(warmed).tables["temperature"].columns)
     assert {"temperature_K", "viscosity_Pa_s", "radial_force_N", "carried_temperature_rise_K", "efficiency"} <= names
+
+
+def test_usage_is_above_one_where_a_check_is_not_kept(prototype):
+    """Also a margin, whose limit is zero: 118 bar and 6.66 bar of drop are 1.04 of a setting of 120 bar, absolute."""
+    tight = load_system("prototype-constant-load", ["load.pressure=118 bar", "operation.duty_ratio=0.2"])
+    for found in (over_temperature(prototype, step=5.0), over_temperature(tight, step=35.0)):
+        for check in found.checks:
+            assert np.array_equal(check.usage > 1.0, check.outside), check.name
+    margin = next(check for check in found.checks if check.name == "relief_margin")
+    assert margin.usage[1] == pytest.approx((118.0 + 6.66 + 1.013) / 121.013, abs=1e-3)
 
 
 def test_a_range_of_temperatures_is_needed(prototype):
@@ -151,8 +162,8 @@ def test_command_over_temperature(designing, tmp_path, keys_as_described):
     assert len(found["pwm_frequency_Hz"]) == len(found["temperature_K"]) == 25
     assert any("Reynolds" in text for text in found["warnings"])
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "Where the model is in doubt" in page
-    assert (tmp_path / "there" / "figures" / "range.png").is_file()
+    assert "The model is in doubt" in page
+    assert (tmp_path / "there" / "figures" / "range.svg").is_file()
 
 
 def test_command_over_temperature_for_a_person(designing):

@@ -97,6 +97,17 @@ def test_step_says_nothing_on_stdout(tmp_path, capfd):
     assert capfd.readouterr().out == ""
 
 
+def test_step_has_no_time_in_it_and_the_same_bytes_again(tmp_path):
+    texts = []
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        write_step(tmp_path / folder / "rod.step", Exact().cylinder("", 1e-3, 0.0, 1e-3))
+        texts.append((tmp_path / folder / "rod.step").read_text("ascii"))
+    assert texts[0] == texts[1]
+    assert "1970-01-01T00:00:00" in texts[0]
+    assert "PRODUCT('rod','rod'" in texts[0]
+
+
 def test_other_files_are_no_step(tmp_path):
     path = tmp_path / "wrong.step"
     path.write_text("hello", encoding="utf-8")

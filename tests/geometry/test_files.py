@@ -12,7 +12,7 @@ import trimesh
 
 from vvdp.base.errors import ConfigError
 from vvdp.geometry.domains import rail_domain
-from vvdp.geometry.files import read_glb, read_stl, write_ascii_stl, write_binary_stl, write_glb
+from vvdp.geometry.files import patch_colour, read_glb, read_stl, write_ascii_stl, write_binary_stl, write_glb
 from vvdp.geometry.mesh import open_edges, patch_areas, volume
 
 
@@ -42,14 +42,16 @@ def test_binary_stl_is_closed_in_single_precision(spool_mesh, tmp_path):
 
 def test_glb_is_as_the_standard_has_it_and_reads_back(spool_mesh, tmp_path):
     path = tmp_path / "spool.glb"
-    write_glb(path, spool_mesh, "spool", {"chamber": (0.5, 0.7, 0.9)})
+    write_glb(path, spool_mesh, "spool")
     content = path.read_bytes()
     magic, version, length = struct.unpack("<4sII", content[:12])
     assert (magic, version, length) == (b"glTF", 2, len(content))
     size = struct.unpack("<I", content[12:16])[0]
     assert size % 4 == 0
     document = json.loads(content[20 : 20 + size])
-    assert {each["name"] for each in document["materials"]} == set(spool_mesh.names)
+    painted = {each["name"]: each["pbrMetallicRoughness"]["baseColorFactor"] for each in document["materials"]}
+    assert set(painted) == set(spool_mesh.names)
+    assert painted["chamber"] == pytest.approx([*patch_colour("chamber"), 1.0], abs=0.5 / 255.0)
     assert document["buffers"][0]["byteLength"] <= len(content) - 28 - size
     again = read_glb(path)
     assert volume(again) == pytest.approx(volume(spool_mesh), rel=1e-6)

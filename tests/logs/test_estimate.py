@@ -16,9 +16,11 @@ from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.config import Option, load_estimation
 from vvdp.logs.edges import Edges
 from vvdp.logs.estimate import estimate, opened
-from vvdp.logs.kept import ROWS_IN_CHUNK, Store, read_kept
+from vvdp.logs.kept import ROWS_IN_CHUNK, Store
 from vvdp.logs.tracking import Tracker, Waves, bridged_time, fused_step, tracked_step
 from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.results.result import Grade, json_value
+from vvdp.results.store import finite, read_meta, read_result
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
@@ -51,6 +53,28 @@ def brightness(angles, wheel, spot=0.49):
     return np.clip(0.5 + sign * away[np.arange(angles.size), near] / spot, 0.0, 1.0)
 
 
+class Kept:
+    """What an estimation has left in a directory."""
+
+    def __init__(self, directory):
+        self.directory, self.result = directory, read_result(directory)
+        known = {key: json_value(each) for key, each in self.result.numbers.items()}
+        self.summary = finite(known) | {"finished": self.result.finished}
+        self.config = (directory / "estimate.toml").read_text("utf-8")
+        self.findings = [finding for finding in self.result.findings if finding.title]
+
+    def column(self, name):
+        with h5py.File(self.directory / "result.h5") as file:
+            return file[name][:]
+
+    def size(self, name):
+        return self.column(name).size
+
+    def has(self, name):
+        with h5py.File(self.directory / "result.h5") as file:
+            return name in file
+
+
 @pytest.fixture
 def estimated(tmp_path):
     """Writes channels (name: values, unit, and the sample rate of those without a clock beside them) to a file, runs an
@@ -69,7 +93,7 @@ def estimated(tmp_path):
         folder.mkdir()
         with opened(path, wanted) as log:
             estimate(log, wanted, folder, progress=progress)
-        return read_kept(folder)
+        return Kept(folder)
 
     return run
 
@@ -232,7 +256,7 @@ def test_edges_long_after_the_last_change_nothing(estimated, late, lonely):
     assert kept.column("time")[-1] < times[-1] + bridge + 2e-3
     assert kept.summary["duration_s"] == pytest.approx(times[-1] - times[0], rel=1e-12)
     assert kept.summary["edges"] == 400 + lonely and "Edges left out" in titles(kept)
-    assert any(f"{times[-1] + late:.6g}" in finding.found for finding in kept.findings)
+    assert any(f"{times[-1] + late:.6g}" in finding.text for finding in kept.findings)
 
 
 @pytest.mark.parametrize("early", [1.0, 5.0, 1e4])
@@ -348,13 +372,15 @@ def test_edges_that_lie_elsewhere_are_found_on_the_wheel(estimated):
     numbers = np.arange(4000)
     true = TURN * (numbers // 8) + moved[numbers % 8] + np.random.default_rng(6).normal(0.0, JITTER, numbers.size)
     kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge")
-    offsets = kept.column("wheel/offset")
+    offsets = kept.result.tables["wheel-edges"]["offset_rad"]
     # The mean of all offsets cannot be seen: 0.06 (1 - 1/8) = 0.0525 at edge 3, -0.0075 elsewhere. The filter follows
     # a part K = P/S of it, below 8 %.
     assert offsets[3] == pytest.approx(0.0525, rel=0.1)
     assert np.delete(offsets, 3) == pytest.approx(np.full(7, -0.0075), abs=4.0 * JITTER / np.sqrt(500))
     (finding,) = [f for f in kept.findings if f.title == "Edges lie elsewhere on the wheel"]
-    assert finding.found.startswith("Edge 3 lies +0.05") and "stands alone" in finding.found
+    # 0.0525 rad are 3.01 degrees; see above for the 10 %
+    lies = float(finding.text.removeprefix("Edge 3 lies ").partition(" \u00b0 beyond its place")[0])
+    assert lies == pytest.approx(np.degrees(0.0525), rel=0.1) and "stands alone" in finding.text
 
 
 def test_an_eccentric_wheel_is_called_one(estimated):
@@ -363,7 +389,7 @@ def test_an_eccentric_wheel_is_called_one(estimated):
     true = nominal + 0.05 * np.sin(nominal) + np.random.default_rng(7).normal(0.0, 0.01, numbers.size)
     kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge")
     (finding,) = [f for f in kept.findings if f.title == "Edges lie elsewhere on the wheel"]
-    assert "eccentric" in finding.found
+    assert "eccentric" in finding.text
 
 
 def test_a_wrong_number_of_sectors_is_suspected(estimated):
@@ -373,7 +399,7 @@ def test_a_wrong_number_of_sectors_is_suspected(estimated):
     true = TURN * (numbers // 10) + places[numbers % 10]
     kept = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge", sensor__sectors=8)
     (finding,) = [f for f in kept.findings if f.title == "Perhaps a wrong number of sectors"]
-    assert "repeat after 10 edges" in finding.found
+    assert "repeat after 10 edges" in finding.text
     right = estimated(stamped(0.1 + true / SPEED), sensor__edges="edge", sensor__sectors=10)
     assert "Perhaps a wrong number of sectors" not in titles(right)
 
@@ -504,7 +530,7 @@ def test_a_clock_in_place_of_edges_is_told(estimated):
     t = np.arange(5000) * 1e-4
     v = np.sin(SPEED * 4.0 * t)
     kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__edges="time")
-    assert kept.findings[0].title == "An even clock in place of edges" and kept.findings[0].grave
+    assert kept.findings[0].title == "An even clock in place of edges" and kept.findings[0].grade is Grade.BAD
     assert "0.0001 s apart" in kept.findings[0].found and "'diode'" in kept.findings[0].remedy
     assert "An even clock in place of edges" not in titles(estimated(stamped(t[::50]), sensor__edges="edge"))
 
@@ -513,7 +539,7 @@ def test_a_clock_in_place_of_edges_is_told(estimated):
 def test_one_is_one(estimated, count, words):
     times = np.delete(passing_times(400, jitter=0.01), np.arange(200, 200 + 40 * count, 40))
     (finding,) = [f for f in estimated(stamped(times), sensor__edges="edge").findings if f.title == "Missed edges"]
-    assert finding.found.startswith(words)
+    assert finding.text.startswith(words)
 
 
 def test_a_time_range_is_kept_to(estimated):
@@ -608,7 +634,8 @@ def test_the_pressure_gives_the_duty_ratio_and_folds_onto_the_turn(estimated, ex
     watched = 4.0 * pressure_edges().level_time  # before its plateaus are believed
     assert kept.summary["pressure_pulses"] == pytest.approx((3.0 - watched) * 74.1, abs=3)
     assert kept.summary["inlet_pressure_max_Pa"] == pytest.approx(100e5 + 101325.0, rel=1e-3)
-    angle, mean = kept.column("folded/angle"), kept.column("folded/mean")
+    fold = kept.result.tables["pressure-fold"]
+    angle, mean = fold["angle_rad"], fold["pressure_Pa"]
     assert np.allclose((mean - 101325.0) / 1e5, pressure_of(angle), atol=8.0)
     assert np.nanmax(kept.column("inlet_pressure")) <= 100e5 + 101326.0
 
@@ -633,7 +660,8 @@ def test_the_pressure_is_cut_where_time_runs_backwards(estimated, monkeypatch, p
     assert kept.summary["duty_ratio_mean"] == pytest.approx(0.4, abs=4e-3)
     watched = 4.0 * pressure_edges().level_time  # of each record, before its plateaus are believed
     assert kept.summary["pressure_pulses"] == pytest.approx(3 * (2.0 - watched) * 74.1, abs=9)
-    angle, low, high = (kept.column(f"folded/{name}") for name in ("angle", "low", "high"))
+    fold = kept.result.tables["pressure-fold"]
+    angle, low, high = (fold[key] for key in ("angle_rad", "pressure_low_Pa", "pressure_high_Pa"))
     flat_part = np.abs(np.mod(3.0 * angle / TURN, 1.0) - 0.2) < 0.12  # up, and far from either edge
     assert np.allclose((low[flat_part] - 101325.0) / 1e5, 100.0, atol=1.0)
     down = np.abs(np.mod(3.0 * angle / TURN, 1.0) - 0.7) < 0.22
@@ -858,8 +886,8 @@ def test_an_interruption_of_the_second_pass_keeps_all_but_what_it_had_to_come(es
     assert kept.summary["finished"] is False and kept.summary["edges"] == 4000
     assert shares == sorted(shares) and 0.5 in shares and 0.6 < shares[-1] < 0.9
     (finding,) = [f for f in kept.findings if f.title == "Interrupted"]
-    assert "of piece 1 on the smoothed columns are NaN" in finding.found and "second pass" in finding.found
-    until = float(finding.found.partition("from ")[2].split()[0])
+    assert "of piece 1 on the smoothed columns are NaN" in finding.text and "second pass" in finding.text
+    until = float(finding.text.partition("from ")[2].split()[0])
     t, speed, angle = (kept.column(name) for name in ("time", "smoothed_speed", "smoothed_angle"))
     assert 4.0 < until < 18.0
     assert np.isfinite(speed[t < until - 1e-6]).all() and np.isnan(speed[t > until - 1e-6]).all()
@@ -890,7 +918,7 @@ def test_all_that_is_kept_has_units_and_names(estimated, tmp_path):
                 assert item.attrs["units"] and item.attrs["long_name"], name
 
         file.visititems(check)
-    assert len(kept.meta["log_sha256"]) == 64
+    assert len(read_meta(kept.directory)["log_sha256"]) == 64
     json.dumps(kept.summary, allow_nan=False)
     again = load_estimation(kept.directory / "estimate.toml")
     assert again.source.channel == "edge"
@@ -898,12 +926,12 @@ def test_all_that_is_kept_has_units_and_names(estimated, tmp_path):
 
 def test_a_damaged_result_is_refused(estimated):
     kept = estimated(stamped(passing_times(300)), sensor__edges="edge")
-    (kept.directory / "summary.json").write_text("[")
+    (kept.directory / "result.json").write_text("[")
     with pytest.raises(ConfigError, match="is damaged"):
-        read_kept(kept.directory)
-    (kept.directory / "summary.json").unlink()
-    with pytest.raises(ConfigError, match=r"summary\.json missing"):
-        read_kept(kept.directory)
+        read_result(kept.directory)
+    (kept.directory / "result.json").unlink()
+    with pytest.raises(ConfigError, match=r"result\.json missing"):
+        read_result(kept.directory)
 
 
 # The steps

@@ -28,8 +28,6 @@ def fill(path):
         store.columns("", NAMED)
         for part in np.split(rows, 8, axis=1):
             store.append("", {"time": part[0], "speed": part[1]})
-        store.put("excerpt/level", np.arange(3.0), "V", "threshold")
-        assert np.array_equal(store.file["excerpt/level"][:], np.arange(3.0))
     return rows
 
 

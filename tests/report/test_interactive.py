@@ -1,7 +1,9 @@
 """Packing the data of live charts: what comes out is what went in, within the stated error."""
 
 import base64
+import hashlib
 import json
+import re
 import zlib
 from dataclasses import replace
 
@@ -12,7 +14,10 @@ from vvdp.base import kinds
 from vvdp.report.interactive import (
     BLOCK,
     EXACT_ROWS,
+    SCRIPTS,
+    VIEWER,
     Columns,
+    asset,
     interactive_data,
     is_live,
     live_body,
@@ -127,7 +132,15 @@ def test_same_bytes_when_made_again(table):
 
 def test_words_of_a_table_cannot_end_the_script(table):
     body = live_body([CHART], {"run": table})
-    assert body.count("</script>") == live_head().count("sha256-") + 1
+    assert body.count("</script>") == len(SCRIPTS) + 1
+
+
+def test_the_policy_allows_every_script_that_a_page_may_have(table):
+    scripts = re.findall(r"<script>(.*?)</script>", live_body([CHART], {"run": table}), re.DOTALL)
+    for script in (*scripts, asset(VIEWER)):
+        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+        assert f"'sha256-{digest}'" in live_head()
+    assert live_head().count("sha256-") == len(scripts) + 1
 
 
 def test_bars_stay_still(table):

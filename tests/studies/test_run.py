@@ -15,10 +15,13 @@ import psutil
 import pytest
 
 from vvdp.base.errors import ConfigError, RunError
+from vvdp.base.kinds import DUTY_RATIO, FLAG, PRESSURE_LEVEL
+from vvdp.results.store import table_text
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.run import simulate
 from vvdp.studies import run as running
 from vvdp.studies.engine import ThisProcess
+from vvdp.studies.results import study_result
 from vvdp.studies.run import read_study, run_study
 from vvdp.studies.study import Random, Study, Uniform
 from vvdp.systems.summary import summary
@@ -36,9 +39,10 @@ def test_columns_are_those_of_single_runs(tmp_path: Path) -> None:
     assert heard == [(0, 4), (4, 4)]
     assert found.finished and found.ran == 4 and not found.failures
     duty, pressure = found.inputs.values()
-    assert duty.values.tolist() == [0.4, 0.4, 0.6, 0.6] and duty.unit == "1"
-    assert pressure.values.tolist() == [11101325.0, 12101325.0] * 2 and pressure.unit == "Pa absolute"
-    assert [column.unit for column in found.outputs.values()] == ["1", "m^3/s", "W", "1"]
+    assert duty.values.tolist() == [0.4, 0.4, 0.6, 0.6] and duty.kind is DUTY_RATIO
+    assert pressure.values.tolist() == [11101325.0, 12101325.0] * 2 and pressure.kind is PRESSURE_LEVEL
+    kinds = [column.kind for column in found.outputs.values()]
+    assert [kind and kind.unit for kind in kinds] == ["1", "m^3/s", "W", "1"] and kinds[-1] is FLAG
     settings = [f"{key}={value}" for key, value in STUDY.cases[2].items()]
     system = load_system("prototype", settings, until="0.1 s")
     alone = summary(system, simulate(system.model, system.case, system.stepping))
@@ -111,11 +115,12 @@ def test_failing_cases_are_listed_and_not_tried_again(tmp_path: Path) -> None:
     # What a case leaves alone stands in its row with the value of the system.
     assert found.inputs["operation.duty_ratio"].values.tolist() == [0.4, 0.5, 0.6]
     assert run_study(study, tmp_path).ran == 0
-    found.write_csv(tmp_path / "table.csv")
-    with (tmp_path / "table.csv").open() as file:
-        head, *rows = csv.reader(file)
-    assert head[:2] == ["case", "operation.duty_ratio [1]"] and head[-2:] == ["efficiency [1]", "failure"]
-    assert "operation.pump_speed [rad/s]" in head
+    result = study_result(found)
+    assert [each.text for each in result.findings] == [f"case 1 failed: {failure.reason}"]
+    assert result.numbers["failed_cases"].value == 1.0 and result.numbers["cases"].value == 3.0
+    head, *rows = csv.reader(table_text(result.tables["study"]).splitlines())
+    assert head[:2] == ["case", "operation.duty_ratio"] and head[-2:] == ["efficiency", "failure"]
+    assert "operation.pump_speed_rad_s" in head
     assert [float(row[1]) for row in rows] == [0.4, 0.5, 0.6]
     assert float(rows[0][-2]) == found.outputs["efficiency"].values[0]
     assert rows[1][-2:] == ["", failure.reason]
@@ -127,9 +132,9 @@ def test_signals_and_constants_may_be_mixed(tmp_path: Path) -> None:
     found = run_study(Study("prototype", cases, ("efficiency",), until="0.1 s"), tmp_path)
     assert found.finished and np.isfinite(found.outputs["efficiency"].values).all()
     assert found.inputs["operation.duty_ratio"].values.tolist() == [
-        "0.5 1",
+        "0.5",
         "between 0.4 and 0.6, corners at 0.05 s",
-        "0.6 1",
+        "0.6",
     ]
 
 

@@ -85,6 +85,7 @@ def test_a_file_says_all_that_python_can(tmp_path: Path) -> None:
         ("efficiency", "loss_nozzle_W"),
         ("operation.pump_speed=1500 rpm",),
         "0.1 s",
+        "Clearance and duty",
     )
     assert len(study.cases) == 6
 

@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vvdp.base.display import key_suffix, with_unit
+from vvdp.base.display import key_suffix
 from vvdp.base.errors import ParameterError
 from vvdp.base.extras import require
 from vvdp.base.files import result_directory
@@ -106,15 +106,11 @@ class Run(RecordedRun):
         return f"<Run of {self.system.name}{place}: {reached}, {', '.join(each.words for each in self.result.badges)}>"
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{escape(row.label)}</td>"
-            + "".join(f"<td>{_cell(value, row.kind)}</td>" for value in row.values)
-            + "</tr>"
-            for listing in screen_listings(self)
-            for row in listing.rows
-        )
+        from vvdp.report.result_page import listing_html
+
         badges = " · ".join(escape(badge.words) for badge in self.result.badges)
-        return f"<b>{escape(self.system.title)}</b><p>{badges}</p><table>{rows}</table>"
+        listings = "".join(map(listing_html, screen_listings(self)))
+        return f"<b>{escape(self.system.title)}</b><p>{badges}</p>{listings}"
 
 
 def open_directory(directory: str | Path) -> Run | Result:
@@ -130,12 +126,6 @@ def open_directory(directory: str | Path) -> Run | Result:
 
 def _dimensions(name: str, count: int) -> tuple[str, ...]:
     return ("time", *(f"{name}.{axis}" for axis in range(1, count)))
-
-
-def _cell(value: float | str | None, kind: Any) -> str:
-    if value is None or isinstance(value, str):
-        return escape(value or "")
-    return escape(with_unit(value, kind)) if kind else f"{value:g}"
 
 
 def _chart_of(names: tuple[str, ...], result: Result) -> Chart:

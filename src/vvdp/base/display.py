@@ -122,7 +122,7 @@ def signal_with_unit(value: Signal, kind: Kind, digits: int = 4) -> str:
     return f"{low} to {high} {unit}".strip()
 
 
-def gauge_and_absolute(value: float, kind: Kind) -> str:
+def value_text(value: float, kind: Kind) -> str:
     """A value [SI] with its unit as in a message; a pressure level both gauge and absolute."""
     if kind is kinds.PRESSURE_LEVEL:
         return f"{(value - ATMOSPHERE) / _BAR:.6g} bar ({value / _BAR:.6g} bara)"

@@ -16,11 +16,12 @@ from pathlib import Path
 from typing import Any, TypeVar, get_origin
 
 from vvdp.base import signal as signals
+from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
 from vvdp.base.params import Params, default_values, field_kinds, field_types
 from vvdp.base.signal import Signal
-from vvdp.base.units import displayed, parsed, parsed_difference
+from vvdp.base.units import parsed, parsed_difference
 
 STATUSES = ("measured", "published", "derived", "assumed", "given")
 ORIGIN = ("status", "source", "where", "note")
@@ -50,7 +51,7 @@ class Sourced:
         if isinstance(self.value, Signal):
             return described(self.value, self.kind)
         values = self.value if isinstance(self.value, tuple) else (self.value,)
-        return ", ".join(displayed(value, self.kind) for value in values)
+        return ", ".join(value_text(value, self.kind) for value in values)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -166,7 +167,7 @@ def build(
     for key in table:
         if key not in kinds:
             near = nearest(key, list(kinds))
-            faults.append(_fault(origin, f"{name}.{key}", f"unknown key{near}"))
+            faults.append(fault_at(origin, f"{name}.{key}", f"unknown key{near}"))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     for key, kind in kinds.items():
@@ -176,7 +177,7 @@ def build(
             continue
         if key not in table:
             example = f', for example "{kind.example}"' if kind else ""
-            faults.append(_fault(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
+            faults.append(fault_at(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
             continue
         if kind is None:
             raise TypeError(f"{cls.__name__}.{key} has no kind")
@@ -189,7 +190,10 @@ def build(
     try:
         return cls(**values), rows
     except ParameterError as problem:
-        faults.append(_fault(origin, name, str(problem)))
+        field, _, message = str(problem).partition(": ")
+        key = field.removeprefix(f"{cls.__name__}.")
+        at_key = key in kinds and key != field
+        faults.append(fault_at(origin, f"{name}.{key}" if at_key else name, message if at_key else str(problem)))
         return None, rows
 
 
@@ -201,7 +205,7 @@ def _sourced(
     text = {word: str(fields.pop(word, "")) for word in ORIGIN}
     status = text["status"] or "given"
     if status not in STATUSES:
-        faults.append(_fault(origin, path, f"status {status!r}; expected one of {', '.join(STATUSES)}"))
+        faults.append(fault_at(origin, path, f"status {status!r}; expected one of {', '.join(STATUSES)}"))
         return None
     try:
         value: float | Signal | tuple[float, ...]
@@ -215,7 +219,7 @@ def _sourced(
             other = ", ".join(sorted(set(fields) - {"value"})) or "no value"
             raise ParameterError(f"{other}; expected a value that does not change, for example {kind.example!r}")
     except ParameterError as problem:
-        faults.append(_fault(origin, path, str(problem)))
+        faults.append(fault_at(origin, path, str(problem)))
         return None
     return Sourced(
         table=name,
@@ -271,17 +275,18 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
 def described(value: Signal, kind: Kind) -> str:
     """A signal as a person reads it."""
     if value.is_constant:
-        return displayed(value.base, kind)
+        return value_text(value.base, kind)
     low, high = value.extremes
     corners = sorted({*value.start, *(a + d for a, d in zip(value.start, value.duration, strict=True))})
-    parts = [f"between {displayed(low, kind)} and {displayed(high, kind)}"]
+    parts = [f"between {value_text(low, kind)} and {value_text(high, kind)}"]
     if corners:
         parts.append("corners at " + ", ".join(f"{t:g} s" for t in corners[:6]) + (" ..." if len(corners) > 6 else ""))
     parts += [f"sine of {f:g} Hz" for f in value.frequency]
     return ", ".join(parts)
 
 
-def _fault(origin: Table, path: str, message: str, key: str = "") -> Fault:
+def fault_at(origin: Table, path: str, message: str, key: str = "") -> Fault:
+    """A fault at a dotted `path`, with the line of that or of the table in which it stands; `key` is what is named."""
     line, part = origin.lines.get(path), path
     while line is None and "." in part:
         part = part.rpartition(".")[0]

@@ -174,16 +174,6 @@ def _speed_hint(number: float, unit: str) -> str:
     return ""
 
 
-def displayed(value: float, kind: Kind) -> str:
-    """`value` [SI] as a person reads it, with its unit; a pressure level both gauge and absolute."""
-    if kind.unit in ("1", "SI"):
-        return f"{value:.6g}" + (" SI" if kind.unit == "SI" else "")
-    if kind is PRESSURE_LEVEL:
-        return f"{(value - ATMOSPHERE) / 1e5:.6g} bar ({value / 1e5:.6g} bara)"
-    shown = kind.shown
-    return f"{in_unit(value, kind, shown):.6g} {shown}"
-
-
 def in_unit(value: float, kind: Kind, unit: str) -> float:
     """`value` [SI of `kind`] expressed in `unit`; a pressure level is not shifted to gauge."""
     if unit in ("", "1"):

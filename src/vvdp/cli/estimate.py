@@ -1,7 +1,7 @@
 """`vvdp estimate`."""
 
 import shlex
-import time
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from vvdp.base.errors import ConfigError
     from vvdp.logs.channel import Log
     from vvdp.logs.config import Estimation, Option
-    from vvdp.logs.kept import Finding
+    from vvdp.results.result import Result
 
 INTERRUPTED = 130
 
@@ -73,9 +73,10 @@ def estimate(
     Name the channel with --wave, --counts or --edges, or in a config file. Ctrl-C keeps the results so far.
     """
     from vvdp.base.files import result_directory
+    from vvdp.cli.printing import print_result
     from vvdp.cli.progress import reached
-    from vvdp.cli.report import LOG, add_report
-    from vvdp.cli.screen import plain, print_json, say
+    from vvdp.cli.report import RESULT, add_report
+    from vvdp.cli.screen import plain, print_json, say, tell
     from vvdp.logs.config import SOURCES, Option, load_estimation
     from vvdp.logs.estimate import estimate as estimated
     from vvdp.logs.estimate import opened
@@ -108,20 +109,20 @@ def estimate(
         with result_directory(directory, force=force) as folder:
             what = "both passes over the log" if wanted.smooth else "the log"
             with reached(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as progress:
-                done = estimated(
+                found = estimated(
                     source, wanted, folder, progress=progress, say=say, more=plain(_origin(config, options))
                 )
-            if not done.finished:
+            if not found.finished:
                 say("interrupted; what was reached is kept")
-            reported = not no_report and add_report(LOG, folder)
+            reported = not no_report and add_report(RESULT, folder)
     if json:
-        print_json({"log": str(log), **done.summary, "out": str(directory)})
+        print_json({"log": str(log), **_flat(found, wanted), "out": str(directory)})
     else:
-        _print(log, wanted, done.summary, done.findings)
-        typer.echo(f"results: {directory}")
+        print_result(found, tuple(found.listings))
+        tell(f"results: {directory}")
     if reported and not json:
-        typer.echo(f"report: {directory / 'report.html'}")
-    if not done.finished:
+        tell(f"report: {directory / 'report.html'}")
+    if not found.finished:
         raise typer.Exit(INTERRUPTED)
 
 
@@ -177,52 +178,21 @@ def _nothing_named(log: Path, options: "list[Option]") -> "ConfigError":
 
 def _origin(config: Path | None, options: "list[Option]") -> dict[str, Any]:
     return {
+        "command": ["vvdp", *sys.argv[1:]],
         "config": str(config) if config is not None else None,
         "options": {option.name: option.value for option in options},
-        "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
     }
 
 
-# What a person is shown: label, key, name of the unit.
-SHOWN = (
-    ("share of time with estimate", "estimated_share", ""),
-    ("spool speed, mean", "spool_speed_mean_rad_s", "rpm"),
-    ("spool speed, standard deviation", "spool_speed_std_rad_s", "rpm"),
-    ("spool speed, lowest", "spool_speed_min_rad_s", "rpm"),
-    ("spool speed, highest", "spool_speed_max_rad_s", "rpm"),
-    ("PWM frequency, mean", "pwm_frequency_mean_Hz", "Hz"),
-    ("deviation of the angle, mean", "angle_deviation_mean_rad", "rad"),
-    ("deviation of the speed, mean", "speed_deviation_mean_rad_s", "rad/s"),
-    ("edges", "edges", ""),
-    ("missed edges", "missed_edges", ""),
-    ("double edges", "double_edges", ""),
-    ("acceleration_density", "acceleration_density_rad2_s3", "rad^2/s^3"),
-    ("edge_variance", "edge_variance_rad2", "rad^2"),
-    ("squared innovations, mean", "nis_mean", ""),
-    ("largest offset of an edge", "edge_offset_max_rad", "rad"),
-    ("threshold", "threshold", ""),
-    ("threshold, suggested", "threshold_suggested", ""),
-    ("duty ratio of the pressure, mean", "duty_ratio_mean", ""),
-)
+def _flat(found: "Result", wanted: "Estimation") -> dict[str, Any]:
+    """The numbers of an estimation as one flat object."""
+    from vvdp.logs.result import SOURCES
+    from vvdp.results.result import Grade, json_value
 
-
-def _print(log: Path, wanted: "Estimation", found: dict[str, Any], findings: "tuple[Finding, ...]") -> None:
-    from vvdp.base.units import ATMOSPHERE
-    from vvdp.cli.screen import amount, console, grid, warn
-
-    out = console()
-    out.print(
-        f"{log.name}: {found['duration_s']:.6g} s, edges from {wanted.source.channel!r}, {found['sectors']} sectors",
-        soft_wrap=True,
-    )
-    table = grid("quantity", "value", "unit", right=("value",))
-    for label, key, unit in SHOWN:
-        value = found.get(key)
-        if key in found:
-            text = "-" if value is None else str(value) if isinstance(value, int) else amount(value, unit)
-            table.add_row(label, text, unit)
-    if (pressure := found.get("inlet_pressure_mean_Pa")) is not None:
-        table.add_row("inlet pressure, mean (gauge)", amount(pressure - ATMOSPHERE, "bar"), "bar")
-    out.print(table)
-    for finding in findings:
-        warn(f"{finding.title}: {finding.found} {finding.remedy}")
+    return {
+        "edge_source": SOURCES[type(wanted.source)][0],
+        **{key: json_value(each) for key, each in found.numbers.items()},
+        "finished": found.finished,
+        "wall_time_s": found.seconds,
+        "warnings": "; ".join(f"{each.title}: {each.text}" for each in found.findings if each.grade is not Grade.PLAIN),
+    }

@@ -178,12 +178,12 @@ def _values(cls: "type[Params]") -> list[str]:
 
 
 def _example(kind: "Kind | None", usual: Any) -> str:
-    from vvdp.base.units import displayed
+    from vvdp.base.display import value_text
 
     if kind is None:
         return "{ ... }"
     example = f'"{kind.example}"'
-    return f"{example} [{displayed(usual, kind)}]" if isinstance(usual, float) else example
+    return f"{example} [{value_text(usual, kind)}]" if isinstance(usual, float) else example
 
 
 def _program(program: "ProgramType") -> tuple[list[str], list[str], list[str]]:

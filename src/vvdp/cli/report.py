@@ -9,7 +9,7 @@ import typer
 from vvdp.cli.options import AsJson
 
 RESULT, GEOMETRY = ("result_page", "write_result_report"), ("geometry_report", "write_geometry_report")
-RUN, LOG = ("report", "write_report"), ("log_report", "write_log_report")
+RUN = ("report", "write_report")
 COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
     "geometry.toml": GEOMETRY,
@@ -31,13 +31,10 @@ def report(
     from vvdp.base.errors import unusable
     from vvdp.cli.screen import print_json
     from vvdp.comparison.results import is_comparison
-    from vvdp.logs.kept import is_estimate
     from vvdp.results.store import add_labels
 
     writer = next((writer for name, writer in WRITERS.items() if (directory / name).is_file()), RUN)
-    if is_estimate(directory):
-        writer = LOG
-    elif is_comparison(directory):
+    if is_comparison(directory):
         writer = COMPARISON
     try:
         if project or customer:

@@ -1,15 +1,13 @@
 """`vvdp study`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, Restart, out_option
-
-if TYPE_CHECKING:
-    from vvdp.studies.results import StudyResults
+from vvdp.cli.options import AsJson, NoReport, Restart, out_option
+from vvdp.cli.printing import show_result, write_with_report
 
 INTERRUPTED = 130
 
@@ -23,50 +21,30 @@ def study(
     sbatch: Sbatch = None,
     force: Restart = False,
     json: AsJson = False,
+    no_report: NoReport = False,
 ) -> None:
     """Run many cases of a system; rerun to resume.
 
     Ctrl-C stops after the current batches. All columns are written to study.csv.
     """
     from vvdp.cli.progress import counted
-    from vvdp.cli.screen import print_json, say, warn
+    from vvdp.cli.screen import say
+    from vvdp.studies.results import study_result
     from vvdp.studies.run import run_study
     from vvdp.studies.store import set_aside
     from vvdp.studies.study import load_study
+    from vvdp.systems.resolved import resolved_text
 
     wanted = load_study(file)
     directory = out if out is not None else Path("results", file.stem)
     engine = chosen_engine(on, workers, cores, sbatch, directory)
     with set_aside(directory, force=force), counted("cases") as progress:
         results = run_study(wanted, directory, engine=engine, progress=progress, say=say)
-    results.write_csv(directory / "study.csv")
-    if json:
-        columns = {**results.inputs, **results.outputs}
-        print_json({name: column.values.tolist() for name, column in columns.items()} | {"out": str(directory)})
-    else:
-        _print(results)
-        for failure in results.failures:
-            warn(f"case {failure.case} failed: {failure.reason}")
-        typer.echo(f"results: {directory / 'study.csv'}")
+    result = study_result(results)
+    reported = write_with_report(directory, result, resolved_text(results.system), no_report=no_report)
+    if not json:
+        say(f"{results.ran} cases run in {results.seconds:.2f} s, {len(results.failures)} failed")
+    show_result(result, directory, json=json, reported=reported)
     if not results.finished:
-        say(f"interrupted with {len(results.missing)} cases to go; the same command goes on from here")
+        say(f"interrupted with {len(results.missing)} cases to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
-
-
-def _print(results: "StudyResults") -> None:
-    """Extremes of every column: what a person looks at before opening the table."""
-    import numpy as np
-
-    from vvdp.cli.screen import console, grid
-
-    table = grid("quantity", "lowest", "highest", "mean", "unit", right=("lowest", "highest", "mean"))
-    for name, column in {**results.inputs, **results.outputs}.items():
-        if column.values.dtype.kind != "f":
-            table.add_row(name, f"{len(set(column.values.tolist()))} different", "", "", "")
-            continue
-        values = column.values.astype(float)
-        known = values[np.isfinite(values)]
-        low, high, mean = (f"{f(known):.5g}" if known.size else "-" for f in (np.min, np.max, np.mean))
-        table.add_row(name, low, high, mean, column.unit)
-    console().print(table)
-    typer.echo(f"{results.ran} cases run in {results.seconds:.2f} s, {len(results.failures)} failed")

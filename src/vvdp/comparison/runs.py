@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from vvdp.base.arrays import Array
 from vvdp.base.display import display_unit, key_suffix, number, plain
 from vvdp.base.errors import unusable
 from vvdp.base.kinds import COUNT, FLAG, Kind
@@ -59,7 +58,7 @@ def compare_runs(directories: Sequence[Path]) -> Result:
                 note="Pressures are gauge. Differences are to the first run.",
             ),
         },
-        tables={"runs": _run_table(runs), "series": _joined_series(list(series.values()))},
+        tables={"runs": _run_table(runs)} | dict(zip(_series_names(runs), series.values(), strict=True)),
         charts={chart.name: chart for chart in charts},
         findings=(*_warnings(runs), Finding(text=words)),
         sections=(
@@ -193,27 +192,9 @@ def _run_table(runs: Mapping[str, RecordedRun]) -> Table:
     return Table(title="Runs", columns=columns, is_data=True)
 
 
-def _joined_series(series: Sequence[Table]) -> Table:
-    """The series that all runs have, a column for each run; a shorter one stays at its last time, without values."""
-    columns = {}
-    length = max(table.rows for table in series)
-    for key in series[0].columns:
-        if all(key in table.columns for table in series):
-            for place, table in enumerate(series):
-                column = table.columns[key]
-                values = _lengthened(table[key], length, table[key][-1] if key == "time_s" else np.nan)
-                columns[_numbered(key, column.kind, place)] = Column(values, column.kind, column.label, column.symbol)
-    return Table(title="Recorded series", columns=columns, is_data=True)
-
-
-def _lengthened(values: Array, length: int, filler: float) -> Array:
-    return np.concatenate([values, np.full(length - values.size, filler)])
-
-
-def _numbered(key: str, kind: Kind | None, place: int) -> str:
-    """The name of a series of the run at `place`: `pressure_load_2_Pa`."""
-    suffix = key_suffix(kind) if kind else ""
-    return f"{key.removesuffix(suffix)}_{place + 1}{suffix}"
+def _series_names(runs: Mapping[str, RecordedRun]) -> list[str]:
+    """What the tables of series are called."""
+    return [f"series-{number}" for number in range(1, len(runs) + 1)]
 
 
 def _charts(runs: Mapping[str, RecordedRun], series: Mapping[str, Table]) -> Iterator[Chart]:
@@ -227,15 +208,15 @@ def _charts(runs: Mapping[str, RecordedRun], series: Mapping[str, Table]) -> Ite
         keys = [key for key in common if key.startswith(f"{group}_")]
         parts = [keys[place : place + MOST_PANELS] for place in range(0, len(keys), MOST_PANELS)]
         for count, part in enumerate(parts, 1):
-            panels = tuple(_panel(key, first.columns[key], tuple(runs), left, right) for key in part)
+            panels = tuple(_panel(key, first.columns[key].label, runs, left, right) for key in part)
             name = group if len(parts) == 1 else f"{group}-{count}"
             caption = f"{words} of the runs over time; seen are the last periods of the first."
-            yield Chart(name=name, caption=caption, table="series", panels=panels, height=0.8 + 1.3 * len(panels))
+            yield Chart(
+                name=name, caption=caption, table=_series_names(runs)[0], panels=panels, height=0.8 + 1.3 * len(panels)
+            )
 
 
-def _panel(key: str, column: Column, names: Sequence[str], left: float, right: float) -> Lines:
-    lines = tuple(
-        Line(x=f"time_{place + 1}_s", y=_numbered(key, column.kind, place), label=name)
-        for place, name in enumerate(names)
-    )
-    return Lines(lines=lines, label=column.label, left=left, right=right)
+def _panel(key: str, label: str, runs: Mapping[str, RecordedRun], left: float, right: float) -> Lines:
+    names = zip(_series_names(runs), runs, strict=True)
+    lines = tuple(Line(x="time_s", y=key, label=name, table=table) for table, name in names)
+    return Lines(lines=lines, label=label, left=left, right=right)

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import with_unit
+from vvdp.base.display import value_text
 from vvdp.base.errors import VvdpError
 from vvdp.design.problem import Limit, Problem, Side
 from vvdp.design.quantities import KINDS
@@ -148,7 +148,7 @@ def _attainable(problem: Problem, kept: Sequence[Item], item: Limit, held: Mappi
         reached = _furthest(replace(problem, limits=limits), item, held)
         if reached is not None:
             mean = " on average" if item.over_the_points else ""
-            amount = with_unit(reached, KINDS[item.quantity], 6) + mean
+            amount = value_text(reached, KINDS[item.quantity]) + mean
             return f" (all else allows {amount} at {'most' if item.at_least else 'least'})"
     return ""
 

@@ -68,7 +68,10 @@ def optimum_result(
 
 def _sections(found: Optimum, listings: Collection[str], charts: Collection[str]) -> Iterator[Section]:
     yield Section(title="Figures", shows=tuple(charts))
-    demands = [*(each.words for each in found.problem.limits), *(each.words for each in geometry_of(found.problem))]
+    demands = [
+        *(each.words_with_origin for each in found.problem.limits),
+        *(each.words for each in geometry_of(found.problem)),
+    ]
     asked = f"Least {LABELS[found.problem.objective]}, subject to: {'; '.join(demands)}."
     points = ("points",) if len(found.problem.points) > 1 else ()
     yield Section(title="Question and bounds", words=(asked,), shows=("variables", *points), starts_page=True)
@@ -100,7 +103,7 @@ def _findings(found: Optimum, proven: Sequence[Proof]) -> Iterator[Finding]:
     name = problem.objective
     kind = KINDS[name]
     was = float(problem.mean(found.before, name))
-    subject = f", subject to {', '.join(each.words for each in problem.limits)}" if problem.limits else ""
+    subject = f", subject to {', '.join(each.words_with_origin for each in problem.limits)}" if problem.limits else ""
     text = f"The {LABELS[name]} goes from {with_unit(was, kind)} to {with_unit(found.objective, kind)}, analytically"
     text += f" ({_change(name, was, found.objective)}){subject}."
     if means := simulated_means(problem, proven):

@@ -38,7 +38,7 @@ def front_result(found: Front, *, finished: bool) -> Result:
     tables = {"front": _table(found), "refused": _table(found, refused=True), "drawn": _drawn(found)}
     charts = {each.name: each for each in (*_pair_charts(found), _variable_chart(found))}
     good = ", ".join(f"{'large' if each.large else 'small'} {LABELS[each.quantity]}" for each in found.objectives)
-    demands = "; ".join(each.words for each in found.problem.limits) or "nothing"
+    demands = "; ".join(each.words_with_origin for each in found.problem.limits) or "nothing"
     refused = (Section(title="Refused by the simulation", shows=("reasons", "refused")),) if found.refused else ()
     return Result(
         verb="design pareto",

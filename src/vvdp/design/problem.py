@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vvdp.base.display import with_unit
+from vvdp.base.display import value_text, with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.tables import nearest, read_table, with_settings
@@ -38,17 +38,23 @@ class Limit:
 
     def __str__(self) -> str:
         """As a person types it."""
-        return self._statement(self.quantity, ">=", "<=")
+        return self._statement(self.quantity, (">=", "<="), value_text(self.value, KINDS[self.quantity]))
 
     @property
     def words(self) -> str:
         """As a person reads it."""
-        return self._statement(LABELS[self.quantity], "≥", "≤") + (" (usual limit)" if self.usual else "")
+        amount = with_unit(self.value, KINDS[self.quantity], 6)
+        return self._statement(LABELS[self.quantity], "≥≤", amount)
 
-    def _statement(self, name: str, at_least: str, at_most: str) -> str:
+    @property
+    def words_with_origin(self) -> str:
+        """The same, and whether it is a usual one."""
+        return self.words + (" (usual limit)" if self.usual else "")
+
+    def _statement(self, name: str, signs: Sequence[str], amount: str) -> str:
         mean = " on average" if self.over_the_points else ""
-        sign = "=" if self.exactly else at_least if self.at_least else at_most
-        return f"{name} {sign} {with_unit(self.value, KINDS[self.quantity], 6)}{mean}"
+        sign = "=" if self.exactly else signs[0] if self.at_least else signs[1]
+        return f"{name} {sign} {amount}{mean}"
 
     @property
     def measure(self) -> float:
@@ -110,18 +116,13 @@ class Side(NamedTuple):
     def __str__(self) -> str:
         """As a person types it."""
         sign = "=" if self.bound.fixed else "<=" if self.upper else ">="
-        return f"{self.bound.variable.name} {sign} {self.amount}"
+        return f"{self.bound.variable.name} {sign} {value_text(self.value, self.bound.variable.kind)}"
 
     @property
     def words(self) -> str:
         """As a person reads it."""
         sign = "=" if self.bound.fixed else "≤" if self.upper else "≥"
-        return f"{self.bound.variable.label} {sign} {self.amount}"
-
-    @property
-    def amount(self) -> str:
-        """The value with its unit."""
-        return with_unit(self.value, self.bound.variable.kind, 6)
+        return f"{self.bound.variable.label} {sign} {with_unit(self.value, self.bound.variable.kind, 6)}"
 
     @property
     def value(self) -> float:
@@ -383,7 +384,7 @@ def _bound(variable: Variable, sides: Mapping[str, float], now: float, faults: l
         if not low <= high:
             between = " to ".join(f"{value:g}" for value in dict.fromkeys(sides.values()))
             message = f"{between}; expected whole numbers, and there is none between"
-    ends = f"{with_unit(low, kind, 6)} to {with_unit(high, kind, 6)}"
+    ends = " to ".join(value_text(float(end), kind) for end in (low, high))
     if not message and not low > 0.0:
         message = f"{ends}; both ends must be above zero"
     elif not message and not low <= high:

@@ -50,7 +50,7 @@ def _seals(valve: Any, found: Sequence[Any]) -> Any:
 
 
 def _seal_numbers(valve: Any, found: Sequence[Any]) -> str:
-    return f"clearance {1e6 * valve.radial_clearance:.4g} µm, land {1e6 * barrier_width(valve):.4g} µm"
+    return f"clearance {1e6 * valve.radial_clearance:.4g} um, land {1e6 * barrier_width(valve):.4g} um"
 
 
 def _stays_shut(valve: Any, found: Sequence[Any]) -> Any:

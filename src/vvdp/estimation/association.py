@@ -1,4 +1,7 @@
-"""Which edge of the wheel an observed edge was. The wheel is taken to turn forward only: numbers never fall."""
+"""Which edge of the wheel an observed edge was. The wheel is taken to turn forward only: numbers never fall.
+
+Source  ours, docs/models/event-filter.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -65,10 +68,7 @@ def counted_edge(last: float, edges: float, polarity: float) -> float:
 
 
 def first_edge(angle: float, polarity: float, wheel: CodeWheel) -> float:
-    """Number of the first edge that passes after the wheel stood at `angle` [rad], known to half a sector.
-
-    Source  ours, docs/models/event-filter.md
-    """
+    """Number of the first edge that passes after the wheel stood at `angle` [rad], known to half a sector."""
     if polarity == 0.0:
         return edge_below(angle, wheel) + 1.0
     return nearest_edge(angle + 0.5 * sector(wheel), polarity, wheel)
@@ -82,8 +82,6 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     are the bounce of the last one: pairs of them are left out, a single one is none.
 
     last  number of the last edge used
-
-    Source  ours, docs/models/event-filter.md
     """
     next_sector = edge_angle(last + 1.0, wheel) - edge_angle(last, wheel)
     fresh = sighting.fresh
@@ -110,10 +108,7 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
 
 
 def irregular_share(share: float, irregular: float, regular: float) -> float:
-    """Share of edges that were missed or ignored [1], after `irregular` more of them and `regular` others.
-
-    Source  ours, docs/models/event-filter.md
-    """
+    """Share of edges that were missed or ignored [1], after `irregular` more of them and `regular` others."""
     kept = 1.0 - 1.0 / REMEMBERED
     grown: float = (1.0 - (1.0 - share) * kept**irregular) * kept**regular
     return grown

@@ -3,6 +3,8 @@
 Edges that are only sampled fall at a place within the sampling period that cannot be seen. When p edges take exactly q
 samples, only p different places occur, for ever, and their mean error does not die out. Derived in
 docs/models/simple-estimators.md, "Edges in step with the samples".
+
+Source  ours, docs/models/simple-estimators.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -34,8 +36,6 @@ def commensurate_clock(
     tolerance    relative deviation of the edge rate that still counts as in step
     memory       of the estimator [s]; it follows the hidden error, in step or not, where the beat lasts longer
     Raises ParameterError for a sampling rate or memory that is not positive, a tolerance below 0, `largest` below 1.
-
-    Source  ours, docs/models/simple-estimators.md
     """
     if not sample_rate > 0.0:
         raise ParameterError(f"a sampling rate of {sample_rate:g}/s; expected more than 0")
@@ -60,8 +60,6 @@ def hidden_angle(found: Commensurate, sector_width: float) -> float:
 
     For equal sectors; one edge out of place among n changes it by at most omega dT / n.
     Evenly distributed between plus and minus this, depending on where in the sampling period the edges fall.
-
-    Source  ours, docs/models/simple-estimators.md
     """
     return sector_width / (2.0 * found.samples)
 
@@ -70,8 +68,6 @@ def hidden_speed(found: Commensurate, sector_width: float) -> float:
     """By how much the speed is shown too high between two jumps of the hidden angle [rad/s]: sector (p/q f_s - f_e).
 
     The speed that is shown is the one exactly in step.
-
-    Source  ours, docs/models/simple-estimators.md
     """
     return sector_width * (found.edges * found.sample_rate / found.samples - found.edge_rate)
 
@@ -80,8 +76,6 @@ def beat_time(found: Commensurate) -> float:
     """Time after which the hidden error has gone through all its values [s]: 1/|q f_e - p f_s|, infinite in step.
 
     A mean of the error over a time T >= this keeps at most beat / (4 T) of the hidden angle.
-
-    Source  ours, docs/models/simple-estimators.md
     """
     beat = abs(found.samples * found.edge_rate - found.edges * found.sample_rate)
     return 1.0 / beat if beat > 0.0 else np.inf

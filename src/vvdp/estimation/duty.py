@@ -1,6 +1,8 @@
 """The duty ratio from the wave of the inlet pressure, and what the valve's own throttling adds to it.
 
 Derived and measured in docs/models/pressure-fusion.md, "Where the wave crosses a level".
+
+Source  ours, docs/models/pressure-fusion.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -73,8 +75,6 @@ def wave_duty_ratio(rise_angle: float, fall_angle: float, sections: float) -> fl
 
     rise_angle, fall_angle  of the spool at the crossings [rad]
     sections                N [1]
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     share: float = (fall_angle - rise_angle) * sections / (2.0 * np.pi)
     return share
@@ -107,8 +107,6 @@ def duty_excess(level_drop: float, flow: float, density: float, valve: RotaryVal
     level_drop  crossing level less tank pressure [Pa]
     flow        of the pump [m^3/s]
     density     [kg/m^3]
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     shape = port_shape(valve)
     a = crossing_opening(level_drop, flow, density, valve)
@@ -120,8 +118,6 @@ def corrected_duty_ratio(wave_duty: float, opening: float, shape: PortShape) -> 
 
     Solves a_T(wave_duty/2, d) = a for d. While both ports open fully this subtracts `duty_excess`; at duty ratios
     near 0 and 1, where one never does, it follows the product of the two ramps.
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     distance = clip(0.5 * wave_duty, 0.0, 0.5)
     low, high = -shape.nozzle_width - shape.barrier_width, 1.0 + shape.nozzle_width + shape.barrier_width
@@ -148,8 +144,6 @@ def pressure_lag(
     density       [kg/m^3]
     inlet_volume  between pump and ports [m^3]
     bulk_modulus  of the oil there, at the crossing level [Pa]
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     Q, m = flow, valve.centre_flow_exponent
     centre = centre_resistance(valve) * Q**m
@@ -160,10 +154,7 @@ def pressure_lag(
 
 
 def duty_start() -> DutyWaveMemory:
-    """The memory before the first edge.
-
-    Source  ours, docs/models/pressure-fusion.md
-    """
+    """The memory before the first edge."""
     return DutyWaveMemory(
         rise=RisingEdge(time=np.nan, angle=np.nan, interval=np.nan, level=np.nan, before=np.nan),
         within_pulse=0.0,

@@ -2,6 +2,8 @@
 
 The belief is kept at the time of the last edge. A sample without an edge costs a prediction and nothing else.
 Derived in docs/models/event-filter.md.
+
+Source  ours, docs/models/event-filter.md, where a function names no other.
 """
 
 from typing import NamedTuple, Protocol
@@ -286,8 +288,6 @@ def seen_edge(
     prior     belief at the time of the edge
     wide      the same had a manoeuvre begun at the last edge
     variance  of the angle at which the edge was seen [rad^2]
-
-    Source  ours, docs/models/event-filter.md
     """
     m, wheel, polarity = memory, settings.wheel, reading.polarity
     if m.tally.started == 0.0:
@@ -317,8 +317,6 @@ def widened(belief: AngleSpeed, duration: float, acceleration_density: float) ->
     """The belief when the acceleration has had an `acceleration_density` [rad^2/s^3] more for the last `duration` [s].
 
     P + q [[h^3/3, h^2/2], [h^2/2, h]].
-
-    Source  ours, docs/models/event-filter.md
     """
     b, h, q = belief, duration, acceleration_density
     P11, P12 = b.angle_variance + q * h * h * h / 3.0, b.covariance + 0.5 * q * h * h
@@ -326,18 +324,12 @@ def widened(belief: AngleSpeed, duration: float, acceleration_density: float) ->
 
 
 def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
-    """1 where three deviations of the angle are half a sector or more, else 0.
-
-    Source  ours, docs/models/event-filter.md
-    """
+    """1 where three deviations of the angle are half a sector or more, else 0."""
     return 1.0 if 6.0 * np.sqrt(belief.angle_variance) >= sector(wheel) else 0.0
 
 
 def doubted(belief: AngleSpeed, settings: EventFilter) -> AngleSpeed:
-    """The belief whose speed may have been anything, a multiple or a fraction of the true one.
-
-    Source  ours, docs/models/event-filter.md
-    """
+    """The belief whose speed may have been anything, a multiple or a fraction of the true one."""
     b = belief
     anything = maximum(b.speed * b.speed, settings.speed_variance)
     return AngleSpeed(b.angle, b.speed, b.angle_variance, b.covariance, anything)

@@ -2,6 +2,8 @@
 
 The event filter keeps angle and speed; beside them go the phase of the wave, its lag and the duty ratio, which the
 pressure needs and the encoder does not. Derived in docs/models/pressure-fusion.md.
+
+Source  ours, docs/models/pressure-fusion.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
@@ -130,8 +132,6 @@ def fusion(settings: EventFilter) -> Fusion:
     """The usual settings for a spool of three sections whose wave is unknown; change one with `dataclasses.replace`.
 
     The phase is anywhere within a section, the duty ratio anywhere. 0.04 rad for a pressure edge is assumed.
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     return Fusion(
         filter=settings,
@@ -192,8 +192,6 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
     The Kalman filter for x = (theta, omega, phi, d, l). An encoder edge has H = [1, 0, 0, 0, 0] and concerns angle and
     speed as if they were alone: the event filter handles it, and the wave follows with the same innovation. A pressure
     edge has H = [1, -l, -1, +-pi/N, -omega].
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     encoder = reading.encoder
     innovation, deviation = 0.0, 0.0
@@ -222,8 +220,6 @@ def lag_of_phases(speeds: Array, phases: Array) -> tuple[float, float]:
 
     Least squares through phi = phi_0 + omega l, for phases that were estimated with a lag of 0.
     Raises ParameterError where the speeds are all the same: then any lag fits.
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     spread = speeds - np.mean(speeds)
     if not np.dot(spread, spread) > 0.0:
@@ -381,8 +377,6 @@ def run_on(run: float, innovation: float) -> float:
 
     run         before
     innovation  over its deviation [1]
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     if innovation > FAR:
         return maximum(run, 0.0) + 1.0

@@ -3,6 +3,8 @@
 Over the last turn of edges a straight line, theta = omega t + b, is fitted for each way in which the wheel could be
 turned; the one with the least sum of squares fits the widths of the sectors. Times are kept by the number of the edge
 modulo a turn, so that missed edges leave gaps and nothing else.
+
+Source  ours, docs/models/event-filter.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
@@ -69,8 +71,6 @@ def squares_about_line(numbers: Array, times: Array, shift: float, wheel: CodeWh
     Numbers of -inf are left out.
 
     times  [s]
-
-    Source  ours, docs/models/event-filter.md
     """
     n, t_mean, y_mean = 0.0, 0.0, 0.0
     for i in range(numbers.size):
@@ -96,8 +96,6 @@ def index_after_edge(
     evidence, sum of (SSE_0 - SSE_s) / (2 sigma^2) over the turns (a cumulative sum that does not fall below 0).
     sigma^2 is `variance` [rad^2] or, where larger, what the best line leaves, so that a turn at changing speed says
     little. With a known polarity numbers can only be off by pairs.
-
-    Source  ours, docs/models/event-filter.md
     """
     n = memory.numbers.size
     numbers, times = np.empty(n), np.empty(n)

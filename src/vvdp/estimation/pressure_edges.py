@@ -2,6 +2,8 @@
 
 Two plateaus are followed without a model of the wave, the crossing level lies between them, and the time of a crossing
 is interpolated between samples. Derived and measured in docs/models/pressure-fusion.md.
+
+Source  ours, docs/models/pressure-fusion.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -91,18 +93,12 @@ class PressureReading(NamedTuple):
 
 
 def pressure_edges() -> PressureEdges:
-    """The usual settings: crossing at half the swing, 10 % hysteresis, from 5 bar of swing, plateaus within 0.1 s.
-
-    Source  ours, docs/models/pressure-fusion.md
-    """
+    """The usual settings: crossing at half the swing, 10 % hysteresis, from 5 bar of swing, plateaus within 0.1 s."""
     return PressureEdges(level_share=0.5, hysteresis=0.1, least_swing=5e5, level_time=0.1)
 
 
 def pressure_edges_start(time: float, pressure: float) -> PressureEdgesMemory:
-    """The memory before the sample at `time` [s], where the pressure was about `pressure`, absolute [Pa].
-
-    Source  ours, docs/models/pressure-fusion.md
-    """
+    """The memory before the sample at `time` [s], where the pressure was about `pressure`, absolute [Pa]."""
     return PressureEdgesMemory(
         start=time,
         time=time,
@@ -120,8 +116,6 @@ def followed_plateau(plateau: float, value: float, share: float, step: float) ->
 
     Up by `share` of the step where the value lies above, down by the rest of it where below; a far value moves it no
     more than a near one.
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     if value > plateau:
         return minimum(plateau + share * step, value)
@@ -138,8 +132,6 @@ def pressure_edges_step(
     is that of the crossing of the level, by linear interpolation; its interval is the sampling period times the jump
     between the two samples over the swing, at most the whole period: a jump of the whole swing hides when it happened,
     small steps do not.
-
-    Source  ours, docs/models/pressure-fusion.md
     """
     t, p, before = sample.time, sample.pressure, memory.pressure
     period = t - memory.time

@@ -3,6 +3,8 @@
 The model is that of the event filter, a speed that is a random walk. `filtered` goes forward over the edges,
 `smoothed` goes forward and back, `smoothed_at` fills in any instant. The two passes are steps over rows, so a caller
 may hand in a compiled `run`. Derived in docs/models/smoother.md.
+
+Source  ours, docs/models/smoother.md, where a function names no other.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -152,10 +154,7 @@ def smoothed_step(memory: Reached, row: Forward, walk: SpeedWalk) -> tuple[Reach
 
 
 def interpreted(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
-    """A step taken over rows in plain Python: the memory reached, and what was shown, shape (rows, numbers shown).
-
-    Source  ours, docs/models/smoother.md
-    """
+    """A step taken over rows in plain Python: the memory reached, and what was shown, shape (rows, numbers shown)."""
     make, shown = type(row)._make, []
     for numbers in rows.tolist():
         memory, out = step(memory, make(numbers), settings)
@@ -181,7 +180,6 @@ def filtered(
     run                   what takes a step over rows; `interpreted`, or a compiled one
 
     Raises ParameterError for arrays that do not fit, times that do not increase or variances that are not positive.
-    Source  ours, docs/models/smoother.md
     """
     rows = _rows(times, angles, variances)
     walk = SpeedWalk(acceleration_density=acceleration_density)
@@ -241,8 +239,6 @@ def smoothed_at(times: Array, smoothed: Smoothed) -> Beliefs:
     speeds as slopes, A x_k + B x_k+1, and what neither edge tells has the covariance
     q [[h^3 s^3 r^3/3, h^2 s^2 r^2 (r - s)/2], [., h s r (1 - 3 s r)]]. Outside of the edges the nearest state is
     carried on, with noise that grows both ways.
-
-    Source  ours, docs/models/smoother.md
     """
     t, n = np.asarray(times, float), smoothed.times.size
     left = np.clip(np.searchsorted(smoothed.times, t, side="right") - 1, 0, n - 1)
@@ -313,7 +309,6 @@ def smoothing_overlap(acceleration_density: float, variance: float, interval: fl
     share                 of the deviation, between 0 and 1 [1]
 
     Raises ParameterError for a share outside of 0 to 1.
-    Source  ours, docs/models/smoother.md
     """
     if not 0.0 < share < 1.0:
         raise ParameterError(f"a share of {share:g}; expected above 0 and below 1")
@@ -337,7 +332,6 @@ def smoothed_portions(
     portions  times, angles and variances of consecutive edges, as for `filtered`
 
     Raises ParameterError as `filtered` does, also between portions.
-    Source  ours, docs/models/smoother.md
     """
     waiting, start = np.empty((0, 3)), prior
     for portion in portions:

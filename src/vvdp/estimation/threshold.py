@@ -3,6 +3,8 @@ much from the innovations of the event filter.
 
 `threshold_step` corrects the threshold edge by edge while the encoder runs; `edge_offset_step` carries the offset as a
 third state and leaves the threshold alone, so that it works on a log. Derived in docs/models/threshold-adaptation.md.
+
+Source  ours, docs/models/threshold-adaptation.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
@@ -72,8 +74,6 @@ def threshold_adaptation(
     ramp_slope       w [rad per unit of the signal]
     sampling_period  dT [s]; 0 where edges are time-stamped or interpolated, which need no dither
     highest_speed    at which the threshold shall be found [rad/s]
-
-    Source  ours, docs/models/threshold-adaptation.md
     """
     dither = dither_width(highest_speed, sampling_period, ramp_slope)
     return ThresholdAdaptation(
@@ -124,8 +124,6 @@ def effective_gain(gain: float, angle_gain: float, speed_gain: float) -> float:
 
     angle_gain  k1, the filter's [1]
     speed_gain  k2 T, the filter's, times the time between edges [1]
-
-    Source  ours, docs/models/threshold-adaptation.md
     """
     return gain / (1.0 - 0.5 * angle_gain - 0.25 * speed_gain)
 
@@ -135,8 +133,6 @@ def greatest_gain(angle_gain: float, speed_gain: float) -> float:
 
     angle_gain  k1, the filter's [1]
     speed_gain  k2 T, the filter's, times the time between edges [1]
-
-    Source  ours, docs/models/threshold-adaptation.md
     """
     return 4.0 * angle_gain / (2.0 * angle_gain + speed_gain) - angle_gain
 
@@ -146,8 +142,6 @@ def residual_deviation(gain: float, noise_variance: float) -> float:
 
     gain            gamma, the effective one [1]
     noise_variance  R, of an edge, as it is and not as the filter assumes it [rad^2]
-
-    Source  ours, docs/models/threshold-adaptation.md
     """
     deviation: float = np.sqrt(gain * noise_variance / (2.0 - gain))
     return deviation
@@ -171,8 +165,6 @@ def largest_gap(phases: Array) -> float:
     """The longest arc of a circle of circumference 1 on which none of the `phases`, shape (n,), lies [1].
 
     1/n where they are spread evenly, 1 where they coincide.
-
-    Source  ours, docs/models/threshold-adaptation.md
     """
     n = phases.size
     lowest, highest = np.full(n, 2.0), np.full(n, -1.0)
@@ -218,8 +210,6 @@ def threshold_step(
     Adapts at edges that the filter has used, once it is associated and while it sees no manoeuvre. The comparator gets
     a new threshold half a sector later, where the signal is far from it: a threshold that jumps on the ramp would make
     an edge of its own. The known dither is taken out of the edge's time before the filter sees it.
-
-    Source  ours, docs/models/threshold-adaptation.md
     """
     before, event, w = memory.filter, settings.filter, settings.ramp_slope
     shift = 0.0
@@ -371,10 +361,7 @@ def edge_offset_step(
 def edge_offset_estimate(
     memory: EdgeOffsetMemory, reading: Reading, settings: EdgeOffset
 ) -> tuple[EdgeOffsetMemory, Estimate]:
-    """As `edge_offset_step`, showing angle and speed alone.
-
-    Source  ours, docs/models/threshold-adaptation.md
-    """
+    """As `edge_offset_step`, showing angle and speed alone."""
     memory, shown = edge_offset_step(memory, reading, settings)
     return memory, shown.estimate
 

@@ -2,6 +2,8 @@
 
 Every volume here is per volume of the same fluid at the reference pressure. All laws follow from one function, the
 specific-volume ratio, so mass and energy books that use them close exactly.
+
+Source  ours, docs/models/fluid.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -39,8 +41,6 @@ def power_growth(ratio: float, exponent: float) -> PowerGrowth:
 
     ratio     x, greater than zero [1]
     exponent  k, 0 or greater [1]
-
-    Source  ours, docs/models/fluid.md
     """
     k, L = exponent, np.log(ratio)
     e = np.expm1(k * L)
@@ -52,8 +52,6 @@ def power_growth_compiled(ratio: float, exponent: float) -> PowerGrowth:
 
     ratio     x, greater than zero [1]
     exponent  k, 0 or greater [1]
-
-    Source  ours, docs/models/fluid.md
     """
     k = exponent
     per_k = 1.0 / select(k > 0.0, k, 1.0)  # not where it is used: here all states of an oil share it
@@ -127,6 +125,10 @@ def specific_volume_ratio(pressure: float, oil: Oil) -> float:
     nu = phi (P/P0)^(-1/n) + (1 - phi) e^(-(P - P0)/b)
 
     Source  cho2002, bulk modulus
+    Holds   for air that stays free, at pressures changing too fast for it to dissolve
+
+    >>> print(round(specific_volume_ratio(100e5, oil), 5))
+    0.9834
     """
     return fluid_state(pressure, oil).volume_ratio
 
@@ -137,15 +139,16 @@ def bulk_modulus(pressure: float, oil: Oil) -> float:
     beta = (a + l)/(a/(n P) + l/b), a and l the volume of air and of oil per volume at the reference pressure.
 
     Source  cho2002, bulk modulus
+    Holds   for air that stays free; see `fluid.modulus` for laws in which it dissolves
+
+    >>> print(*[round(bulk_modulus(p, oil) / 1e6) for p in (2e5, 100e5, 300e5)])
+    44 1349 1392
     """
     return fluid_state(pressure, oil).bulk_modulus
 
 
 def enthalpy(pressure: float, oil: Oil) -> float:
-    """Enthalpy per volume at the reference pressure, h = int nu dP [J/m3].  pressure: absolute [Pa].
-
-    Source  ours, docs/models/fluid.md
-    """
+    """Enthalpy per volume at the reference pressure, h = int nu dP [J/m3].  pressure: absolute [Pa]."""
     return fluid_state(pressure, oil).enthalpy
 
 
@@ -167,6 +170,9 @@ def mean_bulk_modulus(pressure: float, oil: Oil) -> float:
     pressure: P, absolute [Pa], held at P0/100 below it.
 
     Source  wang2017, eq. 2.10 (W), eq. 5.19; ours, docs/models/fluid.md
+
+    >>> print(round(mean_bulk_modulus(100e5, oil) / 1e6))
+    1197
     """
     P0 = oil.reference_pressure
     L = np.log(maximum(pressure, RAREFIED * P0) / P0)
@@ -198,6 +204,10 @@ def compression_energy_per_volume(pressure: float, from_pressure: float, oil: Oi
     pressure: P; from_pressure: Pd, both absolute [Pa], held at P0/100 below it.
 
     Source  wang2017, eq. 5.22; closed form ours, docs/models/fluid.md
+    Error   none but rounding: a closed form
+
+    >>> print(round(compression_energy_per_volume(100e5, 101325.0, oil)))  # oil without air: 35 000
+    41062
     """
     P0, n, phi, b = oil.reference_pressure, oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
     P = maximum(pressure, RAREFIED * P0)

@@ -60,6 +60,10 @@ def density(temperature: float, oil: Oil) -> float:
     rho = rho40 / (1 + alpha (T - 313.15 K)).  temperature: T [K].
 
     Source  merritt1967, ch. 2; the volume, not the density, is linear in temperature
+    Holds   at the reference pressure; `fluid_density` has that under pressure
+
+    >>> print(round(density(353.15, oil), 1))
+    852.1
     """
     return oil.density / (1.0 + oil.thermal_expansion * (temperature - WARM))
 
@@ -71,6 +75,10 @@ def kinematic_viscosity(temperature: float, oil: Oil) -> float:
     y = y40 (T / 313.15 K)^-B.  temperature: T [K].
 
     Source  astm-d341, simplified equation; walther1931
+    Holds   above 2 mm2/s, and best between the two temperatures of the data sheet
+
+    >>> print(round(1e6 * kinematic_viscosity(333.15, oil), 1))  # at 60 degC
+    20.0
     """
     y40 = np.log(1e6 * oil.viscosity_40 + 0.7)
     y100 = np.log(1e6 * oil.viscosity_100 + 0.7)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from OCP.BRepAlgoAPI import BRepAlgoAPI_BooleanOperation
     from OCP.Geom import Geom_BezierSurface
     from OCP.gp import gp_Trsf
+    from OCP.StepData import StepData_StepModel
     from OCP.TopoDS import TopoDS_Shape
 
 DEGREE = 9
@@ -236,12 +237,10 @@ def _silence() -> None:
 def write_step(path: Path, body: Body) -> float:
     """Writes a body as STEP AP214 in millimetres; its volume [m^3]. Raises RunError where it is no valid solid.
 
-    The head of the file bears no time of writing, so that the same body gives the same bytes.
+    The solid is called as the file is. The head bears no time of writing, so that the same body gives the same bytes.
     """
-    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
     from OCP.IFSelect import IFSelect_ReturnStatus
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
-    from OCP.TCollection import TCollection_HAsciiString
 
     shape = body.shape()
     volume = shape_volume(shape)
@@ -250,11 +249,25 @@ def write_step(path: Path, body: Body) -> float:
     _silence()
     writer = STEPControl_Writer()
     written = writer.Transfer(shape, STEPControl_StepModelType.STEPControl_AsIs)
-    APIHeaderSection_MakeHeader(writer.Model()).SetTimeStamp(TCollection_HAsciiString(TIMELESS))
+    _name(writer.Model(), path.stem)
     written = writer.Write(str(path)) if written == IFSelect_ReturnStatus.IFSelect_RetDone else written
     if written != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise RunError(f"{path}: Open CASCADE could not write the STEP file")
     return volume
+
+
+def _name(model: "StepData_StepModel", name: str) -> None:
+    """Calls the product of a STEP file by a name without number, and leaves the time of writing out."""
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+    from OCP.StepBasic import StepBasic_Product
+    from OCP.TCollection import TCollection_HAsciiString
+
+    APIHeaderSection_MakeHeader(model).SetTimeStamp(TCollection_HAsciiString(TIMELESS))
+    for place in range(1, model.NbEntities() + 1):
+        entity = model.Value(place)
+        if isinstance(entity, StepBasic_Product):
+            entity.SetId(TCollection_HAsciiString(name))
+            entity.SetName(TCollection_HAsciiString(name))
 
 
 def read_step(path: Path) -> Body:

@@ -137,7 +137,7 @@ def _comparison(product: Product, worst: float) -> Listing:
         Row(each.title, each.kind, (each.formula, each.measured, _signed(each.difference)))
         for each in product.comparisons
     ]
-    rows.append(Row("open share over a period, largest difference", None, ("", "", percent(worst, 3))))
+    rows.append(Row("open share over a period, largest difference", FRACTION, ("", "", percent(worst, 3))))
     return Listing(title="", heads=("formula", "mesh", "difference"), rows=tuple(rows))
 
 

@@ -1,4 +1,7 @@
-"""How the flow of a throttle grows with the position of its spool: dead band, then linear or progressive."""
+"""How the flow of a throttle grows with the position of its spool: dead band, then linear or progressive.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 import numpy as np
 
@@ -31,8 +34,6 @@ def flow_share(opening: float, characteristic: Characteristic) -> float:
     """Share of the full flow at a position of the spool [1]: (R^s - 1)/(R - 1), s the travel beyond the dead band.
 
     opening  position of the spool, held between 0 and 1 [1]
-
-    Source  ours, docs/models/components.md
     """
     dead, R = characteristic.dead_band, characteristic.rangeability
     s: float = clip((opening - dead) / (1.0 - dead), 0.0, 1.0)
@@ -45,8 +46,6 @@ def dead_band_side(opening: float, characteristic: Characteristic) -> float:
     """Whether a spool is in its dead band, beyond it or at its end [1], see `base.modes.between`.
 
     opening  position of the spool [1]
-
-    Source  ours, docs/models/components.md
     """
     return between((opening - characteristic.dead_band) / (1.0 - characteristic.dead_band))
 
@@ -55,8 +54,6 @@ def opening_for(share: float, characteristic: Characteristic) -> float:
     """Position of the spool for a share of the full flow [1], the inverse of `flow_share`; at 0 the dead band's end.
 
     share  of the full flow, held between 0 and 1 [1]
-
-    Source  ours, docs/models/components.md
     """
     dead, R = characteristic.dead_band, characteristic.rangeability
     f: float = clip(share, 0.0, 1.0)

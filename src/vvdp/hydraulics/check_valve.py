@@ -1,4 +1,7 @@
-"""Check valve: opens with the drop in its direction, stays open against it by a given share."""
+"""Check valve: opens with the drop in its direction, stays open against it by a given share.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -53,8 +56,6 @@ def check_opening(pressure_drop: float, check: CheckPoppet) -> float:
     In series with another resistance it multiplies that one's area.
 
     pressure_drop  in the direction of the valve [Pa]
-
-    Source  ours, docs/models/components.md
     """
     lift: float = clip(
         (pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure), 0.0, 1.0
@@ -66,8 +67,6 @@ def check_opening_compiled(pressure_drop: float, check: CheckPoppet) -> float:
     """The same as `check_opening`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
 
     pressure_drop  in the direction of the valve [Pa]
-
-    Source  ours, docs/models/components.md
     """
     if check.reverse_opening == 1.0:
         return 1.0
@@ -81,8 +80,6 @@ def check_side(pressure_drop: float, check: CheckPoppet) -> float:
     """On which side of its cracking pressure and of its rated drop a check valve stands [1], see `base.modes.between`.
 
     pressure_drop  in the direction of the valve [Pa]
-
-    Source  ours, docs/models/components.md
     """
     lift = (pressure_drop - check.cracking_pressure) / (check.rated_drop - check.cracking_pressure)
     return between(select(check.reverse_opening < 1.0, lift, 0.5))
@@ -92,8 +89,6 @@ def check_side_compiled(pressure_drop: float, check: CheckPoppet) -> float:
     """The same as `check_side`, which it replaces in compiled code: nothing is worked out where no valve is fitted.
 
     pressure_drop  in the direction of the valve [Pa]
-
-    Source  ours, docs/models/components.md
     """
     if check.reverse_opening == 1.0:
         return between(0.5)
@@ -105,8 +100,6 @@ def check_opening_rate(pressure_drop: float, opening: float, check: CheckPoppet)
 
     pressure_drop  in the direction of the valve [Pa]
     opening        y [1]
-
-    Source  ours, docs/models/components.md
     """
     tau = check.opening_time
     lag = (check_opening(pressure_drop, check) - opening) / select(tau > 0.0, tau, 1.0)
@@ -119,8 +112,6 @@ def check_opening_rate_compiled(pressure_drop: float, opening: float, check: Che
 
     pressure_drop  in the direction of the valve [Pa]
     opening        y [1]
-
-    Source  ours, docs/models/components.md
     """
     if check.opening_time == 0.0:
         return 0.0
@@ -131,8 +122,6 @@ def check_flow(pressure_drop: float, check: CheckValve) -> float:
     """Volume flow of a check valve that follows its drop at once [m^3/s].
 
     pressure_drop  in the direction of the valve [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return poppet_flow(pressure_drop, check_opening(pressure_drop, check), check)
 
@@ -142,7 +131,5 @@ def poppet_flow(pressure_drop: float, opening: float, check: CheckValve) -> floa
 
     pressure_drop  in the direction of the valve [Pa]
     opening        y [1]
-
-    Source  ours, docs/models/components.md
     """
     return check.rated_flow * opening * rated_root(pressure_drop, check.rated_drop)

@@ -1,4 +1,7 @@
-"""Cylinders as transformers: pressures to a force on the rod, the rod's motion to walls that move."""
+"""Cylinders as transformers: pressures to a force on the rod, the rod's motion to walls that move.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Area, Conductance, Length, Mass
@@ -59,6 +62,11 @@ def cylinder_force(pressure_a: float, pressure_b: float, reference_pressure: flo
     reference_pressure      outside, absolute [Pa]
 
     Source  wang2017, eq. 6.1
+    Holds   at any speed; the friction of seals is `rod_friction_force`
+
+    >>> cylinder = Cylinder(area_a=2e-3, area_b=1e-3, moving_mass=5.0, stroke=0.3, leakage_conductance=0.0)
+    >>> cylinder_force(51e5, 11e5, 1e5, cylinder)
+    9000.0
     """
     return plunger_force(pressure_a, reference_pressure, cylinder) - (pressure_b - reference_pressure) * cylinder.area_b
 
@@ -68,8 +76,6 @@ def wall_a(position: float, velocity: float, plunger: Plunger) -> Wall:
 
     position  x [m]
     velocity  v [m/s]
-
-    Source  ours, docs/models/components.md
     """
     return Wall(plunger.area_a * position, plunger.area_a * velocity)
 
@@ -79,7 +85,5 @@ def wall_b(position: float, velocity: float, cylinder: Cylinder) -> Wall:
 
     position  x [m]
     velocity  v [m/s]
-
-    Source  ours, docs/models/components.md
     """
     return Wall(cylinder.area_b * (cylinder.stroke - position), -cylinder.area_b * velocity)

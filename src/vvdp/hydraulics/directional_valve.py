@@ -1,4 +1,7 @@
-"""Four-way directional valve with closed centre: pressure to one side of a cylinder, the other side to the return."""
+"""Four-way directional valve with closed centre: pressure to one side of a cylinder, the other side to the return.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -55,8 +58,6 @@ def position_rate(command: float, position: float, valve: DirectionalValve) -> f
 
     command   wanted position [1]
     position  y, now [1]
-
-    Source  ours, docs/models/components.md
     """
     wanted: float = clip(command, -1.0, 1.0)
     return (wanted - position) / valve.lag
@@ -66,8 +67,6 @@ def edge_openings(position: float, valve: DirectionalValve) -> EdgeOpenings:
     """Openings of the forward and backward edges [1]: (|y| - lap)/(1 - lap) on the side of y, 0 inside the overlap.
 
     position  y, from -1 to 1 [1]
-
-    Source  ours, docs/models/components.md
     """
     lap = valve.overlap
     return EdgeOpenings(
@@ -80,8 +79,6 @@ def edge_sides(position: float, valve: DirectionalValve) -> EdgeSides:
     """Whether the forward and the backward edges are shut, in between or fully open [1].
 
     position  y, from -1 to 1 [1]
-
-    Source  ours, docs/models/components.md
     """
     lap = valve.overlap
     return EdgeSides(between((position - lap) / (1.0 - lap)), between((-position - lap) / (1.0 - lap)))
@@ -92,7 +89,5 @@ def edge_flow(pressure_drop: float, opening: float, valve: DirectionalValve) -> 
 
     pressure_drop  first-named side less the second [Pa]
     opening        of the edge, 0 to 1 [1]
-
-    Source  ours, docs/models/components.md
     """
     return valve.conductance * opening * signed_root(pressure_drop, valve.transition_pressure)

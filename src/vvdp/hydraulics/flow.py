@@ -1,4 +1,7 @@
-"""What every passage between two volumes shares: the root law near zero drop, tank volumes, and the power it loses."""
+"""What every passage between two volumes shares: the root law near zero drop, tank volumes, and the power it loses.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -32,8 +35,6 @@ def passage(flow: float, upstream: FluidState, downstream: FluidState) -> Passag
     flow        actual, at the pressure of the side it comes from; positive from upstream to downstream [m^3/s]
     upstream    oil on the first-named side
     downstream  oil on the second-named side
-
-    Source  ours, docs/models/components.md
     """
     # One of the two is 0. In compiled code all passages of a volume share the division, as they could not in a choice.
     forward = select(flow > 0.0, flow, 0.0)
@@ -45,8 +46,6 @@ def flow_side(flow: float) -> float:
     """The direction of a flow as the side of a kink [1], see `base.modes.side`: what is counted one way has one at 0.
 
     flow  either sign [m^3/s]
-
-    Source  ours, docs/models/components.md
     """
     return side(flow / SEEN_FLOW)
 
@@ -59,7 +58,8 @@ def signed_root(pressure_drop: float, transition_pressure: float) -> float:
     pressure_drop        dp, either sign [Pa]
     transition_pressure  eps, greater than zero [Pa]
 
-    Source  ours, docs/models/components.md
+    >>> print(round(signed_root(-100.0, 1e-3), 6))
+    -10.0
     """
     dp, eps = pressure_drop, transition_pressure
     # Two square roots are several times faster than a power.
@@ -72,7 +72,5 @@ def rated_root(pressure_drop: float, rated_drop: float) -> float:
 
     pressure_drop  either sign [Pa]
     rated_drop     greater than zero [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return signed_root(pressure_drop / rated_drop, LAMINAR_SHARE) / signed_root(1.0, LAMINAR_SHARE)

@@ -1,4 +1,7 @@
-"""Two-way flow control valve: a compensator holds the drop over a metering orifice, and so its flow."""
+"""Two-way flow control valve: a compensator holds the drop over a metering orifice, and so its flow.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Fraction, PressureDifference
@@ -36,8 +39,6 @@ def controlled_side(pressure_drop: float, valve: FlowControlValve) -> float:
     """Whether a flow control valve is below, in or above the drops that it balances [1], see `base.modes.between`.
 
     pressure_drop  first-named side less the second [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return between((pressure_drop - valve.minimum_drop) / (valve.maximum_drop - valve.minimum_drop))
 
@@ -49,8 +50,6 @@ def controlled_flow(pressure_drop: float, opening: float, valve: FlowControlValv
 
     pressure_drop  dp, first-named side less the second [Pa]
     opening        u, of the metering orifice, held between 0 and 1 [1]
-
-    Source  ours, docs/models/components.md
     """
     u: float = clip(opening, 0.0, 1.0)
     held: float = clip(pressure_drop, valve.minimum_drop, valve.maximum_drop)

@@ -1,4 +1,7 @@
-"""Friction of rods and shafts: viscous, dry, and the dry friction that falls from breaking away (Stribeck)."""
+"""Friction of rods and shafts: viscous, dry, and the dry friction that falls from breaking away (Stribeck).
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 import numpy as np
 
@@ -59,8 +62,6 @@ def smooth_sign(value: float, width: float) -> float:
 
     value  x
     width  w, greater than zero, in the unit of x
-
-    Source  ours, docs/models/components.md
     """
     sign: float = value / np.sqrt(value * value + width * width)
     return sign
@@ -72,6 +73,17 @@ def rod_friction_force(velocity: float, friction: RodFriction) -> float:
     velocity  v [m/s]
 
     Source  wang2017, eq. 6.1 (viscous); armstrong1994 (falling dry friction); its sign: ours, docs/models/components.md
+    Holds   for a rod that slides; at rest it creeps instead of sticking
+
+    >>> seal = RodFriction(
+    ...     viscous_friction=100.0,
+    ...     coulomb_friction=50.0,
+    ...     breakaway_friction=80.0,
+    ...     stribeck_velocity=0.02,
+    ...     coulomb_velocity=1e-3,
+    ... )
+    >>> print(round(rod_friction_force(0.5, seal), 1))
+    100.0
     """
     ratio = velocity / friction.stribeck_velocity
     excess = (friction.breakaway_friction - friction.coulomb_friction) * np.exp(-ratio * ratio)
@@ -83,8 +95,6 @@ def shaft_friction_torque(speed: float, friction: ShaftFriction) -> float:
     """Friction of a shaft [N m], against the speed: b omega + T_c omega/sqrt(omega^2 + omega_c^2).
 
     speed  omega [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     dry = friction.coulomb_torque * smooth_sign(speed, friction.coulomb_speed)
     return friction.shaft_damping * speed + dry

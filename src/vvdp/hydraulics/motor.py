@@ -1,4 +1,7 @@
-"""Hydraulic motor of fixed displacement that runs either way, driving or driven."""
+"""Hydraulic motor of fixed displacement that runs either way, driving or driven.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, Displacement, Inertia
@@ -27,8 +30,6 @@ def motor_flow(shaft_speed: float, motor: Motor) -> float:
     """Flow that a motor displaces from its first port to its second [m^3/s], at the side it comes from: D omega.
 
     shaft_speed  omega [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     return motor.displacement * shaft_speed
 
@@ -37,8 +38,6 @@ def motor_torque(a: FluidState, b: FluidState, motor: Motor) -> float:
     """Hydraulic torque of a motor on its shaft [N m]: D (P_a - P_b).
 
     a, b  oil at the first and at the second port
-
-    Source  ours, docs/models/components.md
     """
     return motor.displacement * (a.pressure - b.pressure)
 
@@ -51,8 +50,6 @@ def motor_compression_loss(shaft_speed: float, a: FluidState, b: FluidState, mot
 
     shaft_speed  omega [rad/s]
     a, b         oil at the first and at the second port
-
-    Source  ours, docs/models/components.md
     """
     source = select(shaft_speed > 0.0, a.volume_ratio, b.volume_ratio)
     unused = (a.enthalpy - b.enthalpy) / source - (a.pressure - b.pressure)

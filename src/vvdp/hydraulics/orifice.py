@@ -31,6 +31,11 @@ def orifice_flow(area: float, pressure_drop: float, density: float, orifice: Ori
     density        of the oil [kg/m^3]
 
     Source  merritt1967, ch. 3 (root law); transition: ours, docs/models/components.md
+    Holds   for sharp edges without cavitation
+    Error   1 % below the root law at a drop of five transition pressures, less above
+
+    >>> print(round(6e4 * orifice_flow(10e-6, 50e5, 870.0, Orifice()), 2))  # l/min
+    39.24
     """
     cd, eps = orifice.discharge_coefficient, orifice.transition_pressure
     # The two roots as one, which costs compiled code a root and a division less.
@@ -47,5 +52,9 @@ def orifice_area_for(flow: float, pressure_drop: float, density: float, orifice:
     density        of the oil [kg/m^3]
 
     Source  ours, docs/models/components.md
+    Error   none but rounding
+
+    >>> print(round(1e6 * orifice_area_for(6.54e-4, 50e5, 870.0, Orifice()), 1))  # mm2
+    10.0
     """
     return flow / orifice_flow(1.0, pressure_drop, density, orifice)

@@ -1,4 +1,7 @@
-"""Pilot-operated check valve: a pilot piston can push its poppet open against its direction."""
+"""Pilot-operated check valve: a pilot piston can push its poppet open against its direction.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.kinds import Ratio
 from vvdp.base.select import maximum
@@ -18,8 +21,6 @@ def lifting_drop(pressure_drop: float, pilot_difference: float, valve: PilotChec
 
     pressure_drop     dp, inlet less outlet [Pa]
     pilot_difference  P_x - P_a, pilot less inlet [Pa]
-
-    Source  ours, docs/models/components.md
     """
     push: float = maximum(pilot_difference, 0.0)
     return pressure_drop + valve.pilot_ratio * push
@@ -30,7 +31,5 @@ def pilot_check_opening(pressure_drop: float, pilot_difference: float, valve: Pi
 
     pressure_drop     inlet less outlet [Pa]
     pilot_difference  pilot less inlet [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return check_opening(lifting_drop(pressure_drop, pilot_difference, valve), valve)

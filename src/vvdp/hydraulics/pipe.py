@@ -1,4 +1,7 @@
-"""A long line in pieces, for its waves, and the stretch of its wall."""
+"""A long line in pieces, for its waves, and the stretch of its wall.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -67,18 +70,12 @@ def wall_compliance(wall: TubeWall) -> float:
 
 
 def inner_piece(pipe: LinePipe) -> PipePiece:
-    """The column between two volumes of a pipe of n pieces: l/n long.
-
-    Source  ours, docs/models/components.md
-    """
+    """The column between two volumes of a pipe of n pieces: l/n long."""
     return PipePiece(pipe.length / pipe.pieces, pipe.diameter, pipe.wall_friction)
 
 
 def end_piece(pipe: LinePipe) -> PipePiece:
-    """The column between an end of a pipe and its next volume: l/(2n) long.
-
-    Source  ours, docs/models/components.md
-    """
+    """The column between an end of a pipe and its next volume: l/(2n) long."""
     return PipePiece(0.5 * pipe.length / pipe.pieces, pipe.diameter, pipe.wall_friction)
 
 
@@ -90,8 +87,6 @@ def piece_rate(net_flow: float, fluid: FluidState, pipe: LinePipe, reference_pre
     net_flow            sum of the flows in [tank volumes, m^3/s]
     fluid               oil in the volume
     reference_pressure  at which the hose is unstretched, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     V, compliance = line_volume(inner_piece(pipe)), pipe.hose_compliance
     oil = V * (1.0 + compliance * (fluid.pressure - reference_pressure))
@@ -102,8 +97,6 @@ def piece_stored(pressure: float, oil: Oil, pipe: LinePipe) -> Stored:
     """Energy [J] and tank volumes [m^3] in one of a pipe's volumes, its stretched wall's included.
 
     pressure  absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     V, compliance = line_volume(inner_piece(pipe)), pipe.hose_compliance
     excess = pressure - oil.reference_pressure
@@ -119,6 +112,10 @@ def sound_speed(density: float, fluid: FluidState, hose_compliance: float) -> fl
     hose_compliance  1/B, relative growth of the line's volume over pressure [1/Pa]
 
     Source  merritt1967, ch. 2, with the wall
+    Holds   for waves that are long against the diameter, without friction
+
+    >>> print(round(sound_speed(870.0, FluidState(1e5, 1.0, 1.5e9, 0.0), 0.0)))
+    1313
     """
     speed: float = np.sqrt(fluid.volume_ratio / (density * (1.0 / fluid.bulk_modulus + hose_compliance)))
     return speed

@@ -1,4 +1,7 @@
-"""Fixed displacement pump with flow ripple, leakage and friction."""
+"""Fixed displacement pump with flow ripple, leakage and friction.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 import numpy as np
 
@@ -29,8 +32,6 @@ def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> floa
 
     shaft_angle  theta [rad]
     inlet        oil where the pump fills
-
-    Source  ours, docs/models/components.md
     """
     return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * (1.0 / inlet.volume_ratio)
 
@@ -39,8 +40,6 @@ def flow_ripple(shaft_angle: float, pump: Pump) -> float:
     """How far the flow of a pump is from its mean, over the mean [1]: r sin(z theta).
 
     shaft_angle  theta [rad]
-
-    Source  ours, docs/models/components.md
     """
     swing: float = pump.ripple_amplitude * np.sin(pump.ripple_count * shaft_angle)
     return swing
@@ -50,8 +49,6 @@ def flow_ripple_compiled(shaft_angle: float, pump: Pump) -> float:
     """The same as `flow_ripple`, which it replaces in compiled code: no sine is worked out for a pump without ripple.
 
     shaft_angle  theta [rad]
-
-    Source  ours, docs/models/components.md
     """
     if pump.ripple_amplitude == 0.0:
         return 0.0
@@ -63,8 +60,6 @@ def pump_friction_power(shaft_speed: float, pump: Pump) -> float:
     """Power that the friction of a pump turns to heat [W]: T_f |omega|.
 
     shaft_speed  omega [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     return pump.friction_torque * abs(shaft_speed)
 
@@ -73,8 +68,6 @@ def pump_friction_torque(shaft_speed: float, pump: Pump) -> float:
     """Friction of a pump [N m], against the speed: T_f with the sign of omega, none at rest.
 
     shaft_speed  omega [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     forward = select(shaft_speed > 0.0, pump.friction_torque, 0.0)
     backward = select(shaft_speed < 0.0, pump.friction_torque, 0.0)

@@ -1,4 +1,7 @@
-"""Pressure-reducing valve: shuts as the pressure behind it rises; it does not relieve that pressure."""
+"""Pressure-reducing valve: shuts as the pressure behind it rises; it does not relieve that pressure.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Time
@@ -37,8 +40,6 @@ def reducing_opening(outlet_pressure: float, valve: ReducingValve) -> float:
     """Static opening of a reducing valve [1]: (P_close - P)/override, between 0 and 1.
 
     outlet_pressure  P, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     opening: float = clip((valve.closing_pressure - outlet_pressure) / valve.override_pressure, 0.0, 1.0)
     return opening
@@ -48,8 +49,6 @@ def reducing_side(outlet_pressure: float, valve: ReducingValve) -> float:
     """Whether a reducing valve is shut, in between or fully open [1], see `base.modes.between`.
 
     outlet_pressure  P, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return between((valve.closing_pressure - outlet_pressure) / valve.override_pressure)
 
@@ -59,8 +58,6 @@ def reducing_opening_rate(outlet_pressure: float, opening: float, valve: Reducin
 
     outlet_pressure  P, absolute [Pa]
     opening          y [1]
-
-    Source  ours, docs/models/components.md
     """
     tau = valve.opening_time
     lag = (reducing_opening(outlet_pressure, valve) - opening) / select(tau > 0.0, tau, 1.0)
@@ -73,7 +70,5 @@ def reducing_flow(pressure_drop: float, opening: float, valve: ReducingValve) ->
 
     pressure_drop  inlet less outlet [Pa]
     opening        y [1]
-
-    Source  ours, docs/models/components.md
     """
     return valve.rated_flow * opening * rated_root(pressure_drop, valve.rated_drop)

@@ -1,4 +1,7 @@
-"""Relief valve: one law with its three limits, first-order, static and ideal."""
+"""Relief valve: one law with its three limits, first-order, static and ideal.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -74,8 +77,6 @@ def relief_flow(
     opening        y, as a state; read only with an opening time [1]
     surplus_flow   nu sum(q) - dV/dt of that volume without the valve; read only by the ideal one [m^3/s]
     mode           1 while it is open, 0 while it is shut
-
-    Source  ours, docs/models/components.md
     """
     throttled = throttled_relief_flow(pressure, tank_pressure, opening, mode, relief)
     flow: float = select(relief.override_pressure > 0.0, throttled, mode * surplus_flow)
@@ -88,8 +89,6 @@ def relief_flow_compiled(
     """The same as `relief_flow`, which it replaces in compiled code: only the law that counts is worked out.
 
     Arguments as there.
-
-    Source  ours, docs/models/components.md
     """
     if relief.override_pressure > 0.0:
         return throttled_relief_flow(pressure, tank_pressure, opening, mode, relief)
@@ -104,8 +103,6 @@ def throttled_relief_flow(
     pressure, tank_pressure  absolute [Pa]
     opening                  y, as a state; read only with an opening time [1]
     mode                     1 while it is open, 0 while it is shut
-
-    Source  ours, docs/models/components.md
     """
     y = select(relief.opening_time > 0.0, opening, relief_opening(pressure, mode, relief))
     design_drop = relief.cracking_pressure + relief.override_pressure - tank_pressure
@@ -122,8 +119,6 @@ def relief_opening(pressure: float, mode: float, relief: ReliefValve) -> float:
 
     pressure  absolute [Pa]
     mode      1 while it is open, 0 while it is shut
-
-    Source  ours, docs/models/components.md
     """
     span = relief.override_pressure + relief.reseat_drop
     above = pressure - (relief.cracking_pressure - relief.reseat_drop)
@@ -137,8 +132,6 @@ def relief_mode(pressure: float, tank_pressure: float, surplus_flow: float, mode
     it will pass, and shuts where that ends, or where the other side is under the higher pressure.
 
     pressure, tank_pressure, surplus_flow, mode  as in `relief_flow`
-
-    Source  ours, docs/models/components.md
     """
     crack, surplus = relief.cracking_pressure, surplus_flow / relief.rated_flow
     per_crack = 1.0 / crack
@@ -154,8 +147,6 @@ def relief_opening_rate(pressure: float, opening: float, mode: float, relief: Re
     pressure  absolute [Pa]
     opening   y [1]
     mode      1 while it is open, 0 while it is shut
-
-    Source  ours, docs/models/components.md
     """
     tau = relief.opening_time
     lag = (relief_opening(pressure, mode, relief) - opening) / select(tau > 0.0, tau, 1.0)
@@ -167,8 +158,6 @@ def relief_opening_rate_compiled(pressure: float, opening: float, mode: float, r
     """The same as `relief_opening_rate`, which it replaces in compiled code: none without an opening time.
 
     Arguments as there.
-
-    Source  ours, docs/models/components.md
     """
     if relief.opening_time == 0.0:
         return 0.0

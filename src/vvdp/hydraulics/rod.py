@@ -1,4 +1,7 @@
-"""What acts on a rod besides oil and friction: end stops, springs, weights."""
+"""What acts on a rod besides oil and friction: end stops, springs, weights.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import Annotated, NamedTuple
 
@@ -102,8 +105,6 @@ def stop_sides(position: float, stop: EndStop) -> StopSides:
     """Whether a rod touches its end stops [1].
 
     position  [m]
-
-    Source  ours, docs/models/components.md
     """
     travel = stop.upper_end - stop.lower_end
     return StopSides(side((stop.lower_end - position) / travel), side((position - stop.upper_end) / travel))
@@ -113,8 +114,6 @@ def stop_energy(position: float, stop: EndStop) -> float:
     """Energy in the end stops [J]: k s^2/2 at depth s.
 
     position  [m]
-
-    Source  ours, docs/models/components.md
     """
     depth = maximum(stop.lower_end - position, 0.0) + maximum(position - stop.upper_end, 0.0)
     return 0.5 * stop.stop_stiffness * depth * depth
@@ -124,8 +123,6 @@ def spring_force(position: float, spring: Spring) -> float:
     """Force of a spring on the rod [N], in the direction of the position: -F_0 - k (x - x_0).
 
     position  x [m]
-
-    Source  ours, docs/models/components.md
     """
     return -spring.preload - spring.stiffness * (position - spring.rest_position)
 
@@ -134,18 +131,13 @@ def spring_energy(position: float, spring: Spring) -> float:
     """Energy in a spring above that at its rest position [J]: F_0 (x - x_0) + k (x - x_0)^2/2.
 
     position  x [m]
-
-    Source  ours, docs/models/components.md
     """
     reach = position - spring.rest_position
     return reach * (spring.preload + 0.5 * spring.stiffness * reach)
 
 
 def weight_force(weight: Weight) -> float:
-    """Force of a weight on the rod [N], in the direction of the position: -m g sin(slope).
-
-    Source  ours, docs/models/components.md
-    """
+    """Force of a weight on the rod [N], in the direction of the position: -m g sin(slope)."""
     force: float = -weight.mass * weight.gravity * np.sin(weight.slope)
     return force
 
@@ -154,7 +146,5 @@ def weight_energy(position: float, weight: Weight) -> float:
     """Energy of height of a weight above position 0 [J]: m g x sin(slope).
 
     position  x [m]
-
-    Source  ours, docs/models/components.md
     """
     return -weight_force(weight) * position

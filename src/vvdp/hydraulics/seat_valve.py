@@ -1,4 +1,7 @@
-"""Two-way seat valve that is opened and shut by a command: unloading and dump valves."""
+"""Two-way seat valve that is opened and shut by a command: unloading and dump valves.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, PressureDifference, Time
@@ -28,8 +31,6 @@ def seat_flow(pressure_drop: float, opening: float, valve: SeatValve) -> float:
 
     pressure_drop  first-named side less the second [Pa]
     opening        y, held between 0 and 1 [1]
-
-    Source  ours, docs/models/components.md
     """
     y: float = clip(opening, 0.0, 1.0)
     return valve.rated_flow * y * rated_root(pressure_drop, valve.rated_drop)
@@ -40,8 +41,6 @@ def seat_rate(wanted_opening: float, opening: float, valve: SeatValve) -> float:
 
     wanted_opening  [1]
     opening         y, now [1]
-
-    Source  ours, docs/models/components.md
     """
     wanted: float = clip(wanted_opening, 0.0, 1.0)
     return (wanted - opening) / valve.lag

@@ -45,5 +45,9 @@ def series_flow(pressure_drop: float, first: float, second: float, transition_pr
     transition_pressure  greater than zero [Pa]
 
     Source  merritt1967, ch. 3 (root law); ours, docs/models/components.md
+    Error   as that of `signed_root`
+
+    >>> print(round(series_flow(100e5, 1e-7, 1e-7, 1e3) / (1e-7 * 100e5**0.5), 4))
+    0.7071
     """
     return series_conductance(first, second) * signed_root(pressure_drop, transition_pressure)

@@ -1,4 +1,7 @@
-"""What turns with a shaft or twists against it: flywheels, springs."""
+"""What turns with a shaft or twists against it: flywheels, springs.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import Annotated
 
@@ -28,8 +31,6 @@ def torsion_torque(angle: float, spring: TorsionSpring) -> float:
     """Torque of a spring on the shaft [N m], in the direction of the angle: -T_0 - k (theta - theta_0).
 
     angle  theta [rad]
-
-    Source  ours, docs/models/components.md
     """
     return -spring.preload_torque - spring.torsional_stiffness * (angle - spring.rest_angle)
 
@@ -38,8 +39,6 @@ def torsion_energy(angle: float, spring: TorsionSpring) -> float:
     """Energy in a torsion spring above that at its rest angle [J]: T_0 (theta - theta_0) + k (theta - theta_0)^2/2.
 
     angle  theta [rad]
-
-    Source  ours, docs/models/components.md
     """
     reach = angle - spring.rest_angle
     return reach * (spring.preload_torque + 0.5 * spring.torsional_stiffness * reach)

@@ -1,4 +1,7 @@
-"""What turns a rotary valve's spool besides the flow: nothing, or a motor through a slipping coupling."""
+"""What turns a rotary valve's spool besides the flow: nothing, or a motor through a slipping coupling.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from vvdp.base.kinds import Coupling
 from vvdp.base.params import Params
@@ -15,8 +18,6 @@ def drive_torque(motor_speed: float, spool_speed: float, drive: SpoolDrive) -> f
 
     motor_speed  [rad/s]
     spool_speed  [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     return drive.coupling * (motor_speed - spool_speed)
 
@@ -26,8 +27,6 @@ def drive_power(motor_speed: float, spool_speed: float, drive: SpoolDrive) -> fl
 
     motor_speed  [rad/s]
     spool_speed  [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     return drive_torque(motor_speed, spool_speed, drive) * motor_speed
 
@@ -37,7 +36,5 @@ def coupling_loss(motor_speed: float, spool_speed: float, drive: SpoolDrive) -> 
 
     motor_speed  [rad/s]
     spool_speed  [rad/s]
-
-    Source  ours, docs/models/components.md
     """
     return drive_torque(motor_speed, spool_speed, drive) * (motor_speed - spool_speed)

@@ -1,4 +1,7 @@
-"""Switching valve on a pulse train: one pressure port that a spool joins to a first or a second port."""
+"""Switching valve on a pulse train: one pressure port that a spool joins to a first or a second port.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -96,8 +99,6 @@ def spool_rate(
     command              u: 0 to the second port, 1 to the first [1]
     spool                position and velocity
     at_first, at_second  1 while the end of the stroke where that port is open holds the spool, else 0
-
-    Source  ours, docs/models/components.md
     """
     x, v = spool
     omega, zeta = 2.0 * np.pi * valve.natural_frequency, valve.damping_ratio
@@ -110,8 +111,6 @@ def spool_ends(spool: SpoolState, at_first: float, at_second: float, valve: Swit
     """Whether an end of the stroke holds a switching spool, from when it comes there until it turns back [1].
 
     spool, at_first, at_second  as in `spool_rate`
-
-    Source  ours, docs/models/components.md
     """
     travel = spool.position / valve.stroke
     outward = spool.velocity / (2.0 * np.pi * valve.natural_frequency * valve.stroke)
@@ -125,8 +124,6 @@ def port_areas(position: float, valve: SwitchingValve) -> PortAreas:
     """Areas of the two ports [m^2]: A (±(x - c) - lap)/(c - lap) between 0 and A, with the centre c = stroke/2.
 
     position  x [m]
-
-    Source  ours, docs/models/components.md
     """
     first, second = _travels(position, valve)
     return PortAreas(valve.full_area * clip(first, 0.0, 1.0), valve.full_area * clip(second, 0.0, 1.0))
@@ -136,8 +133,6 @@ def port_sides(position: float, valve: SwitchingValve) -> PortSides:
     """Whether the two ports are shut or open [1]; at the ends of the stroke, where one is fully open, the spool stops.
 
     position  x [m]
-
-    Source  ours, docs/models/components.md
     """
     first, second = _travels(position, valve)
     return PortSides(side(first), side(second))
@@ -156,8 +151,6 @@ def pulse_train(t: float, train: PulseTrain) -> float:
     The edges are the floating-point numbers nearest to k/f and (k + d)/f, the same that `pulse_stop` gives.
 
     t  time [s]
-
-    Source  ours, docs/models/components.md
     """
     return pulse_value(t, train.duty_ratio, train.frequency)
 
@@ -166,8 +159,6 @@ def pulse_stop(t: float, train: PulseTrain) -> float:
     """The next time [s] after `t` at which a pulse train rises or falls; infinity where it never does.
 
     t  time [s]
-
-    Source  ours, docs/models/components.md
     """
     return pulse_edge(t, train.duty_ratio, train.frequency)
 
@@ -181,8 +172,6 @@ def pulse_value(t: float, duty_ratio: float, frequency: float) -> float:
     t           time [s]
     duty_ratio  d, held between 0 and 1 [1]
     frequency   f, greater than zero [Hz]
-
-    Source  ours, docs/models/components.md
     """
     k = _cycle(t, frequency)
     value: float = select(t < (k + clip(duty_ratio, 0.0, 1.0)) / frequency, 1.0, 0.0)
@@ -195,8 +184,6 @@ def pulse_edge(t: float, duty_ratio: float, frequency: float) -> float:
     t           time [s]
     duty_ratio  d, held between 0 and 1 [1]
     frequency   f, greater than zero [Hz]
-
-    Source  ours, docs/models/components.md
     """
     k, d = _cycle(t, frequency), clip(duty_ratio, 0.0, 1.0)
     fall = (k + d) / frequency

@@ -1,4 +1,7 @@
-"""Wall friction in a line that rises with frequency: layers of oil that the flow drags along."""
+"""Wall friction in a line that rises with frequency: layers of oil that the flow drags along.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -76,8 +79,6 @@ def layered_power(
     a, b       oil at the line's ends
     density    of the oil at the tank [kg/m^3]
     viscosity  dynamic [Pa s]
-
-    Source  ours, docs/models/components.md
     """
     z, sigma = state[0], flow_scale(a, b)
     slip = 0.0
@@ -92,8 +93,6 @@ def layered_energy(state: LayeredState, density: float, line: RoundLine) -> floa
 
     state    z and z_i
     density  of the oil at the tank [kg/m^3]
-
-    Source  ours, docs/models/components.md
     """
     layers = 0.0
     for i in range(LAYERS):

@@ -1,4 +1,7 @@
-"""Oil under one pressure: chamber, elastic hose and gas accumulator in any combination, and what they store."""
+"""Oil under one pressure: chamber, elastic hose and gas accumulator in any combination, and what they store.
+
+Source  ours, docs/models/components.md, where a function names no other.
+"""
 
 import numpy as np
 
@@ -58,7 +61,13 @@ def pressure_rate(
     reference_pressure  of the oil, absolute [Pa]
     swept_volume        what a moving wall adds to the vessel [m^3]
 
-    Source  ours, docs/models/components.md
+    Holds   for changes that are slow against a wave through the vessel: one pressure throughout
+
+    >>> vessel = Vessel(
+    ...     oil_volume=1e-3, hose_compliance=0.0, gas_volume=0.0, precharge_pressure=0.0, gas_exponent=1.2
+    ... )
+    >>> print(round(pressure_rate(1e-4, 0.0, 1e5, FluidState(1e5, 1.0, 1.4e9, 0.0), vessel, 1e5) / 1e5))  # bar/s
+    1400
     """
     gas = gas_volume(pressure, vessel)
     V = oil_beside(gas, pressure, vessel, reference_pressure) + swept_volume
@@ -72,8 +81,6 @@ def closed_volume_rate(net_flow: float, volume_rate: float, volume: float, fluid
     net_flow     sum of the flows in [tank volumes, m^3/s]
     volume_rate  dV/dt of a moving wall [m^3/s]
     volume       of oil, now [m^3]
-
-    Source  ours, docs/models/components.md
     """
     return fluid.bulk_modulus / volume * (fluid.volume_ratio * net_flow - volume_rate)
 
@@ -85,8 +92,6 @@ def stored(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0)
 
     pressure      absolute [Pa]
     swept_volume  what a moving wall adds to the vessel [m^3]
-
-    Source  ours, docs/models/components.md
     """
     excess = pressure - oil.reference_pressure
     oil_inside = closed_volume_stored(pressure, oil_held(pressure, vessel, oil.reference_pressure) + swept_volume, oil)
@@ -99,8 +104,6 @@ def closed_volume_stored(pressure: float, volume: float, oil: Oil) -> Stored:
 
     pressure  absolute [Pa]
     volume    of oil, now [m^3]
-
-    Source  ours, docs/models/components.md
     """
     fluid = fluid_state(pressure, oil)
     tank_volumes = volume / fluid.volume_ratio
@@ -113,8 +116,6 @@ def oil_held(pressure: float, vessel: Vessel, reference_pressure: float) -> floa
 
     pressure            absolute [Pa]
     reference_pressure  at which the hose is unstretched, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return oil_beside(gas_volume(pressure, vessel), pressure, vessel, reference_pressure)
 
@@ -125,8 +126,6 @@ def oil_beside(gas: float, pressure: float, vessel: Vessel, reference_pressure: 
     gas                 its volume now [m^3]
     pressure            absolute [Pa]
     reference_pressure  at which the hose is unstretched, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     hose = vessel.oil_volume * (1.0 + vessel.hose_compliance * (pressure - reference_pressure))
     return hose + vessel.gas_volume - gas
@@ -136,8 +135,6 @@ def wall_capacity(pressure: float, vessel: Vessel) -> float:
     """Room that a vessel's hose and gas give per pressure [m^3/Pa]: V0/B - dVg/dP.
 
     pressure  absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return capacity_beside(gas_volume(pressure, vessel), pressure, vessel)
 
@@ -147,8 +144,6 @@ def capacity_beside(gas: float, pressure: float, vessel: Vessel) -> float:
 
     gas       its volume now [m^3]
     pressure  absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     return vessel.oil_volume * vessel.hose_compliance + gas_yielding(gas, pressure, vessel)
 
@@ -158,8 +153,6 @@ def capacity_beside_compiled(gas: float, pressure: float, vessel: Vessel) -> flo
 
     gas       its volume now [m^3]
     pressure  absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     hose = vessel.oil_volume * vessel.hose_compliance
     return hose if gas == 0.0 else hose + gas_yielding(gas, pressure, vessel)
@@ -170,8 +163,6 @@ def gas_yielding(gas: float, pressure: float, vessel: Vessel) -> float:
 
     gas       its volume now [m^3]
     pressure  of the oil, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     p0 = vessel.precharge_pressure
     d, width = pressure - p0, SEATING * p0 + select(p0 > 0.0, 0.0, 1.0)
@@ -188,8 +179,6 @@ def gas_excess(pressure: float, vessel: Vessel) -> float:
     off its seat over a share `SEATING` of the precharge, so that the vessel's capacity has no jump there.
 
     pressure  of the oil, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     p0 = vessel.precharge_pressure
     d, width = pressure - p0, SEATING * p0 + select(p0 > 0.0, 0.0, 1.0)
@@ -204,7 +193,13 @@ def gas_volume(pressure: float, vessel: Vessel) -> float:
 
     pressure  of the oil, absolute [Pa]
 
-    Source  ours, docs/models/components.md
+    Holds   for an ideal gas that changes at one exponent
+
+    >>> vessel = Vessel(
+    ...     oil_volume=1e-3, hose_compliance=0.0, gas_volume=1e-3, precharge_pressure=50e5, gas_exponent=1.0
+    ... )
+    >>> print(round(1e3 * gas_volume(100e5, vessel), 3))  # litres
+    0.5
     """
     p0 = vessel.precharge_pressure
     ratio = 1.0 + gas_excess(pressure, vessel) / select(p0 > 0.0, p0, 1.0)
@@ -216,8 +211,6 @@ def gas_volume_compiled(pressure: float, vessel: Vessel) -> float:
     """The same as `gas_volume`, which it replaces in compiled code: no gas law for a vessel without gas.
 
     pressure  of the oil, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     if vessel.gas_volume == 0.0:
         return 0.0
@@ -234,8 +227,6 @@ def gas_energy(pressure: float, vessel: Vessel, reference_pressure: float) -> fl
 
     pressure            absolute [Pa]
     reference_pressure  outside, absolute [Pa]
-
-    Source  ours, docs/models/components.md
     """
     p0, Vg0 = vessel.precharge_pressure, vessel.gas_volume
     unit = select(p0 > 0.0, p0, 1.0)

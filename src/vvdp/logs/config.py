@@ -100,6 +100,7 @@ class Estimation:
 
     @property
     def wheel(self) -> CodeWheel:
+        """The code wheel of the filter's settings."""
         return self.filter.wheel
 
 

@@ -68,10 +68,12 @@ class Plateaus(NamedTuple):
 
     @property
     def middle(self) -> float:
+        """Half way between both levels."""
         return 0.5 * (self.low + self.high)
 
     @property
     def swing(self) -> float:
+        """How far the levels lie apart."""
         return self.high - self.low
 
 

@@ -15,32 +15,38 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FrameType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-import vvdp
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, unusable
+from vvdp.base.files import write_whole
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.estimation.fusion import fusion
 from vvdp.estimation.pressure_edges import PressureSample, pressure_edges_start, pressure_edges_step
 from vvdp.estimation.smoother import Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
 from vvdp.logs.channel import Log, Portion
+from vvdp.logs.charts import Excerpt
 from vvdp.logs.clock import ClockChoice, seconds
 from vvdp.logs.config import Counts, Estimation, InletPressure, Stamps, Wave, config_text, source_channels
 from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges, part
-from vvdp.logs.findings import ANGLES, Sums, findings, numbers_in_doubt, settings_of, summary
+from vvdp.logs.findings import Sums, findings, numbers_in_doubt, settings_of, summary
 from vvdp.logs.fitting import fitted_filter
-from vvdp.logs.kept import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Finding, Store, write_texts
+from vvdp.logs.kept import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Store
 from vvdp.logs.quantity import Conversion, to_si
+from vvdp.logs.result import Outcome, estimate_result
 from vvdp.logs.source import open_log
 from vvdp.logs.tracking import FEWEST_EDGES, LONGEST_BRIDGED, Tracked, Tracker, Waves, no_waves
 from vvdp.numerics.kalman import AngleSpeed
+from vvdp.results.result import Result
+from vvdp.results.store import write_result
 from vvdp.sensing.wheel import TURN, sector_widths
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
 
+CONFIG = "estimate.toml"
+"""Every setting, also the defaults; a config for the next estimation."""
 SAMPLES_AT_ONCE = 1_000_000
 USUAL_RATE = 1000.0
 """Rows a second of the time base, unless the log has fewer samples or another rate is asked for."""
@@ -55,14 +61,6 @@ LARGEST_EXCERPT = 20_000
 SMOOTHED_EDGES = 50_000
 FORGOTTEN = 1e-4
 """Edges count for a smoothed instant until their share has fallen to this."""
-
-
-class Estimated(NamedTuple):
-    """What an estimation came to."""
-
-    summary: dict[str, Any]
-    findings: tuple[Finding, ...]
-    finished: bool
 
 
 def opened(path: Path, wanted: Estimation) -> Log:
@@ -157,8 +155,8 @@ def estimate(
     progress: Callable[[float], None] = lambda done: None,
     say: Callable[[str], None] = quiet,
     more: Mapping[str, Any] | None = None,
-) -> Estimated:
-    """Runs an estimation over a log and writes all of it into `folder`.
+) -> Result:
+    """Runs an estimation over a log, writes all of it into `folder`, and gives the result.
 
     progress  hears the share that is done of the log, or with `smooth` of both passes over it, 0 to 1;
               KeyboardInterrupt raised there, and Ctrl-C, end the pass where it is, and all that was reached is kept
@@ -180,32 +178,45 @@ def estimate(
             run.tell_left_out()
             if wanted.smooth:
                 run.smooth(lambda done: progress((1.0 + done) / passes))
-            run.keep_pictures()
-            return _kept(run, wanted, log, folder, began, more or {})
+            outcome = _outcome(run, wanted, log, began)
+            result = estimate_result(outcome)
+            write_whole(folder / CONFIG, outcome.config)
+            write_result(folder, result, "", more=_meta(outcome) | dict(more or {}))
+            return result
 
 
-def _kept(run: "_Run", wanted: Estimation, log: Log, folder: Path, began: float, more: Mapping[str, Any]) -> Estimated:
-    """Writes what a run comes to beside its rows."""
-    finished = not run.sums.interruptions
-    found = summary(run.sums, wanted)
-    found |= {"estimated_share": run.estimated_share, "finished": finished, "wall_time_s": time.perf_counter() - began}
-    told = findings(found, run.sums, wanted, log)
-    found["warnings"] = "; ".join(f"{finding.title}: {finding.found}" for finding in told)
-    found = {key: _plain(value) for key, value in found.items()}
-    meta = {
-        "vvdp": vvdp.__version__,
+def _outcome(run: "_Run", wanted: Estimation, log: Log, began: float) -> Outcome:
+    """What a run came to, with all rows of result.h5 written."""
+    run.store.flush()
+    seconds = time.perf_counter() - began
+    found = summary(run.sums, wanted) | {"estimated_share": run.estimated_share}
+    return Outcome(
+        log=log.path,
+        wanted=wanted,
+        wave_unit=log.channel(wanted.source.channel).unit if isinstance(wanted.source, Wave) else "",
+        file=run.store.file,
+        sums=run.sums,
+        excerpt=run.excerpt,
+        summary=found,
+        findings=findings(found, run.sums, wanted, log),
+        config=config_text(wanted, log.channels(), log.path.name),
+        remarks=tuple(log.remarks),
+        log_sha256=_hash(log.path),
+        seconds=seconds,
+    )
+
+
+def _meta(outcome: Outcome) -> dict[str, Any]:
+    return {
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "log": str(log.path),
-        "log_bytes": log.path.stat().st_size,
-        "log_sha256": _hash(log.path),
-        "remarks": list(log.remarks),
-        "finished": finished,
-        "seconds": found["wall_time_s"],
-        **more,
+        "log": str(outcome.log),
+        "log_bytes": outcome.log.stat().st_size,
+        "log_sha256": outcome.log_sha256,
+        "remarks": list(outcome.remarks),
+        "finished": not outcome.sums.interruptions,
+        "seconds": outcome.seconds,
     }
-    write_texts(folder, config_text(wanted, log.channels(), log.path.name), found, told, meta)
-    return Estimated(found, told, finished)
 
 
 def _fitted(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimation:
@@ -225,29 +236,9 @@ def _fitted(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimat
     return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told.advised))
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    if isinstance(value, list):
-        return [_plain(item) for item in value]
-    return value
-
-
 def _hash(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-@dataclass
-class _Excerpt:
-    """Some turns of the record as it was measured, for the figures."""
-
-    times: Array
-    values: Array
-    level: float
-    band: float
-    edges: Edges
-    pressure: Portion | None
 
 
 @dataclass
@@ -292,7 +283,7 @@ class _Run:
         self.debounce = Debounce(shortest=min(0.15, 0.4 * narrowest))
         self.clock_at = -np.inf
         self.clock = 0  # how often the time went back
-        self.excerpt: _Excerpt | None = None
+        self.excerpt: Excerpt | None = None
         self.pressure = self._pressure()
         self._rows: tuple[Array, Array] | None = None
         match wanted.source:
@@ -377,13 +368,13 @@ class _Run:
                 self.sums.measured = self.tracker.covered
 
     def tell_left_out(self) -> None:
-        """When there were edges too lonely to be estimated from; the time base does not reach out to them."""
+        """Remarks when isolated edges were ignored; the time base does not reach out to them."""
         if self.tracker is None or not self.tracker.left_out_times:
             return
         times, count = self.tracker.left_out_times, self.tracker.left_out
         named = ", ".join(f"{time:.6g}" for time in times) + (" s and on" if count > len(times) else " s")
-        kept = "an edge stands" if count == 1 else f"{count} edges stand"
-        self.log.remark(f"{kept} too far from others to be used, at {named}")
+        ignored = "one isolated edge was" if count == 1 else f"{count} isolated edges were"
+        self.log.remark(f"{ignored} ignored, at {named}")
 
     @property
     def estimated_share(self) -> float:
@@ -688,33 +679,7 @@ class _Run:
         level = self.finder.level if isinstance(self.finder, WaveEdges) else np.nan
         band = self.finder.band if isinstance(self.finder, WaveEdges) else np.nan
         kept = (times[begin:end].copy(), values[begin:end].copy()) if wave else (np.empty(0), np.empty(0))
-        self.excerpt = _Excerpt(*kept, level, band, shown, pressure)
-
-    def keep_pictures(self) -> None:
-        """Writes what only the figures need."""
-        put = self.store.put
-        if self.excerpt is not None:
-            e = self.excerpt
-            put("excerpt/time", e.times, "s", "time of the samples")
-            unit = self.log.channel(self.wanted.source.channel).unit
-            put("excerpt/wave", e.values, unit, "wave as recorded")
-            put("excerpt/level", np.array([e.level, e.band]), "1", "threshold and half of the hysteresis")
-            put("excerpt/edge_time", e.edges.times, "s", "edges in the excerpt")
-            put("excerpt/edge_polarity", e.edges.polarities, "1", "their polarity")
-            if e.pressure is not None:
-                put("excerpt/pressure_time", e.pressure.times, "s", "time of the pressure samples")
-                put("excerpt/pressure", e.pressure.values, "Pa", "inlet pressure (absolute)")
-        sums = self.sums
-        put("wheel/offset", sums.offsets, "rad", "mean innovation of each edge of the wheel")
-        put("wheel/offset_deviation", sums.offset_deviations, "rad", "standard error of that mean")
-        put("wheel/edges", sums.wheel_counts, "1", "edges that it was taken from")
-        put("innovations/histogram", sums.histogram, "1", "edges by squared normalised innovation")
-        put("innovations/bins", sums.bins, "1", "bounds of the bins")
-        if self.pressure is not None:
-            put("folded/angle", (np.arange(ANGLES) + 0.5) * TURN / ANGLES, "rad", "estimated spool angle")
-            put("folded/mean", sums.folded_mean, "Pa", "mean inlet pressure there (absolute)")
-            put("folded/low", sums.folded_low, "Pa", "lowest inlet pressure there (absolute)")
-            put("folded/high", sums.folded_high, "Pa", "highest inlet pressure there (absolute)")
+        self.excerpt = Excerpt(*kept, level, band, shown, pressure)
 
     def smooth(self, progress: Callable[[float], None]) -> None:
         """The second pass: every row again, given the edges before and after it; it may be interrupted as well."""
@@ -823,8 +788,8 @@ class _Run:
         if self.sums.edges > FEWEST_EDGES:
             apart = (self.sums.end - self.sums.begin) / (self.sums.edges - 1.0)
             return (
-                f"{edges} in channel {channel!r}, {apart:.4g} s apart on average, which is no turning; look at the "
-                f"unit of the times ({needed} with less than {LONGEST_BRIDGED:g} s between them)"
+                f"{edges} in channel {channel!r}, {apart:.4g} s apart on average: the spool is not rotating; look at "
+                f"the unit of the times ({needed} with less than {LONGEST_BRIDGED:g} s between them)"
             )
         return f"{edges} in channel {channel!r}; {needed}"
 

@@ -1,4 +1,4 @@
-"""What a record comes to: sums taken on the way, the summary made of them, and what a person should know of it."""
+"""Statistics, summary and warnings of a record."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import ANGLE, SPEED
 from vvdp.estimation.commensurate import Commensurate, commensurate_clock, commensurate_warning, hidden_angle
 from vvdp.logs.alignment import Alignment
 from vvdp.logs.channel import Log
@@ -15,8 +17,8 @@ from vvdp.logs.config import Counts, Estimation, Stamps, Wave
 from vvdp.logs.edges import GAP, Chosen, CountEdges, StampEdges, WaveEdges
 from vvdp.logs.fitting import CLEAR, Explained, LongestPieces, Noise, explained
 from vvdp.logs.guess import channels_of_edges
-from vvdp.logs.kept import Finding
 from vvdp.logs.tracking import Tracked, Tracker, bridged_time
+from vvdp.results.result import Finding, Grade
 from vvdp.sensing.wheel import TURN
 
 PATTERN = 4096
@@ -65,6 +67,7 @@ class Moments:
 
     @property
     def deviation(self) -> float:
+        """Root mean square, NaN of nothing."""
         return float(np.sqrt(self.squares / self.count)) if self.count else np.nan
 
 
@@ -179,16 +182,19 @@ class Sums:
 
     @property
     def folded_mean(self) -> Array:
+        """Mean in each part of the period, NaN where nothing fell."""
         found: Array = np.where(self._fold_count > 0, self._fold_total / np.fmax(self._fold_count, 1.0), np.nan)
         return found
 
     @property
     def folded_low(self) -> Array:
+        """The lowest value in each part of the period, NaN where nothing fell."""
         found: Array = np.where(self._fold_count > 0, self._fold_low, np.nan)
         return found
 
     @property
     def folded_high(self) -> Array:
+        """The highest value in each part of the period, NaN where nothing fell."""
         found: Array = np.where(self._fold_count > 0, self._fold_high, np.nan)
         return found
 
@@ -251,7 +257,6 @@ def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
     speed = sums.speed if sums.speed.count else sums.early_speed
     low, high = nis_band(sums.nis.count)
     found: dict[str, Any] = {
-        "edge_source": {Wave: "wave", Counts: "counts", Stamps: "edges"}[type(wanted.source)],
         "duration_s": sums.measured,
         "samples": sums.samples,
         "sample_rate_Hz": 1.0 / sums.period if sums.period else np.nan,
@@ -356,7 +361,7 @@ def _largest(values: Array) -> float:
 
 
 def in_step(sums: Sums, wanted: Estimation) -> Commensurate | None:
-    """Whether edges that are only sampled march in step with the samples."""
+    """How edges that are only sampled are commensurate with the sampling, if they are."""
     sampled = isinstance(wanted.source, Counts) or (
         isinstance(wanted.source, Wave) and not wanted.source.comparator.interpolated
     )
@@ -402,78 +407,90 @@ def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) ->
         settings = list(_of_the_filter(best, sums, wanted)) if best is not None else []
         wheel_first = best is not None and best.wheel_gain > best.settings_gain
         told += wheel + settings if wheel_first else settings + wheel
-    told += [Finding("Taken for granted", f"{remark}.", "Nothing to do, if that is right.") for remark in log.remarks]
-    return tuple(sorted(told, key=lambda finding: not finding.grave))
+    told += [_warning("Taken for granted", f"{remark}.", "Nothing to do, if that is right.") for remark in log.remarks]
+    return tuple(sorted(told, key=lambda finding: finding.grade is not Grade.BAD))
+
+
+def _warning(title: str, text: str, remedy: str) -> Finding:
+    return Finding(title=title, text=text, remedy=remedy, grade=Grade.WARNING)
+
+
+def _grave(title: str, text: str, remedy: str) -> Finding:
+    return Finding(title=title, text=text, remedy=remedy, grade=Grade.BAD)
+
+
+def _angle(value: float) -> str:
+    return with_unit(value, ANGLE, 3)
+
+
+def _speed(value: float) -> str:
+    return with_unit(value, SPEED, 3)
 
 
 def _of_the_course(found: dict[str, Any], sums: Sums, wanted: Estimation) -> Iterator[Finding]:
     for words in sums.interruptions:
-        yield Finding("Interrupted", words, "Run it again.", True)
+        yield _grave("Interrupted", words, "Run it again.")
     if not found["settled"]:
-        yield Finding(
+        yield _grave(
             "Too short",
             f"{_edges(sums.edges)} {_are(sums.edges)} less than two turns of {sums.sectors}: the filter has not "
             "settled, and means are over all that there is.",
             "Take a longer record.",
-            True,
         )
     speed = found["spool_speed_mean_rad_s"]
     if not SLOWEST <= speed <= FASTEST:
-        yield Finding(
+        yield _grave(
             "Speed hardly possible",
-            f"The mean speed is {speed:.4g} rad/s ({speed * 60 / TURN:.4g} rpm).",
+            f"The mean speed is {with_unit(speed, SPEED)}.",
             f"Look at the unit of the times, the sample rate, and the number of sectors ({sums.sectors}).",
-            True,
         )
 
 
 def _of_the_record(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
     if sums.gaps:
-        yield Finding(
+        yield _warning(
             "Gaps in the record",
             f"{_times(sums.gaps).capitalize()} no sample came for more than {GAP:g} usual intervals; the longest gap "
             f"is {sums.longest_gap:.4g} s.",
             "Edges inside a gap count as missed; a gap that cannot be bridged starts the filter anew.",
         )
     if sums.not_numbers:
-        yield Finding(
+        yield _warning(
             "Values that are no numbers",
             f"{sums.not_numbers} of {sums.samples} samples {_are(sums.not_numbers)} NaN and {_were(sums.not_numbers)} "
             "left out.",
             "Look at the logger.",
         )
     if sums.backward:
-        yield Finding(
+        yield _grave(
             "Time runs backwards",
             f"{_times(sums.backward).capitalize()} the clock went back; the record was cut there, and each piece has "
             "its own times.",
             "Look at the column piece of result.h5 before joining anything over time.",
-            True,
         )
     if sums.pieces > 1 + sums.backward:
         bridge = bridged_time(TURN / sums.sectors / sums.speed.mean, wanted.filter) if sums.speed.mean > 0.0 else np.nan
-        yield Finding(
+        yield _warning(
             "Pauses without edges",
             f"The filter was started {_times(sums.pieces)}: without an edge it can go on for {bridge:.3g} s at the "
             "mean speed, until three deviations of its angle reach half a sector.",
             "Between pieces the estimate is NaN, and turns that passed there are only guessed.",
         )
     if sums.left_out:
-        yield Finding(
+        yield _warning(
             "Edges left out",
-            f"{_edges(sums.left_out)} {'stands' if sums.left_out == 1 else 'stand'} so alone that no speed can be said "
-            "there.",
+            f"{_edges(sums.left_out)} {_are(sums.left_out)} too isolated to give a speed.",
             "Nothing to do, if the spool was at rest.",
         )
     if sums.doubled:
-        yield Finding(
+        yield _warning(
             "Double edges",
             f"{_edges(sums.doubled)} came much sooner after another than edges do there; "
             f"{'it was taken as a bounce' if sums.doubled == 1 else 'they were taken as bounces'}.",
             "Widen the hysteresis, or look for noise on the line.",
         )
     if sums.missed:
-        yield Finding(
+        yield _warning(
             "Missed edges",
             f"{_edges(sums.missed)} did not show, {100.0 * sums.missed / (sums.edges + sums.missed):.2g} % of all.",
             "The filter passes over them. Look at the threshold, the sample rate, and the wheel for dirt.",
@@ -485,39 +502,39 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
     if sums.period and speed > 0.0 and isinstance(finder, WaveEdges | CountEdges):
         per_sector = TURN / sums.sectors / speed / sums.period
         if per_sector < FEW_SAMPLES:
-            yield Finding(
+            yield _warning(
                 "Few samples",
                 f"There are {per_sector:.2g} samples for each sector at the mean speed.",
                 "Sample faster; edges get lost.",
             )
     if isinstance(finder, CountEdges):
         if finder.fractions:
-            yield Finding(
+            yield _grave(
                 "Counts that are not whole",
                 f"{finder.fractions} of {sums.samples} values of the counter "
                 f"{'is no whole number' if finder.fractions == 1 else 'are no whole numbers'}.",
                 "Is the channel a wave? Then name it with --wave.",
-                True,
             )
         if finder.resets:
-            yield Finding("Counter reset", f"The counter fell {_times(finder.resets)} without rolling over.",
-                          "Edges at a reset count as missed.", True)  # fmt: skip
+            yield _grave("Counter reset", f"The counter fell {_times(finder.resets)} without rolling over.",
+                          "Edges at a reset count as missed.")  # fmt: skip
         if finder.rollovers:
-            yield Finding("Counter rolled over", f"The counter went over its end {_times(finder.rollovers)}.",
+            yield _warning("Counter rolled over", f"The counter went over its end {_times(finder.rollovers)}.",
                           "The edges were counted on.")  # fmt: skip
         if finder.downward:
-            yield Finding("Counter counts down", "Its steps were taken as forward.", "Swap the lines of the counter.")
+            yield _warning("Counter counts down", "Its steps were taken as forward.", "Swap the lines of the counter.")
         if finder.backward:
-            yield Finding("Counter went back", f"The counter went against its way {_times(finder.backward)}.",
+            yield _warning("Counter went back", f"The counter went against its way {_times(finder.backward)}.",
                           "They were taken as jitter at an edge.")  # fmt: skip
     if isinstance(finder, WaveEdges):
         if finder.lost:
-            yield Finding("Edges in gaps", f"{_edges(finder.lost)} fell into gaps and {_were(finder.lost)} not placed.",
+            yield _warning("Edges in gaps",
+                          f"{_edges(finder.lost)} fell into gaps and {_were(finder.lost)} not placed.",
                           "Such edges count as missed.")  # fmt: skip
         if finder.plateaus is not None and len(finder.levels) > 1:
             drift = max(finder.levels) - min(finder.levels)
             if drift > LEVEL_DRIFT * finder.plateaus.swing:
-                yield Finding(
+                yield _warning(
                     "The wave drifts",
                     f"Midway between its plateaus went from {min(finder.levels):.4g} to {max(finder.levels):.4g}, "
                     f"{100.0 * drift / finder.plateaus.swing:.2g} % of the swing.",
@@ -525,12 +542,11 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
                 )
     if (step := in_step(sums, wanted)) is not None:
         words = commensurate_warning(step, TURN / sums.sectors)
-        yield Finding(
+        yield _grave(
             "Edges in step with the clock",
             words.rpartition("; ")[0] + ".",
-            f"The angle may be off by up to {hidden_angle(step, TURN / sums.sectors):.3g} rad, and no deviation shows "
+            f"The angle may be off by up to {_angle(hidden_angle(step, TURN / sums.sectors))}, and no deviation shows "
             "it. Stamp the edges, interpolate the crossings of a wave, or sample at another rate.",
-            True,
         )
 
 
@@ -540,14 +556,14 @@ def _of_the_filter(told: Explained, sums: Sums, wanted: Estimation) -> Iterator[
     used, advised, now = told.used, told.advised, told.used_errors
     constant = " (less is as likely: the speed is constant as far as they tell)" if told.fitted.at_floor[0] else ""
     R_most = "at most " if told.fitted.at_floor[1] else ""
-    yield Finding(
+    yield _warning(
         "The settings of the filter do not fit this log",
         f"The {told.fitted.edges} edges looked at are likeliest with an acceleration_density of "
         f"{advised.acceleration_density:.3g} rad^2/s^3{constant} and an edge_variance of {R_most}"
         f"{advised.edge_variance:.3g} rad^2, in place of {used.acceleration_density:.3g} and "
         f"{used.edge_variance:.3g} (logarithm of the likelihood "
-        f"+{told.settings_gain:.3g}). As it is, a speed error of {now.true:.3g} rad/s is expected, where the filter "
-        f"states {now.stated:.3g}; with these {told.fitted_errors.true:.3g} rad/s.",
+        f"+{told.settings_gain:.3g}). As it is, a speed error of {_speed(now.true)} is expected, where the filter "
+        f"states {_speed(now.stated)}; with these {_speed(told.fitted_errors.true)}.",
         f"Use --fit, or in the config [filter] acceleration_density = "
         f'"{advised.acceleration_density:.3g} rad^2/s^3" and edge_variance = "{advised.edge_variance:.3g} rad^2".',
     )
@@ -560,12 +576,11 @@ def _of_the_clock(told: Explained, wanted: Estimation, log: Log) -> Iterator[Fin
     if not is_time_name(source.channel.rpartition("/")[2]) and speed <= FASTEST:
         return
     others = ", ".join(repr(name) for name in channels_of_edges(log))
-    yield Finding(
+    yield _grave(
         "An even clock in place of edges",
         f"All times in {source.channel!r} are {told.likelihood.period:.6g} s apart: it is the clock of the log, and no "
         "edge passes then.",
         f"Name the channel that holds the edges with --wave, --counts or --edges{f': {others}' if others else ''}.",
-        True,
     )
 
 
@@ -578,11 +593,10 @@ def _of_the_wheel(found: dict[str, Any], sums: Sums, wanted: Estimation, best: E
             else "No first edge makes the turns agree with the sectors of the wheel; the angle is counted from an edge "
             "that was chosen."
         )
-        yield Finding(
+        yield _grave(
             "Index not found",
             words,
             f"Look at index_shift or widths, and at the number of sectors ({sums.sectors}).",
-            True,
         )
     hidden = max(sums.measured_variance.mean - wanted.filter.edge_variance, 0.0) if sums.nis.count else 0.0
     pattern = sums.period_of_pattern(hidden)
@@ -590,12 +604,11 @@ def _of_the_wheel(found: dict[str, Any], sums: Sums, wanted: Estimation, best: E
         pattern = None
     if pattern is not None:
         period, there, own = pattern
-        yield Finding(
+        yield _grave(
             "Perhaps a wrong number of sectors",
             f"The innovations repeat after {period} edges (correlation {there:.2f}), not after {sums.sectors} "
-            f"({own:.2f}), and a speed that changes does not explain it.",
+            f"({own:.2f}), and speed variation does not explain it.",
             f"Count the sectors of the wheel; bright and dark ones together, {period} would fit.",
-            True,
         )
     bias = -sums.alternating.mean if threshold_is_off(sums, wanted) else 0.0
     if bias:
@@ -664,9 +677,9 @@ def _biased(sums: Sums, wanted: Estimation, bias: float) -> Finding:
         else "Move the threshold"
     )
     other = "; bright sectors that are really wider or narrower than dark ones look the same."
-    return Finding(
+    return _warning(
         "The threshold is off",
-        f"Rising edges come {late} and falling ones {early} by {abs(bias):.3g} rad, "
+        f"Rising edges come {late} and falling ones {early} by {_angle(abs(bias))}, "
         f"{100.0 * abs(bias) * sums.sectors / TURN:.2g} % of a sector.",
         remedy + other,
     )
@@ -676,16 +689,18 @@ def _unequal(sums: Sums, wanted: Estimation, offsets: Array, worst: int) -> Find
     n, sector = sums.sectors, TURN / sums.sectors
     places = np.array(wanted.wheel.edges)
     wave = 2.0 * abs(np.nanmean(offsets * np.exp(-1j * places)))
-    others = np.delete(offsets, worst)
+    others, far = np.delete(offsets, worst), float(abs(offsets[worst]))
+    way = "beyond" if offsets[worst] > 0.0 else "before"
     if wave > 0.7 * float(np.sqrt(2.0 * np.nanmean(offsets**2))) and n > 4:
-        cause = f"They go up and down once in a turn by {wave:.3g} rad: the wheel or the spot is eccentric."
-    elif abs(offsets[worst]) > 4.0 * float(np.nanmax(np.abs(others - np.nanmean(others)))):
-        cause = "It stands alone: dirt, a damaged sector, or an index that the wheel was not told of (index_shift)."
+        cause = f"They go up and down once in a turn by {_angle(float(wave))}: the wheel or the spot is eccentric."
+    elif far > 4.0 * float(np.nanmax(np.abs(others - np.nanmean(others)))):
+        cause = (
+            "It stands alone: dirt, a damaged sector, or an index sector missing from the configuration (index_shift)."
+        )
     else:
         cause = "The sectors are not as wide as the wheel has them."
-    return Finding(
+    return _warning(
         "Edges lie elsewhere on the wheel",
-        f"Edge {worst} lies {offsets[worst]:+.3g} rad from its place, {100.0 * abs(offsets[worst]) / sector:.2g} % of "
-        f"a sector. {cause}",
+        f"Edge {worst} lies {_angle(far)} {way} its place, {100.0 * far / sector:.2g} % of a sector. {cause}",
         "Give the measured widths in [sensor] widths; the offsets of all edges stand in the report.",
     )

@@ -1,17 +1,11 @@
-"""The result directory of an estimation, and reading it back.
+"""The long series of an estimation, on disk while it runs and after it.
 
-estimate.toml   every setting, also the defaults; a config for the next estimation
-result.h5       `time` and what belongs to it; `edges/...`, one row for each edge; `excerpt/...` and `folded/...`,
-                what the figures are drawn from; every dataset with `units` and `long_name`
-summary.json    the numbers that the log comes to
-findings.json   what is wrong or in doubt, in words
-meta.json       versions, hash of the log, options, seconds
+`result.h5` has `time` and what belongs to it, and `edges/...`, one row for each edge; every dataset with `units` and
+`long_name`.
 """
 
 import io
-import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -19,12 +13,8 @@ from typing import Any, Self
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import unusable
 from vvdp.base.files import write_error
 
-FORMAT = 1
-KIND = "estimate"
-FILES = ("estimate.toml", "result.h5", "summary.json", "findings.json", "meta.json")
 ROWS_IN_CHUNK = 65536
 
 ROWS: Mapping[str, tuple[str, str]] = {
@@ -156,110 +146,6 @@ class Store:
         dataset[size:] = rows
         self._check()
 
-    def put(self, name: str, values: Array, unit: str, words: str) -> None:
-        """A dataset as a whole; replaces one of that name."""
-        if name in self.file:
-            del self.file[name]
-        dataset = self.file.create_dataset(name, data=np.asarray(values, float))
-        dataset.attrs["units"], dataset.attrs["long_name"] = unit, words
-
 
 def _path(group: str, name: str) -> str:
     return f"{group}/{name}" if group else name
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Something about the record that a person should know: what was found, with numbers, and what to do."""
-
-    title: str
-    found: str
-    remedy: str
-    grave: bool = False
-
-
-def write_texts(
-    folder: Path, config: str, summary: Mapping[str, Any], findings: tuple[Finding, ...], meta: Mapping[str, Any]
-) -> None:
-    """Writes all but result.h5 into a result directory."""
-    (folder / "estimate.toml").write_text(config, encoding="utf-8")
-    _write_json(folder / "summary.json", dict(summary))
-    _write_json(folder / "findings.json", [asdict(finding) for finding in findings])
-    _write_json(folder / "meta.json", {"format": FORMAT, "kind": KIND, **meta})
-
-
-def _write_json(path: Path, content: Any) -> None:
-    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-
-
-@dataclass(frozen=True)
-class Kept:
-    """A result directory of an estimation; the datasets stay on disk until asked for."""
-
-    directory: Path
-    summary: Mapping[str, Any]
-    meta: Mapping[str, Any]
-    findings: tuple[Finding, ...]
-    config: str
-
-    def has(self, name: str) -> bool:
-        """Whether result.h5 holds a dataset or a group of that name."""
-        import h5py
-
-        with h5py.File(self.directory / "result.h5", "r") as file:
-            return name in file
-
-    def column(self, name: str, rows: slice = slice(None)) -> Array:
-        """A dataset of result.h5, or some rows of it."""
-        import h5py
-
-        with h5py.File(self.directory / "result.h5", "r") as file:
-            found: Array = file[name][rows]
-            return found
-
-    def unit(self, name: str) -> str:
-        """The unit of a dataset."""
-        import h5py
-
-        with h5py.File(self.directory / "result.h5", "r") as file:
-            return str(file[name].attrs.get("units", ""))
-
-    def size(self, name: str) -> int:
-        """How many rows a dataset has."""
-        import h5py
-
-        with h5py.File(self.directory / "result.h5", "r") as file:
-            return int(file[name].shape[0])
-
-
-def is_estimate(directory: Path) -> bool:
-    """Whether a directory is the result of an estimation."""
-    return (directory / "estimate.toml").is_file()
-
-
-def read_kept(directory: Path) -> Kept:
-    """A result directory read back. Raises ConfigError where it is none, or from another format."""
-    import h5py
-
-    if not directory.is_dir():
-        raise unusable(directory, "is not a directory" if directory.exists() else "no such directory")
-    missing = [name for name in FILES if not (directory / name).is_file()]
-    if missing:
-        raise unusable(directory, f"is not the result of an estimation: {', '.join(missing)} missing")
-    try:
-        meta, summary, findings = (
-            json.loads((directory / name).read_text("utf-8")) for name in ("meta.json", "summary.json", "findings.json")
-        )
-        told = tuple(Finding(**finding) for finding in findings)
-        config = (directory / "estimate.toml").read_text("utf-8")
-        with h5py.File(directory / "result.h5", "r") as file:
-            absent = [name for name in (*ROWS, *(f"edges/{name}" for name in EDGES)) if name not in file]
-        if absent:
-            raise ValueError(f"result.h5 has no {', '.join(absent)}")
-        if not isinstance(meta, dict) or not isinstance(summary, dict):
-            raise ValueError("summary.json or meta.json is no object")
-    except (OSError, KeyError, ValueError, TypeError) as problem:
-        raise unusable(directory, f"is damaged: {problem}") from None
-    if meta.get("format") != FORMAT:
-        raise unusable(directory, f"was written in format {meta.get('format')}; this version reads format {FORMAT}")
-    return Kept(directory, summary, meta, told, config)

@@ -40,9 +40,11 @@ class TableLog(Log):
         self._clock = self._chosen_clock()
 
     def channels(self) -> tuple[ChannelInfo, ...]:
+        """See `Log`."""
         return tuple(ChannelInfo(c.name, c.unit, self._count, "") for c in self._columns if c.holds == "number")
 
     def portions(self, names: Sequence[str], samples: int) -> Iterator[Mapping[str, Portion]]:
+        """See `Log`. Raises ConfigError where the table has no clock."""
         checked_size(samples)
         own = [column.name for column in self._columns]
         wanted = {name: own.index(self.channel(name).name) for name in names}

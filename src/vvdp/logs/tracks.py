@@ -43,9 +43,11 @@ class TrackLog(Log):
         self.unreadable = unreadable
 
     def channels(self) -> tuple[ChannelInfo, ...]:
+        """See `Log`."""
         return tuple(track.info for track in self._tracks.values())
 
     def portions(self, names: Sequence[str], samples: int) -> Iterator[Mapping[str, Portion]]:
+        """See `Log`."""
         checked_size(samples)
         chosen = {name: self._tracks[self.channel(name).name] for name in names}
         for track in chosen.values():

@@ -51,6 +51,7 @@ class Text:
 
     @property
     def network(self) -> Network:
+        """The network whose text this is."""
         return self.places.network
 
     def use(self, value: Any, name: str | None = None) -> str:

@@ -2,6 +2,8 @@
 
 `AngleSpeed` is the belief about an angle and its rate, in scalars, because a filter meets it at every sample; the
 functions on arrays serve filters with more states.
+
+Source  ours, docs/models/event-filter.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -65,20 +67,14 @@ def corrected(belief: AngleSpeed, innovation: float, measurement_variance: float
 
 
 def moved(mean: Array, covariance: Array, transition: Array, noise: Array) -> tuple[Array, Array]:
-    """Mean (n,) and covariance (n, n) after a linear step: F x, F P F' + Q.
-
-    Source  ours, docs/models/event-filter.md
-    """
+    """Mean (n,) and covariance (n, n) after a linear step: F x, F P F' + Q."""
     return np.dot(transition, mean), np.dot(np.dot(transition, covariance), transition.T.copy()) + noise
 
 
 def observed(
     mean: Array, covariance: Array, observation: Array, innovation: float, measurement_variance: float
 ) -> tuple[Array, Array]:
-    """Mean (n,) and covariance (n, n) after one scalar measurement with row `observation` (n,), Joseph form.
-
-    Source  ours, docs/models/event-filter.md
-    """
+    """Mean (n,) and covariance (n, n) after one scalar measurement with row `observation` (n,), Joseph form."""
     g = np.dot(covariance, observation)
     S = np.dot(observation, g) + measurement_variance
     k = g / S

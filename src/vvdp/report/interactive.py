@@ -26,6 +26,7 @@ from vvdp.report.plot import (
     field_colours,
     field_grid,
     field_steps,
+    line_columns,
     line_label,
     line_looks,
     shown_values,
@@ -165,7 +166,7 @@ def _describe_chart(chart: Chart, tables: Mapping[str, Table], columns: Columns)
     for panel in chart.panels:
         table = tables[panel.table or chart.table]
         if isinstance(panel, Lines):
-            panels.append(_describe_lines(panel, table, columns))
+            panels.append(_describe_lines(panel, table, tables, columns))
         elif isinstance(panel, Field):
             panels.append(_describe_field(panel, table, columns))
     return {
@@ -176,8 +177,9 @@ def _describe_chart(chart: Chart, tables: Mapping[str, Table], columns: Columns)
     }
 
 
-def _describe_lines(panel: Lines, table: Table, columns: Columns) -> dict[str, Any]:
-    x, y = table.columns[panel.lines[0].x], [table.columns[line.y] for line in panel.lines]
+def _describe_lines(panel: Lines, table: Table, tables: Mapping[str, Table], columns: Columns) -> dict[str, Any]:
+    y = line_columns(panel, table, tables)
+    x = (tables[panel.lines[0].table] if panel.lines[0].table else table).columns[panel.lines[0].x]
     levels = [
         {
             "value": float(column_unit(x if level.upright else y[0]).shown(level.value)),
@@ -198,7 +200,7 @@ def _describe_lines(panel: Lines, table: Table, columns: Columns) -> dict[str, A
         "x": _describe_axis([x], panel.x_label, (panel.left, panel.right), is_log=panel.x_log),
         "y": _describe_axis(y, panel.label, (panel.low, panel.high), is_log=panel.y_log),
         "lines": [
-            _describe_line(line, look, table, columns)
+            _describe_line(line, look, tables[line.table] if line.table else table, columns)
             for line, look in zip(panel.lines, line_looks(panel), strict=True)
         ],
         "levels": levels,

@@ -55,7 +55,7 @@ def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> 
         grid = figure.subplots(count, 1, squeeze=False, sharex=count > 1, height_ratios=heights)[:, 0]
     common = _has_common_legend(chart, tables)
     for place, (axes, panel) in enumerate(zip(grid, chart.panels, strict=True)):
-        _draw_panel(axes, panel, tables[panel.table or chart.table])
+        _draw_panel(axes, panel, tables[panel.table or chart.table], tables)
         if isinstance(panel, Lines) and not common and _names(panel, tables[panel.table or chart.table]):
             _legend(axes, panel, columns=2 if chart.side_by_side else 4)
         if not chart.side_by_side and place < count - 1:
@@ -73,13 +73,15 @@ def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> 
 def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mapping[str, Table]) -> None:
     """Places panels one above the other by known sizes [inch]; measuring each text would take half of the time."""
     width, height = figure.get_size_inches()
-    named = [not isinstance(p, Lines) or bool(_names(p, tables[p.table or chart.table])) for p in chart.panels]
+    named = [
+        -(-len(_names(p, tables[p.table or chart.table])) // 4) if isinstance(p, Lines) else 1 for p in chart.panels
+    ]
     longest = max(
         (len(str(n)) for p in chart.panels if isinstance(p, Bars) for n in tables[p.table or chart.table][p.names]),
         default=0,
     )
     left = max(LEFT, 0.15 + LETTER * longest)
-    above = [ABOVE * (each or bool(panel.title)) + GAP for each, panel in zip(named, chart.panels, strict=True)]
+    above = [ABOVE * max(each, bool(panel.title)) + GAP for each, panel in zip(named, chart.panels, strict=True)]
     free = height - BELOW - sum(above)
     top, heights = height, sum(panel.height for panel in chart.panels)
     figure.set_layout_engine("none")
@@ -95,9 +97,9 @@ def _is_beside(panel: Panel) -> bool:
     return isinstance(panel, Lines) and (bool(panel.legend) or len(panel.lines) > MOST_ABOVE)
 
 
-def _draw_panel(axes: "Axes", panel: Panel, table: Table) -> None:
+def _draw_panel(axes: "Axes", panel: Panel, table: Table, tables: Mapping[str, Table]) -> None:
     if isinstance(panel, Lines):
-        _draw_lines(axes, panel, table)
+        _draw_lines(axes, panel, table, tables)
     elif isinstance(panel, Bars):
         _draw_bars(axes, panel, table)
     else:
@@ -107,8 +109,13 @@ def _draw_panel(axes: "Axes", panel: Panel, table: Table) -> None:
 
 
 def line_label(line: Line, table: Table) -> str:
-    """What a line is called."""
+    """What a line is called; one of another table than that of its panel has a label of its own."""
     return line.label or table.columns[line.y].label
+
+
+def line_columns(panel: Lines, table: Table, tables: Mapping[str, Table]) -> list[Column]:
+    """The columns of y that a panel draws."""
+    return [(tables[line.table] if line.table else table).columns[line.y] for line in panel.lines]
 
 
 def axis_label(columns: Sequence[Column], label: str = "") -> str:
@@ -185,10 +192,12 @@ def _common_legend(figure: "Figure", grid: Sequence["Axes"], panels: Sequence[Pa
     figure.legend(list(found.values()), list(found), **place)
 
 
-def _draw_lines(axes: "Axes", panel: Lines, table: Table) -> None:
+def _draw_lines(axes: "Axes", panel: Lines, table: Table, tables: Mapping[str, Table]) -> None:
     for line, look in zip(panel.lines, line_looks(panel), strict=True):
-        _draw_line(axes, line, table, look, _rows_in_view(panel, line, table))
-    x, y = table.columns[panel.lines[0].x], [table.columns[line.y] for line in panel.lines]
+        own = tables[line.table] if line.table else table
+        _draw_line(axes, line, own, look, _rows_in_view(panel, line, own))
+    y = line_columns(panel, table, tables)
+    x = (tables[panel.lines[0].table] if panel.lines[0].table else table).columns[panel.lines[0].x]
     for level in panel.levels:
         _draw_level(axes, level, column_unit(x if level.upright else y[0]))
     axes.set_xlabel(axis_label([x], panel.x_label))
@@ -282,13 +291,15 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
             texts = [str(table[panel.texts][row]) for row in rows][::-1]
         axes.bar_label(bars, texts, padding=3, fontsize=7.0, color=Colour.INK)
     axes.set_yticks(range(len(rows)), names)
-    axes.set_xlabel(axis_label([table.columns[key] for key in panel.values]))
+    axes.set_xlabel(axis_label([table.columns[key] for key in panel.values], panel.label))
     axes.grid(axis="y", visible=False)
     axes.tick_params(axis="y", length=0)
     spans = [each.dataLim for each in axes.get_shared_x_axes().get_siblings(axes)]
     low, high = min(span.x0 for span in spans), max(span.x1 for span in spans)
     axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
-    if len(panel.values) > 1:
+    spec = axes.get_subplotspec()
+    names_are_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
+    if len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):
         above = 1.12 if panel.title else 1.0
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
 

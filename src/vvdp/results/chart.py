@@ -60,7 +60,8 @@ def shades(count: int) -> list[str]:
 class Line:
     """A line through two columns. `rows` are those of the table that it goes through, all where there are none.
 
-    `low` and `high` name the columns of a band around it. Without a colour the next free one is taken.
+    `low` and `high` name the columns of a band around it. Without a colour the next free one is taken. `table` is that
+    of its columns, where it is not that of the panel.
     """
 
     x: str
@@ -72,6 +73,7 @@ class Line:
     width: float = 1.3
     low: str = ""
     high: str = ""
+    table: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,6 +124,8 @@ class Bars:
     labels: tuple[str, ...] = ()
     texts: str = ""
     """A text column that stands behind the bars."""
+    label: str = ""
+    """What stands at the axis, where the columns have several labels."""
     colours: tuple[str, ...] = ()
     title: str = ""
     rows: tuple[int, ...] = ()
@@ -173,7 +177,8 @@ class Chart:
     @property
     def tables(self) -> set[str]:
         """The tables that are drawn."""
-        return {panel.table or self.table for panel in self.panels}
+        own = {line.table for panel in self.panels if isinstance(panel, Lines) for line in panel.lines}
+        return {panel.table or self.table for panel in self.panels} | own - {""}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,6 +4,7 @@ A kind gives the unit, so nothing is read back from a key; a key ends with the S
 (`base.display.key_suffix`), since files outlive their context, and a key that contradicts its kind is refused.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -125,13 +126,14 @@ class Badge:
 class Section:
     """A part of a page: words, then the charts, listings and tables that `shows` names, in this order.
 
-    `starts_page` is whether it begins on a new sheet of paper.
+    `starts_page` is whether it begins on a new sheet of paper; `text` stands at the end as it is, such as a file.
     """
 
     title: str
     words: tuple[str, ...] = ()
     shows: tuple[str, ...] = ()
     starts_page: bool = False
+    text: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,8 +182,8 @@ class Result:
 
 
 def json_value(number: Number) -> float | bool | int:
-    """A number as JSON has it: a flag as true or false, a count as a whole number."""
-    if number.kind is FLAG:
+    """A number as JSON has it: a flag as true or false, a count as a whole number; what is not known stays nan."""
+    if number.kind is FLAG and math.isfinite(number.value):
         return bool(number.value)
     is_count = number.kind.name == "count" and float(number.value).is_integer()
     return int(number.value) if is_count else float(number.value)

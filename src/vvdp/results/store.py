@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import StrEnum
 from pathlib import Path
-from types import UnionType
+from types import MappingProxyType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -34,10 +34,16 @@ GAUGE = " [gauge]"
 T = TypeVar("T")
 
 
-def write_result(folder: Path, result: Result, system: str, command: Sequence[str] = ()) -> None:
+def write_result(
+    folder: Path,
+    result: Result,
+    system: str,
+    command: Sequence[str] = (),
+    more: Mapping[str, Any] = MappingProxyType({}),
+) -> None:
     """Writes a result into `folder`, with the text of the resolved `system`; every file is whole or absent.
 
-    `command` is what was typed, word by word.
+    `command` is what was typed, word by word; `more` is added to meta.json.
     """
     for name, table in result.tables.items():
         write_whole(folder / f"{name}.csv", table_text(table))
@@ -45,7 +51,7 @@ def write_result(folder: Path, result: Result, system: str, command: Sequence[st
         write_whole(folder / "system.toml", system)
     write_json(folder / DESCRIPTION, {"format": FORMAT, **_content(result)})
     meta = {"vvdp": vvdp.__version__, "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"), "command": list(command)}
-    write_json(folder / "meta.json", meta)
+    write_json(folder / "meta.json", meta | dict(more))
 
 
 def is_result(directory: Path) -> bool:

@@ -2,6 +2,8 @@
 
 The comparator works all the time and a counter counts its edges; only the counter is read at samples. When each edge
 passes is found on the cubic through both ends of the interval. Derived in docs/models/encoder.md.
+
+Source  ours, docs/models/encoder.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -137,10 +139,7 @@ class EncoderMemory(NamedTuple):
 
 
 def edge_deviation(encoder: Encoder) -> float:
-    """Standard deviation of the angle at which an edge is seen, from the noise of the light [rad]: sigma w (strip).
-
-    Source  ours, docs/models/encoder.md
-    """
+    """Standard deviation of the angle at which an edge is seen, from the noise of the light [rad]: sigma w (strip)."""
     return encoder.noise * ramp_width(encoder.spot)
 
 
@@ -164,10 +163,7 @@ def sample_times(rate: float, phase: float, until: float, drift: float = 0.0) ->
 
 
 def apparent_angle(angle: float, faults: Faults) -> float:
-    """Angle that an eccentric wheel shows, theta + e sin(theta - direction) [rad].
-
-    Source  ours, docs/models/encoder.md
-    """
+    """Angle that an eccentric wheel shows, theta + e sin(theta - direction) [rad]."""
     shown: float = angle + faults.eccentricity * np.sin(angle - faults.eccentric_direction)
     return shown
 
@@ -197,10 +193,7 @@ def crossing_angle(number: float, direction: float, threshold: float, disturbanc
 def crossing_time(
     goal: float, time: float, angle: float, speed: float, next_time: float, next_angle: float, next_speed: float
 ) -> float:
-    """When the cubic through both ends of an interval passes the angle `goal` [s], by bisection.
-
-    Source  ours, docs/models/encoder.md
-    """
+    """When the cubic through both ends of an interval passes the angle `goal` [s], by bisection."""
     h = next_time - time
     low, high = 0.0, 1.0
     rising = next_angle >= angle

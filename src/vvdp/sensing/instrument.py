@@ -1,6 +1,8 @@
 """An instrument for any quantity: from a value at a sample to the number that a program reads.
 
 Lag, offset, noise, resolution and range, in this order, and two faults. Derived in docs/models/instrument.md.
+
+Source  ours, docs/models/instrument.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
@@ -95,8 +97,6 @@ def instrument_step(
 
     t      time of the sample [s]
     value  what is there
-
-    Source  ours, docs/models/instrument.md
     """
     followed = value
     if memory.started > 0.0:
@@ -130,8 +130,6 @@ def lagged_value(followed: float, before: float, value: float, interval: float, 
     value     v, now
     interval  h between the two [s]
     lag       tau [s]
-
-    Source  ours, docs/models/instrument.md
     """
     if lag <= 0.0 or interval <= 0.0:
         return value if lag <= 0.0 else followed

@@ -1,4 +1,7 @@
-"""The light spot on the code wheel, and the wave that the photodiode makes of it."""
+"""The light spot on the code wheel, and the wave that the photodiode makes of it.
+
+Source  ours, docs/models/encoder.md, where a function names no other.
+"""
 
 import numpy as np
 
@@ -24,10 +27,7 @@ class LightSpot(Params):
 
 
 def ramp_width(spot: LightSpot) -> float:
-    """Angle over which an edge of the wheel crosses the spot [rad]: width over track radius.
-
-    Source  ours, docs/models/encoder.md
-    """
+    """Angle over which an edge of the wheel crosses the spot [rad]: width over track radius."""
     return spot.width / spot.track_radius
 
 
@@ -38,8 +38,6 @@ def spot_share(distance: float, roundness: float) -> float:
 
     distance   x, of the spot's middle beyond the edge over the spot's width; the spot is swept from -0.5 to 0.5
     roundness  0 for a strip, 1 for a disc
-
-    Source  ours, docs/models/encoder.md
     """
     x = clip(2.0 * distance, -1.0, 1.0)
     disc: float = 0.5 + (np.arcsin(x) + x * np.sqrt(1.0 - x * x)) / np.pi
@@ -50,8 +48,6 @@ def swept_distance(share: float, roundness: float) -> float:
     """Distance at which an edge has swept a `share` of the spot, over the spot's width [1]; inverse of `spot_share`.
 
     A fixed number of Newton steps from the strip's value; to rounding for shares of 0.01 to 0.99.
-
-    Source  ours, docs/models/encoder.md
     """
     x = clip(share, 0.0, 1.0) - 0.5
     if roundness == 0.0:
@@ -67,8 +63,6 @@ def photodiode_signal(angle: float, wheel: CodeWheel, spot: LightSpot) -> float:
     """Share of the spot that lies on bright sectors, 0 to 1 [1]; holds also where sectors are narrower than the spot.
 
     angle  of the spot's middle on the wheel [rad]
-
-    Source  ours, docs/models/encoder.md
     """
     w = ramp_width(spot)
     rest: float = angle - TURN * np.floor(angle / TURN)

@@ -2,6 +2,8 @@
 
 Edges are counted along the unwrapped angle. Edge number m lies at the angle of edge m mod n plus a full turn for every
 n edges; a rising edge (dark to bright in the forward direction) has an even number, a falling one an odd number.
+
+Source  ours, docs/models/encoder.md, where a function names no other.
 """
 
 from collections.abc import Sequence
@@ -69,20 +71,14 @@ def sector_widths(wheel: CodeWheel) -> tuple[float, ...]:
 
 
 def edge_angle(number: float, wheel: CodeWheel) -> float:
-    """Unwrapped angle of edge `number` [rad].
-
-    Source  ours, docs/models/encoder.md
-    """
+    """Unwrapped angle of edge `number` [rad]."""
     n = len(wheel.edges)
     turns: float = np.floor(number / n)
     return TURN * turns + wheel.edges[int(number - n * turns)]
 
 
 def edge_below(angle: float, wheel: CodeWheel) -> float:
-    """Number of the last edge at or below an unwrapped angle [rad].
-
-    Source  ours, docs/models/encoder.md
-    """
+    """Number of the last edge at or below an unwrapped angle [rad]."""
     n = len(wheel.edges)
     turns: float = np.floor(angle / TURN)
     rest, passed = angle - TURN * turns, -1.0
@@ -92,18 +88,12 @@ def edge_below(angle: float, wheel: CodeWheel) -> float:
 
 
 def edge_polarity(number: float) -> float:
-    """+1 for a rising edge, -1 for a falling one.
-
-    Source  ours, docs/models/encoder.md
-    """
+    """+1 for a rising edge, -1 for a falling one."""
     return 1.0 - 2.0 * (number % 2.0)
 
 
 def nearest_edge(angle: float, polarity: float, wheel: CodeWheel) -> float:
-    """Number of the edge of that polarity (0: of either) closest to an unwrapped angle [rad].
-
-    Source  ours, docs/models/encoder.md
-    """
+    """Number of the edge of that polarity (0: of either) closest to an unwrapped angle [rad]."""
     below = edge_below(angle, wheel)
     best, distance = below, np.inf
     for i in range(4):

@@ -127,11 +127,13 @@ def _exp2(code: Code, e: Vector, rest: Vector, scaled: Callable[[Code, Vector, V
 
 
 def exp(code: Code, x: Vector) -> Vector:
+    """e to the power of x."""
     p, shifted = _exp_rest(code, _between(x, -750.0, 750.0))
     return _scaled(code, 1.0 + p, shifted)
 
 
 def expm1(code: Code, x: Vector) -> Vector:
+    """e to the power of x, less 1, without cancellation close to zero."""
     p, shifted = _exp_rest(code, _between(x, -50.0, 750.0))
     n = shifted - ROUNDING
     inverse = _power_of_2(code, ROUNDING - _between(n, -100.0, 100.0))
@@ -147,11 +149,13 @@ def _exp_rest(code: Code, x: Vector) -> tuple[Vector, Vector]:
 
 
 def log(code: Code, x: Vector) -> Vector:
+    """The natural logarithm; NaN below zero."""
     k, m = _split_tiny(code, x)
     return _log_ends(_log_sum(code, k, m - 1.0), x, x)
 
 
 def log1p(code: Code, x: Vector) -> Vector:
+    """ln(1 + x), without cancellation close to zero."""
     u = x + 1.0
     back = u - 1.0
     lost = (1.0 - (u - back)) + (x - back)
@@ -175,14 +179,17 @@ def _log_ends(result: Vector, argument: Vector, given: Vector) -> Vector:
 
 
 def sin(code: Code, x: Vector) -> Vector:
+    """The sine of x [rad]."""
     return _with_far(code, "sin", x, _turned(code, x, 0))
 
 
 def cos(code: Code, x: Vector) -> Vector:
+    """The cosine of x [rad]."""
     return _with_far(code, "cos", x, _turned(code, x, 1))
 
 
 def tan(code: Code, x: Vector) -> Vector:
+    """The tangent of x [rad]."""
     return _with_far(code, "tan", x, _turned(code, x, 0) / _turned(code, x, 1))
 
 
@@ -209,11 +216,13 @@ def _turned(code: Code, x: Vector, quarters: int) -> Vector:
 
 
 def tanh(code: Code, x: Vector) -> Vector:
+    """The hyperbolic tangent."""
     e = expm1(code, -2.0 * abs(x))
     return code.call("copysign", e / (e + 2.0), x)
 
 
 def atan(code: Code, x: Vector) -> Vector:
+    """The angle [rad] with the tangent x; each lane by the C library."""
     return code.scalar("atan", x)
 
 

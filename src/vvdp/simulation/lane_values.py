@@ -29,6 +29,7 @@ class Code:
         return value if isinstance(value, Vector) else self.constants([float(value)] * self.width)
 
     def constants(self, values: Sequence[float]) -> "Vector":
+        """A vector with these numbers in its lanes."""
         return Vector(self, self._constant(DOUBLE, list(values)))
 
     def whole(self, value: int) -> Any:

@@ -18,12 +18,15 @@ class Classes:
         self.names: dict[type, str] = {}
 
     def name(self, cls: type) -> str:
+        """The name of a class; a new one where it has none yet."""
         return self.names.setdefault(cls, f"T{len(self.names)}_{cls.__name__}")
 
     def tuples(self) -> Iterator[tuple[str, type]]:
+        """Name and class of every NamedTuple."""
         return ((name, cls) for cls, name in self.names.items() if not dataclasses.is_dataclass(cls))
 
     def records(self) -> Iterator[tuple[str, type]]:
+        """Name and class of every dataclass, that is of every parameter class."""
         return ((name, cls) for cls, name in self.names.items() if dataclasses.is_dataclass(cls))
 
     def heading(self) -> list[str]:

@@ -15,10 +15,12 @@ from types import FrameType
 import numpy as np
 
 import vvdp
+from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, RunError
-from vvdp.base.kinds import PRESSURE_LEVEL
+from vvdp.base.kinds import NUMBER, Kind
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, copied, nearest, with_settings
+from vvdp.results.result import Column
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.layout import case_form
 from vvdp.simulation.link import link, quiet
@@ -26,12 +28,13 @@ from vvdp.simulation.outcome import Outcome, Window, outcome
 from vvdp.simulation.run import compiled_loop, simulate
 from vvdp.simulation.values import flat, form, leaf_paths
 from vvdp.studies.engine import HERE, Engine
-from vvdp.studies.results import Column, Failure, StudyResults
+from vvdp.studies.results import Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
 from vvdp.studies.work import Batching, check_same, kept_batches
+from vvdp.systems.quantities import quantities
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.summary import simulated_summary, summary_unit
+from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System, lasting, load_system
 
 
@@ -48,7 +51,7 @@ class _Planned:
     key: str
     group: str
     digest: str
-    inputs: Mapping[str, tuple[float | str, str]]
+    inputs: Mapping[str, tuple[float | str, Kind]]
 
 
 def run_study(
@@ -193,17 +196,15 @@ def _names(form: Hashable) -> bytes:
     return repr(list(leaf_paths(form))).encode()
 
 
-def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, str]]:
-    """Value [SI] and unit of what a case sets; text for a value that changes over time or is none."""
+def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, Kind]]:
+    """Value [SI] and kind of what a case sets; text for a value that changes over time or is none."""
     rows = {f"{row.table}.{row.key}": row for row in system.rows}
-    return {key: _input(rows[key]) if key in rows else (str(value), "1") for key, value in settings.items()}
+    return {key: _input(rows[key]) if key in rows else (str(value), NUMBER) for key, value in settings.items()}
 
 
-def _input(row: Sourced) -> tuple[float | str, str]:
+def _input(row: Sourced) -> tuple[float | str, Kind]:
     value = row.value.base if isinstance(row.value, Signal) and row.value.is_constant else row.value
-    if isinstance(value, Signal | tuple):
-        return row.displayed, "1"
-    return value, "Pa absolute" if row.kind is PRESSURE_LEVEL else row.kind.unit
+    return (row.displayed if isinstance(value, Signal | tuple) else value), row.kind
 
 
 def _check_outputs(study: Study, base: System) -> None:
@@ -273,11 +274,17 @@ def _results(
         rows.append(row)
     names = list(dict.fromkeys(key for case in planned for key in case.inputs))
     unset = _inputs(base, dict.fromkeys(names, ""))
+    known = quantities(base)
     return StudyResults(
+        study=study,
+        system=base,
         directory=directory,
-        inputs={name: _column([case.inputs.get(name, unset[name]) for case in planned]) for name in names},
+        inputs={name: _column(name, [case.inputs.get(name, unset[name]) for case in planned]) for name in names},
         outputs={
-            name: Column(np.array([float(row.get(name, np.nan)) for row in rows]), summary_unit(name))
+            name: Column(
+                np.array([float(row.get(name, np.nan)) for row in rows]),
+                *known.get(name, (NUMBER, name.replace("_", " "))),
+            )
             for name in study.outputs
         },
         failures=tuple(failures),
@@ -287,11 +294,12 @@ def _results(
     )
 
 
-def _column(values: Sequence[tuple[float | str, str]]) -> Column:
+def _column(name: str, values: Sequence[tuple[float | str, Kind]]) -> Column:
     numbers = [value for value, _ in values if not isinstance(value, str)]
     if len(numbers) == len(values):
-        return Column(np.array(numbers, float), values[0][1])
-    return Column(np.array([value if isinstance(value, str) else f"{value:g} {unit}" for value, unit in values]), "1")
+        return Column(np.array(numbers, float), values[0][1], name)
+    texts = [value if isinstance(value, str) else value_text(value, kind) for value, kind in values]
+    return Column(np.array(texts), None, name)
 
 
 @contextmanager

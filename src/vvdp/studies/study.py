@@ -34,7 +34,7 @@ import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import TIME
-from vvdp.base.tables import Table, read_table
+from vvdp.base.tables import Table, fault_at, read_table
 from vvdp.base.units import number_and_unit, parsed
 from vvdp.systems.system import System, shipped
 
@@ -117,6 +117,7 @@ class Study:
     outputs: Sequence[str]
     settings: Sequence[str] = ()
     until: str | None = None
+    title: str = ""
 
     @property
     def cases(self) -> list[Settings]:
@@ -137,76 +138,90 @@ def load_study(path: Path | str) -> Study:
     """The study that a file describes. Raises ConfigError with all its faults."""
     path = Path(path)
     table = read_table(path)
-    content, faults = table.content, _Faults(table)
+    content, faults = table.content, list[Fault]()
     for key in content:
-        if key not in ("title", "system", "until", "outputs", "settings", "grid", "random", "cases"):
-            faults.add(key, "unknown key; expected title, system, until, outputs, settings, grid, random or cases")
-    system = content.get("system")
-    if not isinstance(system, str) or not system:
-        faults.add("system", f"{system!r}; expected the name of a shipped system or of a file")
-        system = ""
-    if system not in shipped() and (beside := path.parent / system).is_file():
-        system = str(beside)
-    until = content.get("until")
-    if until is not None and not isinstance(until, str):
-        faults.add("until", f'{until!r}; expected a time, for example "0.5 s"')
-    elif until is not None:
-        try:
-            parsed(until, TIME)
-        except ParameterError as problem:
-            faults.add("until", str(problem))
+        if key not in KEYS:
+            faults.append(fault_at(table, key, f"unknown key; expected {', '.join(KEYS[:-1])} or {KEYS[-1]}"))
+    system = _system(path, table, faults)
+    until = _until(table, faults)
     outputs = content.get("outputs")
     if not isinstance(outputs, list) or not outputs or not all(isinstance(word, str) for word in outputs):
-        faults.add("outputs", f'{outputs!r}; expected a list of keys of a summary, for example ["efficiency"]')
-    settings = _flattened(content, "settings", faults)
-    grid = _flattened(content, "grid", faults)
-    for key, values in grid.items():
-        if not isinstance(values, list) or not values:
-            faults.add(f"grid.{key}", f"{values!r}; expected a list of values")
-    for key, value in settings.items():
-        if isinstance(value, list | bool):
-            faults.add(f"settings.{key}", f"{value!r}; expected a value")
-    random = _random(content["random"], grid, faults) if "random" in content else None
-    cases = content.get("cases")
-    if cases is not None:
-        if not isinstance(cases, list) or not cases or not all(isinstance(case, dict) and case for case in cases):
-            faults.add("cases", "expected tables [[cases]], each with the values of one case")
-            cases = [{}]
-        if "grid" in content or "random" in content:
-            faults.add("cases", "contradicts grid and random; write the cases out or have them made")
-        cases = [_joined(case) for case in cases]
-    elif not grid and random is None:
-        faults.add("", "nothing is varied; expected [grid], [random] or [[cases]]")
-    faults.refuse()
-    variations: Variations = cases if cases is not None else random if random is not None else grid
+        message = f'{outputs!r}; expected a list of keys of a summary, for example ["efficiency"]'
+        faults.append(fault_at(table, "outputs", message))
+        outputs = []
+    settings = _settings(table, faults)
+    variations = _variations(table, faults)
+    if faults:
+        raise ConfigError(faults)
     common = {key: value for key, value in settings.items() if isinstance(value, Mapping)}
     if common:  # a signal: every case carries it, in the form of the file
-        made = Study(system, variations, ()).cases
-        variations = [{**common, **case} for case in made]
-    written = [f"{key}={value}" for key, value in settings.items() if key not in common]
-    return Study(system, variations, tuple(outputs or ()), tuple(written), until)
+        variations = [{**common, **case} for case in Study(system, variations, ()).cases]
+    plain = tuple(f"{key}={value}" for key, value in settings.items() if key not in common)
+    return Study(system, variations, tuple(outputs), plain, until, str(content.get("title", "")))
 
 
-class _Faults:
-    """The faults of a study file, each with its line."""
-
-    def __init__(self, table: Table) -> None:
-        self.table = table
-        self.found: list[Fault] = []
-
-    def add(self, key: str, message: str) -> None:
-        """Notes a fault; the line is that of the key, or of the table that it stands in."""
-        lines, words = self.table.lines, key.split(".")
-        shorter = (".".join(words[:count]) for count in range(len(words), 0, -1))
-        line = next((lines[part] for part in shorter if part in lines), 0)
-        self.found.append(Fault(self.table.place, line, key, message))
-
-    def refuse(self) -> None:
-        """Raises ConfigError where anything is wrong."""
-        if self.found:
-            raise ConfigError(self.found)
+def _system(path: Path, table: Table, faults: list[Fault]) -> str:
+    """The name of a shipped system, or the path of a file beside that of the study."""
+    system = table.content.get("system")
+    if not isinstance(system, str) or not system:
+        faults.append(fault_at(table, "system", f"{system!r}; expected the name of a shipped system or of a file"))
+        return ""
+    return str(beside) if system not in shipped() and (beside := path.parent / system).is_file() else system
 
 
+def _until(table: Table, faults: list[Fault]) -> str | None:
+    until = table.content.get("until")
+    if until is None or (isinstance(until, str) and _is_time(until, table, faults)):
+        return until
+    if not isinstance(until, str):
+        faults.append(fault_at(table, "until", f'{until!r}; expected a time, for example "0.5 s"'))
+    return None
+
+
+def _is_time(text: str, table: Table, faults: list[Fault]) -> bool:
+    try:
+        parsed(text, TIME)
+    except ParameterError as problem:
+        faults.append(fault_at(table, "until", str(problem)))
+        return False
+    return True
+
+
+def _settings(table: Table, faults: list[Fault]) -> dict[str, Any]:
+    settings = _flattened(table, "settings", faults)
+    for key, value in settings.items():
+        if isinstance(value, list | bool):
+            faults.append(fault_at(table, f"settings.{key}", f"{value!r}; expected a value"))
+    return settings
+
+
+def _variations(table: Table, faults: list[Fault]) -> Variations:
+    """What is varied: a grid, draws at each of its points, or cases that are written out."""
+    content = table.content
+    grid = _flattened(table, "grid", faults)
+    for key, values in grid.items():
+        if not isinstance(values, list) or not values:
+            faults.append(fault_at(table, f"grid.{key}", f"{values!r}; expected a list of values"))
+    random = _random(table, grid, faults) if "random" in content else None
+    if "cases" in content:
+        return _cases(table, faults)
+    if not grid and random is None:
+        faults.append(fault_at(table, "", "nothing is varied; expected [grid], [random] or [[cases]]"))
+    return random if random is not None else grid
+
+
+def _cases(table: Table, faults: list[Fault]) -> list[Settings]:
+    cases = table.content["cases"]
+    if not isinstance(cases, list) or not cases or not all(isinstance(case, dict) and case for case in cases):
+        faults.append(fault_at(table, "cases", "expected tables [[cases]], each with the values of one case"))
+        cases = []
+    if "grid" in table.content or "random" in table.content:
+        message = "contradicts grid and random; write the cases out or have them made"
+        faults.append(fault_at(table, "cases", message))
+    return [_joined(case) for case in cases]
+
+
+KEYS = ("title", "system", "until", "outputs", "settings", "grid", "random", "cases")
 VALUES = frozenset(("value", "step", "ramp", "sine", "table", "from", "uniform", "normal"))
 """Words of which a mapping has one where it is a value, and no table of values."""
 
@@ -223,50 +238,65 @@ def _joined(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     return found
 
 
-def _flattened(content: Mapping[str, Any], name: str, faults: _Faults) -> dict[str, Any]:
-    table = content.get(name, {})
-    if not isinstance(table, Mapping) or (name in content and not table):
-        faults.add(name, f"{table!r}; expected a table of values by table.key")
+def _flattened(table: Table, name: str, faults: list[Fault], path: str = "") -> dict[str, Any]:
+    """The values by `table.key` of the table `name`, which stands at `path` in the file."""
+    path = path or name
+    content: Any = table.content
+    for word in path.split("."):
+        content = content.get(word, {}) if isinstance(content, Mapping) else {}
+    if not isinstance(content, Mapping) or (name in table.content and not content):
+        faults.append(fault_at(table, path, f"{content!r}; expected a table of values by table.key"))
         return {}
-    found = _joined(table)
+    found = _joined(content)
     for key in found:
         if "." not in key:
-            faults.add(f"{name}.{key}", 'expected a key of the form "table.key"')
+            faults.append(fault_at(table, f"{path}.{key}", 'expected a key of the form "table.key"'))
     return found
 
 
-def _random(table: Any, grid: Mapping[str, Any], faults: _Faults) -> Random | None:
-    if not isinstance(table, Mapping):
-        faults.add("random", f"{table!r}; expected a table with count, seed and spreads")
+def _random(table: Table, grid: Mapping[str, Any], faults: list[Fault]) -> Random | None:
+    content = table.content["random"]
+    if not isinstance(content, Mapping):
+        faults.append(fault_at(table, "random", f"{content!r}; expected a table with count, seed and spreads"))
         return None
-    for key in table:
+    for key in content:
         if key not in ("count", "seed", "spreads"):
-            faults.add(f"random.{key}", "unknown key; expected count, seed or spreads")
-    count, seed = table.get("count"), table.get("seed")
+            faults.append(fault_at(table, f"random.{key}", "unknown key; expected count, seed or spreads"))
+    count, seed = content.get("count"), content.get("seed")
     if type(count) is not int or not 1 <= count <= 1_000_000:
-        faults.add("random.count", f"{count!r}; expected a whole number from 1 to 1000000")
+        faults.append(fault_at(table, "random.count", f"{count!r}; expected a whole number from 1 to 1000000"))
         count = 1
     if type(seed) is not int or seed < 0:
-        faults.add("random.seed", f"{seed!r}; expected a whole number, not negative")
+        faults.append(fault_at(table, "random.seed", f"{seed!r}; expected a whole number, not negative"))
         seed = 0
+    return Random(_spreads(table, grid, faults), count, seed, grid)
+
+
+def _spreads(table: Table, grid: Mapping[str, Any], faults: list[Fault]) -> dict[str, Uniform | Normal]:
     spreads: dict[str, Uniform | Normal] = {}
-    for key, words in _flattened(table, "spreads", faults).items():
+    entries = _flattened(table, "spreads", faults, "random.spreads")
+    for key, words in entries.items():
+        path = f"random.spreads.{key}"
         if key in grid:
-            faults.add(f"spreads.{key}", "stands in the grid as well")
-        match words:
-            case {"uniform": [str(low), str(high)], **rest} if not rest:
-                spread: Uniform | Normal = Uniform(low, high)
-            case {"normal": str(mean), "deviation": str(deviation), **rest} if not rest:
-                spread = Normal(mean, deviation)
-            case _:
-                message = "expected { uniform = [a, b] } or { normal = mean, deviation = s }, with units"
-                faults.add(f"random.spreads.{key}", f"{words!r}; {message}")
-                continue
+            faults.append(fault_at(table, path, "stands in the grid as well"))
         try:
-            spread.drawn(0.5)
+            spreads[key] = _spread(words)
         except ParameterError as problem:
-            faults.add(f"random.spreads.{key}", str(problem))
-        spreads[key] = spread
-    if not spreads:
-        faults.add("random.spreads", "missing; expected the spread of at least one value")
-    return Random(spreads, count, seed, grid)
+            faults.append(fault_at(table, path, str(problem)))
+    if not entries:
+        faults.append(fault_at(table, "random.spreads", "missing; expected the spread of at least one value"))
+    return spreads
+
+
+def _spread(words: Any) -> Uniform | Normal:
+    """The spread of a value. Raises ParameterError where it is none."""
+    match words:
+        case {"uniform": [str(low), str(high)], **rest} if not rest:
+            spread: Uniform | Normal = Uniform(low, high)
+        case {"normal": str(mean), "deviation": str(deviation), **rest} if not rest:
+            spread = Normal(mean, deviation)
+        case _:
+            message = "expected { uniform = [a, b] } or { normal = mean, deviation = s }, with units"
+            raise ParameterError(f"{words!r}; {message}")
+    spread.drawn(0.5)
+    return spread

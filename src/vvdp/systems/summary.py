@@ -18,23 +18,6 @@ from vvdp.systems.system import System
 CAVITATION_PRESSURE = 3e4
 """Below which oil is held to cavitate where a system says nothing else [Pa, absolute]."""
 
-UNITS = {
-    "_m3_s": "m^3/s",
-    "_rad_s": "rad/s",
-    "_m_s": "m/s",
-    "_Pa": "Pa gauge",
-    "_Hz": "Hz",
-    "_W": "W",
-    "_rad": "rad",
-    "_s": "s",
-    "_m": "m",
-}
-
-
-def summary_unit(key: str) -> str:
-    """The unit that a key of a summary ends with, `1` where there is none."""
-    return next((unit for ending, unit in UNITS.items() if key.endswith(ending)), "1")
-
 
 def summary(system: System, run: Run) -> Summary:
     """All results of a run as one flat table, SI units at the end of each key.

@@ -41,6 +41,10 @@ def bearing_force(eccentricity: float, spool_speed: float, viscosity: float, val
     viscosity     dynamic [Pa s]
 
     Source  ocvirk1952
+    Holds   for lands shorter than about half their diameter, and laminar films
+
+    >>> print(round(bearing_force(0.5, 150.0, 0.03, valve), 1))
+    531.8
     """
     e, l, c = eccentricity, valve.land_length, valve.radial_clearance
     free = 1.0 - e * e

@@ -1,6 +1,8 @@
 """One branch of the valve: nozzles, centre section and outlet turbine in series.
 
 Derived in docs/models/rotary-valve.md, "Branch law".
+
+Source  ours, docs/models/rotary-valve.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -130,6 +132,12 @@ def branch_drops(flow: float, opening: float, density: float, valve: RotaryValve
     density  [kg/m^3]
 
     Source  wang2017, eqs. 2.3 to 2.5; the smoothing is ours, docs/models/rotary-valve.md
+    Holds   for flow in either direction, and ports open by more than nothing
+    Error   above the turbulent drop by (eps/dp)^2/2, eps the transition pressure
+
+    >>> drops = branch_drops(6.3e-4, 1.0, 870.0, valve)
+    >>> print(*[round(drop / 1e5, 2) for drop in drops])  # bar
+    3.48 0.73 1.72
     """
     Q, e, eps = flow, 0.5 * valve.centre_flow_exponent - 1.0, valve.transition_pressure
     nozzle = nozzle_resistance(density, valve) / (opening * opening)
@@ -148,8 +156,6 @@ def power_near_one(base: float, exponent: float) -> float:
     Within 2e-3 of the power for bases 0.3 to 1 and exponents -0.15 to 0, within 1.5e-4 for bases above 0.5.
 
     base, exponent  [1]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     near = fraction_near_one(base, 1.0, exponent)
     return near.above / near.below
@@ -160,8 +166,6 @@ def fraction_near_one(above: float, below: float, exponent: float) -> Fractional
 
     above, below  of the base [1]
     exponent      [1]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     d, e = above - below, exponent
     ends, middle = 12.0 * below * below, 6.0 * below
@@ -187,8 +191,6 @@ def shut_flow(pressure_drop: float, law: BranchLaw) -> BranchFlow:
     """What `law_flow` comes to for a shut port: no flow, and the whole drop over the nozzles [m^3/s, 1].
 
     pressure_drop  from inlet rail to outlet port, either sign [Pa]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     dp, eps = pressure_drop, law.transition_pressure
     full_section_flow = dp / np.sqrt(np.sqrt(dp * dp + eps * eps) * law.nozzle)
@@ -211,8 +213,6 @@ def law_flow_compiled(pressure_drop: float, opening: float, law: BranchLaw) -> B
 
     pressure_drop  from inlet rail to outlet port, either sign [Pa]
     opening        open fraction of the branch's ports, 0 to 1 [1]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     if opening == 0.0:
         return shut_flow(pressure_drop, law)

@@ -3,6 +3,8 @@
 Quasi-steady: a relief valve without lag, constant pressures at load and tank, stiff oil. Holds at any duty ratio; the
 inlet pressure is found by bisection at each of many angles, so these functions are for maps and tables, not for the
 simulation's loop. See docs/models/rotary-valve.md, "Flow map".
+
+Source  ours, docs/models/rotary-valve.md, where a function names no other.
 """
 
 from typing import Any, NamedTuple
@@ -50,8 +52,6 @@ def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve, rel
     duty_ratio       axial position over helix length, any value [1]
     at               with the relief pressure highest
     relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     angle: Any = np.pi / valve.sections * (np.arange(ANGLES) + 0.5) / ANGLES
     openings = port_openings(angle, duty_ratio * valve.helix_length, valve)
@@ -81,8 +81,6 @@ def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve, reli
     duty_ratio       axial position over helix length, any value [1]
     at               with the relief pressure highest
     relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     cycle = quasi_steady_cycle(duty_ratio, at, valve, relief_override)
     load_flow, inlet = float(np.mean(cycle.load.flow)), float(np.mean(cycle.inlet_pressure))
@@ -107,8 +105,6 @@ def averaged_spool_speed(
     at               with the relief pressure highest
     viscosity        dynamic [Pa s]
     relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     cycle = quasi_steady_cycle(duty_ratio, at, valve, relief_override)
     at_rest = _mean_net_torque(cycle, 0.0, at.density, viscosity, valve)

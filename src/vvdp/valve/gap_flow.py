@@ -1,6 +1,8 @@
 """Cavitation at the nozzles, and what the oil in the clearance does besides sealing and dragging.
 
 Derived in docs/design.md, "Where the model leaves its range".
+
+Source  ours, docs/design.md, where a function names no other.
 """
 
 import numpy as np
@@ -16,6 +18,9 @@ def cavitation_number(upstream_pressure: float, downstream_pressure: float, cavi
     cavitation_pressure                     p_c, at which air or vapour comes out, absolute [Pa]
 
     Source  merritt1967, flow through orifices
+
+    >>> cavitation_number(11e5, 3e5, 1e5)
+    0.25
     """
     drop = maximum(upstream_pressure - downstream_pressure, 1.0)
     return (downstream_pressure - cavitation_pressure) / drop
@@ -27,8 +32,6 @@ def gap_reynolds_number(spool_speed: float, density: float, viscosity: float, va
     spool_speed  [rad/s]
     density      [kg/m^3]
     viscosity    dynamic [Pa s]
-
-    Source  ours, docs/design.md
     """
     return density * abs(spool_speed) * valve.spool_radius * valve.radial_clearance / viscosity
 
@@ -41,6 +44,10 @@ def taylor_number(spool_speed: float, density: float, viscosity: float, valve: R
     viscosity    dynamic [Pa s]
 
     Source  taylor1923
+    Holds   for a smooth clearance that is small against the radius, its outer wall at rest
+
+    >>> print(round(taylor_number(150.0, 870.0, 0.03, valve), 3))
+    0.022
     """
     slenderness: float = np.sqrt(valve.radial_clearance / valve.spool_radius)
     return gap_reynolds_number(spool_speed, density, viscosity, valve) * slenderness
@@ -56,8 +63,6 @@ def sheared_temperature_rise(
     spool_speed           [rad/s]
     viscosity             dynamic [Pa s]
     thermal_conductivity  of the oil [W/(m K)]
-
-    Source  ours, docs/design.md
     """
     u = spool_speed * valve.spool_radius
     return viscosity * u * u / (8.0 * thermal_conductivity)
@@ -75,7 +80,5 @@ def carried_temperature_rise(
     leakage_flow         q, above 0 [m^3/s]
     density              [kg/m^3]
     specific_heat        c_p [J/(kg K)]
-
-    Source  ours, docs/design.md
     """
     return (friction_power / leakage_flow + pressure_difference) / (density * specific_heat)

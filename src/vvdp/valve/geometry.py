@@ -1,6 +1,8 @@
 """How far the nozzles look into the load and the tank pockets of the spool, from its angle and its axial position.
 
 Derived in docs/models/rotary-valve.md, "Port openings".
+
+Source  ours, docs/models/rotary-valve.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -30,61 +32,40 @@ class PortShape(NamedTuple):
 
 
 def port_shape(valve: RotaryValve) -> PortShape:
-    """The shape of the ports, for many calls of `shape_openings`.
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """The shape of the ports, for many calls of `shape_openings`."""
     ramp = nozzle_width(valve) / pitch(valve)
     return PortShape(valve.sections, valve.helix_length, ramp, valve.lap_ratio * ramp)
 
 
 def pitch(valve: RotaryValve) -> float:
-    """Arc of one section on the spool surface [m]: 2 pi R / N.
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """Arc of one section on the spool surface [m]: 2 pi R / N."""
     return 2.0 * np.pi * valve.spool_radius / valve.sections
 
 
 def helix_slope(valve: RotaryValve) -> float:
-    """Axial rise of a barrier over its circumferential run, tan(alpha) = 2 L / pitch [1].
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """Axial rise of a barrier over its circumferential run, tan(alpha) = 2 L / pitch [1]."""
     return 2.0 * valve.helix_length / pitch(valve)
 
 
 def nozzle_width(valve: RotaryValve) -> float:
-    """Circumferential diagonal of one rhombic nozzle, d_c = sqrt(2 A_1 / tan(alpha)) with A_1 = A_in / N [m].
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """Circumferential diagonal of one rhombic nozzle, d_c = sqrt(2 A_1 / tan(alpha)) with A_1 = A_in / N [m]."""
     width: float = np.sqrt(2.0 * valve.nozzle_area / (valve.sections * helix_slope(valve)))
     return width
 
 
 def nozzle_length(valve: RotaryValve) -> float:
-    """Axial diagonal of one rhombic nozzle, d_a = d_c tan(alpha) [m].
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """Axial diagonal of one rhombic nozzle, d_a = d_c tan(alpha) [m]."""
     return nozzle_width(valve) * helix_slope(valve)
 
 
 def nozzle_hydraulic_diameter(valve: RotaryValve) -> float:
-    """Four times the area of one nozzle over its perimeter [m].
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """Four times the area of one nozzle over its perimeter [m]."""
     side: float = 0.5 * np.sqrt(nozzle_width(valve) ** 2.0 + nozzle_length(valve) ** 2.0)
     return valve.nozzle_area / valve.sections / side
 
 
 def barrier_width(valve: RotaryValve) -> float:
-    """Circumferential width of a barrier, lap ratio times nozzle width [m].
-
-    Source  ours, docs/models/rotary-valve.md
-    """
+    """Circumferential width of a barrier, lap ratio times nozzle width [m]."""
     return valve.lap_ratio * nozzle_width(valve)
 
 
@@ -105,8 +86,6 @@ def wedge_opening(distance: float, half_width: float, ramp: float) -> float:
     distance    of the nozzle's centre from the middle of the nearest wedge, 0 to 1/2 [pitches]
     half_width  of a wedge at the height of the nozzle's centre, may be negative [pitches]
     ramp        nozzle width [pitches]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     slope = 1.0 / ramp  # one division, which both ports share in compiled code
     entered: float = clip(0.5 + slope * (half_width + distance), 0.0, 1.0)
@@ -132,8 +111,6 @@ def port_openings(spool_angle: float, axial_position: float, valve: RotaryValve)
 
     spool_angle     any number of turns [rad]
     axial_position  0 is duty ratio 0, helix_length is duty ratio 1; any value [m]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     return shape_openings(spool_angle, axial_position, port_shape(valve))
 
@@ -143,8 +120,6 @@ def shape_openings(spool_angle: float, axial_position: float, shape: PortShape) 
 
     spool_angle     any number of turns [rad]
     axial_position  any value [m]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     turn = shape.sections * spool_angle / (2.0 * np.pi)
     distance = abs(turn - np.floor(turn + 0.5))
@@ -164,8 +139,6 @@ def port_edges(spool_angle: float, axial_position: float, shape: PortShape) -> P
 
     spool_angle     any number of turns [rad]
     axial_position  any value [m]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     turn = shape.sections * spool_angle / (2.0 * np.pi)
     distance = abs(turn - np.floor(turn + 0.5))

@@ -1,4 +1,7 @@
-"""Everything that is known of the valve at one flow and temperature."""
+"""Everything that is known of the valve at one flow and temperature.
+
+Source  ours, docs/models/rotary-valve.md, where a function names no other.
+"""
 
 from typing import NamedTuple
 
@@ -91,8 +94,6 @@ def nozzle_reynolds_number(flow: float, density: float, viscosity: float, valve:
     flow       [m^3/s]
     density    [kg/m^3]
     viscosity  dynamic [Pa s]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     return density * flow / valve.nozzle_area * nozzle_hydraulic_diameter(valve) / viscosity
 
@@ -102,8 +103,6 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
 
     set_point     with a flow > 0
     inlet_volume  between pump and ports [m^3]
-
-    Source  ours, docs/models/rotary-valve.md
     """
     Q, T, duty_ratio = set_point.flow, set_point.temperature, set_point.duty_ratio
     rho, mu = density(T, oil), dynamic_viscosity(T, oil)

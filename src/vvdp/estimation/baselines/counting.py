@@ -3,6 +3,8 @@
 The simple estimators have no model of the shaft. They count edges forward from where they believe to start, so an edge
 that was missed is not detected and leaves them a sector behind for good; deviations are unknown (NaN), `missed_edges`
 stays 0. Derived and compared in docs/models/simple-estimators.md.
+
+Source  ours, docs/models/simple-estimators.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -38,8 +40,6 @@ def counted(last: LastEdge, reading: Reading, wheel: CodeWheel) -> LastEdge:
     """The count after a sample; edges are only counted, from where the start has put them.
 
     Where the first edge has not the polarity that the start foretold, it is the `first_edge` that has.
-
-    Source  ours, docs/models/simple-estimators.md
     """
     if reading.edges == 0.0:
         return last
@@ -55,8 +55,6 @@ def overdue_speed(speed: float, last: LastEdge, time: float, wheel: CodeWheel) -
     The time that has passed for certain counts, from the end of the interval in which the last edge happened.
 
     time  now [s]
-
-    Source  ours, docs/models/simple-estimators.md
     """
     passed = time - last.time - 0.5 * last.interval
     sector = edge_angle(last.number + 1.0, wheel) - edge_angle(last.number, wheel)
@@ -66,10 +64,7 @@ def overdue_speed(speed: float, last: LastEdge, time: float, wheel: CodeWheel) -
 
 
 def carried_angle(speed: float, last: LastEdge, time: float, wheel: CodeWheel) -> float:
-    """The angle [rad] at `time`, from that of the last edge at `speed` [rad/s], within the sector that is counted.
-
-    Source  ours, docs/models/simple-estimators.md
-    """
+    """The angle [rad] at `time`, from that of the last edge at `speed` [rad/s], within the sector that is counted."""
     low, high = edge_angle(last.number, wheel), edge_angle(last.number + 1.0, wheel)
     return clip(last.angle + speed * (time - last.time), low, high)
 

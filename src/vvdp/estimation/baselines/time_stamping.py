@@ -1,6 +1,8 @@
 """A polynomial through the last time-stamped edges, carried on to the sample.
 
 The edges are only counted: see `counting`. Derived in docs/models/simple-estimators.md.
+
+Source  ours, docs/models/simple-estimators.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -35,10 +37,7 @@ class TimeStamping(Params):
 
 
 def time_stamping(wheel: CodeWheel, edges: float | None = None, order: float = 1.0) -> TimeStamping:
-    """Settings with a straight line through the edges of one turn.
-
-    Source  ours, docs/models/simple-estimators.md
-    """
+    """Settings with a straight line through the edges of one turn."""
     return TimeStamping(wheel=wheel, edges=float(len(wheel.edges)) if edges is None else edges, order=order)
 
 
@@ -103,10 +102,7 @@ def fitted_polynomial(times: Array, values: Array, size: int) -> Array:
 
 
 def polynomial(coefficients: Array, x: float) -> tuple[float, float]:
-    """Value and derivative of sum c_k x^k.
-
-    Source  ours, docs/models/simple-estimators.md
-    """
+    """Value and derivative of sum c_k x^k."""
     value, slope = 0.0, 0.0
     for k in range(coefficients.size - 1, -1, -1):
         slope = slope * x + value

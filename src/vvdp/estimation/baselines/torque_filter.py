@@ -2,6 +2,8 @@
 
 At a constant flow the spool's speed is a first-order lag, so that every interval is propagated exactly. The third
 spin is how much more torque there is than the model says. Derived in docs/models/torque-filter.md.
+
+Source  ours, docs/models/torque-filter.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
@@ -166,8 +168,6 @@ def pump_delivery(pump_speed: float, displacement: float, volumetric_efficiency:
     pump_speed             measured or commanded [rad/s]
     displacement           D [m^3/rad]
     volumetric_efficiency  eta_v [1]
-
-    Source  ours, docs/models/torque-filter.md
     """
     return volumetric_efficiency * displacement * pump_speed
 
@@ -190,8 +190,6 @@ def lag(duration: float, damping: float) -> Lag:
     """A first-order lag over `duration` [s] of either sign, and its integrals; damping [1/s].
 
     In closed form, or by its power series in x = a h where the closed form would lose digits.
-
-    Source  ours, docs/models/torque-filter.md
     """
     h, a = duration, damping
     x = a * h
@@ -243,8 +241,6 @@ def turned(
 
     acceleration_density  of w, q [rad^2/s^3]
     excess_density        of v, q_e [1/s]
-
-    Source  ours, docs/models/torque-filter.md
     """
     b, q, q_e = spin.drive, acceleration_density, excess_density
     E, f1, f2, f3, f11, f22 = lag(duration, spin.damping)
@@ -303,8 +299,6 @@ def widened(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: f
     """The belief when the torque may have changed suddenly `duration` [s] ago: P + V g g', g = (b f2, b f1, 1).
 
     excess_variance  V, of the change of the excess [1]
-
-    Source  ours, docs/models/torque-filter.md
     """
     past, P, V = lag(duration, spin.damping), belief.covariance, excess_variance
     g1, g2 = spin.drive * past.once, spin.drive * past.twice
@@ -342,8 +336,6 @@ def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed
     time   [s]
     angle  where the wheel stands, as far as is known [rad]
     speed  expected [rad/s]
-
-    Source  ours, docs/models/torque-filter.md
     """
     covariance = SpoolCovariance(
         angle=settings.angle_variance,

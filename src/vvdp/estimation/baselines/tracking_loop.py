@@ -1,6 +1,8 @@
 """A tracking loop of second order (PLL) that follows the count.
 
 The edges are only counted: see `counting`. Derived in docs/models/simple-estimators.md.
+
+Source  ours, docs/models/simple-estimators.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
@@ -31,10 +33,7 @@ class TrackingLoop(Params):
 
 
 def tracking_loop(wheel: CodeWheel, bandwidth: float = 50.0) -> TrackingLoop:
-    """Settings with a bandwidth of 50 rad/s, above the spool's own (1 / 28 ms), far below the edges' (2 pi 200/s).
-
-    Source  ours, docs/models/simple-estimators.md
-    """
+    """Settings with a bandwidth of 50 rad/s, above the spool's own (1 / 28 ms), far below the edges' (2 pi 200/s)."""
     return TrackingLoop(wheel=wheel, bandwidth=bandwidth)
 
 
@@ -60,8 +59,6 @@ def tracked(predicted: Tracked, error: float, duration: float, bandwidth: float)
     theta^ = omega^ + 2 b e, omega^ = b^2 e lie after h, so that it is stable and critically damped whatever b h.
 
     bandwidth  b [rad/s]
-
-    Source  ours, docs/models/simple-estimators.md
     """
     z = np.exp(-bandwidth * duration)
     return Tracked(predicted.angle + (1.0 - z * z) * error, predicted.speed + (1.0 - z) * (1.0 - z) * error / duration)
