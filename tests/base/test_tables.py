@@ -75,9 +75,9 @@ share = { value = "0.5", until = "1 s" }
     assert build(Prescribed, table.content["p"], "p", table, faults)[0] is None
     assert [(f.line, f.key) for f in faults] == [
         (2, "plate.lenght"),
+        (3, "plate.ratio"),
         (4, "plate.quoted key"),
         (1, "plate.length"),
-        (3, "plate.ratio"),
         (8, "p.temperature"),
         (9, "p.speed"),
         (10, "p.share"),

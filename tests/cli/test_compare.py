@@ -27,17 +27,18 @@ def test_what_there_is_is_listed(vvdp, here):
 def test_files_and_table(vvdp, here):
     answer = vvdp("compare", "estimators", *QUICK, "--out", "found")
     assert answer.code == 0, answer.err
-    assert "inverse-time" in answer.out and "24.7 Hz" in answer.out and "ns per sample" in answer.out
+    assert "inverse-time" in answer.out and "24.7 Hz" in answer.out and "time of a sample [ns]" in answer.out
     assert "sectors lost in" in answer.out
     assert "2 of 2 runs" in answer.err
     names = {path.name for path in (here / "found").rglob("*.*")}
     assert {
         "comparison.csv",
-        "comparison.json",
+        "result.json",
+        "estimators.csv",
         "traces.csv",
         "meta.json",
         "report.html",
-        "delay-and-cost.png",
+        "cost.svg",
     } <= names
     rows = list(csv.DictReader((here / "found" / "comparison.csv").open()))
     assert [row["estimator"] for row in rows] == ["inverse-time", "m-over-t"]
@@ -56,7 +57,7 @@ def test_the_example_of_the_guide_is_real(vvdp, here):
     """All but the times that it took, which are those of a machine."""
     guide = (DOCUMENTS / "command-line.md").read_text("utf-8")
     command, _, rest = guide.partition("    $ vvdp compare estimators ")[2].partition("\n")
-    shown = [line.strip() for line in rest.partition("speed in rad/s")[0].splitlines() if line.strip()]
+    shown = [line.strip() for line in rest.partition("errors are estimate")[0].splitlines() if line.strip()]
     answer = vvdp("compare", "estimators", *shlex.split(command))
     assert len(shown) == 5
     assert [line for line in shown if line not in {line.strip() for line in answer.out.splitlines()}] == []
@@ -72,18 +73,21 @@ def test_json_alone_on_stdout(vvdp, here, keys_as_described):
     answer = vvdp("compare", "estimators", *QUICK, "--json", "--rate", "2 kHz", "--sectors", "16")
     found = json.loads(answer.out)
     assert (found["rate_Hz"], found["sectors"], found["finished"]) == (2000.0, 16, True)
-    score = {key.removesuffix("_se") for key in found["scores"][0]} - {"scenario", "estimator"}
-    keys_as_described("compare estimators", found, score)
-    assert len(found["scores"]) == 2
+    keys_as_described("compare estimators", found)
+    assert len(found["comparison_scenario"]) == 2
     assert found["out"].startswith("results/compare-estimators-")
     assert (here / found["out"] / "comparison.csv").is_file()
+
+
+def _scores(found):
+    return {key: values for key, values in found.items() if key.startswith("comparison_")}
 
 
 def test_a_comparison_on_dask_is_the_comparison_here(vvdp, here):
     at_home = json.loads(vvdp("compare", "estimators", *QUICK, "--json").out)
     done = vvdp("compare", "estimators", *QUICK, "--json", "--on", "dask", "--workers", "1")
     assert done.code == 0, done.err
-    assert json.loads(done.out)["scores"] == at_home["scores"]
+    assert _scores(json.loads(done.out)) == _scores(at_home)
 
 
 @pytest.mark.parametrize(
@@ -121,5 +125,5 @@ def test_an_interrupt_keeps_what_is_done(vvdp, here, monkeypatch):
     answer = vvdp("compare", "estimators", *QUICK[:-1], "500", "--out", "found", "--cores", "1")
     assert answer.code == 130
     assert "interrupted after" in answer.err
-    assert json.loads((here / "found" / "comparison.json").read_text())["finished"] is False
+    assert json.loads((here / "found" / "result.json").read_text())["finished"] is False
     assert "Not all runs were made" in (here / "found" / "report.html").read_text("utf-8")

@@ -127,7 +127,7 @@ def test_the_page_of_a_design_can_be_written_anew(vvdp, here):
     assert page.read_bytes() == before
 
 
-@pytest.mark.parametrize(("file", "why"), [("geometry.toml", "holds no result"), ("design.json", "is damaged")])
+@pytest.mark.parametrize(("file", "why"), [("geometry.toml", "holds no result"), ("result.json", "is damaged")])
 def test_a_page_that_cannot_be_made_is_refused_with_a_reason(vvdp, here, file, why):
     Path("opt").mkdir()
     Path("opt", file).write_text("{}")

@@ -14,7 +14,20 @@ import pytest
 from vvdp.simulation.values import leaves, names
 from vvdp.systems.system import load_system, shipped
 
-PACKAGES = ("runs", "api", "studies", "steady", "rigs", "design", "comparison", "geometry", "logs", "report", "cli")
+PACKAGES = (
+    "runs",
+    "api",
+    "studies",
+    "steady",
+    "rigs",
+    "design",
+    "comparison",
+    "export",
+    "geometry",
+    "logs",
+    "report",
+    "cli",
+)
 HOLDERS = frozenset(
     ("state", "states", "params", "outputs", "books", "totals", "spent", "supplied", "tables")
     + ("command", "commands", "held", "memory", "settings")

@@ -264,7 +264,9 @@ def test_refused_designs_and_those_on_a_bound_by_hand(two):
     result = front_result(found, finished=True)
     assert result.tables["front"]["design"].tolist() == ["point-001", "point-002"]
     assert result.tables["refused"]["reason"].tolist() == ["it turns too slowly"]
-    assert result.tables["drawn"]["state"].tolist() == ["front", "front", "refused", "as it was"]
+    assert result.tables["before"]["pwm_frequency_Hz"] == pytest.approx([71.99], abs=0.01)
+    drawn = [line.table for line in result.charts["trade-offs"].panels[0].lines]
+    assert drawn == ["front", "refused", "before"]
     assert any("1 of these 2 designs has a variable on a bound" in each.text for each in result.findings)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vvdp.design.quantities import Quantities, key, quantities, setup
-from vvdp.design.variables import VARIABLES, changed, redesigned, value_in, written
+from vvdp.design.variables import VARIABLES, redesign, setting_text, value_in, with_variables
 from vvdp.systems.system import load_system
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.operating_point import SetPoint, operating_point
@@ -76,9 +76,9 @@ def test_driven_spool(prototype):
 def test_arrays_of_designs_are_single_designs(prototype):
     at = setup(prototype)
     values = {"spool_radius": np.array([0.01, 0.013]), "nozzle_area": np.array([3e-5, 5e-5])}
-    together = quantities(changed(at, values))
+    together = quantities(with_variables(at, values))
     for k in range(2):
-        alone = quantities(changed(at, {name: float(column[k]) for name, column in values.items()}))
+        alone = quantities(with_variables(at, {name: float(column[k]) for name, column in values.items()}))
         for name in Quantities._fields:
             found = np.broadcast_to(getattr(together, name), 2)[k]
             assert found == pytest.approx(getattr(alone, name), rel=1e-12), name
@@ -87,7 +87,7 @@ def test_arrays_of_designs_are_single_designs(prototype):
 def test_what_goes_with_a_variable(prototype):
     """Twice the radius: twice the friction area and jet radius, four times the mass; outlet areas keep their ratio."""
     valve = prototype.tables["valve"]
-    new = changed(setup(prototype), {"spool_radius": 2.0 * valve.spool_radius, "outlet_area": 93.6e-6}).valve
+    new = with_variables(setup(prototype), {"spool_radius": 2.0 * valve.spool_radius, "outlet_area": 93.6e-6}).valve
     assert new.friction_area == pytest.approx(2.0 * valve.friction_area)
     assert new.inlet_radius == new.outlet_radius == pytest.approx(2.0 * valve.spool_radius)
     assert new.spool_mass == pytest.approx(4.0 * valve.spool_mass)
@@ -97,8 +97,8 @@ def test_what_goes_with_a_variable(prototype):
 def test_a_redesigned_system_is_the_changed_setup(prototype):
     values = {"spool_radius": 0.011, "outlet_area": 9e-5, "helix_length": 0.025, "relief_pressure": 1.31e7,
               "inlet_volume": 4e-6}  # fmt: skip
-    system = redesigned(prototype, values, "test", "title")
-    new, expected = quantities(setup(system)), quantities(changed(setup(prototype), values))
+    system = redesign(prototype, values, "test", "title")
+    new, expected = quantities(setup(system)), quantities(with_variables(setup(prototype), values))
     for name in Quantities._fields:
         assert getattr(new, name) == pytest.approx(getattr(expected, name), rel=1e-9), name
     assert all(value_in(setup(system), name) == pytest.approx(value, rel=1e-9) for name, value in values.items())
@@ -109,7 +109,7 @@ def test_every_variable_is_written_so_that_it_is_read():
 
     for variable in VARIABLES.values():
         value = parsed(variable.kind.example, variable.kind) * 1.0123456789
-        assert parsed(written(value, variable.kind), variable.kind) == pytest.approx(value, rel=1e-9)
+        assert parsed(setting_text(value, variable.kind), variable.kind) == pytest.approx(value, rel=1e-9)
 
 
 def test_keys_end_in_their_unit():

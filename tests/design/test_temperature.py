@@ -169,7 +169,7 @@ def test_command_over_temperature(designing, tmp_path, keys_as_described):
 def test_command_over_temperature_for_a_person(designing):
     code, out, _ = designing("temperature", "prototype")
     assert code == 0
-    assert "warning: Reynolds number of the nozzles" in out
+    assert "warning: The model is in doubt: Reynolds number of the nozzles" in out
     code, _, err = designing("temperature", "prototype", "--from", "80 degC", "--to", "10 degC")
     assert code == 2
     assert "expected a range of temperatures" in err

@@ -7,7 +7,7 @@ import pytest
 
 from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.design.quantities import quantities, setup
-from vvdp.design.tolerance import scattered, spreads, tolerance
+from vvdp.design.tolerance import spreads, tolerance, with_inputs
 from vvdp.valve.branch import centre_resistance, nozzle_resistance, outlet_resistance
 
 
@@ -64,7 +64,7 @@ def test_frequency_is_the_closed_form_of_its_two_inputs(study, prototype):
     c, nu = (next(each for each in study.spreads if each.name == name) for name in ("radial_clearance", "viscosity"))
     share = (np.arange(400) + 0.5) / 400
     grid = quantities(
-        scattered(at, {"radial_clearance": c.drawn(share)[:, None], "viscosity": nu.drawn(share)[None, :]})
+        with_inputs(at, {"radial_clearance": c.drawn(share)[:, None], "viscosity": nu.drawn(share)[None, :]})
     ).pwm_frequency
     found = study.scatter["pwm_frequency"]
     assert found.deviation == pytest.approx(grid.std(), rel=5e-3)
@@ -91,7 +91,7 @@ def test_same_seed_same_study(prototype):
 
 def test_viscosity_keeps_the_ratio_of_its_two_temperatures(prototype):
     at = setup(prototype)
-    oil = scattered(at, {"viscosity": 1.1 * at.oil.viscosity_40}).oil
+    oil = with_inputs(at, {"viscosity": 1.1 * at.oil.viscosity_40}).oil
     assert oil.viscosity_100 == pytest.approx(1.1 * at.oil.viscosity_100)
 
 
@@ -175,7 +175,7 @@ def test_no_efficiency_where_nothing_is_delivered(designing):
 def test_few_samples_are_told(designing):
     code, out, _ = designing("tolerance", "prototype", "--samples", "16")
     assert code == 0
-    assert "warning: With 16 samples the shares of the variance are uncertain by up to " in out
+    assert "warning: In doubt: With 16 samples the shares of the variance are uncertain by up to " in out
     code, out, _ = designing("tolerance", "prototype", "--samples", "1024", "--json")
     assert code == 0
     assert json.loads(out)["warnings"] == []

@@ -20,9 +20,9 @@ from vvdp.logs.config import (
     Option,
     Stamps,
     Wave,
-    config_text,
     load_estimation,
 )
+from vvdp.logs.config_text import config_text
 from vvdp.sensing.wheel import equal_wheel, wheel_of_widths
 
 USUAL = Comparator(None, 0.25, True, False)

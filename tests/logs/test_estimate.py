@@ -531,7 +531,7 @@ def test_a_clock_in_place_of_edges_is_told(estimated):
     v = np.sin(SPEED * 4.0 * t)
     kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__edges="time")
     assert kept.findings[0].title == "An even clock in place of edges" and kept.findings[0].grade is Grade.BAD
-    assert "0.0001 s apart" in kept.findings[0].found and "'diode'" in kept.findings[0].remedy
+    assert "0.0001 s apart" in kept.findings[0].text and "'diode'" in kept.findings[0].remedy
     assert "An even clock in place of edges" not in titles(estimated(stamped(t[::50]), sensor__edges="edge"))
 
 

@@ -131,6 +131,9 @@ MEAN_POWER = Kind("mean power", "W", -1e12, 1e12, "750 W")
 EFFICIENCY = Kind("efficiency", "1", -1e300, 1e300, "61 %")
 LEVEL = Kind("level", "dB", -1e300, 1e300, "-3 dB")
 """A ratio of amplitudes in decibels."""
+ANGLE_ERROR = Kind("angle error", "rad", -1e300, 1e300, "0.1 rad", units=("rad", "deg"))
+SPEED_ERROR = Kind("speed error", "rad/s", -1e300, 1e300, "0.1 rad/s", units=("rad/s", "rpm"))
+SAMPLE_COST = Kind("computing time of a sample", "s", 0.0, 1e6, "60 ns")
 FLAG = Kind("flag", "1", 0.0, 1.0, "1")
 """Whether something holds: 1 or 0, shown as yes or no."""
 

@@ -11,7 +11,8 @@ import dataclasses
 import re
 import stat
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, get_origin
 
@@ -30,6 +31,7 @@ SET_BY_OPTION = 0
 """The line of a key that no file holds, but the command line."""
 
 T = TypeVar("T", bound=Params)
+V = TypeVar("V")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -154,6 +156,46 @@ def copied(content: Mapping[str, Any]) -> dict[str, Any]:
     return {key: copied(value) if isinstance(value, Mapping) else value for key, value in content.items()}
 
 
+def read_values(
+    readers: Mapping[str, Callable[[Any], V]], table: Mapping[str, Any], name: str, origin: Table, faults: list[Fault]
+) -> dict[str, V]:
+    """The values of one TOML table called `name`, by key, each as its reader makes it of what stands there.
+
+    A reader raises ParameterError where it cannot; that, and unknown keys, are appended to `faults`.
+    """
+    found: dict[str, V] = {}
+    for key, entry in table.items():
+        if key not in readers:
+            faults.append(fault_at(origin, f"{name}.{key}", f"unknown key{nearest(key, list(readers))}"))
+            continue
+        try:
+            found[key] = readers[key](entry)
+        except ParameterError as problem:
+            faults.append(fault_at(origin, f"{name}.{key}", str(problem)))
+    return found
+
+
+def read_text(entry: Any) -> str:
+    """A text that is not blank. Raises ParameterError."""
+    if not (isinstance(entry, str) and entry.strip()):
+        raise ParameterError(f"{entry!r}; expected a name in quotes")
+    return entry
+
+
+def read_flag(entry: Any) -> bool:
+    """True or false. Raises ParameterError."""
+    if not isinstance(entry, bool):
+        raise ParameterError(f"{entry!r}; expected true or false")
+    return entry
+
+
+def read_whole(entry: Any, low: int, high: int) -> int:
+    """A whole number from `low` to `high`. Raises ParameterError."""
+    if isinstance(entry, bool) or not isinstance(entry, int) or not low <= entry <= high:
+        raise ParameterError(f"{entry!r}; expected a whole number from {low} to {high}")
+    return entry
+
+
 def build(
     cls: type[T], table: Mapping[str, Any], name: str, origin: Table, faults: list[Fault]
 ) -> tuple[T | None, list[Sourced]]:
@@ -164,29 +206,22 @@ def build(
     """
     kinds, known, defaults = field_kinds(cls), field_types(cls), default_values(cls)
     before = len(faults)
-    for key in table:
-        if key not in kinds:
-            near = nearest(key, list(kinds))
-            faults.append(fault_at(origin, f"{name}.{key}", f"unknown key{near}"))
-    values: dict[str, Any] = {}
+    readers = {key: partial(_sourced, name, key, kind, known[key]) for key, kind in kinds.items()}
+    given = read_values(readers, table, name, origin, faults)
     rows: list[Sourced] = []
     for key, kind in kinds.items():
-        if key not in table and key in defaults:
-            if kind is not None:
-                rows.append(Sourced(name, key, defaults[key], kind, status="assumed", note="default"))
+        if key in given:
+            rows.append(given[key])
+        elif key in table:
             continue
-        if key not in table:
+        elif key not in defaults:
             example = f', for example "{kind.example}"' if kind else ""
             faults.append(fault_at(origin, name, f"missing key {key!r}{example}", key=f"{name}.{key}"))
-            continue
-        if kind is None:
-            raise TypeError(f"{cls.__name__}.{key} has no kind")
-        row = _sourced(table[key], name, key, kind, known[key], origin, faults)
-        if row is not None:
-            rows.append(row)
-            values[key] = row.value
+        elif kind is not None:
+            rows.append(Sourced(name, key, defaults[key], kind, status="assumed", note="default"))
     if len(faults) > before:
         return None, rows
+    values: dict[str, Any] = {key: row.value for key, row in given.items()}
     try:
         return cls(**values), rows
     except ParameterError as problem:
@@ -197,30 +232,25 @@ def build(
         return None, rows
 
 
-def _sourced(
-    entry: Any, name: str, key: str, kind: Kind, known: Any, origin: Table, faults: list[Fault]
-) -> Sourced | None:
-    path = f"{name}.{key}"
+def _sourced(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> Sourced:
+    """What stands under a key, with its origin. Raises ParameterError."""
+    if kind is None:
+        raise TypeError(f"{name}.{key} has no kind")
     fields = dict(entry) if isinstance(entry, Mapping) else {"value": entry}
     text = {word: str(fields.pop(word, "")) for word in ORIGIN}
     status = text["status"] or "given"
     if status not in STATUSES:
-        faults.append(fault_at(origin, path, f"status {status!r}; expected one of {', '.join(STATUSES)}"))
-        return None
-    try:
-        value: float | Signal | tuple[float, ...]
-        if known is Signal:
-            value = _signal(fields, kind)
-        elif get_origin(known) is tuple:
-            value = _list(fields, kind)
-        elif set(fields) == {"value"}:
-            value = parsed(fields["value"], kind)
-        else:
-            other = ", ".join(sorted(set(fields) - {"value"})) or "no value"
-            raise ParameterError(f"{other}; expected a value that does not change, for example {kind.example!r}")
-    except ParameterError as problem:
-        faults.append(fault_at(origin, path, str(problem)))
-        return None
+        raise ParameterError(f"status {status!r}; expected one of {', '.join(STATUSES)}")
+    value: float | Signal | tuple[float, ...]
+    if known is Signal:
+        value = _signal(fields, kind)
+    elif get_origin(known) is tuple:
+        value = _list(fields, kind)
+    elif set(fields) == {"value"}:
+        value = parsed(fields["value"], kind)
+    else:
+        other = ", ".join(sorted(set(fields) - {"value"})) or "no value"
+        raise ParameterError(f"{other}; expected a value that does not change, for example {kind.example!r}")
     return Sourced(
         table=name,
         key=key,

@@ -1,6 +1,7 @@
 """`vvdp compare`."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Protocol, TypeVar
 
@@ -11,11 +12,10 @@ from vvdp.cli.options import AsJson, Force, NoReport, Verb, default_directory, o
 from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
-    from vvdp.cli.table import Grid
     from vvdp.comparison.estimators import Contender
     from vvdp.comparison.results import Comparison
     from vvdp.comparison.scenarios import Scenario
-    from vvdp.comparison.scores import Measured
+    from vvdp.results.result import Result
 
 INTERRUPTED = 130
 
@@ -47,8 +47,6 @@ def runs(
 
     Differences are to the first run.
     """
-    from dataclasses import replace
-
     from vvdp.base.files import result_directory
     from vvdp.comparison.runs import compare_runs
 
@@ -95,12 +93,11 @@ def estimators(
     from vvdp.base.files import result_directory
     from vvdp.base.kinds import FREQUENCY
     from vvdp.cli.progress import counted
-    from vvdp.cli.screen import print_json, say
+    from vvdp.cli.screen import say
     from vvdp.comparison.estimators import contenders
-    from vvdp.comparison.results import write_comparison
+    from vvdp.comparison.result import comparison_result
     from vvdp.comparison.scenarios import scenarios
     from vvdp.comparison.trials import compare
-    from vvdp.report.comparison import write_comparison_report
 
     frequency = parsed_option("--rate", rate, FREQUENCY)
     chosen = _chosen("--scenario", scenario, scenarios(sectors, frequency))
@@ -113,14 +110,14 @@ def estimators(
     with result_directory(directory, force=force) as folder:
         with counted("runs") as progress:
             found = compare(chosen, rivals, seeds, engine=engine, progress=progress, say=say)
-        write_comparison(folder, found)
-        if not no_report:
-            write_comparison_report(folder)
+        result = comparison_result(found)
+        reported = write_with_report(folder, result, "", no_report=no_report)
     if json:
-        print_json({**found.content, "out": str(directory)})
+        kept = {name: result.tables[name] for name in ("comparison", "estimators")}
+        result = replace(result, charts={}, tables=kept)
     else:
-        _print(found)
-        typer.echo(f"results: {directory}" + ("" if no_report else f"\nreport: {directory / 'report.html'}"))
+        _print_scenarios(found, result)
+    show_result(result, directory, json=json, reported=reported, names=("estimators",))
     if not found.finished:
         done = sum(played.runs for played in found.scenarios.values())
         say(f"interrupted after {done} of {seeds * len(chosen)} runs; these were written")
@@ -153,51 +150,12 @@ def _print_names(scenarios: Sequence["Scenario"], contenders: Sequence["Contende
     console().print(table)
 
 
-def _print(found: "Comparison") -> None:
+def _print_scenarios(found: "Comparison", result: "Result") -> None:
     """A table for every scenario: what matters; the rest stands in the files."""
-    from vvdp.cli.screen import console, grid
+    from vvdp.cli.printing import table_grid
+    from vvdp.cli.screen import console, tell
+    from vvdp.comparison.result import scenario_tables
 
-    screen = console()
-    for scenario, (title, changes, runs) in found.scenarios.items():
-        if not runs:
-            continue
-        columns = ["speed rms", "95 %", "angle rms", "95 %", "lost", "NIS", *(("settles", "delay") if changes else ())]
-        table = grid("estimator", *columns, title=f"{scenario}: {title}", right=tuple(columns))
-        for estimator in found.estimators:
-            table.add_row(estimator, *_cells(found.scores[scenario, estimator], changes))
-        screen.print(table)
-    typer.echo(
-        "speed in rad/s, angle in rad, lost in sectors, settling (median) and delay in ms; estimate less truth\n"
-    )
-    screen.print(_robustness(found))
-    runs = sum(played.runs for played in found.scenarios.values())
-    typer.echo(
-        f"{runs} runs of {len(found.estimators)} estimators in {found.seconds:.1f} s; "
-        f"{found.sectors} sectors, {found.rate:g} Hz"
-    )
-
-
-def _robustness(found: "Comparison") -> "Grid":
-    """What each estimator costs, and in which scenarios it loses count in one run or more."""
-    from vvdp.cli.screen import grid
-
-    table = grid("estimator", "ns per sample", "sectors lost in", title="Cost and robustness", right=("ns per sample",))
-    for estimator, cost in found.costs.items():
-        lost = [
-            scenario
-            for scenario, played in found.scenarios.items()
-            if played.runs and found.scores[scenario, estimator]["lost_sectors"].value > 0.0
-        ]
-        table.add_row(estimator, f"{1e9 * cost.value:.0f}", ", ".join(lost) or "none")
-    return table
-
-
-def _cells(figures: Mapping[str, "Measured"], changes: bool) -> list[str]:
-    from vvdp.report.comparison import size
-
-    names = ("speed_error_rms_rad_s", "speed_error_95_rad_s", "angle_error_rms_rad", "angle_error_95_rad")
-    cells = [size(figures[name].value) for name in names]
-    cells += [size(figures["lost_sectors"].value, 2), size(figures["nis"].value)]
-    if changes:
-        cells += [size(1e3 * figures["settling_median_s"].value), size(1e3 * figures["delay_s"].value)]
-    return cells
+    for table in scenario_tables(found, result).values():
+        console().print(table_grid("comparison", table))
+    tell("errors are estimate less truth, rms over all runs; lost in sectors, settling as the median\n")

@@ -128,7 +128,8 @@ def estimate(
 
 def _write_config(log: Path, target: Path, config: Path | None, options: "list[Option]", force: bool) -> None:
     from vvdp.base.tables import write_new
-    from vvdp.logs.config import SOURCES, config_text, load_estimation
+    from vvdp.logs.config import SOURCES, load_estimation
+    from vvdp.logs.config_text import config_text
     from vvdp.logs.guess import guessed_options
 
     given = {option.key for option in options}

@@ -10,7 +10,6 @@ from vvdp.cli.options import AsJson
 
 RESULT, GEOMETRY = ("result_page", "write_result_report"), ("geometry_report", "write_geometry_report")
 RUN = ("report", "write_report")
-COMPARISON = ("comparison", "write_comparison_report")
 WRITERS = {
     "geometry.toml": GEOMETRY,
     "result.json": RESULT,
@@ -30,12 +29,9 @@ def report(
     """
     from vvdp.base.errors import unusable
     from vvdp.cli.screen import print_json
-    from vvdp.comparison.results import is_comparison
     from vvdp.results.store import add_labels
 
     writer = next((writer for name, writer in WRITERS.items() if (directory / name).is_file()), RUN)
-    if is_comparison(directory):
-        writer = COMPARISON
     try:
         if project or customer:
             add_labels(directory, {"project": project, "customer": customer})

@@ -162,6 +162,12 @@ class Measured(NamedTuple):
     error: float = np.nan
 
 
+def error_key(key: str) -> str:
+    """The key of the standard error of a figure: `speed_error_rms_se_rad_s`."""
+    unit = next((unit for unit in ("_rad_s", "_rad", "_s") if key.endswith(unit)), "")
+    return f"{key.removesuffix(unit)}_se{unit}"
+
+
 def summary(scores: Array) -> dict[str, Measured]:
     """What the rows of `scores`, shape (seeds, fields of Score), come to; keys end in the unit.
 

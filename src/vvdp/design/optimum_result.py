@@ -141,7 +141,7 @@ def _search(found: Optimum) -> str:
         worse = ", ".join(with_unit(value, kind, 6) for value in found.worse_optima[:5])
         text += f" There are {others} worse local optima: {worse}{'.' if others <= 5 else ' and more.'}"
     if found.global_objective is not None:
-        apart = percent(found.global_objective / found.objective - 1.0, 4)
+        apart = percent(max(abs(found.global_objective / found.objective - 1.0), 1e-6), 4)
         text += f" A global search of {found.global_evaluations} designs, without gradients, came within {apart} of it."
     return text
 

@@ -13,7 +13,7 @@ from vvdp.design.pareto import Front
 from vvdp.design.problem import ON_BOUND
 from vvdp.design.proof import TOLERANCE
 from vvdp.design.quantities import KINDS, LABELS, key
-from vvdp.design.variables import redesigned, value_in
+from vvdp.design.variables import redesign, value_in
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Badge, Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
 from vvdp.systems.resolved import resolved_text
@@ -35,7 +35,7 @@ SIMULATED = {
 def front_result(found: Front, *, finished: bool) -> Result:
     """The front as a result."""
     system = found.problem.system
-    tables = {"front": _table(found), "refused": _table(found, refused=True), "drawn": _drawn(found)}
+    tables = {"front": _table(found), "refused": _table(found, refused=True), "before": _before(found)}
     charts = {each.name: each for each in (*_pair_charts(found), _variable_chart(found))}
     good = ", ".join(f"{'large' if each.large else 'small'} {LABELS[each.quantity]}" for each in found.objectives)
     demands = "; ".join(each.words_with_origin for each in found.problem.limits) or "nothing"
@@ -72,7 +72,7 @@ def write_designs(folder: Path, found: Front) -> None:
     names = [*_names("point", found.kept), *_names("refused", found.refused)]
     for name, place in zip(names, (*found.kept, *found.refused), strict=True):
         note = f"{name} of a Pareto front: {good}"
-        design = redesigned(system, found.values[place], note, f"{system.title}, {name} of a front")
+        design = redesign(system, found.values[place], note, f"{system.title}, {name} of a front")
         write_whole(folder / "systems" / f"{name}.toml", resolved_text(design))
 
 
@@ -109,6 +109,7 @@ def _table(found: Front, *, refused: bool = False) -> Table:
 
 
 def _simulated(found: Front, places: tuple[int, ...]) -> dict[str, Column]:
+    """What the simulation says of designs; -1 is the one as it was, which was simulated first."""
     columns = {}
     for name, (kind, label) in SIMULATED.items():
         values = np.array([float(getattr(found.simulated[1 + k], name)) for k in places], float)
@@ -116,21 +117,18 @@ def _simulated(found: Front, places: tuple[int, ...]) -> dict[str, Column]:
     return columns
 
 
-def _drawn(found: Front) -> Table:
-    """What the charts draw: designs on the front, refused ones, and the design as it was, below each other."""
-    places = (*found.kept, *found.refused)
-    states = ["front"] * len(found.kept) + ["refused"] * len(found.refused) + ["as it was"]
-    columns = {"state": Column(np.array(states), None, "state")}
-    for each in found.objectives:
-        name = each.quantity
-        values = np.array([*(found.quantities[k][name] for k in places), found.before[name]])
-        columns[key(name, KINDS[name])] = Column(values, KINDS[name], LABELS[name])
+def _before(found: Front) -> Table:
+    """The design as it was."""
+    columns = {
+        key(name, kind): Column(np.array([found.before[name]]), kind, LABELS[name]) for name, kind in KINDS.items()
+    }
     at = found.problem.points[0].setup
-    for bound in found.problem.bounds:
-        variable = bound.variable
-        values = np.array([*(found.values[k][variable.name] for k in places), value_in(at, variable.name)])
-        columns[key(variable.name, variable.kind)] = Column(values, variable.kind, variable.label)
-    return Table(title="Designs that are drawn", columns=columns, is_data=True)
+    for variable in (bound.variable for bound in found.problem.bounds):
+        value = np.array([value_in(at, variable.name)])
+        columns[key(variable.name, variable.kind)] = Column(value, variable.kind, variable.label)
+    if found.simulated:
+        columns |= _simulated(found, (-1,))
+    return Table(title="The design as it was", columns=columns, is_data=True)
 
 
 def _numbers(found: Front) -> Iterator[tuple[str, Number]]:
@@ -139,12 +137,6 @@ def _numbers(found: Front) -> Iterator[tuple[str, Number]]:
     yield "confirmed_designs", Number(len(found.kept) if found.simulated else 0, COUNT, "designs that are confirmed")
     yield "refused_designs", Number(len(found.refused), COUNT, "designs that the simulation refuses")
     yield "designs_on_a_bound", Number(len(found.on_a_bound), COUNT, "designs with a variable on a bound")
-    for name, kind in KINDS.items():
-        yield f"before_{key(name, kind)}", Number(found.before[name], kind, f"{LABELS[name]}, as it was")
-    if found.simulated:
-        for name, (kind, label) in SIMULATED.items():
-            value = float(getattr(found.simulated[0], name))
-            yield f"before_{key(f'simulated_{name}', kind)}", Number(value, kind, f"{label}, as it was")
 
 
 def _badge(found: Front) -> Badge:
@@ -210,16 +202,13 @@ def _bounds(found: Front) -> Listing:
 
 def _points(found: Front, x: str, y: str) -> tuple[Line, ...]:
     """The designs as points, those that are refused and the one as it was apart."""
-    ends = len(found.kept), len(found.values)
     groups = (
-        ("confirmed" if found.simulated else "not simulated", Colour.LOAD, range(ends[0])),
-        ("refused by the simulation", Colour.FAINT, range(*ends)),
-        ("as it was", Colour.INLET, range(ends[1], ends[1] + 1)),
+        ("front", "confirmed" if found.simulated else "not simulated", Colour.LOAD),
+        *((("refused", "refused by the simulation", Colour.FAINT),) if found.refused else ()),
+        ("before", "as it was", Colour.INLET),
     )
     return tuple(
-        Line(x=x, y=y, label=label, colour=colour, rows=tuple(rows), stroke=Stroke.POINTS)
-        for label, colour, rows in groups
-        if rows
+        Line(x=x, y=y, table=table, label=label, colour=colour, stroke=Stroke.POINTS) for table, label, colour in groups
     )
 
 
@@ -232,7 +221,7 @@ def _pair_charts(found: Front) -> Iterator[Chart]:
             name="trade-offs" if not place else f"trade-offs-{place + 1}",
             caption=f"Designs over the {label}. No design on the front is better than another in every objective; "
             "what the simulation refuses is not on it.",
-            table="drawn",
+            table="front",
             panels=tuple(Lines(lines=_points(found, x, y)) for y in keys[place + 1 :]),
             side_by_side=True,
             height=2.8,
@@ -250,7 +239,7 @@ def _variable_chart(found: Front) -> Chart:
         name="variables",
         caption=f"The variables along the front, over the {LABELS[first]}; dashed: their bounds. Where designs of "
         f"alike {LABELS[first]} differ, the other objectives decide.",
-        table="drawn",
+        table="front",
         panels=tuple(panels),
         height=0.6 + 1.4 * len(panels),
     )

@@ -14,7 +14,7 @@ from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.tables import nearest, read_table, with_settings
 from vvdp.base.units import parsed
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
-from vvdp.design.variables import VARIABLES, Variable, changed, value_in
+from vvdp.design.variables import VARIABLES, Variable, value_in, with_variables
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 
@@ -175,7 +175,7 @@ class Problem:
 
     def found(self, values: Mapping[str, Any]) -> list[Quantities]:
         """The quantities at every point with the variables at `values` [SI]."""
-        return [quantities(changed(point.setup, values)) for point in self.points]
+        return [quantities(with_variables(point.setup, values)) for point in self.points]
 
     def excesses(self, found: Sequence[Quantities]) -> list[list[Any]]:
         """How far each limit is exceeded, at every point or in the mean over them."""

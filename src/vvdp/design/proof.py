@@ -9,7 +9,7 @@ from vvdp.base.errors import ConfigError, Fault, RunError
 from vvdp.base.kinds import FREQUENCY, MEAN_POWER, Kind
 from vvdp.design.optimise import Optimum
 from vvdp.design.problem import Problem, Side
-from vvdp.design.variables import redesigned
+from vvdp.design.variables import redesign
 from vvdp.geometry.shape import given_shape
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
@@ -56,7 +56,7 @@ TOLERANCE = 0.1
 
 @dataclass(frozen=True)
 class Proof:
-    """What simulation and closed forms say of one design at one operating point; `failure` where a run broke off."""
+    """What simulation and closed forms say of one design at one operating point; `failure` if a simulation failed."""
 
     design: str
     point: int
@@ -70,7 +70,7 @@ def optimum_system(problem: Problem, values: Mapping[str, float], system: System
     note = f"optimised: least {problem.objective}"
     if problem.limits:
         note += " subject to " + ", ".join(map(str, problem.limits))
-    return redesigned(source, values, note, f"{problem.system.title}, optimised")
+    return redesign(source, values, note, f"{problem.system.title}, optimised")
 
 
 def optimum_text(found: Optimum) -> str:

@@ -148,7 +148,7 @@ def setup(system: System) -> Setup:
     )
 
 
-def unchecked(params: Any) -> Any:
+def loose_copy(params: Any) -> Any:
     """A copy of parameters whose fields may be changed, to arrays and symbols too; nothing is checked."""
     return SimpleNamespace(**{name: getattr(params, name) for name in names(params)})
 

@@ -16,7 +16,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.select import maximum
 from vvdp.design.problem import TRANSITIONAL, Problem
 from vvdp.design.quantities import Quantities
-from vvdp.design.variables import changed
+from vvdp.design.variables import with_variables
 from vvdp.valve.geometry import barrier_width, nozzle_width, pitch
 
 FEASIBLE = 1e-6
@@ -190,7 +190,7 @@ def row_of(matrix: Any) -> Array:
 
 def valve_of(problem: Problem, values: Mapping[str, Any]) -> Any:
     """The valve with the variables at `values` [SI], which may be arrays or symbols."""
-    return changed(problem.points[0].setup, values).valve
+    return with_variables(problem.points[0].setup, values).valve
 
 
 def plain_quantities(found: Quantities) -> Quantities:

@@ -200,7 +200,7 @@ def _range_chart(found: OverTemperature) -> Chart:
     limit = Level(value=1.0, colour=Colour.RED, stroke=Stroke.DASHED)
     return Chart(
         name="range",
-        caption="How much of its limit each check uses: above the dashed line the model is in doubt.",
+        caption="How much of its limit each check uses: above 1 the model is in doubt.",
         table="temperature",
         panels=(Lines(lines=lines, label="part of the limit", levels=(limit,), y_log=True, low=1e-2, legend="Check"),),
         height=3.0,

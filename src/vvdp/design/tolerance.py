@@ -19,7 +19,7 @@ from vvdp.base.params import field_kinds
 from vvdp.base.tables import nearest
 from vvdp.base.units import parsed
 from vvdp.design.problem import require_flow
-from vvdp.design.quantities import Quantities, Setup, quantities, setup, unchecked
+from vvdp.design.quantities import Quantities, Setup, loose_copy, quantities, setup
 from vvdp.fluid.oil import Oil, density
 from vvdp.systems.system import System
 from vvdp.valve.condition import Condition
@@ -206,28 +206,16 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
         raise ConfigError([Fault(system.name, 0, "operation.duty_ratio", _nothing_left(at, nominal))])
     cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     shares = sampling.sample(cube, samples, calc_second_order=False, seed=seed)
-    drawn = _evaluated(at, taken, shares)
+    drawn = _evaluate(at, taken, shares)
     even = qmc.Sobol(len(names), seed=seed).random(max(4096, 2 * samples))
-    spread_out = _evaluated(at, taken, even)
+    spread_out = _evaluate(at, taken, even)
     scatter = {}
     for name in OUTPUTS:
-        values, column = drawn[name], spread_out[name]
         # Sobol's estimators lose digits where the mean is large against the scatter.
-        centred = (values - np.mean(values)) / (np.std(values) or 1.0)
+        centred = (drawn[name] - np.mean(drawn[name])) / (np.std(drawn[name]) or 1.0)
         found = analysis.analyze(cube, centred, calc_second_order=False, seed=seed)
-        alone, alone_error, whole, whole_error = (
-            dict(zip(names, map(float, found[each]), strict=True)) for each in ("S1", "S1_conf", "ST", "ST_conf")
-        )
-        scatter[name] = Scatter(
-            nominal=float(getattr(nominal, name)),
-            mean=float(np.mean(column)),
-            deviation=float(np.std(column, ddof=1)),
-            percentiles={each: float(np.percentile(column, float(each))) for each in PERCENTILES},
-            alone=alone,
-            alone_error=alone_error,
-            whole=whole,
-            whole_error=whole_error,
-        )
+        indices = [dict(zip(names, map(float, found[each]), strict=True)) for each in INDICES]
+        scatter[name] = _scatter(float(getattr(nominal, name)), spread_out[name], indices)
     return Tolerance(
         system=system,
         spreads=tuple(taken),
@@ -236,6 +224,25 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
         outputs=spread_out,
         evaluations=shares.shape[0] + even.shape[0],
         samples=samples,
+    )
+
+
+INDICES = ("S1", "S1_conf", "ST", "ST_conf")
+"""What SALib calls the shares of an input alone and with all others, and their half widths."""
+
+
+def _scatter(nominal: float, column: Array, indices: Sequence[Mapping[str, float]]) -> Scatter:
+    """The scatter of an output from its draws and the `INDICES` of its inputs."""
+    alone, alone_error, whole, whole_error = indices
+    return Scatter(
+        nominal=nominal,
+        mean=float(np.mean(column)),
+        deviation=float(np.std(column, ddof=1)),
+        percentiles={each: float(np.percentile(column, float(each))) for each in PERCENTILES},
+        alone=alone,
+        alone_error=alone_error,
+        whole=whole,
+        whole_error=whole_error,
     )
 
 
@@ -249,16 +256,16 @@ def _nothing_left(at: Setup, nominal: Quantities) -> str:
     )
 
 
-def _evaluated(at: Setup, taken: Sequence[Spread], shares: Array) -> dict[str, Array]:
+def _evaluate(at: Setup, taken: Sequence[Spread], shares: Array) -> dict[str, Array]:
     """The outputs for rows of `shares`, each between 0 and 1, in the order of the spreads."""
-    found = quantities(scattered(at, {each.name: each.drawn(shares[:, k]) for k, each in enumerate(taken)}))
+    found = quantities(with_inputs(at, {each.name: each.drawn(shares[:, k]) for k, each in enumerate(taken)}))
     return {name: np.broadcast_to(np.asarray(getattr(found, name)), len(shares)).copy() for name in OUTPUTS}
 
 
-def scattered(at: Setup, values: Mapping[str, Any]) -> Setup:
+def with_inputs(at: Setup, values: Mapping[str, Any]) -> Setup:
     """`at` with inputs at `values` [SI], which may be arrays; a viscosity is that at 40 degC and carries the one at
     100 degC along."""
-    valve, oil = unchecked(at.valve), unchecked(at.oil)
+    valve, oil = loose_copy(at.valve), loose_copy(at.oil)
     for name, value in values.items():
         if name == "viscosity":
             oil.viscosity_40, oil.viscosity_100 = value, value / at.oil.viscosity_40 * at.oil.viscosity_100

@@ -8,7 +8,7 @@ from vvdp.base.kinds import COUNT, PRESSURE_LEVEL, SPEED, VOLUME, Kind
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import Table, copied
 from vvdp.base.units import in_unit
-from vvdp.design.quantities import Setup, unchecked
+from vvdp.design.quantities import Setup, loose_copy
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.rotary import RotaryValve
@@ -81,13 +81,13 @@ def value_in(at: Setup, name: str) -> float:
     return float(getattr(at.valve if VARIABLES[name].of_valve else at, name))
 
 
-def changed(at: Setup, values: Mapping[str, Any]) -> Setup:
+def with_variables(at: Setup, values: Mapping[str, Any]) -> Setup:
     """`at` with the variables at `values` [SI], which may be arrays or symbols, and what follows from them.
 
     The radii of the jets and the friction area go with the spool radius, the spool's mass with its square, and the
     effective outlet area with the outlet area: the outlet turbine keeps its blade angles, the lands their lengths.
     """
-    valve = unchecked(at.valve)
+    valve = loose_copy(at.valve)
     for name, value in values.items():
         if VARIABLES[name].of_valve:
             setattr(valve, name, value)
@@ -116,7 +116,7 @@ FOLLOWS = {
 }
 
 
-def redesigned(system: System, values: Mapping[str, float], note: str, title: str) -> System:
+def redesign(system: System, values: Mapping[str, float], note: str, title: str) -> System:
     """`system` with the variables at `values` [SI] and what follows from them; `note` says where they come from.
 
     Raises ConfigError where the values cannot be made.
@@ -125,12 +125,12 @@ def redesigned(system: System, values: Mapping[str, float], note: str, title: st
     for name, value in values.items():
         variable = VARIABLES[name]
         table, _, key = variable.setting.partition(".")
-        content[table][key] = _entry(written(value, variable.kind), note)
+        content[table][key] = _entry(setting_text(value, variable.kind), note)
     kinds = field_kinds(RotaryValve)
     for name, value in _followers(rotary_bench(system, "design").valve, values):
         kind = kinds[name]
         assert kind
-        content["valve"][name] = _entry(written(float(value), kind), FOLLOWS[name])
+        content["valve"][name] = _entry(setting_text(float(value), kind), FOLLOWS[name])
     return system.read_from(Table(system.name, {**content, "title": title}, {}))
 
 
@@ -138,7 +138,7 @@ def _entry(value: str, note: str) -> dict[str, str]:
     return {"value": value, "status": "derived", "note": note}
 
 
-def written(value: float, kind: Kind) -> str:
+def setting_text(value: float, kind: Kind) -> str:
     """`value` [SI] as a system file has it, to ten digits; a pressure level absolute."""
     if kind is PRESSURE_LEVEL:
         return f"{value / 1e5:.10g} bara"

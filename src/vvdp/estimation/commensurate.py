@@ -1,4 +1,4 @@
-"""Whether edges and samples march in step, so that part of the angle's error hides from every estimator.
+"""Whether edges are commensurate with the sampling, so that part of the angle's error hides from every estimator.
 
 Edges that are only sampled fall at a place within the sampling period that cannot be seen. When p edges take exactly q
 samples, only p different places occur, for ever, and their mean error does not die out. Derived in

@@ -29,7 +29,7 @@ class SpeedWalk(Params):
     acceleration_density: AccelerationDensity
 
     def check(self) -> None:
-        """Refuse a speed that cannot change: nothing could then be told from any one portion alone."""
+        """Refuse a speed that cannot change: the portions could not be smoothed independently."""
         if not self.acceleration_density > 0.0:
             raise ParameterError("SpeedWalk.acceleration_density is 0 rad^2/s^3; expected above 0")
 

@@ -139,11 +139,11 @@ def _write_oil(folder: Path, name: str, build: Callable[[], Domain], product: Pr
     write_ascii_stl(folder / f"{name}.stl", domain.mesh)
     product.domains.append(domain)
     product.bodies.append(Body(f"oil/{name}.stl", domain.volume, len(domain.mesh.triangles)))
-    described = {each.name: _described(each) for each in product.domains}
+    described = {each.name: _describe(each) for each in product.domains}
     (folder / "domains.json").write_text(json.dumps(described, indent=1) + "\n", encoding="utf-8")
 
 
-def _described(domain: Domain) -> dict[str, Any]:
+def _describe(domain: Domain) -> dict[str, Any]:
     low, high = domain.mesh.vertices.min(0), domain.mesh.vertices.max(0)
     return {
         "file": f"{domain.name}.stl",

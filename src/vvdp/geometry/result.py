@@ -61,7 +61,7 @@ def geometry_result(order: Order, product: Product) -> Result:
     """What was made to an order; the sections name drawings that the page has: view, solids, unwrapped, film, oil."""
     numbers = numbers_of(_lengths(order, product), QUANTITIES)
     openings = {"openings": _openings(product.openings, order)} if product.openings is not None else {}
-    numbers |= dict(_measured(product))
+    numbers |= dict(_measured_numbers(product))
     if openings:
         numbers["openings_difference"] = Number(_worst(openings["openings"]), FRACTION, "largest difference")
     listings = {"sizes": _sizes(numbers)}
@@ -107,7 +107,7 @@ def _lengths(order: Order, product: Product) -> dict[str, float]:
     return lengths if product.inertia is None else {**lengths, "spool_inertia_kg_m2": product.inertia}
 
 
-def _measured(product: Product) -> Iterator[tuple[str, Number]]:
+def _measured_numbers(product: Product) -> Iterator[tuple[str, Number]]:
     """Compared quantities, by formula and as the meshes have them, and what the files enclose."""
     for each in product.comparisons:
         stem, _, unit = each.key.rpartition("_")
@@ -134,14 +134,14 @@ def _sizes(numbers: dict[str, Number]) -> Listing:
 
 def _comparison(product: Product, worst: float) -> Listing:
     rows = [
-        Row(each.title, each.kind, (each.formula, each.measured, _signed(each.difference)))
+        Row(each.title, each.kind, (each.formula, each.measured, _with_sign(each.difference)))
         for each in product.comparisons
     ]
     rows.append(Row("open share over a period, largest difference", FRACTION, ("", "", percent(worst, 3))))
     return Listing(title="", heads=("formula", "mesh", "difference"), rows=tuple(rows))
 
 
-def _signed(share: float) -> str:
+def _with_sign(share: float) -> str:
     return f"{'+' if share > 0.0 else ''}{percent(share, 3)}"
 
 
@@ -163,6 +163,7 @@ def _worst(openings: Table) -> float:
 
 def _chart(openings: Table) -> Chart:
     sides = (("load", Colour.LOAD), ("tank", Colour.TANK))
+    left, right = (float(openings["spool_angle_rad"][end]) for end in (0, -1))
     lines = [Line(x="spool_angle_rad", y=f"{side}_formula", colour=colour) for side, colour in sides]
     lines += [
         Line(x="spool_angle_rad", y=f"{side}_mesh", colour=colour, stroke=Stroke.POINTS, width=0.8)
@@ -179,8 +180,8 @@ def _chart(openings: Table) -> Chart:
         caption=caption,
         table="openings",
         panels=(
-            Lines(lines=tuple(lines), label="open share", low=-0.04, high=1.04, height=2.0),
-            Lines(lines=tuple(below), label="difference"),
+            Lines(lines=tuple(lines), label="open share", low=-0.04, high=1.04, left=left, right=right, height=2.0),
+            Lines(lines=tuple(below), label="difference", left=left, right=right),
         ),
         height=3.4,
     )

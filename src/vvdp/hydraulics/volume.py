@@ -86,7 +86,7 @@ def closed_volume_rate(net_flow: float, volume_rate: float, volume: float, fluid
 
 
 def stored(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0) -> Stored:
-    """Energy [J] and tank volumes [m^3] in a vessel, both 0 resp. V0 + swept at the reference pressure without gas.
+    """Energy [J] and tank volumes [m^3] in a vessel: 0 and V0 + swept at the reference pressure without gas.
 
     energy = V w/nu + V0 (P - ref)^2 / (2 B) + gas, volume = V/nu, with w the strain energy per tank volume.
 

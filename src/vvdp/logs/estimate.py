@@ -29,7 +29,8 @@ from vvdp.estimation.smoother import Smoothed, smoothed_at, smoothed_portions, s
 from vvdp.logs.channel import Log, Portion
 from vvdp.logs.charts import Excerpt
 from vvdp.logs.clock import ClockChoice, seconds
-from vvdp.logs.config import Counts, Estimation, InletPressure, Stamps, Wave, config_text, source_channels
+from vvdp.logs.config import Counts, Estimation, InletPressure, Stamps, Wave, source_channels
+from vvdp.logs.config_text import config_text
 from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges, part
 from vvdp.logs.findings import Sums, findings, numbers_in_doubt, settings_of, summary
 from vvdp.logs.fitting import fitted_filter

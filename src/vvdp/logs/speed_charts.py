@@ -214,22 +214,40 @@ def innovation_figure(file: Any, sums: Sums) -> Figure:
     t, nu, deviation, settled = (file[f"edges/{name}"][rows] for name in names)
     shown = (settled > 0.0) & np.isfinite(nu)
     t, nu, deviation = t[shown], nu[shown], deviation[shown]
-    tables = {
-        "innovation-course": data_table(
-            "Innovations",
-            {
-                "time_s": (t, DURATION, "time"),
-                "innovation_rad": (nu, ANGLE, "innovation"),
-                "expected_rad": (np.zeros(nu.size), ANGLE, "expected innovation"),
-                "low_rad": (-2.0 * deviation, ANGLE, "two expected deviations less"),
-                "high_rad": (2.0 * deviation, ANGLE, "two expected deviations more"),
-            },
-        ),
-        "innovation-squares": _square_table(sums),
-    }
+    tables = {"innovation-course": _innovation_table(t, nu, deviation), "innovation-squares": _square_table(sums)}
     usual = 2.0 * float(np.nanmedian(deviation)) if nu.size else 1.0
     reach = 1.3 * max(usual, float(np.quantile(np.abs(nu), 0.999)) if nu.size else 0.0)
-    over_time = Lines(
+    low, high = nis_band(sums.nis.count)
+    caption = (
+        "By how much each edge differed from what was expected (left), and how the squares of that over the expected "
+        "variance are distributed (right; orange: by chance alone, if the settings fit; the last step holds all from "
+        f"{plain(float(sums.bins[-2]))} on). The mean of the squares is {number(sums.nis.mean, 3)}; "
+        f"{number(low, 3)} to {number(high, 3)} would be chance over {plain(sums.nis.count)} edges."
+    )
+    chart = Chart(
+        name="innovations",
+        caption=caption,
+        table="innovation-course",
+        panels=(_innovation_panel(reach), _square_panel()),
+        side_by_side=True,
+        height=2.8,
+    )
+    return Figure(chart, tables)
+
+
+def _innovation_table(times: Array, innovations: Array, deviation: Array) -> Table:
+    columns = {
+        "time_s": (times, DURATION, "time"),
+        "innovation_rad": (innovations, ANGLE, "innovation"),
+        "expected_rad": (np.zeros(times.size), ANGLE, "expected innovation"),
+        "low_rad": (-2.0 * deviation, ANGLE, "two expected deviations less"),
+        "high_rad": (2.0 * deviation, ANGLE, "two expected deviations more"),
+    }
+    return data_table("Innovations", columns)
+
+
+def _innovation_panel(reach: float) -> Lines:
+    return Lines(
         lines=(
             Line(
                 x="time_s",
@@ -247,7 +265,10 @@ def innovation_figure(file: Any, sums: Sums) -> Figure:
         high=reach,
         height=1.6,
     )
-    counted = Lines(
+
+
+def _square_panel() -> Lines:
+    return Lines(
         lines=(
             Line(x="square", y="density", label="edges", colour=Colour.LOAD, stroke=Stroke.STEPS),
             Line(x="square", y="expected_density", label="chance", colour=Colour.INLET, stroke=Stroke.STEPS),
@@ -257,22 +278,6 @@ def innovation_figure(file: Any, sums: Sums) -> Figure:
         y_log=True,
         table="innovation-squares",
     )
-    low, high = nis_band(sums.nis.count)
-    caption = (
-        "By how much each edge differed from what was expected (left), and how the squares of that over the expected "
-        "variance are distributed (right; orange: by chance alone, if the settings fit; the last step holds all from "
-        f"{plain(float(sums.bins[-2]))} on). The mean of the squares is {number(sums.nis.mean, 3)}; "
-        f"{number(low, 3)} to {number(high, 3)} would be chance over {plain(sums.nis.count)} edges."
-    )
-    chart = Chart(
-        name="innovations",
-        caption=caption,
-        table="innovation-course",
-        panels=(over_time, counted),
-        side_by_side=True,
-        height=2.8,
-    )
-    return Figure(chart, tables)
 
 
 def _square_table(sums: Sums) -> Table:

@@ -45,7 +45,30 @@ def wheel_figure(table: Table, wheel: CodeWheel) -> Figure:
     offsets, reach = table["offset_rad"], table["high_rad"]
     grown = enlargement(offsets[np.abs(np.nan_to_num(offsets)) > reach], table.rows)
     sure = bool(np.any(np.abs(np.nan_to_num(offsets)) > reach))
-    ring = Lines(
+    drawn = (
+        f"enlarged {number(grown, 2)} times; those within their errors are left out"
+        if sure
+        else "all within their errors and left out"
+    )
+    caption = (
+        "By how much each edge of the wheel lies further on than it should (right), mean over all turns; band: two "
+        "standard errors. The mean of all is zero, since no angle is known from outside. Rising (even) and falling "
+        "edges apart: the threshold is off. One wave over the turn: the wheel is eccentric. One edge alone: dirt, a "
+        f"damaged sector, or an index. Left: the wheel, with dark sectors hatched and the offsets {drawn}."
+    )
+    chart = Chart(
+        name="wheel",
+        caption=caption,
+        table=TABLE,
+        panels=(_ring_panel(table), _offset_panel(table)),
+        side_by_side=True,
+        height=3.0,
+    )
+    return Figure(chart, {TABLE: table, DRAWING: _drawing(table, wheel, grown)})
+
+
+def _ring_panel(table: Table) -> Lines:
+    return Lines(
         lines=(
             Line(x="across", y="wheel", label="wheel", colour=PALE, width=0.8),
             Line(x="across", y="even", label=table["side"][0], colour=Colour.LOAD, width=1.6),
@@ -54,6 +77,10 @@ def wheel_figure(table: Table, wheel: CodeWheel) -> Figure:
         equal=True,
         table=DRAWING,
     )
+
+
+def _offset_panel(table: Table) -> Lines:
+    offsets, reach = table["offset_rad"], table["high_rad"]
     top = 1.15 * max(float(np.nanmax(np.abs(offsets) + reach)), LEAST_SHOWN / 1.15)
     expected = Line(
         x="edge",
@@ -76,22 +103,9 @@ def wheel_figure(table: Table, wheel: CodeWheel) -> Figure:
         )
         for first, colour in ((0, Colour.LOAD), (1, Colour.INLET))
     )
-    offset = Lines(
+    return Lines(
         lines=(*bars, expected), label="offset", low=-top, high=top, left=-0.6, right=table.rows - 0.4, height=1.9
     )
-    drawn = (
-        f"enlarged {number(grown, 2)} times; those within their errors are left out"
-        if sure
-        else "all within their errors and left out"
-    )
-    caption = (
-        "By how much each edge of the wheel lies further on than it should (right), mean over all turns; band: two "
-        "standard errors. The mean of all is zero, since no angle is known from outside. Rising (even) and falling "
-        "edges apart: the threshold is off. One wave over the turn: the wheel is eccentric. One edge alone: dirt, a "
-        f"damaged sector, or an index. Left: the wheel, with dark sectors hatched and the offsets {drawn}."
-    )
-    chart = Chart(name="wheel", caption=caption, table=TABLE, panels=(ring, offset), side_by_side=True, height=3.0)
-    return Figure(chart, {TABLE: table, DRAWING: _drawing(table, wheel, grown)})
 
 
 def enlargement(offsets: Array, sectors: int) -> float:

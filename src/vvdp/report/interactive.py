@@ -31,7 +31,7 @@ from vvdp.report.plot import (
     line_looks,
     shown_values,
 )
-from vvdp.results.chart import Bars, Chart, Field, Line, Lines, Stroke
+from vvdp.results.chart import Bars, Chart, Dots, Field, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 
 EXACT_ROWS = 2048
@@ -80,8 +80,8 @@ def live_body(charts: Iterable[Chart], tables: Mapping[str, Table]) -> str:
 
 
 def is_live(chart: Chart) -> bool:
-    """Whether a chart can be looked into: bars are as good still."""
-    return not any(isinstance(panel, Bars) for panel in chart.panels)
+    """Whether a chart can be looked into: bars and dots are as good still, and so are many small panels."""
+    return not chart.columns and not any(isinstance(panel, Bars | Dots) for panel in chart.panels)
 
 
 def interactive_data(charts: Iterable[Chart], tables: Mapping[str, Table]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from vvdp.base.arrays import Array, Rows
 from vvdp.base.display import DisplayUnit, display_unit, plain
 from vvdp.report.drawing import STYLE, Drawn, drawn, empty_figure
-from vvdp.results.chart import Bars, Chart, Colour, Field, Level, Line, Lines, Panel, Stroke
+from vvdp.results.chart import Bars, Chart, Colour, Dots, Field, Level, Line, Lines, Panel, Stroke
 from vvdp.results.result import Column, Table
 
 if TYPE_CHECKING:
@@ -49,6 +49,9 @@ def new_figure(chart: Chart, tables: Mapping[str, Table]) -> "Figure":
 def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> None:
     """Draws a chart into a Matplotlib figure."""
     count, heights = len(chart.panels), [panel.height for panel in chart.panels]
+    if chart.columns:
+        _fill_rows(figure, chart, tables)
+        return
     if chart.side_by_side:
         grid = figure.subplots(1, count, squeeze=False, sharex=chart.share, sharey=chart.share, width_ratios=heights)[0]
     else:
@@ -68,6 +71,26 @@ def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> 
         _stack(figure, grid, chart, tables)
     elif not chart.side_by_side:
         figure.align_ylabels()
+
+
+def _fill_rows(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> None:
+    """Small panels in rows; those with a panel below or to the left leave the words at their axes to it."""
+    count = len(chart.panels)
+    columns = min(chart.columns, count)
+    rows = -(-count // columns)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=chart.share, sharey=chart.share)
+    for place, (axes, panel) in enumerate(zip(grid.flat, chart.panels, strict=False)):
+        _draw_panel(axes, panel, tables[panel.table or chart.table], tables)
+        if place % columns and chart.share:
+            axes.set_ylabel("")
+        if place + columns < count and chart.share:
+            axes.set_xlabel("")
+        else:
+            axes.tick_params(axis="x", labelbottom=True)
+    for axes in grid.flat[count:]:
+        axes.set_visible(False)
+    if _has_common_legend(chart, tables):
+        _common_legend(figure, list(grid.flat[:count]), chart.panels)
 
 
 def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mapping[str, Table]) -> None:
@@ -102,6 +125,8 @@ def _draw_panel(axes: "Axes", panel: Panel, table: Table, tables: Mapping[str, T
         _draw_lines(axes, panel, table, tables)
     elif isinstance(panel, Bars):
         _draw_bars(axes, panel, table)
+    elif isinstance(panel, Dots):
+        _draw_dots(axes, panel, table)
     else:
         _draw_field(axes, panel, table)
     if panel.title:
@@ -302,6 +327,31 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
     if len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):
         above = 1.12 if panel.title else 1.0
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
+
+
+def _draw_dots(axes: "Axes", panel: Dots, table: Table) -> None:
+    rows = list(panel.rows) or list(range(table.rows))
+    column = table.columns[panel.value]
+    least = float(column_unit(column).shown(panel.least))
+    values = shown_values(table, panel.value)[rows]
+    highest = float(np.max(values[np.isfinite(values)], initial=10.0 * least))
+    for place, (row, value) in enumerate(zip(reversed(rows), values[::-1], strict=True)):
+        if value < least:
+            axes.plot(1.25 * least, place, "<", color=Colour.LOAD, markersize=4.0)
+            continue
+        axes.plot(value, place, "o", color=Colour.LOAD, markersize=3.6)
+        if panel.low:
+            ends = [max(float(shown_values(table, key)[row]), least) for key in (panel.low, panel.high)]
+            axes.plot(ends, [place, place], color=Colour.LOAD, linewidth=3.2, alpha=0.3, solid_capstyle="round")
+            highest = max(highest, *ends)
+    axes.set_xscale("log")
+    axes.set_xlim(least, max(axes.get_xlim()[1] if axes.get_xlim()[0] == least else 0.0, 2.0 * highest))
+    axes.xaxis.set_major_formatter(lambda value, _: plain(value, 3))
+    axes.set_yticks(range(len(rows)), [str(table[panel.names][row]) for row in reversed(rows)])
+    axes.set_ylim(-0.7, len(rows) - 0.3)
+    axes.set_xlabel(axis_label([column]))
+    axes.grid(axis="y", visible=False)
+    axes.tick_params(axis="y", length=0)
 
 
 def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:

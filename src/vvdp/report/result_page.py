@@ -104,7 +104,7 @@ def _quoted(word: str) -> str:
 def _findings(result: Result) -> Iterator[str]:
     if not result.finished:
         words = (
-            "<p>The same command goes on from here.</p>"
+            "<p>Rerun the same command to resume.</p>"
             if result.verb in ("map", "study")
             else "<p>Run again for all.</p>"
         )

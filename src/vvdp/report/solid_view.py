@@ -35,12 +35,12 @@ def solid_view(shape: ValveShape, valve: RotaryValve, angle: float, position: fl
     return (
         f'<div class="solids" id="solids" hidden>\n<canvas tabindex="0" aria-label="Spool and sleeve"></canvas>\n'
         f'<p class="small">{WORDS}</p>\n</div>\n'
-        f'<script type="application/json" id="solids-data">{_packed({"spool": placed, "sleeve": half})}</script>\n'
+        f'<script type="application/json" id="solids-data">{_pack({"spool": placed, "sleeve": half})}</script>\n'
         f"<script>{asset(VIEWER)}</script>"
     )
 
 
-def _packed(meshes: Mapping[str, Mesh]) -> str:
+def _pack(meshes: Mapping[str, Mesh]) -> str:
     """Corners as whole steps, three for each triangle, patch after patch, and the colours of the patches, as JSON."""
     corners: Floats = np.concatenate([mesh.vertices for mesh in meshes.values()])
     low, size = corners.min(axis=0), np.ptp(corners, axis=0)

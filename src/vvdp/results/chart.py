@@ -135,6 +135,25 @@ class Bars:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Dots:
+    """A panel of dots on a logarithmic scale: the text column `names`, a dot for `value`, a bar from `low` to `high`.
+
+    What is below `least` [SI] is an arrow at the edge of the scale.
+    """
+
+    names: str
+    value: str
+    least: float
+    low: str = ""
+    high: str = ""
+    title: str = ""
+    rows: tuple[int, ...] = ()
+    table: str = ""
+    """The table of this panel, where it is not that of the chart."""
+    height: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
 class Field:
     """A panel of `z` over the grid of `x` and `y`, as filled contours.
 
@@ -155,7 +174,7 @@ class Field:
     height: float = 1.0
 
 
-Panel: TypeAlias = Lines | Bars | Field
+Panel: TypeAlias = Lines | Bars | Dots | Field
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,6 +191,8 @@ class Chart:
     side_by_side: bool = False
     share: bool = False
     """Whether panels have one scale."""
+    columns: int = 0
+    """Panels in a row, where they stand in rows of so many."""
     height: float = 3.0
 
     @property

@@ -69,7 +69,7 @@ def claims(
     found.append(actuation_claim(stand))
     return Result(
         verb="rig claims",
-        title="What is claimed of the rotary PWM valve",
+        title="Published claims for the rotary PWM valve",
         system=stand.name,
         manner=MANNER,
         references=("wang2017", "tu2011"),

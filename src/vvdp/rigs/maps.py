@@ -276,7 +276,7 @@ def simulated_map(
 
     Points that `directory` already has are not run again; they are known by every number that they depend on. `engine`
     says where the others are run. Each batch is kept when it is done and `progress` hears of it (points done, of all).
-    Ctrl-C ends the map after the batches at hand, and running it again goes on from there. Raises ConfigError where the
+    Ctrl-C ends the map after the current batches, and running it again resumes it. Raises ConfigError where the
     directory cannot be used, ParameterError where the spool turns at no point, RunError where a worker has another
     vvdp, or none is left.
     """

@@ -1,4 +1,4 @@
-"""Where work is done: an engine takes a task and items, and yields each item with its result as it is finished."""
+"""Execution engines: an engine takes a task and items, and yields each item with its result as it is finished."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator

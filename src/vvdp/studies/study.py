@@ -157,7 +157,14 @@ def load_study(path: Path | str) -> Study:
     if common:  # a signal: every case carries it, in the form of the file
         variations = [{**common, **case} for case in Study(system, variations, ()).cases]
     plain = tuple(f"{key}={value}" for key, value in settings.items() if key not in common)
-    return Study(system, variations, tuple(outputs), plain, until, str(content.get("title", "")))
+    return Study(
+        system=system,
+        variations=variations,
+        outputs=tuple(outputs),
+        settings=plain,
+        until=until,
+        title=str(content.get("title", "")),
+    )
 
 
 def _system(path: Path, table: Table, faults: list[Fault]) -> str:

@@ -67,7 +67,7 @@ def batches(
 ) -> Iterator[list[Result]]:
     """Yields what `task` makes of each batch of `cases` as they come.
 
-    Cases follow one another as given. Once `interrupted` is set, only the batches at hand are finished. What `task`
+    Cases follow one another as given. Once `interrupted` is set, only the current batches are finished. What `task`
     raises is raised here.
     """
     work = _Work(list(cases), engine, batching, interrupted)

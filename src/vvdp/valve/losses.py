@@ -1,4 +1,4 @@
-"""Losses of the valve in closed form, and where the formulas stop to hold.
+"""Losses of the valve in closed form, and their limits of validity.
 
 Derived in docs/models/rotary-valve.md, "Losses". They count volumes: with a compressible oil expect differences of the
 size of its volume change.

@@ -1,0 +1,42 @@
+"""Printed figures: what several panels have in common, and room for what stands around them."""
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from vvdp.base import kinds
+from vvdp.report.plot import new_figure
+from vvdp.results.chart import Bars, Chart, Line, Lines
+from vvdp.results.result import Column, Table
+
+NAMES = "abcde"
+
+
+@pytest.fixture
+def parts():
+    values = {"small": np.array([0.0, 0.1, 0.2]), "large": np.array([0.3, 0.5, 0.9])}
+    columns = {"part": Column(np.array(["x", "y", "z"]), None, "part")}
+    columns |= {key: Column(column, kinds.EFFICIENCY, key) for key, column in values.items()}
+    return {"parts": Table(title="parts", columns=columns)}
+
+
+def test_bars_that_share_their_names_have_one_scale_and_one_legend(parts):
+    """The longest bar of all panels, 90 %, and 0.3 of it for what is written behind."""
+    panels = tuple(Bars(names="part", values=(key, key), title=key, label="share") for key in ("large", "small"))
+    chart = Chart(name="c", caption="", table="parts", panels=panels, side_by_side=True, share=True)
+    left, right = new_figure(chart, parts).axes
+    assert left.get_xlim() == right.get_xlim() == pytest.approx((0.0, 117.0))
+    assert left.get_legend() is not None
+    assert right.get_legend() is None
+    assert left.get_xlabel() == "share [%]"
+
+
+def test_a_legend_of_two_rows_is_inside_the_figure():
+    x = np.arange(3.0)
+    columns = {"time_s": Column(x, kinds.DURATION, "time")}
+    columns |= {f"{name}_W": Column(x + k, kinds.MEAN_POWER, name) for k, name in enumerate(NAMES)}
+    lines = tuple(Line(x="time_s", y=f"{name}_W") for name in NAMES)
+    chart = Chart(name="c", caption="", table="t", panels=(Lines(lines=lines),), height=2.0)
+    figure = new_figure(chart, {"t": Table(title="t", columns=columns)})
+    FigureCanvasAgg(figure).draw()
+    assert figure.axes[0].get_legend().get_window_extent().y1 <= figure.bbox.y1
