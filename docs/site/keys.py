@@ -30,6 +30,7 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
     "design optimum": ("design optimum prototype --starts 1 --no-simulation",),
     "design tolerance": ("design tolerance prototype --samples 16",),
     "design temperature": ("design temperature prototype",),
+    "compare estimators": ("compare estimators --seeds 2 --scenario constant --scenario step --estimator m-over-t",),
     "estimate": ("estimate log.csv --wave photodiode --pressure inlet",),
     "geometry": ("geometry prototype --fineness 10 --frames 0",),
 }

@@ -18,9 +18,8 @@ PAGES = {
     "design optimum": "design optimum prototype --starts 1 --no-simulation",
     "design temperature": "design temperature prototype",
     "design tolerance": "design tolerance prototype --samples 16",
-    "geometry": "geometry prototype --fineness 10 --frames 0",
     "estimate": "estimate log.csv --wave photodiode --pressure inlet",
-    "compare estimators": "compare estimators --seeds 2 --scenario constant",
+    "compare estimators": "compare estimators --seeds 2 --scenario constant --estimator m-over-t",
     "compare runs": "compare runs one two",
 }
 SLOW_PAGES = {
@@ -29,6 +28,7 @@ SLOW_PAGES = {
     "rig ripple": "rig ripple prototype",
     "rig pump": 'rig pump prototype --duty 0.3 0.9 3 --pressure "60 bar" "60 bar" 1 --speed "1800 rpm"',
     "rig claims": "rig claims prototype",
+    "geometry": "geometry prototype --fineness 10 --frames 2",
     "design pareto": "design pareto prototype --points 8 --generations 2",
 }
 PAPER = 680
