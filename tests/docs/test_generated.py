@@ -80,6 +80,18 @@ def test_a_key_gets_unit_label_and_row_and_keeps_its_meaning():
     assert keys.fill_in(TABLE, "some verb", found).endswith("\nWords that stay.\n")
 
 
+def test_the_nomenclature_is_what_its_command_writes():
+    import nomenclature
+
+    page = nomenclature.PAGE.read_text("utf-8")
+    units = nomenclature.units_of_words()
+    assert len(units) > 150
+    assert nomenclature.fill_in(page, units) == page
+    wrong = page.replace("| `spool_radius` | R | m |", "| `spool_radius` | R | mm |")
+    assert wrong != page == nomenclature.fill_in(wrong, units)
+    assert nomenclature.fill_in(page, {**units, "new_word": {"Pa"}}) == page + "| `new_word` |  | Pa |  |\n"
+
+
 def test_a_docstring_becomes_markdown():
     from docstrings import markdown
 

@@ -29,8 +29,8 @@ def grid(
 ) -> "Grid":
     """A table with a column for each of `heads`, those in `right` of numbers.
 
-    Where it is too wide for the screen, it is printed in parts that all begin with its first `keys` columns and end with
-    its last `ends`, or with `transpose` with its rows as columns, if that is narrow enough.
+    Where it is too wide for the screen, it is printed in parts that all begin with its first `keys` columns and end
+    with its last `ends`, or with `transpose` with its rows as columns, if that is narrow enough.
     """
     from vvdp.cli.table import Grid
 
