@@ -1,12 +1,13 @@
 """What all tests share: programs and samples that may be missing."""
 
+import importlib.util
 import os
 import re
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import pytest
 from hypothesis import settings
@@ -66,43 +67,21 @@ def chromium() -> str:
     return required_program("chromium")
 
 
-class KeySection(NamedTuple):
-    """What docs/keys.md says of a verb: unit and meaning of each key, and the verbs whose keys are there as well.
-
-    A word in angle brackets stands for one of the words that `names` has of it, or for any.
-    """
-
-    rows: Mapping[str, tuple[str, str]]
-    others: tuple[str, ...]
-    names: Mapping[str, tuple[str, ...]]
-
-    def pattern(self, key: str) -> str:
-        """The keys that a row describes, as a regular expression."""
-        return re.sub(r"<(\w+)>", lambda word: f"(?:{'|'.join(self.names.get(word[1], (ANY,)))})", key)
-
-
-ANY = r"\w+"
+DOCS = Path(__file__).parents[1] / "docs"
 
 
 @pytest.fixture(scope="session")
-def key_sections() -> dict[str, KeySection]:
-    """docs/keys.md by verb."""
-    page = (Path(__file__).parents[1] / "docs" / "keys.md").read_text("utf-8")
-    found = {}
-    for text in page.split("\n## `vvdp ")[1:]:
-        verb, _, text = text.partition("`\n")
-        rows = re.findall(r"^\| `([\w<>]+)` \| ([^|]+) \| ([^|]+) \|$", text, re.MULTILINE)
-        shared = re.search(r"The keys of (.*?) are there as well", text)
-        told = re.findall(r"`<(\w+)>` is ((?:`\w+`(?:,\s| or\s))+(?:`\w+`|nothing))", text)
-        names = {name: tuple(re.findall(r"`(\w+)`|nothing", listed)) for name, listed in told}
-        assert len({key for key, _, _ in rows}) == len(rows), verb
-        others = tuple(re.findall(r"`vvdp ([a-z -]+)`", shared[1])) if shared else ()
-        found[verb] = KeySection({key: (unit, meaning) for key, unit, meaning in rows}, others, names)
-    return found
+def key_sections() -> Mapping[str, Any]:
+    """docs/keys.md by verb, as its generator reads it; what all results have stands under no name."""
+    found = importlib.util.spec_from_file_location("keys", DOCS / "site" / "keys.py")
+    assert found is not None and found.loader is not None
+    module = importlib.util.module_from_spec(found)
+    found.loader.exec_module(module)
+    return module.sections((DOCS / "keys.md").read_text("utf-8"))
 
 
 @pytest.fixture(scope="session")
-def keys_as_described(key_sections: dict[str, KeySection]) -> Callable[..., None]:
+def keys_as_described(key_sections: Mapping[str, Any]) -> Callable[..., None]:
     """Holds what a verb has printed, at one time or several, against docs/keys.md.
 
     Every key is described, and every key that is described is there, but for those that the page says may be absent.
@@ -112,9 +91,11 @@ def keys_as_described(key_sections: dict[str, KeySection]) -> Callable[..., None
         section = key_sections[verb]
         found = {key for each in printed for key in each}
         own = [section.pattern(key) for key in section.rows]
-        known = own + [key_sections[other].pattern(key) for other in section.others for key in key_sections[other].rows]
+        known = own + [
+            key_sections[other].pattern(key) for other in ("", *section.others) for key in key_sections[other].rows
+        ]
         assert sorted(key for key in found if not any(re.fullmatch(each, key) for each in known)) == []
-        always = [key for key, (_, meaning) in section.rows.items() if not re.search(r"\bonly\b|\babsent\b", meaning)]
+        always = [key for key, (*_, meaning) in section.rows.items() if not re.search(r"\bonly\b|\babsent\b", meaning)]
         assert [key for key in always if not any(re.fullmatch(section.pattern(key), each) for each in found)] == []
 
     return check

@@ -28,6 +28,70 @@ def test_the_gallery_is_what_its_command_writes(tmp_path):
         assert (tmp_path / picture).read_text("utf-8") == (DOCS / picture).read_text("utf-8")
 
 
+def _page_and_generator():
+    import keys
+
+    return keys.PAGE.read_text("utf-8"), keys
+
+
+def test_keys_of_a_run_have_their_units_and_labels():
+    page, keys = _page_and_generator()
+    assert keys.fill_in(page, "run", keys.run_keys()) == page
+
+
+def test_keys_of_results_have_their_units_and_labels():
+    page, keys = _page_and_generator()
+    for verb, result in keys.results_of(keys.COMMANDS):
+        assert keys.fill_in(page, verb, keys.keys_of(result)) == page, verb
+
+
+@pytest.mark.slow
+def test_keys_of_long_studies_have_their_units_and_labels():
+    page, keys = _page_and_generator()
+    for verb, result in keys.results_of(keys.LONG_COMMANDS):
+        assert keys.fill_in(page, verb, keys.keys_of(result)) == page, verb
+
+
+TABLE = """
+## `vvdp some verb`
+
+| key | unit | label | meaning |
+|---|---|---|---|
+| `pressure_<node>_Pa` | W | | at a node |
+| `steps` | s | | number of steps |
+
+Words that stay.
+"""
+
+
+def test_a_key_gets_unit_label_and_row_and_keeps_its_meaning():
+    _, keys = _page_and_generator()
+    found = {
+        "pressure_load_line_Pa": ("Pa", "load line pressure"),
+        "steps": ("1", "steps"),
+        "new_W": ("W", "new power"),
+    }
+    rows = [line for line in keys.fill_in(TABLE, "some verb", found).splitlines() if line.startswith("| `")]
+    assert rows == [
+        "| `pressure_<node>_Pa` | Pa | <node> pressure | at a node |",
+        "| `steps` | 1 | steps | number of steps |",
+        "| `new_W` | W | new power | |",
+    ]
+    assert keys.fill_in(TABLE, "some verb", found).endswith("\nWords that stay.\n")
+
+
+def test_the_nomenclature_is_what_its_command_writes():
+    import nomenclature
+
+    page = nomenclature.PAGE.read_text("utf-8")
+    units = nomenclature.units_of_words()
+    assert len(units) > 150
+    assert nomenclature.fill_in(page, units) == page
+    wrong = page.replace("| `spool_radius` | R | m |", "| `spool_radius` | R | mm |")
+    assert wrong != page == nomenclature.fill_in(wrong, units)
+    assert nomenclature.fill_in(page, {**units, "new_word": {"Pa"}}) == page + "| `new_word` |  | Pa |  |\n"
+
+
 def test_a_docstring_becomes_markdown():
     from docstrings import markdown
 

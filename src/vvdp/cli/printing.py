@@ -68,7 +68,7 @@ def listing_grid(listing: "Listing") -> "Grid":
     """A listing as a table of the screen."""
     from vvdp.results.cells import row_unit, shown_cell
 
-    found = grid("quantity", *listing.heads, "unit", title=listing.title, right=listing.heads)
+    found = grid("quantity", *listing.heads, "unit", title=listing.title, right=listing.heads, ends=1)
     for row in listing.rows:
         cells = (shown_cell(value, row.kind) for value in row.values)
         found.add_row(("  " if row.is_part else "") + row.label, *cells, row_unit(row))

@@ -24,15 +24,17 @@ def console(*, err: bool = False) -> "Console":
     return Console(stderr=err, highlight=False, markup=False, emoji=False, soft_wrap=False, width=width)
 
 
-def grid(*heads: str, title: str = "", right: Sequence[str] = (), keys: int = 1, transpose: bool = False) -> "Grid":
+def grid(
+    *heads: str, title: str = "", right: Sequence[str] = (), keys: int = 1, ends: int = 0, transpose: bool = False
+) -> "Grid":
     """A table with a column for each of `heads`, those in `right` of numbers.
 
-    Where it is too wide for the screen, it is printed in parts that all begin with its first `keys` columns, or with
-    `transpose` with its rows as columns, if that is narrow enough.
+    Where it is too wide for the screen, it is printed in parts that all begin with its first `keys` columns and end
+    with its last `ends`, or with `transpose` with its rows as columns, if that is narrow enough.
     """
     from vvdp.cli.table import Grid
 
-    return Grid(heads=heads, title=title, right=right, keys=keys, transpose=transpose)
+    return Grid(heads=heads, title=title, right=right, keys=keys, ends=ends, transpose=transpose)
 
 
 def tell(text: str, style: str = "") -> None:

@@ -52,11 +52,13 @@ class Block(NamedTuple):
     body: list[str]
 
 
-def table_blocks(columns: Sequence[Column], width: int, *, keys: int = 1, transpose: bool = False) -> list[Block]:
+def table_blocks(
+    columns: Sequence[Column], width: int, *, keys: int = 1, ends: int = 0, transpose: bool = False
+) -> list[Block]:
     """The text of a table that is at most `width` characters wide.
 
     Where it would be wider, texts are wrapped at words; then, with `transpose`, rows become columns; then the columns
-    go into several blocks, each of which begins with the first `keys` columns.
+    go into several blocks, each of which begins with the first `keys` columns and ends with the last `ends`.
     """
     columns = [_in_line(column) for column in columns]
     room = width - INDENT - MARGIN
@@ -64,13 +66,14 @@ def table_blocks(columns: Sequence[Column], width: int, *, keys: int = 1, transp
         return [_block(columns, widths)]
     if transpose and (widths := _widths(turned := _transposed(columns), room)):
         return [_block(turned, widths)]
-    keys = min(keys, len(columns) - 1)
-    leading, rest = columns[:keys], columns[keys:]
+    keys = min(keys, len(columns) - 1 - ends)
+    last = len(columns) - ends
+    leading, rest, closing = columns[:keys], columns[keys:last], columns[last:]
     blocks = []
     while rest:
         counts = range(len(rest), 0, -1)
-        count = next((n for n in counts if _widths([*leading, *rest[:n]], room)), 1)
-        part = [*leading, *rest[:count]]
+        count = next((n for n in counts if _widths([*leading, *rest[:n], *closing], room)), 1)
+        part = [*leading, *rest[:count], *closing]
         blocks.append(_block(part, _widths(part, room) or _widths(part, room, broken=True) or [c.least for c in part]))
         rest = rest[count:]
     return blocks
@@ -165,10 +168,11 @@ class Grid:
         title: str = "",
         right: Sequence[str] = (),
         keys: int = 1,
+        ends: int = 0,
         transpose: bool = False,
     ) -> None:
         self.heads, self.title, self.right = heads, title, right
-        self.keys, self.transpose = keys, transpose
+        self.keys, self.ends, self.transpose = keys, ends, transpose
         self.rows: list[tuple[str, ...]] = []
 
     def add_row(self, *cells: str) -> None:
@@ -182,7 +186,8 @@ class Grid:
         columns = [Column(head, tuple(cell), head in self.right) for head, cell in zip(self.heads, cells, strict=True)]
         if self.title:
             yield Text(self.title, style="bold")
-        for block in table_blocks(columns, options.max_width, keys=self.keys, transpose=self.transpose):
+        blocks = table_blocks(columns, options.max_width, keys=self.keys, ends=self.ends, transpose=self.transpose)
+        for block in blocks:
             yield Text("\n".join(["", *block.head]), style="bold", no_wrap=True, overflow="ignore")
             yield Text("\n".join([block.rule, *block.body]), no_wrap=True, overflow="ignore")
         yield Text("")

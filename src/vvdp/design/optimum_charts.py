@@ -184,7 +184,9 @@ def _curve_chart(name: str, found: Optimum, places: range, curves: Sequence[Limi
             Lines(
                 lines=(
                     Line(x=x, y=objective, rows=rows, colour=Colour.LOAD),
-                    Line(x=x, y=objective, rows=(rows[AT],), colour=Colour.INLET, stroke=Stroke.POINTS),
+                    Line(
+                        x=x, y=objective, rows=(rows[AT],), label="optimum", colour=Colour.INLET, stroke=Stroke.POINTS
+                    ),
                 ),
                 title=each.source.words,
             )

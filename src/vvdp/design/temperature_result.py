@@ -91,7 +91,7 @@ def _table(found: OverTemperature) -> Table:
     ratio = found.columns["bearing_capacity"] / found.columns["radial_force"]
     columns["bearing_ratio"] = Column(ratio, RATIO, "bearing capacity over force of the jets")
     columns |= {f"{each.name}_usage": Column(each.usage, NUMBER, each.label) for each in found.checks}
-    return Table(title="Values over the oil's temperature", columns=columns, shown=SHOWN)
+    return Table(title="Values over the oil's temperature", columns=columns, shown=SHOWN, axes=("temperature_K",))
 
 
 def _findings(found: OverTemperature) -> Iterator[Finding]:

@@ -157,7 +157,7 @@ def _distribution_chart(found: Tolerance) -> Chart:
     for name, each in found.scatter.items():
         ends = (Level(value=each.percentiles[p], upright=True, colour=Colour.RELIEF) for p in ("2.5", "97.5"))
         nominal = Level(value=each.nominal, upright=True, stroke=Stroke.SOLID)
-        line = Line(x=key(name, KINDS[name]), y=f"{name}_count", colour=Colour.LOAD, stroke=Stroke.STEPS)
+        line = Line(x=key(name, KINDS[name]), y=f"{name}_count", label="draws", colour=Colour.LOAD, stroke=Stroke.STEPS)
         panels.append(
             Lines(
                 lines=(line,),

@@ -16,8 +16,10 @@ from vvdp.results.cells import column_head, row_unit, shown_cell, shown_columns,
 from vvdp.results.result import Finding, Grade, Listing, Result, Row, Section, Table
 from vvdp.results.store import read_meta, read_result
 
-MOST_SPACED = 6
-"""Columns of a listing that stand wide apart."""
+MOST_SPACED, MOST_BESIDE = 6, 3
+"""Columns of a listing that stand wide apart, and with which it has room beside another one."""
+LONG = 12
+"""Lines of a listing from which on it is better halved."""
 
 
 @dataclass(frozen=True)
@@ -148,26 +150,49 @@ def _conditions(result: Result) -> str:
 
 
 def listing_html(listing: Listing) -> str:
-    """Quantities of different kinds, a line each, as HTML."""
-    heads = ["", *map(text, listing.heads), ""]
-    noted = any(each.note for each in listing.rows)
-    numeric = tuple(range(1, len(listing.heads) + 1))
-    lines, before = [], ""
-    for each in listing.rows:
-        if each.group != before:
-            lines.append(group(text(each.group), len(heads) + noted))
-            before = each.group
-        lines.append(_listing_row(each, noted))
+    """Quantities of different kinds, a line each, as HTML; on a wide screen narrow ones stand side by side."""
     title = f"<h3>{text(listing.title)}</h3>\n" if listing.title else ""
     note = f'<p class="small">{text(listing.note)}</p>\n' if listing.note else ""
-    kind = "listing" if len(listing.heads) <= MOST_SPACED else "wide"
-    return title + note + table([*heads, *([""] if noted else [])], lines, numeric, kind)
+    if not listing.rows:
+        return f'{title}<p class="small">None.</p>'
+    is_narrow = len(listing.heads) + any(row.note for row in listing.rows) <= MOST_BESIDE
+    halves = _halves(listing.rows) if is_narrow else [listing.rows]
+    if len(halves) > 1:
+        return title + note + "\n".join(f'<div class="beside">{_listing_table(listing, rows)}</div>' for rows in halves)
+    body = title + note + _listing_table(listing, listing.rows)
+    return f'<div class="beside">{body}</div>' if is_narrow else body
+
+
+def _halves(rows: Sequence[Row]) -> list[Sequence[Row]]:
+    """The lines of a long listing in two parts, parted where a group begins; one part where no group does."""
+    begins = [place for place in range(1, len(rows)) if rows[place].group != rows[place - 1].group]
+    if len(rows) <= LONG or not begins:
+        return [rows]
+    middle = min(begins, key=lambda place: abs(2 * place - len(rows)))
+    return [rows[:middle], rows[middle:]]
+
+
+def _listing_table(listing: Listing, rows: Sequence[Row]) -> str:
+    noted = any(each.note for each in listing.rows)
+    heads = ["", *map(text, listing.heads), "", *([""] if noted else [])]
+    numeric = [1 + place for place in range(len(listing.heads)) if any(_is_number(row, place) for row in rows)]
+    lines, before = [], ""
+    for each in rows:
+        if each.group != before:
+            lines.append(group(text(each.group), len(heads)))
+            before = each.group
+        lines.append(_listing_row(each, noted))
+    return table(heads, lines, numeric, "listing" if len(listing.heads) <= MOST_SPACED else "wide")
+
+
+def _is_number(row: Row, place: int) -> bool:
+    return row.kind is not None or not isinstance(row.values[place], str)
 
 
 def _listing_row(each: Row, noted: bool) -> str:
     label = f"&emsp;{text(each.label)}" if each.is_part else text(each.label)
     cells = [label, *(text(shown_cell(value, each.kind)) for value in each.values), text(row_unit(each))]
-    classes = ["", *("n" if each.kind or not isinstance(value, str) else "" for value in each.values), "u"]
+    classes = ["", *("n" if _is_number(each, place) else "" for place in range(len(each.values))), "u"]
     if noted:
         cells, classes = [*cells, text(each.note)], [*classes, "q"]
     return row(cells, classes, "part" if each.is_part else "sum" if each.is_sum else "")

@@ -43,6 +43,8 @@ COMPONENTS = {
 }
 FEWEST_SAMPLES = 64
 """Fewest samples from which a spectrum is drawn."""
+SAME = 1e-9
+"""Relative difference below which two losses are the same."""
 HARMONICS = 10
 
 
@@ -95,18 +97,24 @@ def bench_loss_listings(run: RecordedRun) -> dict[str, Listing]:
     by_component = [*(row(loss, loss.simulated) for loss in (*parts, stored)), row(both, both.simulated, is_sum=True)]
     by_cause = []
     for loss in causes(run):
-        by_cause.append(row(loss, loss.simulated, loss.analytic, loss.simulated - loss.analytic))
+        by_cause.append(row(loss, loss.simulated, loss.analytic, _difference(loss)))
         if loss.name.startswith("transition"):
             for name, key in (("of which transition", "transition"), ("of which compression", "compressibility")):
                 analytic = run.number(f"analytic_loss_{key}_W")
                 by_cause.append(row(Loss(name, np.nan), np.nan, analytic, np.nan, is_part=True))
-    by_cause.append(row(both, both.simulated, both.analytic, both.simulated - both.analytic, is_sum=True))
+    by_cause.append(row(both, both.simulated, both.analytic, _difference(both), is_sum=True))
     heads = ("simulated", "analytic", "difference")
     note = "Shares are of the power put in."
     return {
         "losses_by_component": Listing(title="By component", heads=("mean",), rows=tuple(by_component), note=note),
         "losses_by_cause": Listing(title="By cause", heads=heads, rows=tuple(by_cause)),
     }
+
+
+def _difference(loss: Loss) -> float:
+    """Simulated less analytic [W]; none where it is rounding alone."""
+    difference = loss.simulated - loss.analytic
+    return 0.0 if abs(difference) < SAME * abs(loss.simulated) else difference
 
 
 def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:

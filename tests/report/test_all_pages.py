@@ -1,0 +1,132 @@
+"""The page of every verb in a real browser: silent, alive, within its window, numbered, printed."""
+
+import base64
+import re
+import shlex
+
+import numpy as np
+import pytest
+from tests.report.browser import running
+
+from vvdp.cli.main import main
+
+PAGES = {
+    "run": "run prototype --until 0.3s",
+    "run of another circuit": "run buck-converter --until 0.1s",
+    "map": "map prototype --analytic",
+    "rig pressure-drop": "rig pressure-drop prototype",
+    "design optimum": "design optimum prototype --starts 1 --no-simulation",
+    "design temperature": "design temperature prototype",
+    "design tolerance": "design tolerance prototype --samples 16",
+    "estimate": "estimate log.csv --wave photodiode --pressure inlet",
+    "compare estimators": "compare estimators --seeds 2 --scenario constant --estimator m-over-t",
+    "compare runs": "compare runs one two",
+}
+SLOW_PAGES = {
+    "simulated map": 'map prototype-constant-load --duty 0.3 0.9 3 --pressure "60 bar" "80 bar" 2',
+    "rig step": "rig step prototype-constant-load",
+    "rig ripple": "rig ripple prototype",
+    "rig pump": 'rig pump prototype --duty 0.3 0.9 3 --pressure "60 bar" "60 bar" 1 --speed "1800 rpm"',
+    "rig claims": "rig claims prototype",
+    "geometry": "geometry prototype --fineness 10 --frames 2",
+    "design pareto": "design pareto prototype --points 8 --generations 2",
+}
+PAPER = 680
+"""Pixels of the width of A4 less its margins."""
+TOO_WIDE = """[...document.body.querySelectorAll('*')].filter((each) => {
+  const box = each.getBoundingClientRect();
+  for (let one = each; one; one = one.parentElement)
+    if (one !== document.documentElement && getComputedStyle(one).overflowX !== 'visible' && one !== each) return false;
+  return box.width && box.right > document.documentElement.clientWidth + 1;
+}).map((each) => `${each.localName}.${each.getAttribute('class') || ''} ${each.textContent.slice(0, 30)}`)"""
+SCROLLS = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+
+
+@pytest.fixture(scope="module")
+def browser(chromium, tmp_path_factory):
+    with running(chromium, tmp_path_factory.mktemp("browser") / "profile") as found:
+        yield found
+
+
+def call(line):
+    with pytest.raises(SystemExit) as ended:
+        main(shlex.split(line))
+    assert not ended.value.code, line
+
+
+@pytest.fixture
+def write_page(tmp_path, monkeypatch):
+    """Runs a command in an empty folder, beside a log and, where it compares them, two runs; gives the page."""
+    monkeypatch.chdir(tmp_path)
+    time = np.arange(0.0, 1.5, 2e-4)
+    angle = 0.3 + 2.0 * np.pi * 24.7 * time
+    light = 0.4 + 3.0 * np.clip(0.5 + 1.6 * np.sin(4.0 * angle), 0.0, 1.0)
+    inlet = np.clip(50.0 + 300.0 * np.sin(3.0 * angle), 5.0, 100.0)
+    log = np.column_stack([time, light, inlet])
+    np.savetxt("log.csv", log, "%.9g", ",", header="time [s],photodiode [V],inlet [bar]", comments="")
+
+    def write(line):
+        if line.startswith("compare runs"):
+            for name, duty in (("one", 0.4), ("two", 0.6)):
+                call(f"run prototype --until 0.1s --no-report --set operation.duty_ratio={duty} --out {name}")
+        call(f"{line} --out out")
+        return tmp_path / "out" / "report.html"
+
+    return write
+
+
+def resize(browser, width):
+    browser.call("Emulation.setDeviceMetricsOverride", width=width, height=1200, deviceScaleFactor=1, mobile=False)
+
+
+def check_page(browser, page):
+    """Everything that holds for any page."""
+    resize(browser, 1000)
+    browser.open(page)
+    names = browser.ask(
+        "document.getElementById('chart-data') ? vvdpCharts.then((all) => {"
+        " const names = JSON.parse(document.getElementById('chart-data').textContent).charts.map((each) => each.name);"
+        " names.forEach((name) => all.open(name)); return names; }) : []"
+    )
+    live = "vvdpCharts.then((all) => [...all.live.keys()])"
+    assert not names or sorted(browser.ask(live)) == sorted(names)
+    figures = browser.ask("[...document.querySelectorAll('figcaption b')].map((each) => each.textContent)")
+    assert figures == [f"Figure {count}." for count in range(1, len(figures) + 1)]
+    links = browser.ask("[...document.querySelectorAll('nav.contents a')].map((each) => each.getAttribute('href'))")
+    headings = browser.ask("[...document.querySelectorAll('h2')].map((each) => '#' + each.id)")
+    assert links and links == [each for each in headings if each != "#references"]
+    assert len(set(headings)) == len(headings)
+    for width in (1000, 600):
+        resize(browser, width)
+        assert browser.ask(f"new Promise((done) => setTimeout(() => done({TOO_WIDE}), 50))") == [], width
+        assert browser.ask(SCROLLS) == 0, width
+    check_paper(browser)
+    for kind in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"):
+        assert browser.named(kind) == []
+    assert [each["request"]["url"].split(":")[0] for each in browser.named("Network.requestWillBeSent")].count(
+        "http"
+    ) == 0
+
+
+def check_paper(browser):
+    """Nothing is cut off on A4, and the page prints."""
+    resize(browser, PAPER)
+    browser.call("Emulation.setEmulatedMedia", media="print")
+    try:
+        assert browser.ask(TOO_WIDE) == []
+        printed = browser.call("Page.printToPDF", preferCSSPageSize=True)
+    finally:
+        browser.call("Emulation.setEmulatedMedia", media="")
+    pdf = base64.b64decode(printed["data"])
+    assert 1 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 20
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_page(browser, write_page, name):
+    check_page(browser, write_page(PAGES[name]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SLOW_PAGES)
+def test_slow_page(browser, write_page, name):
+    check_page(browser, write_page(SLOW_PAGES[name]))
