@@ -1,7 +1,7 @@
 """Fills in the words and units of docs/nomenclature.md from the classes of values. `python docs/site/nomenclature.py`
 
-Symbols and meanings are written by hand and stay. A word that has no row gets one at the end, for its symbol and meaning
-to be written and the row to be moved to its section.
+Symbols and meanings are written by hand and stay. A word that has no row gets one at the end, which is to be given its
+symbol and meaning and moved to its section.
 """
 
 import importlib

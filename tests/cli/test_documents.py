@@ -26,6 +26,7 @@ ENDINGS = {
     "Pa": "_Pa",
     "Pa*s": "_Pa_s",
     "Hz": "_Hz",
+    "dB": "_dB",
     "W": "_W",
     "s": "_s",
     "K": "_K",

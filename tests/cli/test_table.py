@@ -72,6 +72,9 @@ def test_each_part_of_a_split_table_begins_with_its_keys():
     assert len(blocks) > 1
     for block in blocks:
         assert [line.split()[:2] for line in block.body] == [["40", "40"], ["20", "50"]]
+    for block in table_blocks([*keys, *others], 60, keys=2, ends=1):
+        assert [line.split()[-1] for line in block.body] == ["1234.5", "67.89"]
+        assert "11" in " ".join(block.head).split()
     (turned,) = table_blocks([*keys, *others], 60, keys=2, transpose=True)
     assert turned.head[0].split() == ["flow", "[lpm]", "40", "20"]
     assert turned.body[0].split() == ["oil", "[°C]", "40", "50"]
