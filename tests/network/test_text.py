@@ -93,7 +93,7 @@ def conditions(t, p):
 
 
 def stored(s, p):
-    in_line = closed_volume_stored(s.line, p.line.volume, p.oil)
+    in_line = closed_volume_contents(s.line, p.line.volume, p.oil)
     energy = in_line.energy
     return Stored(energy, in_line.volume)
 
