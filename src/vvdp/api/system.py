@@ -44,16 +44,23 @@ class System(systems.System):
             named = (replace(each, place=self.name) if each.place == "--set" else each for each in problem.faults)
             raise ConfigError(list(named)) from None
 
-    def run(self, until: str | float | None = None, *, progress: Callable[[float], None] | None = None) -> Run:
+    def run(
+        self,
+        until: str | float | None = None,
+        *,
+        progress: Callable[[float], None] | None = None,
+        stop: Callable[[], bool] | None = None,
+    ) -> Run:
         """Simulates the system, until a time ("50 ms", or a number [s]) or as long as its file says.
 
-        `progress` hears the simulated time [s] now and then. Ctrl-C stops early and keeps what was reached.
+        `progress` hears the simulated time [s] now and then. Where `stop` says so, or at Ctrl-C, it stops early and
+        keeps what was reached.
         """
         system = self
         if until is not None:
             text = until if isinstance(until, str) else f"{until!r} s"
             system = _public(self.read_from(systems.lasting(self.table, text)))
-        done = run_system(system, progress=progress, say=lambda message: print(message, file=sys.stderr))
+        done = run_system(system, progress=progress, stop=stop, say=lambda message: print(message, file=sys.stderr))
         return Run(**{each.name: getattr(done, each.name) for each in fields(done)})
 
     def __repr__(self) -> str:

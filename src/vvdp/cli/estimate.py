@@ -191,9 +191,10 @@ def _flat(found: "Result", wanted: "Estimation") -> dict[str, Any]:
     from vvdp.results.result import Grade, json_value
 
     return {
+        "verb": found.verb,
         "edge_source": SOURCES[type(wanted.source)][0],
         **{key: json_value(each) for key, each in found.numbers.items()},
         "finished": found.finished,
         "wall_time_s": found.seconds,
-        "warnings": "; ".join(f"{each.title}: {each.text}" for each in found.findings if each.grade is not Grade.PLAIN),
+        "warnings": [f"{each.title}: {each.text}" for each in found.findings if each.grade is not Grade.PLAIN],
     }

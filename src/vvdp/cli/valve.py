@@ -48,7 +48,7 @@ def valve(
     rows = [_row(bench, q, t) for q, t in product(flows, temperatures)]
     if json:
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
-        print_json({"system": loaded.name, **columns})
+        print_json({"verb": "valve", "system": loaded.name, "finished": True, **columns})
     elif len(rows) == 1:
         print_point(bench, rows[0])
     else:

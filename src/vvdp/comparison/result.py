@@ -84,7 +84,11 @@ def comparison_result(found: Comparison) -> Result:
         title="Estimators of angle and speed on a coarse encoder",
         system="",
         manner=MANNER,
-        conditions={"wheel": f"{found.sectors} sectors", "sample rate": f"{number(found.rate)} Hz"},
+        conditions={
+            "wheel": f"{found.sectors} sectors",
+            "sample rate": f"{number(found.rate)} Hz",
+            **{name: f"{played.title}, {played.runs} runs" for name, played in found.played.items()},
+        },
         numbers={
             "sectors": Number(float(found.sectors), COUNT, "sectors of the wheel"),
             "rate_Hz": Number(found.rate, FREQUENCY, "sample rate"),
@@ -95,7 +99,7 @@ def comparison_result(found: Comparison) -> Result:
         charts=charts,
         findings=tuple(_findings(found, runs)),
         sections=(
-            Section(title="Error of the speed", words=(MANNER,), shows=(*speeds, "least", *charts)),
+            Section(title="Error of the speed", words=(MANNER,), shows=("conditions", *speeds, "least", *charts)),
             Section(title="Scenario by scenario", words=(DEFINITIONS,), shows=("comparison",), starts_page=True),
             Section(title="Cost and robustness", shows=("estimators",)),
         ),

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator, Sequence
 
 from vvdp.base.display import NOTHING, fixed, number, percent, with_unit
-from vvdp.base.kinds import EFFICIENCY, NUMBER
+from vvdp.base.kinds import NUMBER
 from vvdp.design.conditions import LEFT_OUT, conditions, sentence
 from vvdp.design.optimise import Optimum
 from vvdp.design.optimum_charts import chart_tables, optimum_charts
@@ -115,7 +115,7 @@ def _findings(found: Optimum, proven: Sequence[Proof]) -> Iterator[Finding]:
     if len(problem.points) > 1:
         text += f" It is the weighted mean over {len(problem.points)} operating points."
     yield Finding(text=text)
-    bounds = [each.words for each in found.active if each.kind not in ("limit", "usual limit")]
+    bounds = [each.words for each in found.active if each.kind != "limit"]
     if bounds:
         yield Finding(text=f"The optimum is set by these limits: {'; '.join(bounds)}; changing them moves it.")
     yield Finding(text=_search(found))
@@ -182,12 +182,13 @@ def _quantities(found: Optimum) -> Listing:
     return Listing(title="Results, analytic", heads=("before", "optimum", "change"), rows=tuple(rows))
 
 
+def _share(per_cent: float) -> str:
+    return f"{number(per_cent)} %" if per_cent == per_cent else NOTHING
+
+
 def _held(found: Optimum) -> Listing:
     rows = (
-        Row(each.words, EFFICIENCY, (each.kind, each.elasticity / 100.0, number(each.sensitivity)))
-        if each.elasticity == each.elasticity
-        else Row(each.words, None, (each.kind, NOTHING, number(each.sensitivity)))
-        for each in found.active
+        Row(each.words, None, (each.kind, _share(each.elasticity), number(each.sensitivity))) for each in found.active
     )
     heads = ("which is a", "1 % more changes the objective by", "sensitivity, SI over SI")
     return Listing(title="Held by", heads=heads, rows=tuple(rows))

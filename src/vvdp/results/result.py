@@ -177,8 +177,16 @@ class Result:
         found |= {key: json_value(number) for key, number in self.numbers.items()}
         for name, table in self.tables.items():
             prefix = f"{name}_" if len(self.tables) > 1 else ""
-            found |= {f"{prefix}{key}": column.values.tolist() for key, column in table.columns.items()}
+            found |= {f"{prefix}{key}": plain_values(column) for key, column in table.columns.items()}
         return found | {"warnings": [each.text for each in self.findings if each.grade in (Grade.WARNING, Grade.BAD)]}
+
+
+def plain_values(column: Column) -> list[Any]:
+    """The values of a column as files have them: counts and flags as whole numbers."""
+    values: list[Any] = column.values.tolist()
+    if column.kind is None or not (column.kind is FLAG or column.kind.name == "count"):
+        return values
+    return [int(value) if float(value).is_integer() else value for value in values]
 
 
 def json_value(number: Number) -> float | bool | int:

@@ -26,7 +26,7 @@ import vvdp
 from vvdp.base.errors import ConfigError, unusable
 from vvdp.base.files import write_whole
 from vvdp.base.kinds import GAUGE_PRESSURE, Kind, kind_named
-from vvdp.results.result import Column, Result, Table
+from vvdp.results.result import Column, Result, Table, plain_values
 
 FORMAT = 1
 DESCRIPTION = "result.json"
@@ -103,11 +103,8 @@ def table_text(table: Table) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([key + GAUGE * (column.kind is GAUGE_PRESSURE) for key, column in table.columns.items()])
-    columns = (column.values.tolist() for column in table.columns.values())
-    for row in zip(*columns, strict=True):
-        writer.writerow(
-            [value if isinstance(value, str) else "" if math.isnan(value) else repr(value) for value in row]
-        )
+    for row in zip(*map(plain_values, table.columns.values()), strict=True):
+        writer.writerow(map(_cell, row))
     return text.getvalue()
 
 

@@ -70,6 +70,8 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
 
 OVERVIEW = (
     Line("PWM frequency", ("pwm_frequency_Hz",), FREQUENCY, ("analytic_pwm_frequency_Hz",), "Valve"),
+    Line("PWM periods averaged", ("averaged_periods",), COUNT, (), "Valve"),
+    Line("spool speed, mean", ("speed_mean_spool_rad_s",), SPEED, (), "Valve"),
     Line("spool speed, lowest", ("speed_min_spool_rad_s",), SPEED, (), "Valve"),
     Line("spool speed, highest", ("speed_max_spool_rad_s",), SPEED, (), "Valve"),
     Line("open fraction of the load port, mean", ("mean_load_opening",), FRACTION, (), "Valve"),
