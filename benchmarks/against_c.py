@@ -16,7 +16,7 @@ from benchmarks.measure import HERE, interleaved, ratios, report, run_as_command
 from vvdp.numerics.tableaus import TSIT5_A, TSIT5_C, TSIT5_E
 from vvdp.simulation import loop, places
 from vvdp.simulation.layout import command_parts, members, slots
-from vvdp.simulation.prepare import Prepared, free_rates, prepared
+from vvdp.simulation.prepare import Prepared, free_rates, prepare
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System, load_system
 
@@ -26,7 +26,7 @@ DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 def unwatched(name: str) -> System:
     """A bench whose spool nothing watches: the circuit alone."""
-    return rotary_bench(load_system(name), "benchmark").held().system
+    return rotary_bench(load_system(name), "benchmark").hold().system
 
 
 def layout(system: System, ready: Prepared) -> str:
@@ -106,9 +106,9 @@ def main(short: bool) -> None:
     """Compares values, then times."""
     until, rounds = (0.02, 3) if short else (UNTIL, 31)
     system = unwatched("prototype")
-    ready = prepared(system.model, system.case, system.stepping)
+    ready = prepare(system.model, system.case, system.stepping)
     # The stepper in C knows no events, and needs this tolerance for parts as exact as ours at the default.
-    before = prepared(system.model, system.case, replace(system.stepping, relative_tolerance=1e-9))
+    before = prepare(system.model, system.case, replace(system.stepping, relative_tolerance=1e-9))
     command, params = ready.vectors.command, ready.vectors.params
     with tempfile.TemporaryDirectory() as folder:
         header = layout(system, ready)
@@ -127,7 +127,7 @@ def main(short: bool) -> None:
         worst = np.max(np.abs(ours - theirs) / np.maximum(np.abs(ours).max(axis=0), 1e-300))
         report("rates, largest relative difference", f"{worst:.1e} over 1000 random states", "1e-12", worst <= 1e-12)
         finer = replace(system.stepping, relative_tolerance=1e-11)
-        fine, _, _ = bare_run(prepared(system.model, system.case, finer), until)
+        fine, _, _ = bare_run(prepare(system.model, system.case, finer), until)
         (final, clock, _), (c_final, counts) = bare_run(ready, until), c_run(c, before, until)
         weight = ready.scale + np.abs(fine)
         error, c_error = (np.max(np.abs(a - fine) / weight) for a in (final, c_final))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from vvdp.simulation import loop, places
-from vvdp.simulation.prepare import Prepared, started
+from vvdp.simulation.prepare import Prepared, start_run
 from vvdp.simulation.stepping import Method, Stepping
 
 ROWS = 512
@@ -15,7 +15,7 @@ def bare_run(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Final state, shape (n,), clock, and the states at `record_times` (none by default) of a run."""
     times = np.zeros(0) if record_times is None else record_times
-    reached = started(ready, Stepping(until=until, method=method))
+    reached = start_run(ready, Stepping(until=until, method=method))
     n, y, clock = reached.state.size, reached.state, reached.clock
     record = np.zeros((times.size, n))
     workbench = loop.workbench(ready.plan, n, ready.width.size, ready.pattern)

@@ -33,7 +33,7 @@ def cases(system: System, count: int) -> Iterator[Case]:
     rng = np.random.default_rng(1)
     for duty, setting in zip(rng.uniform(0.2, 0.8, count), rng.uniform(1.1e7, 1.4e7, count), strict=True):
         operation, relief_valve = {"duty_ratio": constant(duty)}, {"cracking_pressure": float(setting)}
-        yield bench.changed(operation=operation, relief_valve=relief_valve).case
+        yield bench.with_tables(operation=operation, relief_valve=relief_valve).case
 
 
 def around(system: System, chosen: list[Case], rounds: int) -> None:

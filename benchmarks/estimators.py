@@ -11,8 +11,8 @@ from vvdp.base.kinds import AccelerationDensity, AngularVariance
 from vvdp.base.params import Params
 from vvdp.comparison.estimators import contenders
 from vvdp.comparison.scenarios import scenarios
-from vvdp.comparison.trials import compiled_encoder, compiled_step, estimated, recorded
-from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.comparison.trials import compiled_encoder, compiled_step, run_estimator, simulate_record
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.simulation.replay import Replay
 
 UPDATES, SAMPLES = 2000, 200_000
@@ -33,8 +33,8 @@ class Densities(Params):
 
 def updated(belief: AngleSpeed, edge: Edge, settings: Densities) -> tuple[AngleSpeed, AngleSpeed]:
     """One prediction and one update: what both sides are timed on."""
-    prior = propagated(belief, edge.interval, settings.acceleration_density)
-    after = corrected(prior, edge.angle - prior.angle, settings.edge_variance)
+    prior = predict(belief, edge.interval, settings.acceleration_density)
+    after = update(prior, edge.angle - prior.angle, settings.edge_variance)
     return after, after
 
 
@@ -75,10 +75,10 @@ def against_filterpy(rounds: int) -> None:
 def cost_per_sample(samples: int, rounds: int) -> None:
     """Every estimator over the same readings: 8 sectors, 24.7 turns a second, 1 kHz."""
     scenario = scenarios()[0]
-    record = recorded(scenario, compiled_encoder(scenario), 0, samples)
+    record = simulate_record(scenario, compiled_encoder(scenario), 0, samples)
     variants = {}
     for each in contenders():
-        variants[each.name] = partial(estimated, each, compiled_step(each), record, each.rows(scenario, record))
+        variants[each.name] = partial(run_estimator, each, compiled_step(each), record, each.rows(scenario, record))
     times = interleaved(variants, rounds)
     for name, taken in times.items():
         met = float(np.median(taken)) * 1e9 / samples < SAMPLE_TARGET

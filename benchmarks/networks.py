@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.measure import ROUNDS, interleaved, ratios, report, run_as_command, spread
-from vvdp.base.books import Books, Stored
+from vvdp.base.conservation import Books, Stored
 from vvdp.base.kinds import Area, Density, Energy, Flow, Kink, Mode, Pressure, PressureTime, TankVolume, Volume
 from vvdp.base.params import Params
 from vvdp.components.flow_sources import FLOW_SOURCE
@@ -28,7 +28,7 @@ from vvdp.hydraulics.switching_valve import (
     spool_ends,
     spool_rate,
 )
-from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
+from vvdp.hydraulics.volume import closed_volume_contents, closed_volume_rate
 from vvdp.network.build import build
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
@@ -141,8 +141,8 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs, 
 
 def stored(s: State, p: Values) -> Stored:
     """Energy and oil of both volumes."""
-    inlet = closed_volume_stored(s.inlet, p.inlet_volume, p.oil)
-    load = closed_volume_stored(s.load_line, p.load_volume, p.oil)
+    inlet = closed_volume_contents(s.inlet, p.inlet_volume, p.oil)
+    load = closed_volume_contents(s.load_line, p.load_volume, p.oil)
     return Stored(inlet.energy + load.energy, inlet.volume + load.volume)
 
 

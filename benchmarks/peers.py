@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.bare import bare_run
 from benchmarks.measure import HERE, report, run_as_command
 from vvdp.simulation import places
-from vvdp.simulation.prepare import Prepared, free_rates, prepared
+from vvdp.simulation.prepare import Prepared, free_rates, prepare
 from vvdp.simulation.values import leaves
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.system import System, load_system
@@ -117,7 +117,7 @@ def by_peer(
 
 def ready_at(system: System, tolerance: float) -> Prepared:
     """The system as the loop takes it."""
-    return prepared(system.model, system.case, replace(system.stepping, relative_tolerance=tolerance))
+    return prepare(system.model, system.case, replace(system.stepping, relative_tolerance=tolerance))
 
 
 def error(system: System, final: np.ndarray, reference: np.ndarray) -> float:

@@ -12,8 +12,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
-import vvdp
 from vvdp.base.books import Books, Stored
+
+import vvdp
 from vvdp.base.params import Params, field_kinds, field_types
 
 PAGE = Path(__file__).parents[1] / "nomenclature.md"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from vvdp.base.display import fixed, number, plain, value_and_unit
+from vvdp.base.display import fixed_point, number, plain, value_and_unit
 from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, TIME
 
 
@@ -15,8 +15,8 @@ def test_significant_digits(value, expected):
 
 
 def test_places_and_no_negative_zero():
-    assert fixed(-0.04, 1) == "0.0"
-    assert fixed(-1.25, 2) == "−1.25"
+    assert fixed_point(-0.04, 1) == "0.0"
+    assert fixed_point(-1.25, 2) == "−1.25"
 
 
 def test_parameters_keep_no_trailing_zeros():

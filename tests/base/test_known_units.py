@@ -12,7 +12,7 @@ from vvdp.base.units import _registry, _unit, is_unit
 
 ALL = [kind for kind in vars(kinds).values() if isinstance(kind, Kind) and kind.unit not in ("1", "SI", "dB")]
 WRITTEN = sorted(
-    {unit for kind in ALL for unit in (kind.unit, kind.shown, *kind.units)} | {"mm2", "m**2", "s^-1", "(m)"}
+    {unit for kind in ALL for unit in (kind.unit, kind.display_unit, *kind.units)} | {"mm2", "m**2", "s^-1", "(m)"}
 )
 ROUNDING = 6e-16  # pint multiplies its factors one by one: four roundings of 1.1e-16, and one of ours
 

@@ -41,7 +41,7 @@ def test_kinds_are_told_apart_by_name_and_have_sound_ranges() -> None:
     assert len({kind.name for kind in ALL}) == len(ALL)
     for kind in ALL:
         assert kind.low < kind.high and kind.scale > 0.0 and math.isfinite(kind.low) and math.isfinite(kind.high)
-        assert not kind.units or kind.shown in kind.units
+        assert not kind.units or kind.display_unit in kind.units
 
 
 def test_a_class_is_frozen_keyword_only_and_checked() -> None:

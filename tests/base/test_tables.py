@@ -8,7 +8,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import FractionSignal, Length, PressureSignal, Ratio, SpeedSignal, TemperatureSignal
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
-from vvdp.base.tables import Table, build, described, parsed_table, read_table, with_settings
+from vvdp.base.tables import Table, build, describe_signal, parsed_table, read_table, with_settings
 
 
 class Plate(Params):
@@ -53,8 +53,8 @@ def test_values_come_with_their_origin() -> None:
     plate, rows = build(Plate, table.content["plate"], "plate", table, faults)
     assert not faults and plate == Plate(length=0.005, ratio=2.0)
     first, second = rows
-    assert (first.status, first.source, first.where, first.displayed) == ("published", "wang2017", "p. 3", "5 mm")
-    assert (second.status, second.source, second.displayed) == ("given", "", "2")
+    assert (first.status, first.source, first.where, first.display_text) == ("published", "wang2017", "p. 3", "5 mm")
+    assert (second.status, second.source, second.display_text) == ("given", "", "2")
 
 
 def test_all_faults_are_told_at_once_each_with_its_line() -> None:
@@ -150,10 +150,10 @@ def test_what_is_no_signal_is_refused(entry: object, told: str) -> None:
 
 def test_a_signal_is_described_as_a_person_reads_it() -> None:
     kind = Prescribed.__annotations__["pressure"].__metadata__[0]
-    assert described(signal("pressure", "10 bar"), kind) == "10 bar (11.0132 bara)"
-    text = described(signal("pressure", {"step": ["10 bar", "20 bar"], "at": "0.5 s"}), kind)
+    assert describe_signal(signal("pressure", "10 bar"), kind) == "10 bar (11.0132 bara)"
+    text = describe_signal(signal("pressure", {"step": ["10 bar", "20 bar"], "at": "0.5 s"}), kind)
     assert text == "between 10 bar (11.0132 bara) and 20 bar (21.0132 bara), corners at 0.5 s"
-    text = described(signal("pressure", {"sine": "100 bar", "amplitude": "5 bar", "frequency": "7 Hz"}), kind)
+    text = describe_signal(signal("pressure", {"sine": "100 bar", "amplitude": "5 bar", "frequency": "7 Hz"}), kind)
     assert text.endswith("sine of 7 Hz")
 
 

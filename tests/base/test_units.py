@@ -10,7 +10,7 @@ from vvdp.base import kinds
 from vvdp.base.display import value_text
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind
-from vvdp.base.units import ATMOSPHERE, in_unit, number_and_unit, parsed, parsed_difference
+from vvdp.base.units import ATMOSPHERE, in_unit, number_and_unit, parse, parsed_difference
 
 FITTED = Kind("fitted coefficient", "SI", 1e-12, 1.0, "1.45e-6 SI", units=("SI",))
 ALL = {name: kind for name, kind in vars(kinds).items() if isinstance(kind, Kind)} | {"FITTED": FITTED}
@@ -42,20 +42,20 @@ def test_what_is_displayed_can_be_written(pair: tuple[Kind, float]) -> None:
 @given(kinds_and_values())
 def test_a_value_in_full_comes_back_to_rounding(pair: tuple[Kind, float]) -> None:
     kind, value = pair
-    unit = kind.shown if kind.unit not in ("1", "SI") else kind.unit.replace("1", "")
+    unit = kind.display_unit if kind.unit not in ("1", "SI") else kind.unit.replace("1", "")
     if kind in (kinds.PRESSURE_LEVEL, kinds.TEMPERATURE):  # scales with a shifted zero: take the absolute one
         text = f"{value!r} K" if kind is kinds.TEMPERATURE else f"{value / 1e5!r} bara"
     else:
         text = f"{in_unit(value, kind, unit) if unit != 'SI' else value!r} {unit}"
     try:
-        assert parsed(text, kind) == pytest.approx(value, rel=1e-14, abs=1e-300)
+        assert parse(text, kind) == pytest.approx(value, rel=1e-14, abs=1e-300)
     except ParameterError as problem:  # rounded over the end of the range
         assert "outside" in str(problem) and (value in (kind.low, kind.high) or value == pytest.approx(kind.high))
 
 
 @pytest.mark.parametrize("kind", ALL.values(), ids=ALL.keys())
 def test_the_example_of_a_kind_is_a_value_of_it(kind: Kind) -> None:
-    assert kind.low <= parsed(kind.example, kind) <= kind.high
+    assert kind.low <= parse(kind.example, kind) <= kind.high
 
 
 @pytest.mark.parametrize(
@@ -88,20 +88,20 @@ def test_the_example_of_a_kind_is_a_value_of_it(kind: Kind) -> None:
     ],
 )
 def test_values_worked_by_hand(text: object, kind: Kind, value: float) -> None:
-    assert parsed(text, kind) == pytest.approx(value, rel=1e-8 if "psia" in str(text) else 1e-13, abs=1e-9)
+    assert parse(text, kind) == pytest.approx(value, rel=1e-8 if "psia" in str(text) else 1e-13, abs=1e-9)
 
 
 @given(st.floats(-1.0, 5000.0))
 @example(0.0)
 def test_gauge_and_absolute_are_one_atmosphere_apart(number: float) -> None:
     gauge, absolute = (
-        parsed(f"{number!r} bar", kinds.PRESSURE_LEVEL),
-        parsed(f"{abs(number)!r} bara", kinds.PRESSURE_LEVEL),
+        parse(f"{number!r} bar", kinds.PRESSURE_LEVEL),
+        parse(f"{abs(number)!r} bara", kinds.PRESSURE_LEVEL),
     )
     if number >= 0.0:
         assert gauge - absolute == pytest.approx(ATMOSPHERE, abs=1e-6)
     assert value_text(gauge, kinds.PRESSURE_LEVEL).startswith(f"{(gauge - ATMOSPHERE) / 1e5:.6g} bar (")
-    assert parsed(f"{number!r} barg", kinds.PRESSURE_LEVEL) == gauge
+    assert parse(f"{number!r} barg", kinds.PRESSURE_LEVEL) == gauge
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_gauge_and_absolute_are_one_atmosphere_apart(number: float) -> None:
 )
 def test_what_is_wrong_or_misleading_is_refused_with_what_to_write(text: object, kind: Kind, told: str) -> None:
     with pytest.raises(ParameterError) as caught:
-        parsed(text, kind)
+        parse(text, kind)
     assert told in str(caught.value)
 
 
@@ -152,7 +152,7 @@ def test_what_is_wrong_or_misleading_is_refused_with_what_to_write(text: object,
 def test_any_text_is_a_value_or_a_parameter_error(text: str) -> None:
     for kind in (kinds.PRESSURE_LEVEL, kinds.SPEED, kinds.RATIO, kinds.LENGTH):
         try:
-            assert kind.low <= parsed(text, kind) <= kind.high
+            assert kind.low <= parse(text, kind) <= kind.high
         except ParameterError as problem:
             assert kind.name in str(problem) or kind.example in str(problem)
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from vvdp.systems.system import shipped
+from vvdp.systems.system import shipped_systems
 
-PROTOTYPE = shipped()["prototype"]
+PROTOTYPE = shipped_systems()["prototype"]
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import pytest
 
 from vvdp.components.library import COMPONENTS, PROGRAMS
 from vvdp.simulation.results import read_results
-from vvdp.systems.drawn import NODES
+from vvdp.systems.drawing import NODES
 
 DRAWN = """\
 title = "Pump and throttle"

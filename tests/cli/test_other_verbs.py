@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import vvdp as package
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system, shipped_systems
 
 
 def test_version_and_bare_call(vvdp):
@@ -30,7 +30,7 @@ def test_list_names_shipped_systems_and_those_in_the_folder(vvdp, here):
     (here / "folder.toml").mkdir()
     listed = vvdp("list")
     assert listed.code == 0
-    for name, text in shipped().items():
+    for name, text in shipped_systems().items():
         assert name in listed.out
         assert text.partition('title = "')[2].partition('"')[0] in listed.out
     assert "mine.toml" in listed.out
@@ -38,16 +38,16 @@ def test_list_names_shipped_systems_and_those_in_the_folder(vvdp, here):
         assert other not in listed.out
 
 
-@pytest.mark.parametrize("name", list(shipped()))
+@pytest.mark.parametrize("name", list(shipped_systems()))
 def test_show_names_every_value_with_its_origin(vvdp, name):
     shown, system = vvdp("show", name), load_system(name)
     assert shown.code == 0
     lines = shown.out.splitlines()
     for row in system.rows:
-        told = [line for line in lines if row.displayed in line and line.split()[0] == row.key]
+        told = [line for line in lines if row.display_text in line and line.split()[0] == row.key]
         assert any(row.status in line and row.note in line for line in told), row
-    assert f"{len(system.assumed)} of {len(system.rows)} values are assumed" in shown.out
-    for row in system.assumed:
+    assert f"{len(system.assumptions)} of {len(system.rows)} values are assumed" in shown.out
+    for row in system.assumptions:
         assert f"{row.table}.{row.key}" in shown.out.splitlines()[-1]
 
 
@@ -75,7 +75,7 @@ def test_show_of_a_value_that_changes(vvdp):
 def test_new_copies_with_comments_and_another_title(vvdp, here):
     answer = vvdp("new", "mine", "--from", "prototype")
     assert answer.out == "mine.toml written; run it with: vvdp run mine.toml\n"
-    source, text = shipped()["prototype"].splitlines(), (here / "mine.toml").read_text().splitlines()
+    source, text = shipped_systems()["prototype"].splitlines(), (here / "mine.toml").read_text().splitlines()
     assert [line for line in text if line not in source] == ['title = "mine"']
     assert len(text) == len(source)
     assert load_system("mine.toml").tables == load_system("prototype").tables
@@ -123,7 +123,9 @@ def test_new_refuses(vvdp, here, name, source):
 
 def test_a_title_over_several_lines_stays(vvdp, here):
     text = (
-        shipped()["prototype"].replace('title = "', 'title = """\nlong ').replace('load"\ncircuit', 'load"""\ncircuit')
+        shipped_systems()["prototype"]
+        .replace('title = "', 'title = """\nlong ')
+        .replace('load"\ncircuit', 'load"""\ncircuit')
     )
     (here / "long.toml").write_text(text)
     assert vvdp("new", "mine", "--from", "long.toml").code == 0

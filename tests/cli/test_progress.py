@@ -16,12 +16,12 @@ def clock(monkeypatch):
 
 
 def test_the_first_call_each_tenth_and_every_two_seconds_is_a_line(capsys, clock):
-    with progress.counted("points") as heard:
+    with progress.count_lines("points") as heard:
         for done in (0, 1, 9, 10, 11, 100):
             heard(done, 100)
         clock[0] += 60.0
     assert [line.split()[0] for line in capsys.readouterr().err.splitlines()] == ["0", "10", "100"]
-    with progress.counted("points") as heard:
+    with progress.count_lines("points") as heard:
         for done in range(4):
             heard(done, 1000)
             clock[0] += 1.0
@@ -29,7 +29,7 @@ def test_the_first_call_each_tenth_and_every_two_seconds_is_a_line(capsys, clock
 
 
 def test_a_quantity_is_told_every_two_seconds_until_the_end(capsys, clock):
-    with progress.reached(9.0, lambda now: f"t = {now:g} s") as heard:
+    with progress.report_reach(9.0, lambda now: f"t = {now:g} s") as heard:
         for now in range(10):
             heard(float(now))
             clock[0] += 1.0
@@ -41,8 +41,8 @@ def test_a_quantity_is_told_every_two_seconds_until_the_end(capsys, clock):
 @pytest.mark.parametrize(
     ("listening", "heard", "words"),
     [
-        (progress.counted("points"), (3, 12), "3/12 points"),
-        (progress.reached(2.0, lambda now: f"t = {now:g} s"), (1.5,), "t = 1.5 s"),
+        (progress.count_lines("points"), (3, 12), "3/12 points"),
+        (progress.report_reach(2.0, lambda now: f"t = {now:g} s"), (1.5,), "t = 1.5 s"),
     ],
 )
 def test_on_a_terminal_there_is_a_bar(capsys, monkeypatch, listening, heard, words):

@@ -93,4 +93,4 @@ def test_the_screen_has_all_numbers_of_json(width, folder):
     )  # fmt: skip
     found, shown = json.loads(told.stdout), numbers(screen(width, command, folder))
     for _, key, kind in COLUMNS[2:]:
-        assert {number(display_unit(kind).shown(value)) for value in found[key]} <= shown
+        assert {number(display_unit(kind).from_si(value)) for value in found[key]} <= shown

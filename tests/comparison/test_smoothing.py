@@ -6,7 +6,7 @@ import pytest
 from vvdp.comparison.estimators import contenders
 from vvdp.comparison.scenarios import scenarios
 from vvdp.comparison.smoothing import smoothed_traces, used_edge_step
-from vvdp.comparison.trials import compare, compiled_encoder, compiled_step, recorded
+from vvdp.comparison.trials import compare, compiled_encoder, compiled_step, simulate_record
 from vvdp.estimation.event_filter import event_filter, event_filter_start
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
@@ -37,13 +37,13 @@ def test_only_samples_with_edges_are_used():
 
 def test_exact_edges_give_the_exact_motion(stamped, mark):
     """Edges stamped without an error lie on a straight line, so the speed is exact everywhere."""
-    record = recorded(stamped, compiled_encoder(stamped), 3)
+    record = simulate_record(stamped, compiled_encoder(stamped), 3)
     traces = smoothed_traces(record.truth.time, compiled_step(mark)(mark.memory, record.readings).shown, mark.settings)
     assert traces.speed == pytest.approx(np.full(record.truth.time.size, 2 * np.pi * 24.7), rel=1e-9)
 
 
 def test_compiled_and_plain_are_the_same(stamped, mark):
-    record = recorded(stamped, compiled_encoder(stamped), 4, samples=300)
+    record = simulate_record(stamped, compiled_encoder(stamped), 4, samples=300)
     memory, plain = mark.memory, []
     for row in record.readings.tolist():
         memory, shown = used_edge_step(memory, Reading(*row), mark.settings)

@@ -16,7 +16,7 @@ from vvdp.comparison.estimators import (
     with_pressure,
 )
 from vvdp.comparison.scenarios import LPM, scenarios
-from vvdp.comparison.trials import compare, compiled_encoder, compiled_loop, recorded
+from vvdp.comparison.trials import compare, compiled_encoder, compiled_loop, simulate_record
 from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.wheel import edge_below
 from vvdp.simulation.values import flat
@@ -37,7 +37,7 @@ def encoder(constant):
 
 
 def test_a_record_follows_from_its_seed(constant, encoder):
-    one, again, other = (recorded(constant, encoder, seed) for seed in (4, 4, 5))
+    one, again, other = (simulate_record(constant, encoder, seed) for seed in (4, 4, 5))
     np.testing.assert_array_equal(one.readings, again.readings)
     assert one.truth.time[0] != other.truth.time[0] and one.truth.angle[0] != other.truth.angle[0]
     for record in (one, other):
@@ -47,7 +47,7 @@ def test_a_record_follows_from_its_seed(constant, encoder):
 
 def test_readings_count_the_edges_that_passed(constant, encoder):
     """All that goes wrong is where an edge is seen, so the count is right to one edge."""
-    truth, readings = recorded(constant, encoder, 1)[1:]
+    truth, readings = simulate_record(constant, encoder, 1)[1:]
     wheel = constant.encoder.wheel
     passed = edge_below(truth.angle[-1], wheel) - edge_below(truth.angle[0], wheel)
     assert abs(np.sum(readings[:, 1]) - passed) <= 1.0
@@ -114,7 +114,7 @@ def test_nothing_to_compare_is_refused(known_contenders):
 
 def test_the_loop_is_the_same_compiled(constant, encoder):
     adapting = next(each for each in contenders() if each.name == "adaptive-threshold")
-    record = recorded(constant, encoder, 2, samples=400)
+    record = simulate_record(constant, encoder, 2, samples=400)
     memory = adapting_start(constant, record, adapting.settings)
     settings = AdaptingSettings(encoder=constant.encoder, estimator=adapting.settings)
     rows = np.column_stack(record.truth)
@@ -127,7 +127,7 @@ def test_the_loop_is_the_same_compiled(constant, encoder):
 
 
 def test_the_pressure_has_six_edges_a_turn(constant, encoder):
-    record = recorded(constant, encoder, 0)
+    record = simulate_record(constant, encoder, 0)
     rows = with_pressure(constant, record)
     turned = record.truth.angle[-1] - record.truth.angle[0]
     assert np.sum(rows[:, 5]) == pytest.approx(6.0 * turned / (2 * np.pi), abs=2.0)
@@ -138,7 +138,7 @@ def test_the_pressure_has_six_edges_a_turn(constant, encoder):
 
 def test_the_flow_is_wrong_by_a_constant(constant, encoder):
     """At 24.7 turns a second 40.6 lpm; each run is wrong by its own 2 %, spread over 100 runs 2 % +- 0.14 %."""
-    record = recorded(constant, encoder, 0, samples=10)
+    record = simulate_record(constant, encoder, 0, samples=10)
     flows = np.array([with_flow(constant, record._replace(seed=seed))[:, 5] for seed in range(100)]) / LPM
     assert np.ptp(flows, axis=1) == pytest.approx(0.0, abs=1e-9)
     assert flows.mean() == pytest.approx(40.6, rel=0.01)

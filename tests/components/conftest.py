@@ -17,7 +17,7 @@ import vvdp.components
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params, field_kinds, field_types
 from vvdp.base.signal import Signal
-from vvdp.base.units import parsed
+from vvdp.base.units import parse
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.ports import Medium
@@ -106,13 +106,13 @@ def example(hint: Any, kind: Kind | None) -> Any:
     if kind is None:
         assert isinstance(hint, type) and issubclass(hint, Params), f"give {hint!r} a value here"
         return next(settings(hint))
-    value = parsed(kind.example, kind)
+    value = parse(kind.example, kind)
     return Signal(base=value) if hint is Signal else value
 
 
 def random_value(kind: Kind, rng: np.random.Generator) -> float:
     """Within twice the example of a kind, and either side of zero where the kind allows it."""
-    size = abs(parsed(kind.example, kind))
+    size = abs(parse(kind.example, kind))
     low = -size if kind.low < 0.0 else 0.1 * size
     return float(rng.uniform(max(low, kind.low), min(2.0 * size, kind.high)))
 

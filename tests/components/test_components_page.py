@@ -9,7 +9,7 @@ from vvdp.components.library import COMPONENTS, PROGRAMS
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component, Role
 from vvdp.simulation.values import names
-from vvdp.systems.drawn import NODES
+from vvdp.systems.drawing import NODES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "components.md").read_text("utf-8")
 ENDS = {Role.SHAFT: " (shaft)", Role.SHAFT_SPEED: " (shaft)", Role.ROD: " (rod)"}

@@ -48,13 +48,13 @@ def formula_modules() -> list[ModuleType]:
 @pytest.fixture(scope="session")
 def value_classes() -> list[type]:
     """Every parameter class and every NamedTuple of values."""
-    from vvdp.base import books
+    from vvdp.base import conservation
     from vvdp.base.params import Params
     from vvdp.simulation import stepping
 
     packages = ("fluid", "valve", "hydraulics", "sensing", "geometry", "estimation", "estimation.baselines")
     packages += ("network", "components", "systems")
-    modules = [m for p in packages for m in modules_of(p)] + [books, stepping]
+    modules = [m for p in packages for m in modules_of(p)] + [conservation, stepping]
     return [c for m in modules for c in own_classes(m) if issubclass(c, Params) or hasattr(c, "_fields")]
 
 

@@ -18,9 +18,9 @@ from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import members, vectors
 from vvdp.simulation.link import link
 from vvdp.simulation.reach import compiled_form, reachable
-from vvdp.simulation.trace import dependencies, evaluated, trace
-from vvdp.simulation.values import as_series, flat, leaves, names, rebuilt
-from vvdp.systems.system import load_system, shipped
+from vvdp.simulation.trace import dependencies, evaluate, trace
+from vvdp.simulation.values import as_series, flat, leaves, names, rebuild
+from vvdp.systems.system import load_system, shipped_systems
 
 ROUNDING = 1e-12
 COUNT = 200
@@ -79,7 +79,7 @@ def agrees(one, other, scale):
 
 def variants():
     """Every shipped system, and those with a rotary valve with other settings."""
-    for name in shipped():
+    for name in shipped_systems():
         for setting in SETTINGS if name.startswith("prototype") else ("as shipped",):
             yield pytest.param(name, setting, id=f"{name}, {setting}")
 
@@ -105,7 +105,7 @@ def test_whole_circuit_is_the_same_in_every_form(name, setting):
             *numbers_of(model.conditions(t, p)),
         ]
 
-    states = [rebuilt(case.state, iter(row.tolist())) for row in rows]
+    states = [rebuild(case.state, iter(row.tolist())) for row in rows]
     plain = np.array([forms(t, state) for t, state in zip(times.tolist(), states, strict=True)], float)
     assert np.all(np.isfinite(plain))
     scale = np.max(np.abs(plain), axis=0).clip(1e-300)
@@ -113,7 +113,7 @@ def test_whole_circuit_is_the_same_in_every_form(name, setting):
     assert agrees(plain, np.array([np.broadcast_to(value, COUNT) for value in together]).T, scale)
 
     t, y = casadi.SX.sym("t"), casadi.SX.sym("y", rows.shape[1])
-    symbolic = forms(t, rebuilt(case.state, iter([y[i] for i in range(rows.shape[1])])))
+    symbolic = forms(t, rebuild(case.state, iter([y[i] for i in range(rows.shape[1])])))
     function = casadi.Function("f", [t, y], [casadi.vertcat(*symbolic)])
     assert agrees(plain, np.array([np.ravel(function(t, row)) for t, row in zip(times, rows, strict=True)]), scale)
 
@@ -146,12 +146,12 @@ def test_traced_rates_are_those_of_the_circuit(name, setting):
     rows, times = random_states(case, rng), rng.uniform(0.0, 1.0, COUNT)
 
     def plain(t, row):
-        rates, _, modes = model.circuit(t, rebuilt(case.state, iter(row.tolist())), case.command, case.params)
+        rates, _, modes = model.circuit(t, rebuild(case.state, iter(row.tolist())), case.command, case.params)
         return [*numbers_of(rates), *numbers_of(modes)]
 
     graph, flats = trace(model, case), vectors(case)
     signals = signal_values(case.params, times)
-    traced = evaluated(graph, times, rows.T, flats.command, flats.params, signals)
+    traced = evaluate(graph, times, rows.T, flats.command, flats.params, signals)
     values = np.array([plain(t, row) for t, row in zip(times.tolist(), rows, strict=True)])
     together = np.array([np.broadcast_to(value, COUNT) for value in traced]).T
     assert agrees(values, together, np.max(np.abs(values), axis=0).clip(1e-300))
@@ -344,7 +344,7 @@ def components():
     from vvdp.valve import branch, condition, geometry, torque
 
     values = {}
-    for name in shipped():
+    for name in shipped_systems():
         case = load_system(name).case
         for inner in names(case.params):
             value = getattr(case.params, inner)

@@ -17,8 +17,8 @@ import pytest
 
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
-from vvdp.simulation.values import flat, leaves, names, rebuilt
-from vvdp.systems.system import load_system, shipped
+from vvdp.simulation.values import flat, leaves, names, rebuild
+from vvdp.systems.system import load_system, shipped_systems
 from vvdp.valve.branch import BranchLaw, branch_law
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
@@ -114,7 +114,7 @@ SETTINGS = {
 
 def variants():
     """Every shipped system, and those with a rotary valve with other settings."""
-    for name in shipped():
+    for name in shipped_systems():
         for word, settings in SETTINGS.items() if name.startswith("prototype") else [("as shipped", [])]:
             yield pytest.param(name, settings, id=f"{name}, {word}")
 
@@ -130,11 +130,11 @@ def test_right_hand_side_is_independent_of_units(name, settings):
     rng = np.random.default_rng(11)
     params, command = scaled(case.params), scaled(case.command)
     paths = [(path, kind) for path, _, kind in leaves(case.state)]
-    of_rates = flat(scaled(rebuilt(case.state, iter([1.0] * len(paths))))) / factor("s")
+    of_rates = flat(scaled(rebuild(case.state, iter([1.0] * len(paths))))) / factor("s")
     plain, other = [], []
     for _ in range(100):
         numbers = [0.0 if path.startswith("books.") else float(rng.uniform(*RANGES[k.unit])) for path, k in paths]
-        t, state = float(rng.uniform(0.0, 1.0)), rebuilt(case.state, iter(numbers))
+        t, state = float(rng.uniform(0.0, 1.0)), rebuild(case.state, iter(numbers))
         plain.append(flat(circuit(t, state, case.command, case.params)[0]) * of_rates)
         other.append(flat(circuit(t * factor("s"), scaled(state), command, params)[0]))
     largest = np.max(np.abs(plain), axis=0).clip(1e-300)

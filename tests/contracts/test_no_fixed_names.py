@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 
 from vvdp.simulation.values import leaves, names
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system, shipped_systems
 
 PACKAGES = (
     "runs",
@@ -51,7 +51,7 @@ class Names(NamedTuple):
 def forbidden() -> Names:
     """The names of all shipped systems."""
     words, paths, keys = {"supply"}, set[str](), set[str]()
-    for name in shipped():
+    for name in shipped_systems():
         system = load_system(name)
         case = system.case
         outputs = system.model.circuit(0.0, case.state, case.command, case.params)[1]

@@ -109,7 +109,7 @@ RECORD = "a record that is filled by name, one line for each of its fields"
 FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
-    "base.units._converted": CHOICE,
+    "base.units._to_si": CHOICE,
     "components.directional_valves.directional_valve": LAW,
     "components.directional_valves.throttled_directional_valve": LAW,
     "components.rotary_valve.rotary_valve": LAW,
@@ -139,10 +139,10 @@ ALLOWED = {
     "network.text.Text._argument": CHOICE,
     "network.trial.Trial": "one trial of a component: its random values, and the balances that they must close",
     "runs.run.RecordedRun": FACADE,
-    "sensing.encoder._interpolated": LAW,
+    "sensing.encoder._interpolate": LAW,
     "sensing.encoder.crossing_time": LAW,
     "sensing.encoder.encoder_reading": ONE_SAMPLE,
-    "simulation.batch._carried": ONE_PASS,
+    "simulation.batch._carry_out": ONE_PASS,
     "simulation.batch._run_alone": COMPILED,
     "simulation.batch.simulate_batch": ONE_CALL,
     "simulation.landing.arc": COMPILED,
@@ -181,7 +181,7 @@ ALLOWED = {
     "steady.steady_states.steady_states": ONE_PASS,
     "steady.test_stand.Stand": FACADE,
     "systems.bench.RotaryBench": FACADE,
-    "systems.drawn.Drawer": DRAWN_FILE,
+    "systems.drawing.Drawer": DRAWN_FILE,
     "systems.rotary_bench.constant_load": "one argument for each table of its system file",
     "systems.rotary_bench.orifice_load": "one argument for each table of its system file",
     "valve.operating_point.operating_point": RECORD,

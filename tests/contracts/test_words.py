@@ -7,7 +7,7 @@ from enum import Enum
 
 import pytest
 
-from vvdp.base.books import Books, Stored
+from vvdp.base.conservation import Books, Stored
 from vvdp.base.params import Params, field_kinds, field_types
 
 NO_QUANTITY = {"Stepping.method"}  # a choice
@@ -58,11 +58,11 @@ def test_values_without_a_kind_are_choices():
 
 def test_examples_of_kinds_can_be_read(parameters_and_states):
     """The example in every error message is itself valid."""
-    from vvdp.base.units import parsed
+    from vvdp.base.units import parse
 
     for _, _, kind in leaf_fields(parameters_and_states):
         if kind:
-            parsed(kind.example, kind)
+            parse(kind.example, kind)
 
 
 def source_of(documented) -> re.Match | None:

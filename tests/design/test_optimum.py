@@ -106,7 +106,7 @@ def test_no_random_design_is_better(published, prototype):
     """200000 designs, evenly over the logarithms: none that meets the limit is below the optimum."""
     asked, rng = published.problem, np.random.default_rng(3)
     values = {b.variable.name: np.exp(rng.uniform(np.log(b.low), np.log(b.high), 200_000)) for b in asked.bounds}
-    q = asked.found(values)[0]
+    q = asked.evaluate(values)[0]
     fine = (q.pwm_frequency >= 72.0) & (q.transition_fraction <= 1.0)
     assert fine.sum() > 1000
     assert q.pressure_drop_total[fine].min() > published.objective
@@ -128,8 +128,8 @@ def test_gradients_are_those_of_differences():
         exact = gradients(asked, values)
         for k, bound in enumerate(asked.bounds):
             name = bound.variable.name
-            up, down = (asked.found({**values, name: values[name] * np.exp(s * h)})[0] for s in (1.0, -1.0))
-            middle = asked.found(values)[0]
+            up, down = (asked.evaluate({**values, name: values[name] * np.exp(s * h)})[0] for s in (1.0, -1.0))
+            middle = asked.evaluate(values)[0]
             for quantity in Quantities._fields:
                 slope = (getattr(up, quantity) - getattr(down, quantity)) / (2.0 * h)
                 scale = abs(getattr(middle, quantity)) + 1e-12

@@ -9,7 +9,7 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.design.infeasibility import InfeasibleError
 from vvdp.design.optimise import optimise
-from vvdp.design.pareto import USUAL, Objective, front, objectives, undominated
+from vvdp.design.pareto import USUAL, Objective, front, is_undominated, objectives
 from vvdp.design.pareto_result import front_result, write_designs
 from vvdp.design.problem import problem
 from vvdp.design.proof import Simulated, simulated_designs
@@ -39,13 +39,13 @@ def two(prototype):
 def test_undominated_by_hand():
     """(1, 3), (2, 2), (3, 1) stand; (2, 3) is beaten by both first, (3, 3) by all; the twin of (2, 2) stays."""
     costs = np.array([[1, 3], [2, 2], [3, 1], [2, 3], [3, 3], [2, 2]], float)
-    assert undominated(costs).tolist() == [True, True, True, False, False, True]
+    assert is_undominated(costs).tolist() == [True, True, True, False, False, True]
 
 
 def test_nothing_on_the_front_is_beaten(four, two):
     for found in (four, two):
         assert len(found.values) >= 12
-        assert np.all(undominated(found.costs))
+        assert np.all(is_undominated(found.costs))
         assert np.all(np.diff(found.costs[:, 0]) >= 0.0)
 
 
@@ -81,7 +81,7 @@ def test_no_random_design_beats_the_front(two):
     """100000 designs: none is better than a design of the curve in both."""
     asked, rng = two.problem, np.random.default_rng(5)
     values = {b.variable.name: np.exp(rng.uniform(np.log(b.low), np.log(b.high), 100_000)) for b in asked.bounds}
-    q = asked.found(values)[0]
+    q = asked.evaluate(values)[0]
     fine = (q.pwm_frequency >= 50.0) & (q.transition_fraction <= 0.5)
     for row in two.quantities:
         better = (q.pressure_drop_total < row["pressure_drop_total"] * (1 - 1e-3)) & (
@@ -202,7 +202,7 @@ def test_interrupted_front_keeps_its_designs(prototype):
         found = front(asked, points=12, generations=5, progress=stopping_at(number))
         assert not found.finished
         assert len(found.values) >= 4
-        assert np.all(undominated(found.costs))
+        assert np.all(is_undominated(found.costs))
 
 
 def test_only_what_the_simulation_confirms_is_on_the_front(designing, tmp_path):
@@ -260,7 +260,7 @@ def test_refused_designs_and_those_on_a_bound_by_hand(two):
     found = replace(
         two, values=(on_bound, on_bound, inside), quantities=two.quantities[:3], simulated=tuple(simulated(*doubts))
     )
-    assert (found.kept, found.refused, found.on_a_bound) == ((0, 2), (1,), (0,))
+    assert (found.front_designs, found.rejects, found.on_a_bound) == ((0, 2), (1,), (0,))
     result = front_result(found, finished=True)
     assert result.tables["front"]["design"].tolist() == ["point-001", "point-002"]
     assert result.tables["refused"]["reason"].tolist() == ["it turns too slowly"]

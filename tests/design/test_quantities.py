@@ -105,11 +105,11 @@ def test_a_redesigned_system_is_the_changed_setup(prototype):
 
 
 def test_every_variable_is_written_so_that_it_is_read():
-    from vvdp.base.units import parsed
+    from vvdp.base.units import parse
 
     for variable in VARIABLES.values():
-        value = parsed(variable.kind.example, variable.kind) * 1.0123456789
-        assert parsed(setting_text(value, variable.kind), variable.kind) == pytest.approx(value, rel=1e-9)
+        value = parse(variable.kind.example, variable.kind) * 1.0123456789
+        assert parse(setting_text(value, variable.kind), variable.kind) == pytest.approx(value, rel=1e-9)
 
 
 def test_keys_end_in_their_unit():

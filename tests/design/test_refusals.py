@@ -173,7 +173,7 @@ def test_reach_of_a_mean(prototype, tmp_path):
         problem(prototype, DROP, [], ["spool_radius = 20 mm", "radial_clearance = 6 um"], file), front=False
     )
     corner = {b.variable.name: b.low for b in asked.bounds}
-    least, most = sorted(q.pwm_frequency for q in asked.found(corner))
+    least, most = sorted(q.pwm_frequency for q in asked.evaluate(corner))
     mean = 0.75 * least + 0.25 * most
     with pytest.raises(InfeasibleError) as raised:
         optimise(asked, starts=1, globally=False)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from vvdp.systems.system import shipped
+from vvdp.systems.system import shipped_systems
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<=\| )-?[\d.]+(?= \S+ \|)")
@@ -22,8 +22,8 @@ def test_the_gallery_is_what_its_command_writes(tmp_path):
     assert NUMBER.sub("~", made) == NUMBER.sub("~", kept)
     numbers = [[float(each) for each in NUMBER.findall(text)] for text in (made, kept)]
     assert numbers[0] == pytest.approx(numbers[1], rel=2e-3)
-    assert len(numbers[0]) == 3 * len(shipped())
-    for name in shipped():
+    assert len(numbers[0]) == 3 * len(shipped_systems())
+    for name in shipped_systems():
         picture = gallery.PICTURES / f"{name}.svg"
         assert (tmp_path / picture).read_text("utf-8") == (DOCS / picture).read_text("utf-8")
 

@@ -16,9 +16,9 @@ from vvdp.estimation.event_filter import (
     event_filter_estimator,
     event_filter_start,
     event_filter_step,
-    widened,
+    inflate,
 )
-from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, equal_wheel
 from vvdp.simulation.replay import Replay
@@ -70,7 +70,7 @@ def test_samples_between_edges_are_predictions(edge_times):
     for row in rows.tolist():
         reading = Reading(*row)
         memory, estimate = event_filter_step(memory, reading, PUBLISHED)
-        belief = propagated(memory.belief, reading.time - memory.time, memory.manoeuvre.density)
+        belief = predict(memory.belief, reading.time - memory.time, memory.manoeuvre.density)
         assert estimate[:4] == pytest.approx(
             (belief.angle, belief.speed, np.sqrt(belief.angle_variance), np.sqrt(belief.speed_variance)), rel=1e-12
         )
@@ -119,7 +119,7 @@ def test_covariance_is_that_of_the_information_form(edge_times):
         memory, estimate = event_filter_step(memory, Reading(*row), STEADY)
         if estimate.innovation_deviation == 0.0:
             continue
-        prior = propagated(before.belief, memory.time - before.time, STEADY.acceleration_density)
+        prior = predict(before.belief, memory.time - before.time, STEADY.acceleration_density)
         R = edge_angle_variance(before.belief.speed, 1e-3, STEADY)
         P = np.array([[prior.angle_variance, prior.covariance], [prior.covariance, prior.speed_variance]])
         after = np.linalg.inv(np.linalg.inv(P) + np.diag([1.0 / R, 0.0]))
@@ -202,7 +202,7 @@ def test_portions_and_another_origin_of_time_change_nothing(edge_times, filtered
 def test_before_any_edge_the_start_is_carried_on():
     estimator = event_filter_estimator(PUBLISHED, time=5.0, angle=0.3, speed=2.0)
     _, estimate = event_filter_step(estimator.memory, Reading(6.0, 0.0, 0.0, 0.0, 0.0), PUBLISHED)
-    expected = propagated(AngleSpeed(0.3, 2.0, 1000.0, 0.0, 1000.0), 1.0, 0.25)
+    expected = predict(AngleSpeed(0.3, 2.0, 1000.0, 0.0, 1000.0), 1.0, 0.25)
     assert estimate.angle == pytest.approx(2.3)
     assert estimate.angle_deviation == pytest.approx(np.sqrt(expected.angle_variance))
     assert estimate.speed_deviation == pytest.approx(np.sqrt(1000.25))
@@ -276,7 +276,7 @@ def test_innovations_are_summed_up_by_side(late):
 def test_more_acceleration_than_was_thought_is_the_propagation_with_it():
     belief = AngleSpeed(1.0, 68.5, 1.1e-3, 7e-3, 0.04)
     np.testing.assert_allclose(
-        widened(propagated(belief, 0.011, 3.0), 0.011, 2e4), propagated(belief, 0.011, 2e4 + 3.0), rtol=1e-14
+        inflate(predict(belief, 0.011, 3.0), 0.011, 2e4), predict(belief, 0.011, 2e4 + 3.0), rtol=1e-14
     )
 
 
@@ -302,7 +302,7 @@ def test_between_edges_another_sensor_may_tell_the_angle():
     assert (*after.last, after.time) == (504.0, 6.5e-3, 6.5e-3)
     assert estimate.innovation == pytest.approx(SECTOR - 6.5e-3 * 68.5, abs=1e-12)
     assert after.manoeuvre.density == PUBLISHED.manoeuvre_density
-    prior = propagated(belief, 1.5e-3, 0.0)
+    prior = predict(belief, 1.5e-3, 0.0)
     R = edge_angle_variance(68.5, 1e-3, PUBLISHED)
     assert estimate.innovation_deviation**2 == pytest.approx(
         prior.angle_variance + 2e4 * 6.5e-3**3 / 3.0 + R, rel=1e-12
@@ -320,7 +320,7 @@ def test_printed_gain_diverges(edge_times):
     belief, time = AngleSpeed(0.0, 50.0, 1000.0, 0.0, 1000.0), 0.0
     for angle in angles:
         passed = angle / speed + 1e-3 * (rng.random() - 0.5)
-        belief, time = propagated(belief, passed - time, 0.25), passed
+        belief, time = predict(belief, passed - time, 0.25), passed
         P = np.array([[belief.angle_variance, belief.covariance], [belief.covariance, belief.speed_variance]])
         gain = P[:, 0]
         P = np.linalg.inv(np.linalg.inv(P) + np.diag([1.0 / 5.53e-3, 0.0]))

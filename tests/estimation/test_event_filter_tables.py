@@ -11,7 +11,7 @@ import pytest
 
 from vvdp.estimation.event_filter import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start, fusion_step
-from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.replay import Replay
@@ -147,14 +147,14 @@ def held_after_an_outlier(rows, speed):
     for now, edges, passed, _, _ in rows.tolist():
         if edges:
             number += edges
-            prior = propagated(belief, passed - time, 2e4 if left > 0 else 0.25)
+            prior = predict(belief, passed - time, 2e4 if left > 0 else 0.25)
             R = (max(prior.speed, 2.0 * np.pi) * PERIOD) ** 2 / 12.0 + 3.47e-3
             left -= 1
             if (number * SECTOR - prior.angle) ** 2 > 3.5**2 * (prior.angle_variance + R) and number > 20:
                 if left <= 0:
-                    prior = propagated(belief, passed - time, 2e4)
+                    prior = predict(belief, passed - time, 2e4)
                 left = 6
-            belief, time = corrected(prior, number * SECTOR - prior.angle, R), passed
+            belief, time = update(prior, number * SECTOR - prior.angle, R), passed
         shown.append((belief.angle + (now - time) * belief.speed, belief.speed))
     return np.array(shown)
 

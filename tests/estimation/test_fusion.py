@@ -29,7 +29,7 @@ from vvdp.estimation.pressure_edges import (
     pressure_edges_start,
     pressure_edges_step,
 )
-from vvdp.numerics.kalman import moved, observed
+from vvdp.numerics.kalman import predict_n, update_n
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, Shaft, encoder_start, encoder_step
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.reading import Reading
@@ -195,7 +195,7 @@ def test_it_is_the_kalman_filter_with_five_states():
             Q = np.zeros((5, 5))
             Q[:2, :2] = q * np.array([[h**3 / 3.0, h * h / 2.0], [h * h / 2.0, h]])
             Q[2, 2], Q[3, 3] = settings.phase_drift * h, settings.duty_ratio_drift * h
-            x, P = moved(x, P, F, Q)
+            x, P = predict_n(x, P, F, Q)
             time = at
             if row[1]:
                 number = np.ceil(angle / SECTOR) if number is None else number + 1.0
@@ -207,7 +207,7 @@ def test_it_is_the_kalman_filter_with_five_states():
                 expected = x[0] - x[2] - x[1] * lag + s * x[3] * np.pi / 3.0
                 nu = np.round(expected / PITCH) * PITCH - expected
                 R = (x[1] * row[7]) ** 2 / 12.0 + settings.pressure_variance
-            x, P = observed(x, P, H, nu, R)
+            x, P = update_n(x, P, H, nu, R)
             np.testing.assert_allclose(memory.mean, x, rtol=1e-7, atol=1e-9)
             np.testing.assert_allclose(memory.covariance, P, rtol=1e-5, atol=1e-9)
             compared += 1

@@ -14,9 +14,9 @@ from vvdp.estimation.smoother import (
     Forward,
     Reached,
     SpeedWalk,
-    filtered,
+    filter_edges,
     filtered_step,
-    smoothed,
+    smooth_edges,
     smoothed_at,
     smoothed_portions,
     smoothed_step,
@@ -112,7 +112,7 @@ def test_two_edges_by_hand():
     Back: angle_0 has with angle_1 (unseen second edge) the covariance P11 = 1/2, speed_0 has P22 = 1, so
     x_0 = (1/2, 1)/S = (1/7, 2/7), its variances 1/2 - (1/4)/S = 3/7 and 1 - 1/S = 5/7, covariance -(1/2)/S = -1/7.
     """
-    record = smoothed([0.0, 1.0], [0.0, 1.0], [1.0, 1.0], 3.0, AngleSpeed(0.0, 0.0, 1.0, 0.0, 1.0))
+    record = smooth_edges([0.0, 1.0], [0.0, 1.0], [1.0, 1.0], 3.0, AngleSpeed(0.0, 0.0, 1.0, 0.0, 1.0))
     motion = np.array(record.beliefs)
     np.testing.assert_allclose(motion[:, 0], [1 / 7, 2 / 7, 3 / 7, -1 / 7, 5 / 7], rtol=1e-14)
     np.testing.assert_allclose(motion[:, 1], [5 / 7, 5 / 7, 5 / 7, 5 / 7, 31 / 14], rtol=1e-14)
@@ -123,14 +123,14 @@ def test_filter_and_smoother_equal_the_dense_posterior(q):
     times, _, angles, variances = drawn_record(np.random.default_rng(int(q)), 12, q, PRIOR)
     mean, covariance = joint(times, q, PRIOR)
     seen = np.arange(12)
-    record = smoothed(times, angles, variances, q, PRIOR)
+    record = smooth_edges(times, angles, variances, q, PRIOR)
     posterior, P = conditioned(mean, covariance, seen, angles, variances)
     assert_beliefs(record.beliefs, posterior, P)
     for i in range(11):
         block = P[2 * i : 2 * i + 2, 2 * i + 2 : 2 * i + 4]
         size = np.sqrt(np.outer(np.diag(P)[2 * i : 2 * i + 2], np.diag(P)[2 * i + 2 : 2 * i + 4]))
         assert np.all(abs(record.lagged[i] - block) < 1e-9 * size)
-    forward = filtered(times, angles, variances, q, PRIOR)
+    forward = filter_edges(times, angles, variances, q, PRIOR)
     for i in (0, 3, 11):
         known, P = conditioned(mean, covariance, seen[: i + 1], angles[: i + 1], variances[: i + 1])
         here = type(forward)(*(column[i : i + 1] for column in forward))
@@ -149,13 +149,13 @@ def test_any_time_equals_the_dense_posterior(short_record):
     mean, covariance = conditioned(mean, covariance, seen, angles, variances)
     pick = np.searchsorted(everything, asked)
     rows = np.ravel(np.column_stack([2 * pick, 2 * pick + 1]))
-    motion = smoothed_at(asked, smoothed(times, angles, variances, q, PRIOR))
+    motion = smoothed_at(asked, smooth_edges(times, angles, variances, q, PRIOR))
     assert_beliefs(motion, mean[rows], covariance[np.ix_(rows, rows)])
 
 
 def test_the_bridge_meets_both_ends(short_record):
     times, _, angles, variances = short_record
-    record = smoothed(times, angles, variances, 200.0, PRIOR)
+    record = smooth_edges(times, angles, variances, 200.0, PRIOR)
     np.testing.assert_allclose(np.array(smoothed_at(times, record)), np.array(record.beliefs), rtol=1e-12)
     # A variance changes by 2 |P12| e and the like over e = 1e-12 s: 1e-9 of it is far more.
     just_before = np.array(smoothed_at(times[1:] - 1e-12, record))
@@ -165,7 +165,7 @@ def test_the_bridge_meets_both_ends(short_record):
 def test_speed_is_the_slope_of_the_angle(short_record):
     """And the covariance is half the slope of the angle's variance, as speed is the rate of angle."""
     times, _, angles, variances = short_record
-    record = smoothed(times, angles, variances, 200.0, PRIOR)
+    record = smooth_edges(times, angles, variances, 200.0, PRIOR)
     middle = 0.3 * times[:-1] + 0.7 * times[1:]
     e = 1e-6
     ahead, behind, here = (smoothed_at(middle + d, record) for d in (e, -e, 0.0))
@@ -182,8 +182,8 @@ def test_time_reversed_record_gives_the_mirrored_motion():
     variance, and the smoothed variances are below 20; rounding beside 1e9 leaves as much again.
     """
     times, _, angles, variances = drawn_record(np.random.default_rng(2), 40, 20.0, PRIOR)
-    forward = smoothed(times, angles, variances, 20.0, DIFFUSE)
-    backward = smoothed(-times[::-1], angles[::-1], variances[::-1], 20.0, DIFFUSE)
+    forward = smooth_edges(times, angles, variances, 20.0, DIFFUSE)
+    backward = smooth_edges(-times[::-1], angles[::-1], variances[::-1], 20.0, DIFFUSE)
     asked = np.linspace(times[0] - 0.02, times[-1] + 0.02, 301)
     one, other = smoothed_at(asked, forward), smoothed_at(-asked, backward)
     assert one.speed_variance.max() < 20.0
@@ -207,8 +207,8 @@ def test_more_edges_never_make_it_less_certain(n, decades, interval_decades, see
     times = np.cumsum(rng.uniform(0.1, 2.0, n)) * 10.0**interval_decades
     variances = 10.0 ** rng.uniform(-5.0, -1.0, n)
     angles = 150.0 * times + rng.standard_normal(n)
-    forward = filtered(times, angles, variances, q, PRIOR)
-    record = smoothed(times, angles, variances, q, PRIOR)
+    forward = filter_edges(times, angles, variances, q, PRIOR)
+    record = smooth_edges(times, angles, variances, q, PRIOR)
     assert np.all(record.beliefs.angle_variance <= forward.angle_variance * (1 + 1e-9))
     assert np.all(record.beliefs.speed_variance <= forward.speed_variance * (1 + 1e-9))
     between = smoothed_at(rng.uniform(times[0] - 0.1, times[-1] + 0.1, 50), record)
@@ -228,11 +228,11 @@ def test_agrees_with_filterpy():
     steps = np.diff(times, prepend=times[0])
     Fs, Qs = [transition(h) for h in steps], [noise(h, Q) for h in steps]
     means, covariances, _, _ = kf.batch_filter(angles[:, None], Fs=Fs, Qs=Qs, Rs=list(variances))
-    forward = filtered(times, angles, variances, Q, PRIOR)
+    forward = filter_edges(times, angles, variances, Q, PRIOR)
     np.testing.assert_allclose(forward.speed, means[:, 1, 0], rtol=1e-9)
     np.testing.assert_allclose(forward.speed_variance, covariances[:, 1, 1], rtol=1e-9)
     means, covariances, _, _ = kf.rts_smoother(means, covariances, Fs=Fs, Qs=Qs)
-    record = smoothed(times, angles, variances, Q, PRIOR)
+    record = smooth_edges(times, angles, variances, Q, PRIOR)
     np.testing.assert_allclose(record.beliefs.angle, means[:, 0, 0], rtol=1e-9)
     np.testing.assert_allclose(record.beliefs.speed, means[:, 1, 0], rtol=1e-9)
     np.testing.assert_allclose(record.beliefs.angle_variance, covariances[:, 0, 0], rtol=1e-8)
@@ -253,7 +253,7 @@ def test_errors_are_as_large_as_they_are_said_to_be():
         times, states, angles, variances = drawn_record(rng, 25, q, PRIOR)
         # The truth between edges 12 and 13 by hiding an edge: one state more in the record, which is not measured.
         keep = np.arange(25) != 13
-        record = smoothed(times[keep], angles[keep], variances[keep], q, PRIOR)
+        record = smooth_edges(times[keep], angles[keep], variances[keep], q, PRIOR)
         asked = smoothed_at(times[[10, 13]], record)
         for i, truth in enumerate(states[[10, 13]]):
             error = truth - np.array([asked.angle[i], asked.speed[i]])
@@ -270,7 +270,7 @@ def test_errors_are_as_large_as_they_are_said_to_be():
 def test_constant_speed_limit_is_the_straight_line_fit():
     """As q goes to nothing and the prior tells nothing, the weighted least-squares line through the edges remains."""
     times, _, angles, variances = drawn_record(np.random.default_rng(4), 30, 1e-12, PRIOR)
-    record = smoothed(times, angles, variances, 1e-12, AngleSpeed(0.0, 0.0, 1e6, 0.0, 1e8))
+    record = smooth_edges(times, angles, variances, 1e-12, AngleSpeed(0.0, 0.0, 1e6, 0.0, 1e8))
     slope, at_zero = np.polyfit(times - times[0], angles, 1, w=1 / np.sqrt(variances))
     assert record.beliefs.speed[7] == pytest.approx(slope, rel=1e-6)
     assert record.beliefs.angle[7] == pytest.approx(at_zero + slope * (times[7] - times[0]), rel=1e-6)
@@ -281,8 +281,8 @@ def test_constant_speed_limit_is_the_straight_line_fit():
 
 def test_compiled_passes_are_the_plain_ones():
     times, _, angles, variances = drawn_record(np.random.default_rng(9), 300, Q, PRIOR)
-    plain = smoothed(times, angles, variances, Q, PRIOR)
-    fast = smoothed(times, angles, variances, Q, PRIOR, compiled)
+    plain = smooth_edges(times, angles, variances, Q, PRIOR)
+    fast = smooth_edges(times, angles, variances, Q, PRIOR, compiled)
     np.testing.assert_allclose(np.array(fast.beliefs), np.array(plain.beliefs), rtol=1e-12)
     np.testing.assert_allclose(fast.lagged, plain.lagged, rtol=1e-12)
 
@@ -292,7 +292,7 @@ def test_steps_can_be_taken_one_by_one():
     memory, belief = filtered_step(Reached(0.0, PRIOR), EdgePassed(0.1, 15.0, 1e-2), walk)
     memory, later = filtered_step(memory, EdgePassed(0.105, 15.8, 1e-2), walk)
     _, drawn = smoothed_step(memory, Forward(0.1, *belief), walk)
-    record = smoothed([0.1, 0.105], [15.0, 15.8], [1e-2, 1e-2], Q, filtered_prior(0.1))
+    record = smooth_edges([0.1, 0.105], [15.0, 15.8], [1e-2, 1e-2], Q, filtered_prior(0.1))
     assert drawn.speed == pytest.approx(record.beliefs.speed[0], rel=1e-12)
     assert later.speed == pytest.approx(record.beliefs.speed[1], rel=1e-12)
 
@@ -325,7 +325,7 @@ def test_overlapping_portions_give_the_whole(long_record, size):
     for before, after in pairwise(pieces):
         assert before.times[-1] == after.times[0]
         assert before.times.size > 1
-    whole = smoothed(times, angles, variances, 20.0, PRIOR)
+    whole = smooth_edges(times, angles, variances, 20.0, PRIOR)
     joined = np.concatenate([p.times[:-1] for p in pieces[:-1]] + [pieces[-1].times])
     assert np.array_equal(joined, times)
     for piece in pieces:
@@ -354,7 +354,7 @@ def test_influence_of_an_edge_dies_out_as_the_overlap_says():
     times = interval * np.arange(n)
     moved = np.zeros(n)
     moved[-1] = 1.0
-    felt = abs(smoothed(times, moved, np.full(n, R), q, DIFFUSE).beliefs.speed)
+    felt = abs(smooth_edges(times, moved, np.full(n, R), q, DIFFUSE).beliefs.speed)
     tau = smoothing_overlap(q, R, interval, np.exp(-1.0))
     half_wave = np.pi * tau
     blocks = [
@@ -375,8 +375,8 @@ def test_four_times_as_certain_as_the_filter_in_the_long_run():
     q = bandwidth**4 * R * interval
     n = 3000
     times = interval * np.arange(n)
-    record = smoothed(times, np.zeros(n), np.full(n, R), q, DIFFUSE)
-    forward = filtered(times, np.zeros(n), np.full(n, R), q, DIFFUSE)
+    record = smooth_edges(times, np.zeros(n), np.full(n, R), q, DIFFUSE)
+    forward = filter_edges(times, np.zeros(n), np.full(n, R), q, DIFFUSE)
     steady = R * interval * bandwidth / (2.0 * np.sqrt(2.0))
     assert record.beliefs.angle_variance[n // 2] == pytest.approx(steady, rel=1e-3)
     assert record.beliefs.speed_variance[n // 2] == pytest.approx(steady * bandwidth**2, rel=1e-3)
@@ -386,7 +386,7 @@ def test_four_times_as_certain_as_the_filter_in_the_long_run():
 
 
 def test_a_single_edge():
-    record = smoothed([2.0], [10.0], [1e-2], Q, PRIOR)
+    record = smooth_edges([2.0], [10.0], [1e-2], Q, PRIOR)
     assert record.lagged.shape == (0, 2, 2)
     here = smoothed_at([1.9, 2.0, 2.1], record)
     assert here.angle[1] == record.beliefs.angle[0]
@@ -406,7 +406,7 @@ def test_a_single_edge():
 )
 def test_records_that_make_no_sense_are_refused(times, angles, variances, words):
     with pytest.raises(ParameterError, match=words):
-        smoothed(times, angles, variances, Q, PRIOR)
+        smooth_edges(times, angles, variances, Q, PRIOR)
 
 
 def test_portions_out_of_order_are_refused():
@@ -417,6 +417,6 @@ def test_portions_out_of_order_are_refused():
 
 def test_a_speed_that_cannot_change_is_refused():
     with pytest.raises(ParameterError, match="above 0"):
-        smoothed([0.0], [0.0], [1.0], 0.0, PRIOR)
+        smooth_edges([0.0], [0.0], [1.0], 0.0, PRIOR)
     with pytest.raises(ParameterError, match="share"):
         smoothing_overlap(Q, 1e-3, 5e-3, 1.0)

@@ -35,7 +35,7 @@ from vvdp.estimation.threshold import (
     threshold_start,
     threshold_step,
 )
-from vvdp.numerics.kalman import moved, observed
+from vvdp.numerics.kalman import predict_n, update_n
 from vvdp.sensing.encoder import (
     INTERPOLATED,
     NO_FAULTS,
@@ -43,7 +43,7 @@ from vvdp.sensing.encoder import (
     Encoder,
     EncoderMemory,
     Shaft,
-    captured,
+    capture_unit,
     encoder_reading,
     encoder_start,
     encoder_step,
@@ -420,12 +420,12 @@ def three_states(rows, settings, phase):
         F = np.array([[1.0, h, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         q = f.acceleration_density
         Q = q * np.array([[h**3 / 3.0, h * h / 2.0, 0.0], [h * h / 2.0, h, 0.0], [0.0, 0.0, 0.0]])
-        x, P = moved(x, P, F, Q)
+        x, P = predict_n(x, P, F, Q)
         R = edge_angle_variance(x[1], interval, f)
         number += edges
         s = edge_polarity(number)
         H = np.array([1.0, 0.0, -s])
-        x, P = observed(x, P, H, edge_angle(number, WHEEL) - H @ x, R)
+        x, P = update_n(x, P, H, edge_angle(number, WHEEL) - H @ x, R)
         time = edge_time
         found.append([t, x[0], x[1], x[2], P[2, 2]])
     return np.array(found)
@@ -435,7 +435,7 @@ def test_two_stages_are_the_filter_with_three_states(threshold_readings):
     """The noise of an edge depends on the speed believed, which the two have in common only where that part of the
     noise is small: stamped edges."""
     phase = 0.3
-    rows, _ = threshold_readings(0.65, 24.7, phase, 0.6, captured(1e-7))
+    rows, _ = threshold_readings(0.65, 24.7, phase, 0.6, capture_unit(1e-7))
     # No manoeuvre: the gate is out of reach, so that both let in the same noise.
     settings = replace(OFFSET, filter=replace(FILTER, manoeuvre_gate=1e5))
     expected = three_states(rows, settings, phase)
@@ -488,7 +488,7 @@ def test_an_offset_hardly_harms_the_filter_but_ruins_the_sector_times(offset_rep
         rows, shaft = threshold_readings(0.65, 24.7, phase, 1.0, SAMPLED)
         shown = offset_replay(edge_offset_start(without, 0.0, phase, 50.0), rows, without).shown
         errors.append(np.mean(shown[300:, 0] - shaft[300:, 1]))
-    rows, _ = threshold_readings(0.65, 24.7, 0.3, 1.0, captured(1e-7))
+    rows, _ = threshold_readings(0.65, 24.7, 0.3, 1.0, capture_unit(1e-7))
     times = np.diff(rows[rows[:, 1] > 0.0, 2])
     sectors = times * speed / (np.pi / 4.0) - 1.0
     assert np.abs(np.mean(errors)) < 0.003

@@ -18,7 +18,7 @@ from vvdp.geometry.files import read_stl
 from vvdp.geometry.mesh import components, open_edges, volume
 from vvdp.geometry.solids import COARSEST, spool
 from vvdp.report.geometry_report import write_geometry_report
-from vvdp.report.shading import lying_frame, shaded
+from vvdp.report.shading import lying_frame, shade
 from vvdp.results.store import read_result
 from vvdp.valve.geometry import port_openings
 
@@ -191,7 +191,7 @@ def test_solids_in_the_page_are_as_large_as_in_the_picture(made, browser, built_
     mesh = spool(built_shape, built_valve, COARSEST)
     frame = lying_frame(30.0, 30.0)
     assert np.allclose(browser.ask("solids.described.turn"), frame)
-    picture, (left, right, _, _) = shaded([mesh], dict.fromkeys(mesh.names, (0.5, 0.5, 0.5)), frame, 1000)
+    picture, (left, right, _, _) = shade([mesh], dict.fromkeys(mesh.names, (0.5, 0.5, 0.5)), frame, 1000)
     area = (picture < 0.99).any(-1).sum() * ((right - left) / 1000) ** 2
     longest = float(np.ptp(mesh.vertices[:, 2]))  # the spool is longer than the sleeve
     pixel = 2.0 * longest / 1.85 / width

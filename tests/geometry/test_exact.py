@@ -59,7 +59,7 @@ def _binomial(n, k):
 
 def test_turning_moving_and_mirroring_keep_the_volume(built_shape, built_valve):
     one = Exact().cylinder("", 1e-3, 0.0, 2e-3)
-    for put in (one.turned(0.7), one.moved(3e-3), one.mirrored(1e-3)):
+    for put in (one.rotate(0.7), one.translate(3e-3), one.mirror(1e-3)):
         assert shape_volume(put.shape()) == pytest.approx(2.0 * np.pi * 1e-9)
 
 

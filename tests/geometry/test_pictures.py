@@ -8,7 +8,7 @@ from PIL import Image
 
 from vvdp.geometry.facets import Faceted
 from vvdp.report.geometry_figures import animation, film, telling_angle, unwrapped_figure
-from vvdp.report.shading import lying_frame, shaded, view_frame
+from vvdp.report.shading import lying_frame, shade, view_frame
 from vvdp.valve.geometry import port_openings
 
 
@@ -18,7 +18,7 @@ def ball(radius: float = 1.0):
 
 
 def test_a_ball_is_seen_as_a_disc():
-    picture, (left, right, low, high) = shaded([ball()], {"ball": (0.8, 0.4, 0.2)}, view_frame(20.0, 35.0), 300)
+    picture, (left, right, low, high) = shade([ball()], {"ball": (0.8, 0.4, 0.2)}, view_frame(20.0, 35.0), 300)
     covered = (picture < 0.99).any(-1)
     pixel = (right - left) / 300
     assert covered.sum() * pixel**2 == pytest.approx(np.pi, rel=0.02)
@@ -26,7 +26,7 @@ def test_a_ball_is_seen_as_a_disc():
 
 
 def test_the_lamp_is_above_and_to_the_left():
-    picture, _ = shaded([ball()], {"ball": (1.0, 1.0, 1.0)}, view_frame(0.0, 0.0), 200)
+    picture, _ = shade([ball()], {"ball": (1.0, 1.0, 1.0)}, view_frame(0.0, 0.0), 200)
     n = picture.shape[0]
     assert picture[n // 3, n // 3].mean() > picture[2 * n // 3, 2 * n // 3].mean() + 0.1
 
@@ -34,11 +34,11 @@ def test_the_lamp_is_above_and_to_the_left():
 def test_what_is_nearer_hides_what_is_behind():
     front, behind = Faceted(0.1).ring("front", 2.0, 0.9, 0.0).mesh(), Faceted(0.1).cylinder("behind", 0.5, -9.0, -5.0)
     colours = {"front": (1.0, 0.0, 0.0), "behind": (0.0, 0.0, 1.0)}
-    above, _ = shaded([front, behind.mesh()], colours, view_frame(0.0, 90.0), 201)
+    above, _ = shade([front, behind.mesh()], colours, view_frame(0.0, 90.0), 201)
     middle = above[above.shape[0] // 2, above.shape[1] // 2]
     assert middle[2] > middle[0]  # through the ring
     wide = Faceted(0.1).cylinder("behind", 2.5, -9.0, -5.0).mesh()
-    above, _ = shaded([front, wide], colours, view_frame(0.0, 90.0), 201)
+    above, _ = shade([front, wide], colours, view_frame(0.0, 90.0), 201)
     ring = above[above.shape[0] // 2, int(above.shape[1] * (0.5 + 0.5 * 2.0 / 2.9 * 0.97))]
     assert ring[0] > ring[2]
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from vvdp.geometry.unrolled import (
     area,
-    clipped,
+    clip_polygon,
     clipped_openings,
     load_wedge,
     nozzle_outline,
@@ -55,7 +55,7 @@ def test_outline_has_the_area_of_one_nozzle():
 
 def test_nothing_is_left_outside_the_wedge():
     outline = nozzle_outline(VALVE, 0.0, -VALVE.helix_length)
-    assert len(clipped(outline, load_wedge(0, VALVE))) == 0
+    assert len(clip_polygon(outline, load_wedge(0, VALVE))) == 0
 
 
 def test_nozzles_pass_against_the_rotation():

@@ -9,7 +9,7 @@ from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.friction import RodFriction, rod_friction_force
 from vvdp.hydraulics.orifice import Orifice, orifice_flow
 from vvdp.hydraulics.rod import EndStop, stop_energy, stop_force
-from vvdp.hydraulics.volume import Vessel, pressure_rate, stored
+from vvdp.hydraulics.volume import Vessel, pressure_rate, vessel_contents
 
 REF = 101325.0
 RIG = Cylinder(area_a=20e-4, area_b=10e-4, stroke=0.3, moving_mass=100.0, leakage_conductance=1e-13)
@@ -69,8 +69,8 @@ def test_books_close_through_an_impact_on_the_end_stop(oil):
 
     def store(y):
         x, v, P_a, P_b = y[:4]
-        a = stored(P_a, oil, vessel_a, wall_a(x, v, RIG).volume)
-        b = stored(P_b, oil, vessel_b, wall_b(x, v, RIG).volume)
+        a = vessel_contents(P_a, oil, vessel_a, wall_a(x, v, RIG).volume)
+        b = vessel_contents(P_b, oil, vessel_b, wall_b(x, v, RIG).volume)
         return a.energy + b.energy + 0.5 * RIG.moving_mass * v**2 + stop_energy(x, STOP), a.volume + b.volume
 
     y = np.array([0.25, 0.0, 5e5, 5e5, *[0.0] * 6])

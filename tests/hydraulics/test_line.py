@@ -16,7 +16,7 @@ from vvdp.hydraulics.line import (
     line_friction_power,
     line_volume,
 )
-from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
+from vvdp.hydraulics.volume import closed_volume_contents, closed_volume_rate
 
 LINE = Line(length=1.0, diameter=0.01)
 RHO, MU = 876.0, 0.04
@@ -127,7 +127,7 @@ def test_books_of_two_volumes_and_a_line_close(oil):
     )
 
     def store(y):
-        a, b = closed_volume_stored(y[0], V1, oil), closed_volume_stored(y[1], V2, oil)
+        a, b = closed_volume_contents(y[0], V1, oil), closed_volume_contents(y[1], V2, oil)
         return a.energy + b.energy + line_energy(y[2], RHO, LINE), a.volume + b.volume
 
     (energy0, mass0), (energy1, mass1) = store(run.y[:, 0]), store(run.y[:, -1])

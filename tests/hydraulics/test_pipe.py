@@ -26,7 +26,7 @@ from vvdp.hydraulics.unsteady_friction import (
     layered_power,
     layered_rate,
 )
-from vvdp.hydraulics.volume import Vessel, closed_volume_rate, closed_volume_stored, pressure_rate, stored
+from vvdp.hydraulics.volume import Vessel, closed_volume_contents, closed_volume_rate, pressure_rate, vessel_contents
 
 RHO, MU = 876.0, 0.04
 HOSE = LinePipe(length=10.0, diameter=0.02, hose_compliance=0.0, wall_friction=0.0)
@@ -119,7 +119,7 @@ def test_a_piece_is_a_vessel_without_gas(oil):
         fluid = fluid_state(pressure, oil)
         expected = pressure_rate(1e-4, 0.0, pressure, fluid, vessel, oil.reference_pressure)
         assert piece_rate(1e-4, fluid, pipe, oil.reference_pressure) == pytest.approx(expected, rel=1e-14)
-        assert piece_stored(pressure, oil, pipe) == pytest.approx(stored(pressure, oil, vessel), rel=1e-12)
+        assert piece_stored(pressure, oil, pipe) == pytest.approx(vessel_contents(pressure, oil, vessel), rel=1e-12)
 
 
 def test_tube_by_hand():
@@ -178,7 +178,7 @@ def test_books_of_a_line_with_layers_close(oil):
     )  # fmt: skip
 
     def store(y):
-        a, b = closed_volume_stored(y[0], V1, oil), closed_volume_stored(y[1], V2, oil)
+        a, b = closed_volume_contents(y[0], V1, oil), closed_volume_contents(y[1], V2, oil)
         return a.energy + b.energy + layered_energy(LayeredState(*y[2:8]), RHO, line), a.volume + b.volume
 
     (energy0, mass0), (energy1, mass1) = store(run.y[:, 0]), store(run.y[:, -1])

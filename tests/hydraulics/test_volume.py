@@ -6,14 +6,14 @@ from vvdp.base.errors import ParameterError
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.volume import (
     Vessel,
+    closed_volume_contents,
     closed_volume_rate,
-    closed_volume_stored,
     gas_energy,
     gas_excess,
     gas_volume,
     oil_held,
     pressure_rate,
-    stored,
+    vessel_contents,
     wall_capacity,
 )
 
@@ -97,8 +97,8 @@ def test_without_gas_and_hose_a_vessel_is_a_closed_volume(oil):
         assert pressure_rate(1e-4, 2e-5, pressure, fluid, plain, REF) == pytest.approx(
             closed_volume_rate(1e-4, 2e-5, 4e-4, fluid), rel=1e-14
         )
-        assert stored(pressure, oil, plain) == closed_volume_stored(pressure, 4e-4, oil)
-    nothing = stored(REF, oil, plain)
+        assert vessel_contents(pressure, oil, plain) == closed_volume_contents(pressure, 4e-4, oil)
+    nothing = vessel_contents(REF, oil, plain)
     assert nothing.energy == 0.0 and nothing.volume == pytest.approx(4e-4, rel=1e-15)
 
 
@@ -145,7 +145,10 @@ def test_books_of_a_fill_and_empty_cycle_across_precharge_close(oil):
         atol=[1e-5, 1e-17, 1e-12, 1e-12, 1e-12],
         max_step=2e-3,
     )
-    begin, end = stored(run.y[0, 0], oil, tank, wall(0.0)[0]), stored(run.y[0, -1], oil, tank, wall(1.7)[0])
+    begin, end = (
+        vessel_contents(run.y[0, 0], oil, tank, wall(0.0)[0]),
+        vessel_contents(run.y[0, -1], oil, tank, wall(1.7)[0]),
+    )
     assert run.y[0].min() < tank.precharge_pressure < 1.5 * tank.precharge_pressure < run.y[0].max()
     _, mass, energy, work, moved = run.y[:, -1]
     assert abs(energy - work - (end.energy - begin.energy)) / moved < 1e-9

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vvdp.logs.config import Comparator
-from vvdp.logs.edges import CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges, part, plateaus
+from vvdp.logs.edges import CountEdges, Debounce, Edges, StampEdges, WaveEdges, join, no_edges, part, plateaus
 
 AUTOMATIC = Comparator(None, 0.25, True, False)
 
@@ -131,7 +131,7 @@ def test_portions_give_the_same_edges_as_the_whole(cuts, seed):
         finder.plateaus = plateaus(v)
         parts.append(finder.push(t[start:end], v[start:end], 5e-4))
         start = end
-    found = joined(parts)
+    found = join(parts)
     assert np.array_equal(found.times, whole.times)
     assert np.array_equal(found.polarities, whole.polarities)
 
@@ -173,7 +173,7 @@ def test_a_counter_may_roll_over(bits, steps, cut):
     t = np.arange(true.size) * 1e-3
     finder = CountEdges()
     shown = np.mod(true, 2.0**bits)
-    found = joined([finder.push(t[:cut], shown[:cut]), finder.push(t[cut:], shown[cut:])])
+    found = join([finder.push(t[:cut], shown[:cut]), finder.push(t[cut:], shown[cut:])])
     assert np.sum(found.counts) == true[-1] - true[0]
     assert finder.resets == 0
 
@@ -205,7 +205,7 @@ def test_two_columns_are_merged_with_their_polarity():
     one = finder.push(np.array([0.1, 0.3, 0.5]), np.array([0.2, np.nan, 0.4]), last=False)
     two = finder.push(np.array([0.7]), np.array([0.6, 0.8]), last=False)
     rest = finder.push(np.empty(0), np.empty(0), last=True)
-    found = joined([one, two, rest])
+    found = join([one, two, rest])
     assert np.array_equal(found.times, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8])
     assert np.array_equal(found.polarities, even(found.times))
 
@@ -259,7 +259,7 @@ def test_bounces_in_portions_are_those_of_the_whole(cuts, seed):
         parts.append(finder.push(part(plain(noisy), slice(start, end))))
         start = end
     parts.append(finder.push(no_edges(), last=True))
-    assert np.array_equal(joined(parts).times, whole.times)
+    assert np.array_equal(join(parts).times, whole.times)
 
 
 @pytest.mark.parametrize("ends", [(-5.0,), (9.0,), (9.0, 19.0), (9.0, 19.0, 29.0), (-15.0, -5.0, 9.0, 19.0)])

@@ -15,10 +15,10 @@ from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.config import Option, load_estimation
 from vvdp.logs.edges import Edges
-from vvdp.logs.estimate import estimate, opened
-from vvdp.logs.kept import ROWS_IN_CHUNK, Store
-from vvdp.logs.tracking import Tracker, Waves, bridged_time, fused_step, tracked_step
-from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.logs.estimate import estimate, open_for_estimate
+from vvdp.logs.estimate_result import ROWS_IN_CHUNK, Store
+from vvdp.logs.offline_filter import OfflineFilter, Waves, bridged_time, fused_step, tracked_step
+from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.results.result import Grade, json_value
 from vvdp.results.store import finite, read_meta, read_result
 from vvdp.sensing.reading import Reading
@@ -91,7 +91,7 @@ def estimated(tmp_path):
         wanted = load_estimation(None, [Option(key.replace("__", "."), key, value) for key, value in keys.items()])
         folder = tmp_path / f"out{len(list(tmp_path.glob('out*')))}"
         folder.mkdir()
-        with opened(path, wanted) as log:
+        with open_for_estimate(path, wanted) as log:
             estimate(log, wanted, folder, progress=progress)
         return Kept(folder)
 
@@ -944,12 +944,12 @@ def test_bridged_time_is_where_three_deviations_reach_half_a_sector():
     # The steady state by brute force: predict and correct until nothing changes.
     P = AngleSpeed(0.0, 0.0, 1.0, 0.0, 1.0)
     for _ in range(20_000):
-        M = propagated(P, T, settings.acceleration_density)
+        M = predict(P, T, settings.acceleration_density)
         S = M.angle_variance + settings.edge_variance
         k1, k2 = M.angle_variance / S, M.covariance / S
         P = AngleSpeed(0.0, 0.0, (1 - k1) * M.angle_variance, (1 - k1) * M.covariance,
                        M.speed_variance - k2 * M.covariance)  # fmt: skip
-    reached = 3.0 * np.sqrt(propagated(P, h, settings.acceleration_density).angle_variance)
+    reached = 3.0 * np.sqrt(predict(P, h, settings.acceleration_density).angle_variance)
     assert reached == pytest.approx(0.5 * PITCH, rel=0.02)  # the closed form is that of continuous measurements
 
 
@@ -959,8 +959,8 @@ def test_edges_of_the_pressure_end_with_their_clock():
     one, two = (Edges(t, 0.0 * t, 0.0 * t, 0.0 * t + 1.0) for t in (passing_times(200), passing_times(1200)))
     told = []
     for heard in (np.empty(0), np.array([3.0, 3.006, 3.0135])):
-        tracker = Tracker(settings, 1000.0, 3, fusion(settings))
-        tracker.hear(Waves(heard + 1e-3, heard, 0.0 * heard + 1e-4, np.resize([1.0, -1.0], heard.size)))
+        tracker = OfflineFilter(settings, 1000.0, 3, fusion(settings))
+        tracker.add_pressure_edges(Waves(heard + 1e-3, heard, 0.0 * heard + 1e-4, np.resize([1.0, -1.0], heard.size)))
         for edges in (one, two):
             told.append([tracked.rows["pressure_phase"] for tracked in tracker.push(edges, edges.times[-1], last=True)])
     assert np.array_equal(np.concatenate(told[1]), np.concatenate(told[3]), equal_nan=True)

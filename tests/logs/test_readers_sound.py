@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vvdp.logs import sound
+from vvdp.logs import record_check
 from vvdp.logs.channel import Portion
-from vvdp.logs.sound import Inspection, findings, pieces
+from vvdp.logs.record_check import Inspection, findings, pieces
 from vvdp.logs.source import open_log
 
 
@@ -41,7 +41,7 @@ def test_a_gap_is_found_and_cuts():
     keep = (np.arange(100) < 40) | (np.arange(100) >= 43)
     (gap,), parts = inspected(times[keep], values[keep])
     # Samples 40, 41, 42 are missing, between 19.5 s and 21.5 s; the next row is row 40 of the file.
-    assert gap == sound.Finding("c", sound.GAP_FOUND, 19.5, 21.5, 3, 40)
+    assert gap == record_check.Finding("c", record_check.GAP_FOUND, 19.5, 21.5, 3, 40)
     assert str(gap) == "c: gap in time from 19.5 s to 21.5 s (row 40, 3 samples)"
     assert [part[0].size for part in parts] == [40, 57]
 
@@ -49,15 +49,15 @@ def test_a_gap_is_found_and_cuts():
 def test_one_and_a_half_intervals_are_no_gap():
     times = np.array([0.0, 1, 2, 3, 4.5, 5.5, 6.5, 8.01])
     found, parts = inspected(times, noisy(8))
-    assert [(f.what, f.row) for f in found] == [(sound.GAP_FOUND, 7)] and len(parts) == 2
+    assert [(f.what, f.row) for f in found] == [(record_check.GAP_FOUND, 7)] and len(parts) == 2
 
 
 def test_time_that_goes_back_cuts_and_time_that_stands_leaves_out():
     times = np.array([0.0, 1, 2, 3, 3, 3, 4, 5, 0, 1, 2, 3])
     found, parts = inspected(times, noisy(12), (5,))
     assert found == (
-        sound.Finding("c", sound.STANDS, 3.0, 3.0, 2, 4),
-        sound.Finding("c", sound.BACKWARDS, 5.0, 0.0, 1, 8),
+        record_check.Finding("c", record_check.STANDS, 3.0, 3.0, 2, 4),
+        record_check.Finding("c", record_check.BACKWARDS, 5.0, 0.0, 1, 8),
     )
     assert [part[0].tolist() for part in parts] == [[0, 1, 2, 3, 4, 5], [0, 1, 2, 3]]
 
@@ -67,7 +67,7 @@ def test_a_time_that_is_no_number_is_left_out_and_not_bridged():
     times[3:5] = np.nan
     found, parts = inspected(times, noisy(8))
     assert [(f.what, f.begin, f.count, f.row) for f in found] == [
-        (sound.GAP_FOUND, 2.0, 2, 5), (sound.NO_TIME, 2.0, 2, 3),
+        (record_check.GAP_FOUND, 2.0, 2, 5), (record_check.NO_TIME, 2.0, 2, 3),
     ][::-1]  # fmt: skip
     assert [part[0].tolist() for part in parts] == [[0, 1, 2], [5, 6, 7]]
 
@@ -76,24 +76,31 @@ def test_values_that_are_no_numbers_are_found_and_kept():
     values = noisy(50)
     values[[7, 20, 21, 22]] = np.nan
     found, parts = inspected(np.arange(50.0), values, (21,))
-    assert found == (sound.Finding("c", sound.NAN, 7.0, 7.0, 1, 7), sound.Finding("c", sound.NAN, 20.0, 22.0, 3, 20))
+    assert found == (
+        record_check.Finding("c", record_check.NAN, 7.0, 7.0, 1, 7),
+        record_check.Finding("c", record_check.NAN, 20.0, 22.0, 3, 20),
+    )
     assert np.array_equal(parts[0][1], values, equal_nan=True)
 
 
 def test_a_dead_channel():
     (dead,), _ = inspected(np.arange(10.0), np.full(10, 2.5), (4,))
-    assert dead == sound.Finding("c", sound.CONSTANT, 0.0, 9.0, 10, 0)
+    assert dead == record_check.Finding("c", record_check.CONSTANT, 0.0, 9.0, 10, 0)
     assert not inspected(np.arange(1.0), np.ones(1))[0]
 
 
 def test_saturation_of_a_clipped_signal():
     times = 0.001 * np.arange(5000)
     wave = 3 * np.sin(2 * np.pi * 7 * times)
-    for low, high, expected in ((-9, 2, {sound.HIGH}), (-2, 9, {sound.LOW}), (-2, 2, {sound.HIGH, sound.LOW})):
+    for low, high, expected in (
+        (-9, 2, {record_check.HIGH}),
+        (-2, 9, {record_check.LOW}),
+        (-2, 2, {record_check.HIGH, record_check.LOW}),
+    ):
         found, _ = inspected(times, np.clip(wave, low, high), (1, 777, 2000))
         assert {finding.what for finding in found} == expected
         for finding in found:
-            limit = high if finding.what == sound.HIGH else low
+            limit = high if finding.what == record_check.HIGH else low
             at = np.flatnonzero(np.clip(wave, low, high) == limit)
             assert (finding.count, finding.row, finding.end) == (at.size, at[0], times[at[-1]])
 
@@ -111,9 +118,9 @@ def test_many_findings_are_counted_together():
     values[::2] = np.nan
     for cuts in ((), (11, 12, 500), tuple(range(1, 1000))):
         found, _ = inspected(np.arange(1000.0), values, cuts)
-        assert len(found) == sound.MOST + 1
+        assert len(found) == record_check.MOST + 1
         assert sum(finding.count for finding in found) == 500
-        assert found[-1].what == sound.NAN + sound.FURTHER
+        assert found[-1].what == record_check.NAN + record_check.FURTHER
 
 
 @given(
@@ -143,10 +150,10 @@ def test_findings_do_not_depend_on_the_portions(odd, cuts):
     )
     for times_of_part, _ in whole_parts:
         intervals = np.diff(times_of_part)
-        assert np.all(intervals > 0) and np.all(intervals <= sound.GAP)
+        assert np.all(intervals > 0) and np.all(intervals <= record_check.GAP)
     # Nothing is lost but samples without a time of their own, and nothing is added.
     left = sum(part[0].size for part in whole_parts)
-    assert left == 300 - sum(f.count for f in whole if f.what in (sound.NO_TIME, sound.STANDS))
+    assert left == 300 - sum(f.count for f in whole if f.what in (record_check.NO_TIME, record_check.STANDS))
 
 
 @given(st.lists(st.integers(-3, 3), min_size=1, max_size=60), st.sets(st.integers(1, 59), max_size=6))
@@ -171,8 +178,8 @@ def test_findings_of_a_log(tmp_path):
     (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
     with open_log(tmp_path / "a.csv") as log:
         found = findings(log, ["v", "dead"], 30)
-    assert [f.what for f in found["v"]] == [sound.GAP_FOUND]
-    assert [f.what for f in found["dead"]] == [sound.CONSTANT, sound.GAP_FOUND]
+    assert [f.what for f in found["v"]] == [record_check.GAP_FOUND]
+    assert [f.what for f in found["dead"]] == [record_check.CONSTANT, record_check.GAP_FOUND]
     assert found["v"][0].count == 2 and found["v"][0].row == 50
 
 
@@ -182,7 +189,7 @@ def test_empty_portions_do_nothing():
     assert inspection.pieces(Portion(np.empty(0), np.empty(0))) == []
     all_nan = inspection.pieces(Portion(np.arange(3.0), np.full(3, np.nan)))
     assert all_nan[0].times.size == 3
-    assert [f.what for f in inspection.findings()] == [sound.NAN]
+    assert [f.what for f in inspection.findings()] == [record_check.NAN]
 
 
 def test_jitter_is_no_gap():

@@ -40,7 +40,7 @@ from vvdp.network.build import Circuit, build
 from vvdp.network.component import Component
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Connection, Load, Rotor
-from vvdp.simulation.values import flat, leaves, rebuilt
+from vvdp.simulation.values import flat, leaves, rebuild
 
 OIL = UsualOil()
 GRAPHS = 20
@@ -133,7 +133,7 @@ def random_state(circuit: Circuit, rng: np.random.Generator) -> Any:
     for path, _, kind in leaves(circuit.case.state):
         low, high = (2e5, 1.5e7) if kind and kind.unit == "Pa" else RANGES.get(path.rpartition(".")[2], (-5.0, 5.0))
         numbers.append(0.0 if path.startswith("books.") else float(rng.uniform(low, high)))
-    return rebuilt(circuit.case.state, iter(numbers))
+    return rebuild(circuit.case.state, iter(numbers))
 
 
 def stored_rates(circuit: Circuit, state: Any, rates: Any) -> tuple[float, float, float, float]:
@@ -146,7 +146,7 @@ def stored_rates(circuit: Circuit, state: Any, rates: Any) -> tuple[float, float
     dt = 1e-4 * float(np.min(maximum(np.abs(y), sizes)[own] / maximum(np.abs(dy[own]), 1e-30)))
     held = []
     for side in (-2.0, -1.0, 1.0, 2.0):
-        found = circuit.model.stored(rebuilt(state, iter((y + side * dt * dy).tolist())), circuit.case.params)
+        found = circuit.model.stored(rebuild(state, iter((y + side * dt * dy).tolist())), circuit.case.params)
         held.append((float(found.energy), float(found.volume)))
     energy, volume = ((a - 8.0 * b + 8.0 * c - d) / (12.0 * dt) for a, b, c, d in zip(*held, strict=True))
     rounding = (1e-14 * max(abs(number) for number in column) / dt for column in zip(*held, strict=True))

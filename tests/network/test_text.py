@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import Books, Stored
+from vvdp.base.conservation import Books, Stored
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import Area, Density, Energy, Flow, Kink, Mode, Pressure, PressureTime, Volume
 from vvdp.base.params import Params
@@ -32,7 +32,7 @@ from vvdp.hydraulics.switching_valve import (
     spool_ends,
     spool_rate,
 )
-from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
+from vvdp.hydraulics.volume import closed_volume_contents, closed_volume_rate
 from vvdp.network.build import build
 from vvdp.network.component import Component
 from vvdp.network.network import Network
@@ -325,8 +325,8 @@ def hand_circuit(t: float, s: HandState, u: Command, p: HandValues) -> tuple[Han
 
 
 def hand_stored(s: HandState, p: HandValues) -> Stored:
-    inlet = closed_volume_stored(s.inlet, p.inlet_volume, p.oil)
-    load = closed_volume_stored(s.load_line, p.load_volume, p.oil)
+    inlet = closed_volume_contents(s.inlet, p.inlet_volume, p.oil)
+    load = closed_volume_contents(s.load_line, p.load_volume, p.oil)
     return Stored(inlet.energy + load.energy, inlet.volume + load.volume)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.logs.config import Option, load_estimation
-from vvdp.logs.estimate import estimate, opened
+from vvdp.logs.estimate import estimate, open_for_estimate
 from vvdp.logs.wheel_charts import enlargement
 from vvdp.report.result_page import write_result_report
 from vvdp.results.store import read_result, write_result
@@ -32,7 +32,7 @@ def measured(tmp_path_factory):
     options = {"sensor.wave": "photodiode", "pressure.channel": "inlet", "output.smooth": True}
     wanted = load_estimation(None, [Option(key, key, value) for key, value in options.items()])
     (folder / "run").mkdir()
-    with opened(path, wanted) as log:
+    with open_for_estimate(path, wanted) as log:
         estimate(log, wanted, folder / "run", more={"written": "2026-01-02T03:04:05+0000"})
     return folder / "run"
 
@@ -120,7 +120,7 @@ def test_a_long_record_is_thinned_and_its_page_stays_small(tmp_path):
     )
     wanted = load_estimation(None, [Option("sensor.edges", "--edges", "edge")])
     (tmp_path / "run").mkdir()
-    with opened(path, wanted) as log:
+    with open_for_estimate(path, wanted) as log:
         result = estimate(log, wanted, tmp_path / "run")
     assert result.numbers["output_rate_Hz"].value * result.numbers["duration_s"].value > 200_000
     assert all(table.rows <= 3001 for table in result.tables.values())
@@ -152,7 +152,7 @@ def test_a_short_record_of_stamps_still_gives_a_report(tmp_path):
     path.write_text("edge [s]\n" + "\n".join(f"{0.1 + 0.005 * k:.4f}" for k in range(5)) + "\n")
     wanted = load_estimation(None, [Option("sensor.edges", "--edges", "edge")])
     (tmp_path / "run").mkdir()
-    with opened(path, wanted) as log:
+    with open_for_estimate(path, wanted) as log:
         estimate(log, wanted, tmp_path / "run")
     page = write_result_report(tmp_path / "run").read_text("utf-8")
     assert "Too short" in page and "the filter has not settled" in page

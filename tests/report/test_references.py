@@ -7,7 +7,7 @@ import pytest
 
 import vvdp
 from vvdp.report.references import bibliography, parsed_references
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system, shipped_systems
 
 KEY = re.compile(r"\b[a-z]+(?:-[a-z])?(?:\d{4}|-d341|1219)\b")
 ROOT = Path(vvdp.__file__).parent
@@ -22,7 +22,7 @@ def test_every_entry_has_author_title_place_and_year():
         assert not re.search(r"[{}\\]", reference.authors + reference.title + reference.place)
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", shipped_systems())
 def test_the_shipped_systems_cite_known_literature(name):
     assert {row.source for row in load_system(name).rows} - {""} <= set(KNOWN)
 

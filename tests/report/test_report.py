@@ -97,9 +97,9 @@ def written(whole, tmp_path_factory):
 def test_it_lists_what_is_assumed_and_where_values_come_from(written):
     text = written
     system = load_system("prototype")
-    assert f"{len(system.assumed)} of {len(system.rows)} values" in text
+    assert f"{len(system.assumptions)} of {len(system.rows)} values" in text
     listed = text.partition('id="assumed-values"')[2].partition('id="parameters"')[0].replace("<wbr>", "")
-    for row in system.assumed:
+    for row in system.assumptions:
         assert f"{row.table}.{row.key}" in listed
     assert "Meng Wang" in text and "Herbert E. Merritt" in text
     assert "Tsitouras" not in text

@@ -52,7 +52,7 @@ def test_pwm_valve_loses_less_than_throttling(source_stand):
 
 def test_friction_of_the_pump_is_in_all_ways_of_control(source_stand):
     """3 N m at 188.50 rad/s: 565.5 W more to lose for each, so what sets them apart stays."""
-    rough = source_stand.changed(pump={"friction_torque": 3.0})
+    rough = source_stand.with_tables(pump={"friction_torque": 3.0})
     smooth, found = (against_throttling(each, [0.5], [0.6]) for each in (source_stand, rough))
     for name in ("switched", "metered", "bled_off"):
         assert getattr(found, name) - getattr(smooth, name) == pytest.approx(565.5, abs=0.1)
@@ -103,7 +103,7 @@ def test_powers_go_with_square_and_cube():
 def test_friction_of_a_driven_spool_goes_with_the_square(source_stand):
     """Simulated at two speeds: what friction takes is k_f omega^2, by the closed form."""
     here = source_stand.set_point
-    states = steady_states([(source_stand.driven(f), here) for f in (30.0, 90.0)])
+    states = steady_states([(source_stand.with_motor(f), here) for f in (30.0, 90.0)])
     for state in states:
         f = state.summary["pwm_frequency_Hz"]
         expected = rotary_actuation_power(f, 3.0, spool_friction(source_stand))
@@ -166,7 +166,7 @@ def test_flows_of_the_comparison_are_those_of_the_system(orifice_stand, monkeypa
     """A quarter to all of the prototype's 40 lpm; at half the speed 10 and 20 lpm are half and all of it."""
     np.testing.assert_allclose([share * 40.0 for share in driving_claim.FLOW_SHARES], [10, 15, 20, 25, 30, 35, 40])
     monkeypatch.setattr(driving_claim, "FLOW_SHARES", (0.5, 1.0))
-    slow = orifice_stand.changed(operation={"pump_speed": constant(0.5 * orifice_stand.set_point.pump_speed)})
+    slow = orifice_stand.with_tables(operation={"pump_speed": constant(0.5 * orifice_stand.set_point.pump_speed)})
     found = self_against_driven(slow, frequencies=[30.0, 60.0])
     np.testing.assert_allclose(found.flows, [10 * LPM, 20 * LPM], rtol=1e-3)
     assert np.all(np.isfinite(found.self_frequency))
@@ -175,7 +175,7 @@ def test_flows_of_the_comparison_are_those_of_the_system(orifice_stand, monkeypa
 def test_areas_for_self_spinning(source_stand):
     """Half the areas give twice the torque, so twice the speed, and four times the quadratic drops."""
     valve = source_stand.bench.valve
-    half = source_stand.changed(
+    half = source_stand.with_tables(
         valve={"nozzle_area": 0.5 * valve.nozzle_area, "outlet_area": 0.5 * valve.outlet_area,
                "outlet_effective_area": 0.5 * valve.outlet_effective_area}
     ).bench.valve  # fmt: skip
@@ -221,7 +221,7 @@ def quick_claims(monkeypatch):
 def test_driven_spool_that_the_flow_cannot_turn(orifice_stand, quick_claims):
     """Twenty times the friction of 1.3349e-3 N m s, 0.0267: beside it there is no self-spinning spool, all else is."""
     area = orifice_stand.bench.valve.friction_area
-    found = quick_claims(orifice_stand.changed(valve={"friction_area": 20.0 * area}).driven(60.0))
+    found = quick_claims(orifice_stand.with_tables(valve={"friction_area": 20.0 * area}).with_motor(60.0))
     assert set(found.tables) == {"throttling", "ripple_frequency", "ripple_volume", "actuation"}
     words = "Self-spinning against driven: left to itself the spool does not turn: with a friction of 0.0267 N*m*s"
     assert any(sentence.startswith(words) for sentence in found.left_out)
@@ -234,7 +234,7 @@ def test_line_without_gas_has_claims(orifice_stand, quick_claims, monkeypatch):
     """
     few = partial(self_against_driven, flows=[40 * LPM], frequencies=[60.0])
     monkeypatch.setattr(driving_claim, "self_against_driven", few)
-    rigid = orifice_stand.changed(load_line={"gas_volume": 0.0, "precharge_pressure": 0.0})
+    rigid = orifice_stand.with_tables(load_line={"gas_volume": 0.0, "precharge_pressure": 0.0})
     found = quick_claims(rigid)
     assert {"driving", "best", "ripple_frequency", "ripple_volume"} < set(found.tables)
     np.testing.assert_allclose(found.tables["ripple_volume"]["gas_volume_m3"], [25e-6, 50e-6])
@@ -243,7 +243,7 @@ def test_line_without_gas_has_claims(orifice_stand, quick_claims, monkeypatch):
 
 def test_system_that_delivers_nothing_has_claims(orifice_stand, quick_claims):
     """At duty ratio 0.005 no orifice holds the pressure: what runs at other duty ratios is there still."""
-    found = quick_claims(orifice_stand.changed(operation={"duty_ratio": constant(0.005)}))
+    found = quick_claims(orifice_stand.with_tables(operation={"duty_ratio": constant(0.005)}))
     assert {"throttling", "actuation"} < set(found.tables)
     words = "Left to itself the spool has no steady state at any of these flows."
     assert any(finding.text == words for finding in found.findings)

@@ -95,7 +95,7 @@ def test_analytic_and_simulated_agree(source_stand, simulated):
 
 def test_shipped_stiff_oil_closes_the_gap(source_stand):
     """Without air, with oil a thousand times stiffer, the simulated point is the averaged one within 0.3 %."""
-    stiff = source_stand.changed(oil={"air_fraction": 0.0, "liquid_bulk_modulus": 1.4e11})
+    stiff = source_stand.with_tables(oil={"air_fraction": 0.0, "liquid_bulk_modulus": 1.4e11})
     one = replace(COARSE, duty_ratios=(0.5,), load_pressures=(ZERO + 80e5,))
     (state,) = steady_states([(stiff, one.points[0])])
     quick = analytic_map(stiff, one)
@@ -123,8 +123,11 @@ def test_motor_of_a_driven_spool_counts(source_stand):
     """
     displacement = source_stand.bench.pump.displacement
     one = replace(COARSE, duty_ratios=(0.5,), load_pressures=(ZERO + 60e5,), pump_speeds=(10e-3 / 60.0 / displacement,))
-    stiff = source_stand.driven(120.0)
-    for held, power, frequency in ((stiff, 82.4, 119.8), (stiff.changed(spool_drive={"coupling": 0.002}), 49.1, 73.3)):
+    stiff = source_stand.with_motor(120.0)
+    for held, power, frequency in (
+        (stiff, 82.4, 119.8),
+        (stiff.with_tables(spool_drive={"coupling": 0.002}), 49.1, 73.3),
+    ):
         quick = {name: values[0] for name, values in analytic_map(held, one).columns.items()}
         assert quick["spool_motor_power_W"] == pytest.approx(power, rel=2e-3)
         assert quick["pwm_frequency_Hz"] == pytest.approx(frequency, rel=1e-3)
@@ -194,7 +197,7 @@ STUCK = "with a friction of 0.442 N.m.s .valve.friction_area 0.9 m.2. it stops w
 
 def test_spool_that_cannot_turn_is_refused_at_once(source_stand, tmp_path):
     """The prototype's 1.3347e-3 N m s times 0.9 m^2 over its own area; a run would wait minutes for a mark."""
-    braked = source_stand.changed(valve={"friction_area": 0.9})
+    braked = source_stand.with_tables(valve={"friction_area": 0.9})
     for found in (lambda: analytic_map(braked, COARSE), lambda: simulated_map(braked, COARSE, tmp_path / "m")):
         with pytest.raises(ParameterError, match=STUCK + ", at each of 12 points"):
             found()
@@ -203,7 +206,7 @@ def test_spool_that_cannot_turn_is_refused_at_once(source_stand, tmp_path):
     assert state.periodic is None
     assert state.reason is not None
     assert "it stops where both ports are nearly shut" in state.reason
-    driven = braked.driven(70.0)
+    driven = braked.with_motor(70.0)
     assert driven.standstill(313.15, driven.means(COARSE.points[5])) is None
 
 
@@ -274,7 +277,7 @@ def test_finished_points_are_not_run_again(source_stand, simulated, tmp_path, mo
     np.testing.assert_allclose(
         grown.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9, equal_nan=True
     )
-    other = simulated_map(source_stand.changed(relief_valve={"cracking_pressure": 130e5}), COARSE, tmp_path)
+    other = simulated_map(source_stand.with_tables(relief_valve={"cracking_pressure": 130e5}), COARSE, tmp_path)
     assert other.ran == 12
 
 
@@ -299,7 +302,7 @@ def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch)
 
     part = simulated_map(source_stand, COARSE, tmp_path, progress=interrupting)
     assert part.ran == 4
-    assert not part.finished
+    assert not part.is_finished
     assert "Interrupted: 8 of 12 points were not run yet." in [each.text for each in map_result(part).findings]
     whole = simulated_map(source_stand, COARSE, tmp_path)
     assert whole.ran == 8
@@ -358,7 +361,7 @@ def test_killed_map_loses_no_finished_point(source_stand, tmp_path):
     found = simulated_map(source_stand, axes, folder, progress=lambda done, total: heard.append(done))
     assert heard[0] >= done
     assert found.ran == 60 - heard[0]
-    assert found.finished
+    assert found.is_finished
 
 
 def test_directory_of_something_else_is_refused(tmp_path):

@@ -71,7 +71,7 @@ def test_slow_switching_changes_nothing(source_stand):
     """At 4 Hz the mean over a period of 0.25 s is only there 0.25 s after the step, and 24 periods last 6 s: 3 whole
     cycles of 0.5 Hz, 11 of 1.75 Hz. The gain stays 1, the static one 40 lpm.
     """
-    found = dynamics(source_stand.driven(4.0), (0.4, 0.6), [0.5, 1.75])
+    found = dynamics(source_stand.with_motor(4.0), (0.4, 0.6), [0.5, 1.75])
     assert values(found)["static_gain_m3_s"] == pytest.approx(40e-3 / 60.0, rel=0.01)
     np.testing.assert_allclose(found.tables["frequency"]["delivered_flow_gain"], 1.0, atol=0.01)
     # Flow turns the stiffly coupled spool some percent faster.

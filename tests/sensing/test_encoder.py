@@ -9,8 +9,8 @@ from vvdp.base.signal import constant
 from vvdp.sensing.encoder import (
     INTERPOLATED,
     Shaft,
-    captured,
-    counted,
+    capture_unit,
+    counter_difference,
     edge_deviation,
     encoder_reading,
     encoder_start,
@@ -21,7 +21,7 @@ from vvdp.sensing.photodiode import LightSpot, ramp_width
 from vvdp.sensing.wheel import CodeWheel, edge_angle, equal_wheel, nearest_edge
 
 RATE = 1000.0
-EXACT = captured(0.0)
+EXACT = capture_unit(0.0)
 
 
 def constant_speed(hertz, phase=0.37, until=2.0, first=0.1):
@@ -147,7 +147,7 @@ def test_a_counter_that_starts_again_loses_nothing(make_encoder, read):
     t, angle, w = constant_speed(60.0)
     small, large = read(make_encoder(counter_bits=3.0), t, angle, w), read(make_encoder(), t, angle, w)
     assert small.edges.sum() == large.edges.sum() > 2**3
-    assert counted(1.0, 65535.0, 16.0) == 2.0
+    assert counter_difference(1.0, 65535.0, 16.0) == 2.0
 
 
 def test_edges_within_one_interval_are_all_counted(make_encoder, read):

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from vvdp.base.books import Books, Nothing, Stored
+from vvdp.base.conservation import Books, Nothing, Stored
 from vvdp.base.kinds import (
     Area,
     Count,
@@ -39,8 +39,8 @@ from vvdp.hydraulics.switching_valve import (
     spool_ends,
     spool_rate,
 )
-from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored
-from vvdp.simulation.model import Case, Model, Program, started_case
+from vvdp.hydraulics.volume import closed_volume_contents, closed_volume_rate
+from vvdp.simulation.model import Case, Model, Program, initial_case
 
 BAR, LPM = 1e5, 1e-3 / 60.0
 
@@ -168,8 +168,8 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs, 
 
 
 def stored(s: State, p: Values) -> Stored:
-    inlet = closed_volume_stored(s.inlet_pressure, p.inlet_volume, p.oil)
-    load = closed_volume_stored(s.load_pressure, p.load_volume, p.oil)
+    inlet = closed_volume_contents(s.inlet_pressure, p.inlet_volume, p.oil)
+    load = closed_volume_contents(s.load_pressure, p.load_volume, p.oil)
     return Stored(inlet.energy + load.energy, inlet.volume + load.volume)
 
 
@@ -238,7 +238,7 @@ def values(**changes: Any) -> Values:
 def switching_case(reference: float = 15.0 * BAR, frequency: float = 75.0, **changes: Any) -> Case:
     """A case of the switching circuit, its controller on the way to `reference` [Pa, absolute]."""
     settings = {"controller": Controller(frequency=frequency, reference=reference, gain=0.05)}
-    return started_case(MODEL, Command, values(**changes), settings)
+    return initial_case(MODEL, Command, values(**changes), settings)
 
 
 @pytest.fixture(scope="session")

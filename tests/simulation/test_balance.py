@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import NOTHING, Books, Stored
+from vvdp.base.conservation import NOTHING, Books, Stored
 from vvdp.base.kinds import Energy, ExchangedEnergy, Pressure
 from vvdp.base.signal import constant, step
 from vvdp.simulation.balance import LIMIT, balance

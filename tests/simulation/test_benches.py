@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from vvdp.simulation.balance import LIMIT, balance
 from vvdp.simulation.batch import simulate_batch
-from vvdp.simulation.prepare import free_rates, prepared
+from vvdp.simulation.prepare import free_rates, prepare
 from vvdp.simulation.run import Method, simulate
 from vvdp.simulation.values import leaves
 from vvdp.systems.summary import simulated_summary, summary
@@ -24,7 +24,7 @@ def scales(system: System) -> np.ndarray:
 def by_scipy(system: System, tolerance: float) -> np.ndarray:
     """The final state by LSODA on the linked rates, begun anew at each sample, where the command may change."""
     case, stepping = system.case, system.stepping
-    ready = prepared(system.model, case, stepping)
+    ready = prepare(system.model, case, stepping)
     y, u, m, p = (part.copy() for part in ready.vectors)
     rates = free_rates(ready, u)
     period = stepping.sample_period

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import NOTHING, Books, Stored
+from vvdp.base.conservation import NOTHING, Books, Stored
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.base.kinds import Energy, Kind, Pressure, Volume
 from vvdp.base.params import Params
@@ -129,7 +129,7 @@ STATES = [
     (Vessel(np.nan, 2e5, BOOKS), "state 'inlet' starts wrongly: nan is not a finite number"),
     (
         Vessel("5 bar", 2e5, BOOKS),
-        r"state 'inlet' = '5 bar' is a text.*vvdp.base.units.parsed\('5 bar', PRESSURE_LEVEL\)",
+        r"state 'inlet' = '5 bar' is a text.*vvdp.base.units.parse\('5 bar', PRESSURE_LEVEL\)",
     ),
     (Vessel(None, 2e5, BOOKS), "state 'inlet' = None; expected a number"),
     (Vessel(np.zeros(3), 2e5, BOOKS), "state 'inlet' is an array"),
@@ -440,5 +440,5 @@ def test_a_field_called_check_is_refused_when_it_is_written_down():
 
 
 def test_text_for_a_number_names_the_field_and_the_way():
-    with pytest.raises(ParameterError, match=r"Values.flow: '40 lpm' is a text; .*vvdp.base.units.parsed"):
+    with pytest.raises(ParameterError, match=r"Values.flow: '40 lpm' is a text; .*vvdp.base.units.parse"):
         Values(flow="40 lpm", volume=1.0)

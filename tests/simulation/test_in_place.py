@@ -9,7 +9,7 @@ from llvmlite import ir
 
 from vvdp.base import powers
 from vvdp.simulation import in_place
-from vvdp.simulation.lane_code import compiled, is_fused, loaded
+from vvdp.simulation.lane_code import compile_text, is_fused, load_code
 from vvdp.simulation.lane_values import DOUBLE, Code, Vector
 
 ULP = 2.0**-52
@@ -26,7 +26,7 @@ def in_code(name, count, fused):
     code = Code(ir.IRBuilder(function.append_basic_block()), 1, fused)
     result = getattr(in_place, name)(code, *(Vector(code, argument) for argument in function.args))
     code.builder.ret(result.value)
-    KEPT.append(loaded(compiled(str(module))))
+    KEPT.append(load_code(compile_text(str(module))))
     call = ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.c_double] * count)(KEPT[-1].get_function_address("in_place"))
     return lambda *arrays: np.array([call(*values) for values in zip(*(a.tolist() for a in arrays), strict=True)])
 

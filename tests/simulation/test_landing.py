@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import NOTHING, Nothing
+from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Angle, Kind, Kink, Mode, Ratio
 from vvdp.base.modes import side

@@ -7,9 +7,9 @@ import pytest
 from numba import njit, types
 
 from vvdp.simulation import lane_code
-from vvdp.simulation.lane_code import by_urgency, compiled, lane_rates, lane_text, loaded
+from vvdp.simulation.lane_code import by_urgency, compile_text, lane_rates, lane_text, load_code
 from vvdp.simulation.symbols import Op, Recorder
-from vvdp.simulation.trace import Graph, evaluated
+from vvdp.simulation.trace import Graph, evaluate
 
 
 @pytest.fixture
@@ -42,12 +42,12 @@ def called(address, inputs, count):
 
 def expected(graph, inputs):
     t, *vectors = inputs
-    return np.array([np.broadcast_to(value, t.size) for value in evaluated(graph, t[0], *vectors)])
+    return np.array([np.broadcast_to(value, t.size) for value in evaluate(graph, t[0], *vectors)])
 
 
 @pytest.mark.parametrize(("width", "fused"), [(4, False), (4, lane_code.is_fused()), (8, lane_code.is_fused())])
 def test_every_width_gives_the_same(graph, width, fused):
-    engine = loaded(compiled(lane_text(graph, width, fused)))
+    engine = load_code(compile_text(lane_text(graph, width, fused)))
     rng = np.random.default_rng(6)
     for _ in range(20):
         inputs = values(width, rng)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from llvmlite import ir
 
-from vvdp.simulation.lane_code import compiled, is_fused, loaded
-from vvdp.simulation.lane_math import FUNCTIONS, parts, shortened
+from vvdp.simulation.lane_code import compile_text, is_fused, load_code
+from vvdp.simulation.lane_math import FUNCTIONS, parts, shorten_series
 from vvdp.simulation.lane_values import DOUBLE, Code, Vector
 from vvdp.simulation.symbols import Op
 from vvdp.simulation.trace import PLAIN
@@ -33,7 +33,7 @@ def lane_function(op, width, fused):
     values = [Vector(code, code.builder.load(at, align=8)) for at in places[:-1]]
     code.builder.store(FUNCTIONS[op](code, *values).value, places[-1], align=8)
     code.builder.ret_void()
-    KEPT.append(loaded(compiled(str(module))))
+    KEPT.append(load_code(compile_text(str(module))))
     call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * (count + 1))(KEPT[-1].get_function_address("lanes"))
 
     def run(*arrays):
@@ -119,7 +119,7 @@ def test_a_shortened_series_is_better_than_one_cut_off():
     def error(series):
         return np.max(np.abs(np.polynomial.polynomial.polyval(x, series) - np.exp(x)))
 
-    best = shortened(exact, 6, Fraction(-1, 2), Fraction(1, 2))
+    best = shorten_series(exact, 6, Fraction(-1, 2), Fraction(1, 2))
     assert len(best) == 6
     assert error(best) < error([float(c) for c in exact[:6]]) / 16.0
     assert error(best) == pytest.approx(0.5**6 / math.factorial(6) / 2**5, rel=0.1)  # that of a Chebyshev polynomial

@@ -60,7 +60,7 @@ def mixed(prototype):
     for number in range(21):
         operation = {"duty_ratio": signals[number % 3]}
         setting = {"cracking_pressure": float(rng.uniform(1.1e7, 1.4e7))}
-        cases.append(bench.changed(operation=operation, relief_valve=setting).case)
+        cases.append(bench.with_tables(operation=operation, relief_valve=setting).case)
     for number in (4, 9, 10):
         cases[number] = replace(cases[number], state=cases[number].state._replace(inlet=np.nan))
     return cases

@@ -12,7 +12,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import NOTHING, Nothing
+from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
@@ -519,7 +519,7 @@ FORMULA = """
 CIRCUIT = """
     from typing import Annotated, NamedTuple
 
-    from vvdp.base.books import Nothing
+    from vvdp.base.conservation import Nothing
     from vvdp.base.kinds import Kind
     from vvdp.base.params import Params
     {imported}

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import Nothing
+from vvdp.base.conservation import Nothing
 from vvdp.base.kinds import Kind
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Method, Stepping, simulate

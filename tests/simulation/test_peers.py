@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from vvdp.base.books import Nothing
+from vvdp.base.conservation import Nothing
 from vvdp.base.kinds import Kind, Ratio
 from vvdp.base.params import Params
 from vvdp.simulation.model import Case, Model

@@ -6,12 +6,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import NOTHING, Nothing
+from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Fraction, Frequency, Kind, Time
 from vvdp.base.params import Params
 from vvdp.hydraulics.switching_valve import pulse_stop, pulse_train
-from vvdp.simulation.model import Case, Model, Program, started_case
+from vvdp.simulation.model import Case, Model, Program, initial_case
 from vvdp.simulation.run import Method, Stepping, simulate
 
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
@@ -71,7 +71,7 @@ def blank_log(settings: Nothing) -> Log:
 def logged(until: float, fast: dict, slow: dict, **others):
     program = Program(see_slow, log, Drive(0.0), blank_log)
     model = Model(summed, programs={"fast": replace(program, **fast), "slow": replace(program, **slow)})
-    case = replace(started_case(replace(model, start=at_zero), Chain, Nothing()))
+    case = replace(initial_case(replace(model, start=at_zero), Chain, Nothing()))
     return simulate(model, case, stepping(until, sample_period=10.0, **others))
 
 

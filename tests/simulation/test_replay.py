@@ -8,7 +8,7 @@ import pytest
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
-from vvdp.numerics.kalman import observed
+from vvdp.numerics.kalman import update_n
 from vvdp.numerics.random import Random, normal, random_start
 from vvdp.simulation.replay import Replay
 
@@ -40,7 +40,7 @@ def averaged(memory, sample, settings):
     last = np.empty(3)
     last[1:] = memory.last[:2]
     last[0] = sample.value
-    mean, _ = observed(np.zeros(2), np.eye(2), np.array([1.0, 0.0]), sample.value + noise, settings.share)
+    mean, _ = update_n(np.zeros(2), np.eye(2), np.array([1.0, 0.0]), sample.value + noise, settings.share)
     total = memory.sum + mean[0]
     return Memory(total, random, last), Shown(total / sample.time, noise, last[2])
 

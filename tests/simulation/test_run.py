@@ -7,7 +7,7 @@ import pytest
 
 from vvdp.base import signal as signals
 from vvdp.base.arrays import Array
-from vvdp.base.books import Nothing
+from vvdp.base.conservation import Nothing
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.base.kinds import Kind, Ratio
 from vvdp.base.params import Params
@@ -386,7 +386,7 @@ def test_stiff_follower_of_a_smooth_curve(method):
         ({"until": 1.0, "window_interval": 1e-9}, "at most 2e7"),
         ({"until": 1.0, "begin": 1.0}, "after begin, 1 s"),
         ({"until": 1.0, "longest_step": 0.0}, "longest_step"),
-        ({"until": "1 s"}, "Stepping.until: '1 s' is a text; .*vvdp.base.units.parsed"),
+        ({"until": "1 s"}, "Stepping.until: '1 s' is a text; .*vvdp.base.units.parse"),
     ],
 )
 def test_impossible_stepping_is_refused(values, told):

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from vvdp.base.books import Nothing
+from vvdp.base.conservation import Nothing
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
@@ -17,7 +17,7 @@ from vvdp.simulation import run as runs
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import link
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.prepare import compiled_loop, prepared, started
+from vvdp.simulation.prepare import compiled_loop, prepare, start_run
 from vvdp.simulation.run import PROMPT, UNHURRIED, Stepping, simulate
 
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
@@ -93,8 +93,8 @@ def test_portions_by_hand():
 def test_another_thread_sees_the_time_go_on_and_can_end_the_run():
     """A run in a single portion, seen on its way by another thread, which then takes its parameter away."""
     chosen = stepping(ENDLESS)
-    ready, loop = prepared(MODEL, turning(FAST), chosen), compiled_loop(print)
-    reached = started(ready, chosen)
+    ready, loop = prepare(MODEL, turning(FAST), chosen), compiled_loop(print)
+    reached = start_run(ready, chosen)
     rows, watcher = runs._Rows(reached, chosen), runs._Watcher(None, None, 1e15)
     with ThreadPoolExecutor(1) as pool:
         run = pool.submit(runs._carry, loop, ready, chosen, reached, rows, turning(FAST), watcher)

@@ -12,7 +12,7 @@ from vvdp.base.select import clip, select
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.symbols import Node, Op, Recorder, Untraceable
-from vvdp.simulation.trace import dependencies, evaluated, trace
+from vvdp.simulation.trace import dependencies, evaluate, trace
 from vvdp.simulation.values import leaves
 from vvdp.systems.system import load_system
 
@@ -49,7 +49,7 @@ def traced(circuit, case=CASE):
 
 def test_inputs_are_state_parameters_and_the_value_of_each_signal():
     graph = traced(swing)
-    assert evaluated(graph, 0.0, [1.0, 2.0], [], [3.0, 0.25], [0.5]) == [2.0, 0.5 - 3.0 - 0.25 * 4.0]
+    assert evaluate(graph, 0.0, [1.0, 2.0], [], [3.0, 0.25], [0.5]) == [2.0, 0.5 - 3.0 - 0.25 * 4.0]
     assert (graph.states, graph.signals) == (2, 1)
     assert not [node for node in graph.nodes if node.op is Op.TIME]  # the outputs' own work is left out
     assert dependencies(graph).tolist() == [[False, True], [True, True]]
@@ -106,7 +106,7 @@ def test_numpy_and_select_take_symbols():
     graph = traced(circuit)
     for x, v in ((0.3, 2.0), (-3.0, 0.5), (7.0, 12.0)):
         rates, _ = circuit(0.7, Pair(x, v), None, None)
-        assert evaluated(graph, 0.7, [x, v], [], [], []) == pytest.approx(list(rates), rel=1e-15)
+        assert evaluate(graph, 0.7, [x, v], [], [], []) == pytest.approx(list(rates), rel=1e-15)
 
 
 def test_a_longer_hose_has_a_longer_band_and_no_denser():

@@ -9,7 +9,7 @@ from vvdp.base.kinds import PRESSURE_LEVEL, Length, Pressure
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal, constant, step
 from vvdp.simulation.values import flat, form, leaves, names
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system, shipped_systems
 
 
 class One(NamedTuple):
@@ -47,7 +47,7 @@ def field_by_field(value, path="", kind=None):
 def examples():
     yield nested()
     yield nested(level=step(1e5, 2e5, 0.5))
-    for name in shipped():
+    for name in shipped_systems():
         case = load_system(name).case
         yield from (case.state, case.params, case.command, *case.memory.values(), *case.settings.values())
 

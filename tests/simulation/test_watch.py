@@ -79,9 +79,9 @@ CHANGES = {
 def test_sees(change):
     module = written()
     watch = Watch(reachable(module.outer, {}))
-    assert watch.unchanged()
+    assert watch.is_unchanged()
     change(module)
-    assert not watch.unchanged()
+    assert not watch.is_unchanged()
 
 
 def test_overlooks_what_nothing_reads():
@@ -89,7 +89,7 @@ def test_overlooks_what_nothing_reads():
     watch = Watch(reachable(module.outer, {}))
     module.UNREAD = 6.0
     module.more = other
-    assert watch.unchanged()
+    assert watch.is_unchanged()
 
 
 class State(NamedTuple):

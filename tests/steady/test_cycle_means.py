@@ -33,7 +33,7 @@ def point(duty=0.5, load=101.01325e5, override=0.0, leakage=0.0):
 )
 def test_same_as_over_whole_arrays(source_stand, duty, load, override, lap):
     """At the same angles: bisection over arrays of angles against closed form and regula falsi at each angle."""
-    valve = source_stand.changed(valve={"lap_ratio": lap}).bench.valve
+    valve = source_stand.with_tables(valve={"lap_ratio": lap}).bench.valve
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(module, "ANGLES", 60)
         patched.setattr(flow_map, "ANGLES", 60)
@@ -106,7 +106,7 @@ def test_slowness_tells_a_spool_that_stops(source_stand):
     assert half_period(even, 0.1 * even, 1e-5, 0.02) == pytest.approx(50 * 0.02 / 10.0, rel=1e-9)
     area = source_stand.bench.valve.friction_area
     slowness = [
-        cycle_means(point(), source_stand.changed(valve={"friction_area": factor * area}).bench.valve).slowness
+        cycle_means(point(), source_stand.with_tables(valve={"friction_area": factor * area}).bench.valve).slowness
         for factor in (1.0, 4.0, 20.0, 300.0)
     ]
     assert all(each < 1.5 for each in slowness[:2])

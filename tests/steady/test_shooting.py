@@ -22,7 +22,7 @@ LOAD = 80.0e5 + 101325.0
 def held(orifice_stand, source_stand):
     """A state of either bench at the same set point, and one with a driven spool."""
     here = orifice_stand.set_point._replace(load_pressure=LOAD, duty_ratio=0.4)
-    orifice = steady_states([(orifice_stand, here), (orifice_stand.driven(90.0), here)])
+    orifice = steady_states([(orifice_stand, here), (orifice_stand.with_motor(90.0), here)])
     return {"orifice": orifice[0], "driven": orifice[1], "source": steady_states([(source_stand, here)])[0]}
 
 
@@ -95,7 +95,7 @@ def test_refuses_a_period_that_is_none(source_stand):
 
 def test_case_without_a_mark_has_a_reason(source_stand):
     """A spool held by a motor at rest never passes a mark."""
-    braked = source_stand.driven(70.0)
+    braked = source_stand.with_motor(70.0)
     here = SetPoint(0.5, LOAD, 188.5, 313.15)
     case = braked.case(here, braked.means(here))
     operation = replace(case.params.operation, spool_motor_speed=constant(0.0))

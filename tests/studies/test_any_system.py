@@ -94,7 +94,7 @@ def alone(path: Path, settings: list[str]) -> dict:
 
 def test_a_drawn_network_is_varied_at_any_depth(drawn: Path) -> None:
     found = run_study(load_study(drawn / "study.toml"), drawn / "kept")
-    assert found.finished and not found.failures
+    assert found.is_finished and not found.failures
     assert list(found.inputs) == ["components.drain.area", "components.drain.discharge_coefficient"]
     areas = ('"0.5 mm^2"', '"1 mm^2"', '{ step = ["1 mm^2", "0 mm^2"], at = "50 ms" }')
     for case, (area, coefficient) in enumerate((a, c) for a in areas for c in ("0.6", "0.7")):

@@ -59,11 +59,11 @@ def place_of_compiled_code(item: int, cores: int) -> str:
 
 
 def test_every_item_comes_once_with_its_result(engine: Engine) -> None:
-    found = list(engine.completed(squared, range(20)))
+    found = list(engine.run_all(squared, range(20)))
     assert sorted(item for item, _ in found) == list(range(20))
     assert all(square == item**2 and cores == 1 for item, (square, cores, _) in found)
     assert len({process for _, (_, _, process) in found}) == engine.workers
-    assert list(engine.completed(squared, [])) == []
+    assert list(engine.run_all(squared, [])) == []
 
 
 def test_items_are_drawn_as_workers_are_free(engine: Engine) -> None:
@@ -76,7 +76,7 @@ def test_items_are_drawn_as_workers_are_free(engine: Engine) -> None:
             yield item
 
     come = 0
-    for _ in engine.completed(squared, items()):
+    for _ in engine.run_all(squared, items()):
         come += 1
         assert len(drawn) <= come - 1 + engine.workers
     assert come == 8
@@ -84,19 +84,19 @@ def test_items_are_drawn_as_workers_are_free(engine: Engine) -> None:
 
 def test_an_error_of_a_task_is_raised_and_the_engine_can_be_used_again(engine: Engine) -> None:
     with pytest.raises(ParameterError, match="item 3 on 1 cores"):
-        list(engine.completed(refused, [3]))
-    assert [item for item, _ in engine.completed(squared, [5])] == [5]
+        list(engine.run_all(refused, [3]))
+    assert [item for item, _ in engine.run_all(squared, [5])] == [5]
 
 
 def test_the_first_to_finish_comes_first(two_workers: LocalDask) -> None:
-    assert [item for item, _ in two_workers.completed(asleep, [1.0, 0.1])] == [0.1, 1.0]
+    assert [item for item, _ in two_workers.run_all(asleep, [1.0, 0.1])] == [0.1, 1.0]
 
 
 def test_a_caller_may_stop_early(engine: Engine) -> None:
-    found = engine.completed(squared, range(1000))
+    found = engine.run_all(squared, range(1000))
     next(found)
     found.close()
-    assert len(list(engine.completed(squared, range(3)))) == 3
+    assert len(list(engine.run_all(squared, range(3)))) == 3
 
 
 def test_senseless_numbers_are_refused() -> None:
@@ -111,7 +111,7 @@ def test_senseless_numbers_are_refused() -> None:
 def test_fewer_cores_can_be_set_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_NUM_THREADS", "1")
     assert all_cores() == 1
-    assert list(ThisProcess().completed(squared, [2])) == [(2, (4, 1, os.getpid()))]
+    assert list(ThisProcess().run_all(squared, [2])) == [(2, (4, 1, os.getpid()))]
 
 
 def test_dask_gives_the_same_numbers(two_workers: LocalDask, tmp_path: Path) -> None:
@@ -140,14 +140,14 @@ def test_a_worker_that_is_killed_costs_nothing_that_was_finished(
             kill_a_worker(lambda: psutil.Process().children(recursive=True))
 
     found = run_study(study, tmp_path / "s", engine=two_workers, progress=progress)
-    assert found.finished and found.ran == 120 and not found.failures
+    assert found.is_finished and found.ran == 120 and not found.failures
     assert all(earlier <= later for earlier, later in pairwise(finished))
     assert np.isfinite(found.outputs["efficiency"].values).all()
 
 
 def test_an_item_that_kills_every_worker_is_told() -> None:
     with LocalDask(2) as engine, pytest.raises(RunError, match="lost one after the other"):
-        list(engine.completed(deadly, [1]))
+        list(engine.run_all(deadly, [1]))
 
 
 def test_an_engine_without_workers_gives_up_here(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -155,7 +155,7 @@ def test_an_engine_without_workers_gives_up_here(monkeypatch: pytest.MonkeyPatch
     with LocalDask(1) as engine:
         engine._client.retire_workers()
         with pytest.raises(RunError, match="no Dask worker is left"):
-            list(engine.completed(squared, [1]))
+            list(engine.run_all(squared, [1]))
 
 
 def test_a_worker_with_another_processor_keeps_its_compiled_code_apart(
@@ -163,9 +163,9 @@ def test_a_worker_with_another_processor_keeps_its_compiled_code_apart(
 ) -> None:
     monkeypatch.setenv("VVDP_CACHE", str(tmp_path / "cache"))
     mine = dask_engines.processor()
-    assert [place for _, place in LocalDask(1).completed(place_of_compiled_code, [0])] == [""]
+    assert [place for _, place in LocalDask(1).run_all(place_of_compiled_code, [0])] == [""]
     monkeypatch.setattr(dask_engines, "processor", lambda: "another")
-    ((_, place),) = LocalDask(1).completed(place_of_compiled_code, [0])
+    ((_, place),) = LocalDask(1).run_all(place_of_compiled_code, [0])
     assert place == str(tmp_path / "cache" / f"compiled-{mine}")
 
 
@@ -213,7 +213,7 @@ def test_a_scheduler_by_its_address(start, tmp_path: Path) -> None:
     with engine:
         assert engine.workers == 1
         first = start(*worker_of(address))
-        ((item, (square, cores, process)),) = engine.completed(squared, [3])
+        ((item, (square, cores, process)),) = engine.run_all(squared, [3])
         assert (item, square, cores, process) == (3, 9, min(2, all_cores()), first.pid)
         assert heard == ["waiting for Dask workers"]
         second = start(*worker_of(address))
@@ -222,8 +222,8 @@ def test_a_scheduler_by_its_address(start, tmp_path: Path) -> None:
             time.sleep(0.05)
         assert engine.workers == 2
         first.kill()
-        assert {pid for _, (_, _, pid) in engine.completed(squared, range(4))} == {second.pid}
-        endless = engine.completed(asleep, [0.01, 60.0])
+        assert {pid for _, (_, _, pid) in engine.run_all(squared, range(4))} == {second.pid}
+        endless = engine.run_all(asleep, [0.01, 60.0])
         next(endless)
         scheduler.kill()
         with pytest.raises(RunError, match="the Dask scheduler is lost"):
@@ -235,14 +235,14 @@ def test_a_scheduler_without_the_package_of_the_task_is_told(start, tmp_path: Pa
     address = address_in(tmp_path / "scheduler.json")
     start(*worker_of(address))
     with pytest.raises(RunError, match="is not installed where it is to be run: No module named 'tests'"):
-        list(DaskScheduler(address).completed(squared, [3]))
+        list(DaskScheduler(address).run_all(squared, [3]))
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x"])
 def test_an_address_without_a_scheduler_is_told(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dask_engines, "CONNECTING", 1.0)
     with pytest.raises(ConfigError, match="no Dask scheduler answers there"):
-        list(DaskScheduler(address).completed(squared, [3]))
+        list(DaskScheduler(address).run_all(squared, [3]))
 
 
 def test_what_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

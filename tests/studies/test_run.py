@@ -37,7 +37,7 @@ def test_columns_are_those_of_single_runs(tmp_path: Path) -> None:
     heard: list[tuple[int, int]] = []
     found = run_study(STUDY, tmp_path / "s", progress=lambda done, of: heard.append((done, of)))
     assert heard == [(0, 4), (4, 4)]
-    assert found.finished and found.ran == 4 and not found.failures
+    assert found.is_finished and found.ran == 4 and not found.failures
     duty, pressure = found.inputs.values()
     assert duty.values.tolist() == [0.4, 0.4, 0.6, 0.6] and duty.kind is DUTY_RATIO
     assert pressure.values.tolist() == [11101325.0, 12101325.0] * 2 and pressure.kind is PRESSURE_LEVEL
@@ -58,7 +58,7 @@ def test_a_study_is_resumed_and_grows_without_running_anything_twice(tmp_path: P
     grown = Study("prototype", more, ("load_power_W",), until="0.1 s")
     assert read_study(grown, tmp_path).missing == (2, 3)
     third = run_study(grown, tmp_path)
-    assert third.ran == 2 and third.finished
+    assert third.ran == 2 and third.is_finished
     for name, column in first.outputs.items():
         assert np.array_equal(column.values, again.outputs[name].values)
 
@@ -81,9 +81,9 @@ def test_whatever_changes_the_result_is_run_anew(changed: Study, tmp_path: Path)
 def test_the_same_value_in_other_words_is_the_same_case(tmp_path: Path) -> None:
     run_study(STUDY, tmp_path)
     grid = {"operation.duty_ratio": [0.4, "60 %"], "relief_valve.cracking_pressure": ["11 MPa", "121.01325 bara"]}
-    assert read_study(Study("prototype", grid, OUTPUTS, until="100 ms"), tmp_path).finished
+    assert read_study(Study("prototype", grid, OUTPUTS, until="100 ms"), tmp_path).is_finished
     loaded = load_system("prototype", until="0.1 s")
-    assert read_study(Study(loaded, GRID, OUTPUTS), tmp_path).finished
+    assert read_study(Study(loaded, GRID, OUTPUTS), tmp_path).is_finished
 
 
 def test_a_newer_version_or_other_equations_run_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -130,7 +130,7 @@ def test_signals_and_constants_may_be_mixed(tmp_path: Path) -> None:
     step = {"step": ["0.4", "0.6"], "at": "50 ms"}
     cases = [{"operation.duty_ratio": "0.5"}, {"operation.duty_ratio": step}, {"operation.duty_ratio": "0.6"}]
     found = run_study(Study("prototype", cases, ("efficiency",), until="0.1 s"), tmp_path)
-    assert found.finished and np.isfinite(found.outputs["efficiency"].values).all()
+    assert found.is_finished and np.isfinite(found.outputs["efficiency"].values).all()
     assert found.inputs["operation.duty_ratio"].values.tolist() == [
         "0.5",
         "between 0.4 and 0.6, corners at 0.05 s",
@@ -205,7 +205,7 @@ def test_kill_9_at_any_moment_loses_nothing_that_was_finished(
         before = kept(directory)
     assert 16 <= len(before) < 120
     found = run_study(long_study, directory)
-    assert found.ran == 120 - len(before) and found.finished
+    assert found.ran == 120 - len(before) and found.is_finished
     assert before <= kept(directory) and len(kept(directory)) == 120
     assert np.isfinite(found.outputs["efficiency"].values).all()
 
@@ -235,7 +235,7 @@ def test_kill_9_at_random_moments(begin_study, awaited, kept, long_study, tmp_pa
             break
     assert kills >= 2 and len(before) == 120
     found = read_study(long_study, directory)
-    assert found.finished
+    assert found.is_finished
     once = run_study(long_study, tmp_path / "once")
     assert np.array_equal(found.outputs["efficiency"].values, once.outputs["efficiency"].values)
 

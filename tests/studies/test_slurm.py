@@ -137,7 +137,7 @@ def test_a_study_on_slurm_survives_everything(
 
     engine = Slurm(2, memory="1 GiB", options=["--partition=short"], interface="lo", logs=directory / "slurm")
     found = run_study(long_study, directory, engine=engine, progress=progress)
-    assert found.finished and found.ran == 120 - len(first) and not found.failures
+    assert found.is_finished and found.ran == 120 - len(first) and not found.failures
     assert len(steps) >= 3
     assert all(first <= step for step in steps)
     assert np.isfinite(found.outputs["efficiency"].values).all()

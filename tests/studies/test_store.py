@@ -12,7 +12,7 @@ import pytest
 from vvdp.base.errors import ConfigError
 from vvdp.studies import store, work
 from vvdp.studies.engine import HERE, ThisProcess
-from vvdp.studies.index import NAME, indexed
+from vvdp.studies.index import NAME, read_index
 from vvdp.studies.store import Finished, finished_cases, keep_finished, opened_store, write_finished
 from vvdp.studies.work import Batching, kept_batches
 
@@ -44,7 +44,7 @@ def test_the_index_has_every_case_and_answers_questions(place: Path) -> None:
         "select json_extract(summary, '$.power_W'), json_extract(settings, '$.\"a.x\"') from cases where key = 'a'"
     )
     assert asked(place, question) == [(3.5, "1 bar")]
-    assert sorted(indexed(place)) == sorted(path.name for path in place.glob("cases-*.json"))
+    assert sorted(read_index(place)) == sorted(path.name for path in place.glob("cases-*.json"))
 
 
 def test_what_the_index_has_is_not_read_again(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,7 +149,7 @@ class Counting:
         self.workers = workers
 
     def completed(self, task, items) -> Iterator:
-        return ThisProcess(1).completed(task, items)
+        return ThisProcess(1).run_all(task, items)
 
 
 def test_batches_leave_something_for_every_worker_and_grow_with_speed(tmp_path: Path) -> None:

@@ -71,9 +71,9 @@ def test_spreads_need_one_unit_and_the_right_order() -> None:
     uniform = (Uniform("1 bar", "2 MPa"), Uniform("2 bar", "1 bar"))
     for spread in (*uniform, Normal("1 bar", "0.1 MPa"), Normal("1 bar", "-1 bar")):
         with pytest.raises(ParameterError, match="expected one unit"):
-            spread.drawn(0.5)
+            spread.quantile(0.5)
     with pytest.raises(ParameterError, match="not a number with a unit"):
-        Uniform("low", "high").drawn(0.5)
+        Uniform("low", "high").quantile(0.5)
 
 
 def test_a_file_says_all_that_python_can(tmp_path: Path) -> None:

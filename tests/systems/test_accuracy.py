@@ -9,7 +9,7 @@ from vvdp.simulation.run import simulate
 from vvdp.systems.accuracy import OF_THE_RUN, Move, moves
 from vvdp.systems.quantities import summary_units
 from vvdp.systems.summary import summary
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system, shipped_systems
 
 FINEST = 1e-11
 SEEN = 1e-9
@@ -35,7 +35,7 @@ def test_moves_by_hand():
     assert third.change == 0.0 and "steps" in OF_THE_RUN
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", shipped_systems())
 def test_parts_are_exact_at_the_default(name):
     """Within 1e-5 of the converged value, relative to the part or to a thousandth of the largest of its unit."""
     system = load_system(name, until="0.3 s")

@@ -8,10 +8,10 @@ from vvdp.base.signal import signal_value
 from vvdp.simulation.run import Method, simulate
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.summary import summary
-from vvdp.systems.system import load_system, shipped, source_text
+from vvdp.systems.system import load_system, shipped_systems, source_text
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", shipped_systems())
 def test_every_shipped_system_loads(name):
     system = load_system(name)
     assert system.name == name
@@ -26,10 +26,10 @@ def test_every_shipped_system_loads(name):
 
 
 def test_there_are_both_benches():
-    assert set(shipped()) >= {"prototype", "prototype-constant-load"}
+    assert set(shipped_systems()) >= {"prototype", "prototype-constant-load"}
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", shipped_systems())
 def test_file_is_read_as_the_shipped_system_is(name, tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(source_text(name), encoding="utf-8")

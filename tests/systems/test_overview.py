@@ -3,7 +3,7 @@
 import pytest
 
 from vvdp.systems.overview import node_lines
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system, shipped_systems
 
 
 class Found(dict):
@@ -13,7 +13,7 @@ class Found(dict):
         return {"min": 1.0, "mean": 2.0, "max": 3.0}[key.split("_")[1]]
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", shipped_systems())
 def test_lowest_mean_and_highest_are_not_mixed_up(name):
     lines = list(node_lines(load_system(name), Found()))
     assert lines

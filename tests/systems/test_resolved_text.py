@@ -6,7 +6,7 @@ import pytest
 from vvdp.base.tables import parsed_table
 from vvdp.simulation.values import flat
 from vvdp.systems.resolved import resolved_text
-from vvdp.systems.system import built_system, load_system, shipped
+from vvdp.systems.system import built_system, load_system, shipped_systems
 
 BENCHES = ("prototype", "prototype-constant-load")
 SETTINGS = [
@@ -29,7 +29,9 @@ def same(a, b):
     assert a.circuit.digest == b.circuit.digest
 
 
-@pytest.mark.parametrize(("name", "settings"), [*((name, []) for name in shipped()), *((n, SETTINGS) for n in BENCHES)])
+@pytest.mark.parametrize(
+    ("name", "settings"), [*((name, []) for name in shipped_systems()), *((n, SETTINGS) for n in BENCHES)]
+)
 def test_it_loads_to_the_same_system(name, settings):
     system = load_system(name, settings, until="0.3 s")
     same(system, again(system))

@@ -13,7 +13,7 @@ from vvdp.valve.geometry import Openings
 from vvdp.valve.torque import (
     SpoolSurface,
     equilibrium_speed,
-    friction_area_fitted,
+    fit_friction_area,
     friction_area_from_lands,
     friction_coefficient,
     inlet_torque,
@@ -105,15 +105,15 @@ def test_torques_balance_at_the_equilibrium_speed(prototype):
 
 
 def test_friction_area_is_fitted_to_a_frequency(prototype):
-    assert friction_area_fitted(72.0, Q40, RHO, MU, prototype) == pytest.approx(2.716e-3, rel=3e-4)
-    valve = replace(prototype, friction_area=friction_area_fitted(60.0, 30.0 * LPM, RHO, MU, prototype))
+    assert fit_friction_area(72.0, Q40, RHO, MU, prototype) == pytest.approx(2.716e-3, rel=3e-4)
+    valve = replace(prototype, friction_area=fit_friction_area(60.0, 30.0 * LPM, RHO, MU, prototype))
     assert full_open_frequency(30.0 * LPM, valve) == pytest.approx(60.0, rel=1e-13)
 
 
 def test_a_frequency_beyond_the_frictionless_one_is_refused(prototype):
     # Q (1/A_in + 1/A_out) / R = 6.6667e-4 * 43579 / 0.0127 = 2287.6 rad/s = 1092 Hz
     with pytest.raises(ParameterError, match="without any friction the valve spins at 1092 Hz"):
-        friction_area_fitted(1100.0, Q40, RHO, MU, prototype)
+        fit_friction_area(1100.0, Q40, RHO, MU, prototype)
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.01, 1.0))

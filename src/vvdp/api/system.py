@@ -67,7 +67,7 @@ class System(systems.System):
         network = self.circuit.network
         return (
             f"<System {self.name}: {self.title}; {len(network.nodes)} nodes, {len(network.parts)} components, "
-            f"{len(self.rows)} values, {len(self.assumed)} assumed>"
+            f"{len(self.rows)} values, {len(self.assumptions)} assumed>"
         )
 
     def _repr_html_(self) -> str:

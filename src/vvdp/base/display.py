@@ -38,12 +38,12 @@ class DisplayUnit(NamedTuple):
     scale: float
     datum: float
 
-    def shown(self, value: Any) -> Any:
+    def from_si(self, value: Any) -> Any:
         """A value or an array [SI] as number in this unit."""
         return (value - self.datum) / self.scale
 
     @property
-    def bracketed(self) -> str:
+    def bracketed_symbol(self) -> str:
         """The symbol as it stands behind a label; nothing where there is no unit."""
         return f" [{self.symbol}]" if self.symbol else ""
 
@@ -53,13 +53,13 @@ def display_unit(kind: Kind) -> DisplayUnit:
     """The unit in which a column, an axis or a number of a kind is shown. A pressure level is gauge."""
     if kind is kinds.PRESSURE_LEVEL:
         return DisplayUnit("bar", _BAR, ATMOSPHERE)
-    if kind.shown == "%":
+    if kind.display_unit == "%":
         return DisplayUnit("%", 0.01, 0.0)
     if kind.unit in ("1", "SI"):
         return DisplayUnit("", 1.0, 0.0)
-    zero, one = (in_unit(value, kind, kind.shown) for value in (0.0, 1.0))
+    zero, one = (in_unit(value, kind, kind.display_unit) for value in (0.0, 1.0))
     scale = 1.0 / (one - zero)
-    return DisplayUnit(unit_symbol(kind.shown), float(f"{scale:.15g}"), 0.0 - float(f"{zero * scale:.15g}"))
+    return DisplayUnit(unit_symbol(kind.display_unit), float(f"{scale:.15g}"), 0.0 - float(f"{zero * scale:.15g}"))
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -75,7 +75,7 @@ def number(value: float, digits: int = 4) -> str:
     return f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}".replace("-", MINUS)
 
 
-def fixed(value: float, decimals: int) -> str:
+def fixed_point(value: float, decimals: int) -> str:
     """`value` with `decimals` places after the point; a dash where not finite."""
     if not math.isfinite(value):
         return NOTHING
@@ -85,7 +85,7 @@ def fixed(value: float, decimals: int) -> str:
 
 def percent(share: float, decimals: int = 1) -> str:
     """A share as percentage."""
-    return f"{fixed(100.0 * share, decimals)} %"
+    return f"{fixed_point(100.0 * share, decimals)} %"
 
 
 def plain(value: float, digits: int = 6) -> str:
@@ -106,7 +106,7 @@ def value_and_unit(value: float, kind: Kind, *, digits: int = 6, absolute: bool 
     if kind is kinds.TIME:
         return plain(value, digits), "s"
     unit = display_unit(kind)
-    return plain(round(unit.shown(value), 9) if unit.datum else unit.shown(value), digits), unit.symbol
+    return plain(round(unit.from_si(value), 9) if unit.datum else unit.from_si(value), digits), unit.symbol
 
 
 def with_unit(value: float, kind: Kind, digits: int = 4) -> str:
@@ -128,7 +128,7 @@ def value_text(value: float, kind: Kind) -> str:
         return f"{(value - ATMOSPHERE) / _BAR:.6g} bar ({value / _BAR:.6g} bara)"
     if kind.unit in ("1", "SI"):
         return f"{value:.6g}" + (" SI" if kind.unit == "SI" else "")
-    return f"{in_unit(value, kind, kind.shown):.6g} {kind.shown}"
+    return f"{in_unit(value, kind, kind.display_unit):.6g} {kind.display_unit}"
 
 
 def key_suffix(kind: Kind) -> str:

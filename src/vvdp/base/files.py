@@ -30,7 +30,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
     In the folder of a `result_directory`, which is synced as a whole before its renaming, it need not be so earlier.
     Raises WriteError where it cannot be written; nothing of it is left then, and an earlier file is as it was.
     """
-    temporary = _unfinished(path, os.urandom(8).hex(), FILE)
+    temporary = _sibling_path(path, os.urandom(8).hex(), FILE)
     synced = not any(UNFINISHED.fullmatch(folder.name) for folder in path.parents)
     try:
         try:
@@ -60,7 +60,7 @@ def result_directory(directory: Path, *, force: bool = False) -> Iterator[Path]:
     process, or cannot be written; WriteError where the disk fails.
     """
     named, directory = directory, Path(os.path.realpath(directory))
-    new = _unfinished(directory, os.urandom(8).hex(), NEW)
+    new = _sibling_path(directory, os.urandom(8).hex(), NEW)
     try:
         clear_unfinished(directory.parent)
         _refuse_to_replace(directory, named, force)
@@ -159,7 +159,7 @@ def _settle(target: Path, parts: Mapping[str, Path]) -> None:
             path.unlink(missing_ok=True)
 
 
-def _unfinished(path: Path, token: str, kind: str) -> Path:
+def _sibling_path(path: Path, token: str, kind: str) -> Path:
     return path.with_name(f".{path.name}.{HOST}-{os.getpid()}-{token}.{kind}")
 
 

@@ -32,12 +32,12 @@ class Kind:
     units: tuple[str, ...] = ()
 
     @property
-    def named(self) -> str:
+    def with_article(self) -> str:
         """The name with its article."""
         return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
 
     @property
-    def shown(self) -> str:
+    def display_unit(self) -> str:
         """The unit in which a person is shown the value."""
         return self.example.partition(" ")[2]
 
@@ -47,8 +47,8 @@ class Kind:
             return None
         unit = "" if self.unit == "1" else f" {self.unit}"
         if not math.isfinite(value):
-            return f"{value:g} is not a finite number; expected {self.named}, for example {self.example!r}"
-        return f"{value:g}{unit} is outside {self.low:g} to {self.high:g}{unit} for {self.named}"
+            return f"{value:g} is not a finite number; expected {self.with_article}, for example {self.example!r}"
+        return f"{value:g}{unit} is outside {self.low:g} to {self.high:g}{unit} for {self.with_article}"
 
 
 SPEED_UNITS = ("rpm", "rev/s", "rad/s", "deg/s")

@@ -58,7 +58,7 @@ class Params:
             if isinstance(value, str):
                 raise ParameterError(
                     f"{type(self).__name__}.{name}: {value!r} is a text; expected a number in SI, as "
-                    f"vvdp.base.units.parsed({value!r}, kind) gives, for example of {kind.example!r}"
+                    f"vvdp.base.units.parse({value!r}, kind) gives, for example of {kind.example!r}"
                 )
             for bound in _bounds(value):
                 if fault := kind.fault(bound):

@@ -22,7 +22,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import ANGLE, FREQUENCY, TIME, Kind
 from vvdp.base.params import Params, default_values, field_kinds, field_types
 from vvdp.base.signal import Signal
-from vvdp.base.units import parsed, parsed_difference
+from vvdp.base.units import parse, parsed_difference
 
 STATUSES = ("measured", "published", "derived", "assumed", "given")
 ORIGIN = ("status", "source", "where", "note")
@@ -48,10 +48,10 @@ class Sourced:
     note: str = ""
 
     @property
-    def displayed(self) -> str:
+    def display_text(self) -> str:
         """The value as a person reads it."""
         if isinstance(self.value, Signal):
-            return described(self.value, self.kind)
+            return describe_signal(self.value, self.kind)
         values = self.value if isinstance(self.value, tuple) else (self.value,)
         return ", ".join(value_text(value, self.kind) for value in values)
 
@@ -115,7 +115,7 @@ def with_settings(table: Table, settings: list[str]) -> Table:
 
     A value in braces is read as TOML (`pump.speed={step=["1200 rpm", "1800 rpm"], at="0.5 s"}`).
     """
-    content = copied(table.content)
+    content = copy_tables(table.content)
     lines = dict(table.lines)
     faults = []
     for setting in settings:
@@ -151,9 +151,9 @@ def _full_keys(key: str, content: Mapping[str, Any]) -> str:
     return f"; did you mean {' or '.join(found)}?" if found else ""
 
 
-def copied(content: Mapping[str, Any]) -> dict[str, Any]:
+def copy_tables(content: Mapping[str, Any]) -> dict[str, Any]:
     """A copy of parsed tables whose inner tables may be changed."""
-    return {key: copied(value) if isinstance(value, Mapping) else value for key, value in content.items()}
+    return {key: copy_tables(value) if isinstance(value, Mapping) else value for key, value in content.items()}
 
 
 def read_values(
@@ -206,7 +206,7 @@ def build(
     """
     kinds, known, defaults = field_kinds(cls), field_types(cls), default_values(cls)
     before = len(faults)
-    readers = {key: partial(_sourced, name, key, kind, known[key]) for key, kind in kinds.items()}
+    readers = {key: partial(_read_entry, name, key, kind, known[key]) for key, kind in kinds.items()}
     given = read_values(readers, table, name, origin, faults)
     rows: list[Sourced] = []
     for key, kind in kinds.items():
@@ -232,7 +232,7 @@ def build(
         return None, rows
 
 
-def _sourced(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> Sourced:
+def _read_entry(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> Sourced:
     """What stands under a key, with its origin. Raises ParameterError."""
     if kind is None:
         raise TypeError(f"{name}.{key} has no kind")
@@ -247,7 +247,7 @@ def _sourced(name: str, key: str, kind: Kind | None, known: Any, entry: Any) -> 
     elif get_origin(known) is tuple:
         value = _list(fields, kind)
     elif set(fields) == {"value"}:
-        value = parsed(fields["value"], kind)
+        value = parse(fields["value"], kind)
     else:
         other = ", ".join(sorted(set(fields) - {"value"})) or "no value"
         raise ParameterError(f"{other}; expected a value that does not change, for example {kind.example!r}")
@@ -267,7 +267,7 @@ def _list(fields: Mapping[str, Any], kind: Kind) -> tuple[float, ...]:
     """The numbers of a TOML list."""
     match fields:
         case {"value": [*entries], **rest} if not rest:
-            return tuple(parsed(entry, kind) for entry in entries)
+            return tuple(parse(entry, kind) for entry in entries)
     raise ParameterError(f"{', '.join(map(str, fields.values()))}; expected a list, for example [{kind.example!r}]")
 
 
@@ -275,25 +275,25 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
     """The signal of a TOML entry: `value`, `step`, `ramp`, `sine` or `table` with the words that go with it."""
     match fields:
         case {"value": value, **rest} if not rest:
-            return signals.constant(parsed(value, kind))
+            return signals.constant(parse(value, kind))
         case {"step": [before, after], "at": at, **rest} if not rest:
-            return signals.step(parsed(before, kind), parsed(after, kind), parsed(at, TIME))
+            return signals.step(parse(before, kind), parse(after, kind), parse(at, TIME))
         case {"ramp": [before, after], "from": begin, "to": end, **rest} if not rest:
-            t0, t1 = parsed(begin, TIME), parsed(end, TIME)
+            t0, t1 = parse(begin, TIME), parse(end, TIME)
             if t1 < t0:
                 raise ParameterError(f"the ramp ends at {t1:g} s, before it begins at {t0:g} s")
-            return signals.ramp(parsed(before, kind), parsed(after, kind), t0, t1)
+            return signals.ramp(parse(before, kind), parse(after, kind), t0, t1)
         case {"sine": mean, "amplitude": amplitude, "frequency": frequency, **rest} if set(rest) <= {"phase"}:
-            phase = parsed(rest.get("phase", "0 rad"), ANGLE)
+            phase = parse(rest.get("phase", "0 rad"), ANGLE)
             return signals.sine(
-                parsed(mean, kind), parsed_difference(amplitude, kind), parsed(frequency, FREQUENCY), phase
+                parse(mean, kind), parsed_difference(amplitude, kind), parse(frequency, FREQUENCY), phase
             )
         case {"table": [_, *_] as points, **rest} if not rest and all(
             isinstance(p, list) and len(p) == 2 for p in points
         ):
-            times = [parsed(t, TIME) for t, _ in points]
+            times = [parse(t, TIME) for t, _ in points]
             try:
-                return signals.table(times, [parsed(v, kind) for _, v in points])
+                return signals.table(times, [parse(v, kind) for _, v in points])
             except ValueError as problem:
                 raise ParameterError(str(problem)) from None
     raise ParameterError(
@@ -302,7 +302,7 @@ def _signal(fields: Mapping[str, Any], kind: Kind) -> Signal:
     )
 
 
-def described(value: Signal, kind: Kind) -> str:
+def describe_signal(value: Signal, kind: Kind) -> str:
     """A signal as a person reads it."""
     if value.is_constant:
         return value_text(value.base, kind)

@@ -58,20 +58,20 @@ def is_unit(text: str) -> bool:
 def line_to_si(unit: str, kind: Kind) -> tuple[float, float]:
     """Factor and offset with which numbers in `unit` become SI of `kind`: value = number * factor + offset.
 
-    Gauge and absolute levels as in `parsed`; no range is checked. Raises ParameterError.
+    Gauge and absolute levels as in `parse`; no range is checked. Raises ParameterError.
     """
     text = f"1 {unit}".rstrip()
-    return _converted(1.0, unit, text, kind, level=False), _converted(0.0, unit, text, kind)
+    return _to_si(1.0, unit, text, kind, level=False), _to_si(0.0, unit, text, kind)
 
 
-def parsed(text: object, kind: Kind) -> float:
+def parse(text: object, kind: Kind) -> float:
     """SI value of `text`, a number with a unit of `kind`, range checked. Pressure levels come out absolute [Pa].
 
     A plain pressure unit (`bar`, `psi`, `MPa`) on a level is gauge; `bara` and `psia` are absolute.
     Raises ParameterError with what was expected.
     """
     number, unit = _split(text, kind)
-    value = _converted(number, unit, text, kind)
+    value = _to_si(number, unit, text, kind)
     if fault := kind.fault(value):
         raise ParameterError(f"{text!r} = {fault}" if unit else fault)
     return value
@@ -83,7 +83,7 @@ def parsed_difference(text: object, kind: Kind) -> float:
     The plausible range of the kind is one of levels and is not checked. Raises ParameterError.
     """
     number, unit = _split(text, kind)
-    value = _converted(number, unit, text, kind, level=False)
+    value = _to_si(number, unit, text, kind, level=False)
     if not math.isfinite(value):
         raise ParameterError(f"{text!r} is not finite; write for example {kind.example!r}")
     return value
@@ -99,21 +99,23 @@ def number_and_unit(text: object) -> tuple[float, str]:
 
 def _split(text: object, kind: Kind) -> tuple[float, str]:
     if isinstance(text, bool) or not isinstance(text, int | float | str):
-        raise ParameterError(f"{text!r} is not {kind.named}; write for example {kind.example!r}")
+        raise ParameterError(f"{text!r} is not {kind.with_article}; write for example {kind.example!r}")
     if isinstance(text, str) and len(text) > 200:
         raise ParameterError(
-            f"a text of {len(text)} characters is not {kind.named}; write for example {kind.example!r}"
+            f"a text of {len(text)} characters is not {kind.with_article}; write for example {kind.example!r}"
         )
     try:
         match = _NUMBER.match(text if isinstance(text, str) else repr(float(text)))
     except OverflowError:
-        raise ParameterError(f"the number is too large for {kind.named}; write for example {kind.example!r}") from None
+        raise ParameterError(
+            f"the number is too large for {kind.with_article}; write for example {kind.example!r}"
+        ) from None
     if not match:
         raise ParameterError(f"{text!r} is not a number with a unit; write for example {kind.example!r}")
     return float(match[1]), match[2]
 
 
-def _converted(number: float, unit: str, text: object, kind: Kind, level: bool = True) -> float:
+def _to_si(number: float, unit: str, text: object, kind: Kind, level: bool = True) -> float:
     if kind.unit == "SI":
         if unit != "SI":
             raise ParameterError(f"{text!r}: write the number with the word SI, for example {kind.example!r}")
@@ -121,25 +123,27 @@ def _converted(number: float, unit: str, text: object, kind: Kind, level: bool =
     if not unit:
         if kind.unit == "1":
             return number
-        raise ParameterError(f"{text!r} has no unit; {kind.named} is written for example {kind.example!r}")
+        raise ParameterError(f"{text!r} has no unit; {kind.with_article} is written for example {kind.example!r}")
     gauge = level and kind is PRESSURE_LEVEL and unit not in _ABSOLUTE_SUFFIX
     if unit in _GAUGE_SUFFIX or unit in _ABSOLUTE_SUFFIX:
         if kind is not PRESSURE_LEVEL:
-            raise ParameterError(f"{text!r}: {kind.named} has no {unit!r}; write for example {kind.example!r}")
+            raise ParameterError(f"{text!r}: {kind.with_article} has no {unit!r}; write for example {kind.example!r}")
         unit = {**_GAUGE_SUFFIX, **_ABSOLUTE_SUFFIX}[unit]
     if kind.units and unit not in kind.units:
         hint = _speed_hint(number, unit) if "rpm" in kind.units else ""
-        raise ParameterError(f"{text!r} is not {kind.named}; {hint}use one of {', '.join(kind.units)}")
+        raise ParameterError(f"{text!r} is not {kind.with_article}; {hint}use one of {', '.join(kind.units)}")
     if (
         kind.unit == "1" and unit != "%"
     ):  # an angle, a decibel or turns per minute times minutes have no dimension either
-        raise ParameterError(f"{text!r} is not {kind.named}; write a plain number or %, for example {kind.example!r}")
+        raise ParameterError(
+            f"{text!r} is not {kind.with_article}; write a plain number or %, for example {kind.example!r}"
+        )
     if not level:
         unit = _OFFSET_UNITS.get(unit, unit)
     try:
         value = _in_si(number, unit, kind.unit if kind.unit != "1" else "")
     except _OtherDimension:
-        raise ParameterError(f"{text!r} is not {kind.named}; write for example {kind.example!r}") from None
+        raise ParameterError(f"{text!r} is not {kind.with_article}; write for example {kind.example!r}") from None
     except Exception:  # pint raises many unrelated types on malformed unit text
         raise ParameterError(f"{text!r}: unknown unit {unit!r}; write for example {kind.example!r}") from None
     return value + ATMOSPHERE if gauge else value

@@ -74,7 +74,7 @@ def check(json: AsJson = False) -> None:
     """
     from vvdp.cli.screen import print_json
 
-    found = _found()
+    found = _installed_version()
     if json:
         print_json(found)
     else:
@@ -84,7 +84,7 @@ def check(json: AsJson = False) -> None:
         raise typer.Exit(1)
 
 
-def _found() -> dict[str, Any]:
+def _installed_version() -> dict[str, Any]:
     import vvdp
     from vvdp.simulation.link import default_cache
     from vvdp.simulation.run import is_loop_compiled

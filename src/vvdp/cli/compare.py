@@ -92,7 +92,7 @@ def estimators(
     """
     from vvdp.base.files import result_directory
     from vvdp.base.kinds import FREQUENCY
-    from vvdp.cli.progress import counted
+    from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
     from vvdp.comparison.estimators import contenders
     from vvdp.comparison.result import comparison_result
@@ -100,15 +100,15 @@ def estimators(
     from vvdp.comparison.trials import compare
 
     frequency = parsed_option("--rate", rate, FREQUENCY)
-    chosen = _chosen("--scenario", scenario, scenarios(sectors, frequency))
-    rivals = _chosen("--estimator", estimator, contenders(sectors, frequency))
+    chosen = _choose("--scenario", scenario, scenarios(sectors, frequency))
+    rivals = _choose("--estimator", estimator, contenders(sectors, frequency))
     if show:
         _print_names(chosen, rivals)
         return
     directory = out if out is not None else default_directory("compare-estimators")
     engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
     with result_directory(directory, force=force) as folder:
-        with counted("runs") as progress:
+        with count_lines("runs") as progress:
             found = compare(chosen, rivals, seeds, engine=engine, progress=progress, say=say)
         result = comparison_result(found)
         reported = write_with_report(folder, result, "", no_report=no_report)
@@ -124,7 +124,7 @@ def estimators(
         raise typer.Exit(INTERRUPTED)
 
 
-def _chosen(option: str, names: list[str] | None, known: Sequence[Chosen]) -> list[Chosen]:
+def _choose(option: str, names: list[str] | None, known: Sequence[Chosen]) -> list[Chosen]:
     """Those of `known` that are named, all without names. Raises ConfigError with every name that is not known."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.tables import nearest

@@ -40,7 +40,7 @@ def _values(system: str) -> dict[str, str]:
 
     with suppress(VvdpError, OSError):
         return {
-            f"{row.table}.{row.key}": row.displayed.partition(" (")[0] if _is_number(row.value) else ""
+            f"{row.table}.{row.key}": row.display_text.partition(" (")[0] if _is_number(row.value) else ""
             for row in load_system(system).rows
         }
     return {}

@@ -50,9 +50,9 @@ class _OptimumUnlessNamed(TyperGroup):
     def _misspells(self, word: str) -> bool:
         """Whether a word is rather a question with a slip than a system."""
         from vvdp.base.tables import suggestion
-        from vvdp.systems.system import shipped
+        from vvdp.systems.system import shipped_systems
 
-        return bool(suggestion(word, self.commands)) and word not in shipped() and not Path(word).exists()
+        return bool(suggestion(word, self.commands)) and word not in shipped_systems() and not Path(word).exists()
 
 
 app = typer.Typer(cls=_OptimumUnlessNamed, no_args_is_help=True, rich_markup_mode=None)
@@ -149,25 +149,25 @@ SYSTEM = "optimum.toml"
 
 def _optimum(asked: "Problem", starts: int, seed: int, *, simulated: bool) -> "tuple[Optimum, Result]":
     """The optimum, its simulations and its course over its limits, as far as Ctrl-C lets them come."""
-    from vvdp.cli.progress import counted
+    from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
     from vvdp.design.optimise import optimise
     from vvdp.design.optimum_result import doubt_findings, optimum_result
     from vvdp.design.proof import doubts, proofs, simulation_doubts
     from vvdp.design.sensitivity import limit_curves, movable
 
-    with counted("starts") as progress:
+    with count_lines("starts") as progress:
         found = optimise(asked, starts=starts, seed=seed, progress=progress)
     doubted = doubts(asked, found.values)
     proven: list[Proof] = []
     finished = found.finished
     if finished and simulated:
-        with counted("simulations") as progress:
+        with count_lines("simulations") as progress:
             proven = proofs(asked, found.values, progress=progress, say=say)
         finished = len(proven) == 2 * len(asked.points)
     curves: list[LimitCurve] = []
     if finished:
-        with counted("optima with a limit moved") as progress:
+        with count_lines("optima with a limit moved") as progress:
             curves = limit_curves(found, progress=progress)
         finished = len(curves) == len(movable(found))
     told = doubt_findings(simulation_doubts(found, proven), doubted)
@@ -201,7 +201,7 @@ def pareto(
 
     By default loss, ripple and size are minimised and the PWM frequency is maximised. Each design is a system file.
     """
-    from vvdp.cli.progress import counted
+    from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
     from vvdp.design import pareto as study
     from vvdp.design.pareto_result import front_result, write_designs
@@ -216,7 +216,7 @@ def pareto(
         asked = with_usual_limits(asked, front=True)
 
     def work(folder: Path) -> "Result":
-        with counted("generations and designs") as progress:
+        with count_lines("generations and designs") as progress:
             found = study.front(asked, wanted, points=points, generations=generations, seed=seed, progress=progress)
         finished = found.finished
         if finished and not no_simulation:
@@ -285,7 +285,7 @@ def temperature(
 ) -> None:
     """Show the valve from cold to hot oil."""
     from vvdp.base.kinds import TEMPERATURE
-    from vvdp.cli.progress import counted
+    from vvdp.cli.progress import count_lines
     from vvdp.design import temperature as study
     from vvdp.design.temperature_result import temperature_result
 
@@ -293,7 +293,7 @@ def temperature(
     low, high = parsed_option("--from", coldest, TEMPERATURE), parsed_option("--to", hottest, TEMPERATURE)
 
     def work(_: Path) -> "Result":
-        with counted("temperatures") as progress:
+        with count_lines("temperatures") as progress:
             return temperature_result(study.over_temperature(loaded, coldest=low, hottest=high, progress=progress))
 
     _run(loaded, "temperature", work, out, force, json, no_report, shows=("temperature", "checks"))

@@ -74,12 +74,12 @@ def estimate(
     """
     from vvdp.base.files import result_directory
     from vvdp.cli.printing import print_result
-    from vvdp.cli.progress import reached
+    from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RESULT, add_report
     from vvdp.cli.screen import plain, print_json, say, tell
     from vvdp.logs.config import SOURCES, Option, load_estimation
     from vvdp.logs.estimate import estimate as estimated
-    from vvdp.logs.estimate import opened
+    from vvdp.logs.estimate import open_for_estimate
 
     named = {
         "sensor.edges": ("--edges", edges),
@@ -104,11 +104,11 @@ def estimate(
     if config is None and not any(f"sensor.{key}" in {option.key for option in options} for key in SOURCES):
         raise _nothing_named(log, options)
     wanted = load_estimation(config, options)
-    with opened(log, wanted) as source:
+    with open_for_estimate(log, wanted) as source:
         directory = out if out is not None else default_directory(log.stem)
         with result_directory(directory, force=force) as folder:
             what = "both passes over the log" if wanted.smooth else "the log"
-            with reached(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as progress:
+            with report_reach(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as progress:
                 found = estimated(
                     source, wanted, folder, progress=progress, say=say, more=plain(_origin(config, options))
                 )
@@ -145,13 +145,13 @@ def _write_config(log: Path, target: Path, config: Path | None, options: "list[O
 def _looked_at(log: Path, options: "list[Option]") -> "Log":
     """The log, opened to see what channels it has."""
     from vvdp.base.kinds import FREQUENCY
-    from vvdp.base.units import parsed
+    from vvdp.base.units import parse
     from vvdp.logs.source import open_log
 
     text = {option.key: str(option.value) for option in options}
     rate = 1.0 if "sensor.edges" in text and "log.time" not in text else None
     if "log.sample_rate" in text:
-        rate = parsed(text["log.sample_rate"], FREQUENCY)
+        rate = parse(text["log.sample_rate"], FREQUENCY)
     return open_log(log, time=text.get("log.time"), rate=rate)
 
 

@@ -61,9 +61,9 @@ def _entries(rows: Sequence[Sequence[Any]], keys: Sequence[str]) -> dict[str, An
 def _shipped_systems() -> Iterator[tuple[str, str, str]]:
     """Name, circuit and title of every shipped system."""
     from vvdp.base.tables import parsed_table
-    from vvdp.systems.system import shipped
+    from vvdp.systems.system import shipped_systems
 
-    for name, text in shipped().items():
+    for name, text in shipped_systems().items():
         content = parsed_table(text, name).content
         yield name, _circuit(content), str(content.get("title", ""))
 
@@ -113,7 +113,7 @@ def _library(json: bool) -> None:
     from vvdp.cli.screen import console, print_json
     from vvdp.components.library import COMPONENTS, PROGRAMS
     from vvdp.network.assembly import Assembly
-    from vvdp.systems.drawn import NODES
+    from vvdp.systems.drawing import NODES
 
     nodes = [(name, _values(node.table)) for name, node in NODES.items()]
     parts = [

@@ -67,7 +67,7 @@ def map(  # noqa: A001 - the name of the verb
     Pump speed and oil temperature can be further axes.
     """
     from vvdp.base.errors import unusable
-    from vvdp.cli.progress import counted
+    from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
     from vvdp.rigs.map_result import map_result
     from vvdp.rigs.maps import NOT_RUN, analytic_map, map_directory, simulated_map
@@ -86,14 +86,14 @@ def map(  # noqa: A001 - the name of the verb
         if analytic:
             found = analytic_map(held, axes, cores=cores, say=say)
         else:
-            with counted("points") as progress:
+            with count_lines("points") as progress:
                 found = simulated_map(held, axes, directory, engine=engine, progress=progress, say=say)
         result = map_result(found)
         reported = write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
     if not json:
         say(f"{found.ran} points run in {found.seconds:.2f} s")
     show_result(result, directory, json=json, reported=reported)
-    if not found.finished:
+    if not found.is_finished:
         missing = found.reasons.count(NOT_RUN)
         say(f"interrupted with {missing} points to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)
@@ -119,8 +119,8 @@ def chosen_axes(
     given = {
         "duty_ratios": _stretch("--duty", duty, FRACTION, faults),
         "load_pressures": _stretch("--pressure", pressure, PRESSURE_LEVEL, faults),
-        "pump_speeds": tuple(sorted(set(_parsed("--speed", speed or (), SPEED, faults)))),
-        "temperatures": tuple(sorted(set(_parsed("--temperature", temperature or (), TEMPERATURE, faults)))),
+        "pump_speeds": tuple(sorted(set(_parse_axis("--speed", speed or (), SPEED, faults)))),
+        "temperatures": tuple(sorted(set(_parse_axis("--temperature", temperature or (), TEMPERATURE, faults)))),
     }
     if faults:
         raise ConfigError(faults)
@@ -136,7 +136,7 @@ def _stretch(option: str, ends: tuple[str, str, int] | None, kind: "Kind", fault
     if not 1 <= ends[2] <= 10_000:
         faults.append(Fault(option, 0, str(ends[2]), "expected 1 to 10000 values"))
         return ()
-    found = _parsed(option, ends[:2], kind, faults)
+    found = _parse_axis(option, ends[:2], kind, faults)
     if len(found) < 2:
         return ()
     low, high = found
@@ -149,14 +149,14 @@ def _stretch(option: str, ends: tuple[str, str, int] | None, kind: "Kind", fault
     return tuple(low + step * place for place in range(ends[2] - 1)) + (high,)
 
 
-def _parsed(option: str, texts: Sequence[str], kind: "Kind", faults: list["Fault"]) -> list[float]:
+def _parse_axis(option: str, texts: Sequence[str], kind: "Kind", faults: list["Fault"]) -> list[float]:
     from vvdp.base.errors import Fault, ParameterError
-    from vvdp.base.units import parsed
+    from vvdp.base.units import parse
 
     values = []
     for text in texts:
         try:
-            values.append(parsed(text, kind))
+            values.append(parse(text, kind))
         except ParameterError as problem:
             faults.append(Fault(option, 0, "", str(problem)))
     return values

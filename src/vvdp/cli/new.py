@@ -36,7 +36,7 @@ def new(
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not path.stem.isprintable() or path.name == ".toml":
         raise unusable(path, "is no name for a system; use letters, digits and hyphens")
-    text = _titled(source_text(source), path.stem)
+    text = _with_title(source_text(source), path.stem)
     write_new(path, text, force=force)
     if json:
         print_json({"system": path.stem, "out": str(path)})
@@ -44,7 +44,7 @@ def new(
         typer.echo(f"{path} written; run it with: vvdp run {path}")
 
 
-def _titled(text: str, title: str) -> str:
+def _with_title(text: str, title: str) -> str:
     """`text` of a system with another title; unchanged where its title takes several lines."""
     from vvdp.base.tables import parsed_table
 

@@ -88,9 +88,9 @@ def default_directory(name: str) -> Path:
 def parsed_option(option: str, text: str, kind: "Kind") -> float:
     """The SI value of an option. Raises ConfigError that names the option."""
     from vvdp.base.errors import ConfigError, Fault, ParameterError
-    from vvdp.base.units import parsed
+    from vvdp.base.units import parse
 
     try:
-        return parsed(text, kind)
+        return parse(text, kind)
     except ParameterError as problem:
         raise ConfigError([Fault(option, 0, "", str(problem))]) from None

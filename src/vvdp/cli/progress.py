@@ -9,7 +9,7 @@ LINE_INTERVAL = 2.0
 
 
 @contextmanager
-def counted(what: str) -> Iterator[Callable[[int, int], None]]:
+def count_lines(what: str) -> Iterator[Callable[[int, int], None]]:
     """What hears how many of `what` are done, of all; the first time, and each further tenth, is a line at once."""
     from vvdp.cli.screen import console, say
 
@@ -35,7 +35,7 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
     yield line
 
 
-def _left(elapsed: float, gone: float, still: float) -> str:
+def _time_left(elapsed: float, gone: float, still: float) -> str:
     """How long the rest will take at the pace so far, in words; empty where none can be told."""
     if not (gone > 0.0 and elapsed > 0.0):
         return ""
@@ -44,7 +44,7 @@ def _left(elapsed: float, gone: float, still: float) -> str:
 
 
 @contextmanager
-def reached(end: float, words: Callable[[float], str]) -> Iterator[Callable[[float], None]]:
+def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Callable[[float], None]]:
     """What hears how much is reached, of `end`, which `words` puts into words."""
     from vvdp.cli.screen import console, say
 
@@ -65,6 +65,6 @@ def reached(end: float, words: Callable[[float], str]) -> Iterator[Callable[[flo
             began = time.monotonic(), now
         if now < end and time.monotonic() - last >= LINE_INTERVAL:
             last = time.monotonic()
-            say(f"{words(now)}{_left(last - began[0], now - began[1], end - now)}")
+            say(f"{words(now)}{_time_left(last - began[0], now - began[1], end - now)}")
 
     yield line

@@ -124,7 +124,7 @@ def pump(
     The test covers steady and dynamic behaviour. Finished points of the steady maps are kept; rerun the same command to
     resume.
     """
-    from vvdp.cli.progress import counted
+    from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
     from vvdp.rigs.maps import map_directory
     from vvdp.rigs.pump import pump as measured
@@ -138,7 +138,7 @@ def pump(
     axes = chosen_axes(held, duty, pressure, speed, temperature, pump_axes(held))
     directory = out if out is not None else Path("results", f"pump-{loaded.name}")
     with map_directory(directory, "rig pump", force=force):
-        with counted("points") as progress:
+        with count_lines("points") as progress:
             result = measured(held, directory, axes, between, cores=cores, progress=progress, say=say)
         leave_out = no_report or not result.finished
         reported = write_with_report(directory, result, resolved_text(loaded), no_report=leave_out)

@@ -37,7 +37,7 @@ def run(
     Ctrl-C stops the simulation early and keeps the results so far.
     """
     from vvdp.base.files import result_directory
-    from vvdp.cli.progress import reached
+    from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RUN, add_report
     from vvdp.cli.screen import print_json, say
     from vvdp.runs.simulate import check_accuracy, run_system, save_run
@@ -47,13 +47,13 @@ def run(
     end = loaded.stepping.until
     directory = out if out is not None else default_directory(loaded.name)
     with result_directory(directory, force=force) as folder:
-        with reached(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
+        with report_reach(end, lambda now: f"t = {now:.4g} s of {end:.4g} s") as progress:
             done = run_system(loaded, progress=progress, say=say, command=["vvdp", *sys.argv[1:]])
         if not done.has("finished"):
             say(f"interrupted at t = {done.number('duration_s'):.6g} s; writing what was reached")
         changes: tuple[Move, ...] = ()
         if check and done.has("finished"):
-            with reached(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
+            with report_reach(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
                 changes = check_accuracy(done, progress)
         save_run(folder, done)
         reported = not no_report and add_report(RUN, folder, done)
@@ -110,7 +110,7 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
     if "trusted" in found:
         energy, oil = found["energy_residual"], found["mass_residual"]
         tell(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")
-    seconds, assumed = float(run.meta["seconds"]), len(run.system.assumed)
+    seconds, assumed = float(run.meta["seconds"]), len(run.system.assumptions)
     tell(f"{found['steps']:.0f} steps in {seconds:.2f} s; {assumed} values of the system are assumed")
     for text in run.meta.get("remarks", ()):
         tell(f"remark: {text}")

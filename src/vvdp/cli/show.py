@@ -38,7 +38,7 @@ def show(
 
 def _content(system: "System") -> dict[str, Any]:
     parameters = {f"{row.table}.{row.key}": _entry(row) for row in system.rows}
-    assumed = [f"{row.table}.{row.key}" for row in system.assumed]
+    assumed = [f"{row.table}.{row.key}" for row in system.assumptions]
     return {
         "system": system.name,
         "title": system.title,
@@ -66,7 +66,7 @@ def _entry(row: "Sourced") -> dict[str, Any]:
         "high": high,
         "unit": row.kind.unit,
         "kind": row.kind.name,
-        "shown": row.displayed,
+        "shown": row.display_text,
         "status": row.status,
         "source": row.source,
         "where": row.where,
@@ -88,9 +88,9 @@ def _print(system: "System") -> None:
         for row in system.rows:
             if row.table == name:
                 source = ", ".join(part for part in (row.source, row.where) if part)
-                table.add_row(row.key, row.displayed, row.status, source, row.note)
+                table.add_row(row.key, row.display_text, row.status, source, row.note)
         out.print(table)
-    assumed = system.assumed
+    assumed = system.assumptions
     tell(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")
     tell(", ".join(f"{row.table}.{row.key}" for row in assumed) or "none")
 

@@ -27,7 +27,7 @@ def study(
 
     Ctrl-C stops after the current batches. All columns are written to study.csv.
     """
-    from vvdp.cli.progress import counted
+    from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
     from vvdp.studies.results import study_result
     from vvdp.studies.run import run_study
@@ -38,13 +38,13 @@ def study(
     wanted = load_study(file)
     directory = out if out is not None else Path("results", file.stem)
     engine = chosen_engine(on, workers, cores, sbatch, directory)
-    with set_aside(directory, force=force), counted("cases") as progress:
+    with set_aside(directory, force=force), count_lines("cases") as progress:
         results = run_study(wanted, directory, engine=engine, progress=progress, say=say)
     result = study_result(results)
     reported = write_with_report(directory, result, resolved_text(results.system), no_report=no_report)
     if not json:
         say(f"{results.ran} cases run in {results.seconds:.2f} s, {len(results.failures)} failed")
     show_result(result, directory, json=json, reported=reported)
-    if not results.finished:
+    if not results.is_finished:
         say(f"interrupted with {len(results.missing)} cases to go; rerun the same command to resume")
         raise typer.Exit(INTERRUPTED)

@@ -64,7 +64,7 @@ def table_blocks(
     room = width - INDENT - MARGIN
     if widths := _widths(columns, room):
         return [_block(columns, widths)]
-    if transpose and (widths := _widths(turned := _transposed(columns), room)):
+    if transpose and (widths := _widths(turned := _transpose(columns), room)):
         return [_block(turned, widths)]
     keys = min(keys, len(columns) - 1 - ends)
     last = len(columns) - ends
@@ -93,7 +93,7 @@ def _in_line(column: Column) -> Column:
     return column._replace(cells=tuple(aligned))
 
 
-def _transposed(columns: Sequence[Column]) -> list[Column]:
+def _transpose(columns: Sequence[Column]) -> list[Column]:
     """Each row as a column, headed by its first cell."""
     first, *others = columns
     heads = Column(first.head, tuple(column.head for column in others), is_numeric=False)
@@ -124,7 +124,7 @@ def _widths(columns: Sequence[Column], room: int, *, broken: bool = False) -> li
 
 
 def _block(columns: Sequence[Column], widths: Sequence[int]) -> Block:
-    heads = [_wrapped(column.head, width) for column, width in zip(columns, widths, strict=True)]
+    heads = [_wrap(column.head, width) for column, width in zip(columns, widths, strict=True)]
     height = max(map(len, heads))
     body: list[str] = []
     for cells in zip(*(column.cells for column in columns), strict=True):
@@ -137,10 +137,10 @@ def _block(columns: Sequence[Column], widths: Sequence[int]) -> Block:
 
 
 def _cell(column: Column, cell: str, width: int) -> list[str]:
-    return [cell] if column.is_numeric else [part for line in cell.split("\n") for part in _wrapped(line, width)]
+    return [cell] if column.is_numeric else [part for line in cell.split("\n") for part in _wrap(line, width)]
 
 
-def _wrapped(text: str, width: int) -> list[str]:
+def _wrap(text: str, width: int) -> list[str]:
     """The lines of a text, without a word broken that has room."""
     if len(text) <= width:
         return [text]

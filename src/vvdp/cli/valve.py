@@ -58,12 +58,12 @@ def valve(
 def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
     """The SI values of an option. Raises ConfigError with all that is wrong with them."""
     from vvdp.base.errors import ConfigError, Fault, ParameterError
-    from vvdp.base.units import parsed
+    from vvdp.base.units import parse
 
     values, faults = [], []
     for text in texts or ():
         try:
-            values.append(parsed(text, kind))
+            values.append(parse(text, kind))
         except ParameterError as problem:
             faults.append(Fault(option, 0, "", str(problem)))
     if faults:

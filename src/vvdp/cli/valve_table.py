@@ -68,7 +68,7 @@ def print_point(bench: RotaryBench, row: Mapping[str, Any]) -> None:
     table = grid("quantity", "value", "unit", right=("value",))
     for label, key, kind in SHOWN:
         unit = display_unit(kind)
-        table.add_row(label, number(unit.shown(row[key])), unit.symbol)
+        table.add_row(label, number(unit.from_si(row[key])), unit.symbol)
     console().print(table)
     for text in row["warnings"]:
         warn(text)
@@ -77,10 +77,10 @@ def print_point(bench: RotaryBench, row: Mapping[str, Any]) -> None:
 def print_points(bench: RotaryBench, rows: Sequence[Mapping[str, Any]]) -> None:
     """Prints the valve at several flows and temperatures, a row for each."""
     _print_head(bench, rows[0])
-    heads = [f"{label}{display_unit(kind).bracketed}" for label, _, kind in COLUMNS]
+    heads = [f"{label}{display_unit(kind).bracketed_symbol}" for label, _, kind in COLUMNS]
     table = grid(*heads, right=heads, keys=KEYS, transpose=True)
     for row in rows:
-        values = [display_unit(kind).shown(row[key]) for _, key, kind in COLUMNS]
+        values = [display_unit(kind).from_si(row[key]) for _, key, kind in COLUMNS]
         table.add_row(*(plain(x) for x in values[:KEYS]), *(number(x) for x in values[KEYS:]))
     console().print(table)
     for row in rows:

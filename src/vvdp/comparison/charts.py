@@ -22,7 +22,7 @@ def comparison_charts(found: Comparison, tables: Mapping[str, Table]) -> Iterato
         yield _errors(found, tables["comparison"], quantity, unit)
     if found.traced:
         yield _traces(found, found.traced)
-    if found.stepped:
+    if found.first_step:
         yield _delays(found, tables["comparison"])
     words = "What a sample takes on one core, the whole record divided by its samples, logarithmic."
     cost = Dots(names="name", value="cost_s", least=1e-9, title="cost")
@@ -39,7 +39,7 @@ def _errors(found: Comparison, table: Table, quantity: str, unit: str) -> Chart:
     panels = tuple(
         Dots(names="estimator", value=keys[0], low=keys[1], high=keys[2], least=SMALLEST, title=name,
              rows=_rows(table, name))
-        for name in found.played
+        for name in found.scenarios_run
     )  # fmt: skip
     caption = (
         f"Error of the {quantity} for every estimator in every scenario. Dot: root mean square over all runs; bar: "
@@ -56,13 +56,13 @@ def _errors(found: Comparison, table: Table, quantity: str, unit: str) -> Chart:
 
 
 def _delays(found: Comparison, table: Table) -> Chart:
-    rows = _rows(table, str(found.stepped))
+    rows = _rows(table, str(found.first_step))
     panels = tuple(
         Dots(names="estimator", value=key, least=least, title=title, rows=rows)
         for title, key, least in (("delay", "delay_s", 1e-4), ("settling time, median", "settling_median_s", 1e-2))
     )
     caption = (
-        f"Delay and settling time in the scenario {found.stepped}, logarithmic. Left is better. Without a dot an "
+        f"Delay and settling time in the scenario {found.first_step}, logarithmic. Left is better. Without a dot an "
         "estimator does not settle in most runs, or lags by more than 0.2 s in one."
     )
     height = 0.7 + 0.16 * len(found.estimators)

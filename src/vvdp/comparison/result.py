@@ -87,7 +87,7 @@ def comparison_result(found: Comparison) -> Result:
         conditions={
             "wheel": f"{found.sectors} sectors",
             "sample rate": f"{number(found.rate)} Hz",
-            **{name: f"{played.title}, {played.runs} runs" for name, played in found.played.items()},
+            **{name: f"{played.title}, {played.runs} runs" for name, played in found.scenarios.items()},
         },
         numbers={
             "sectors": Number(float(found.sectors), COUNT, "sectors of the wheel"),
@@ -130,7 +130,7 @@ def _score_table(found: Comparison) -> Table:
         values, errors = np.array([found.scores[pair][key] for pair in pairs]).T
         columns[key] = Column(values, kind, label)
         columns[error_key(key)] = Column(errors, kind, f"{label}, standard error")
-    shown = SHOWN if found.stepped else SHOWN[:-2]
+    shown = SHOWN if found.first_step else SHOWN[:-2]
     return Table(title="Scenario by scenario", columns=columns, shown=shown)
 
 
@@ -139,7 +139,9 @@ def _estimator_table(found: Comparison) -> Table:
     names = list(found.estimators)
     values, errors = np.array([found.costs[name] for name in names]).T
     lost = [
-        ", ".join(scenario for scenario in found.played if found.scores[scenario, name]["lost_sectors"].value > 0.0)
+        ", ".join(
+            scenario for scenario in found.scenarios_run if found.scores[scenario, name]["lost_sectors"].value > 0.0
+        )
         for name in names
     ]
     columns = {
@@ -157,7 +159,7 @@ def _estimator_table(found: Comparison) -> Table:
 
 def _speed_tables(found: Comparison) -> dict[str, Table]:
     """The speed error of each estimator by scenario, as many scenarios in a table as a page has room for."""
-    names, played = list(found.estimators), list(found.played)
+    names, played = list(found.estimators), list(found.scenarios_run)
     tables = {}
     for count, first in enumerate(range(0, len(played), MOST_COLUMNS), 1):
         columns = {"estimator": Column(np.array(names), None, "estimator")}
@@ -172,12 +174,12 @@ def _least_table(found: Comparison) -> Table:
     """The causal estimators with the least speed error in each scenario, and those that come within 5 % of it."""
     causal = [name for name, entered in found.estimators.items() if entered.causal]
     least = []
-    for scenario in found.played:
+    for scenario in found.scenarios_run:
         errors = {name: found.scores[scenario, name][SPEED].value for name in causal}
         limit = TIE * max(min(errors.values(), default=0.0), TINY)
         least.append(", ".join(name for name, error in errors.items() if error <= limit))
     columns = {
-        "scenario": Column(np.array(list(found.played)), None, "scenario"),
+        "scenario": Column(np.array(list(found.scenarios_run)), None, "scenario"),
         "least": Column(np.array(least), None, "least error of the speed"),
     }
     note = "Of those that work as the samples come, with what comes within 5 % of it."
@@ -199,7 +201,7 @@ def scenario_tables(found: Comparison, result: Result) -> dict[str, Table]:
     keys = ("estimator", "speed_error_rms_rad_s", "speed_error_95_rad_s", "angle_error_rms_rad", "angle_error_95_rad",
             "lost_sectors", "nis")  # fmt: skip
     tables = {}
-    for name, played in found.played.items():
+    for name, played in found.scenarios_run.items():
         here = table["scenario"] == name
         chosen = (*keys, "settling_median_s", "delay_s") if played.changes else keys
         columns = {key: Column(column.values[here], column.kind, column.label, column.symbol)

@@ -53,11 +53,11 @@ class Comparison:
     finished: bool
 
     @property
-    def played(self) -> dict[str, Played]:
+    def scenarios_run(self) -> dict[str, Played]:
         """The scenarios that were run at least once."""
         return {name: played for name, played in self.scenarios.items() if played.runs}
 
     @property
-    def stepped(self) -> str | None:
+    def first_step(self) -> str | None:
         """The first scenario in which the speed changes."""
-        return next((name for name, played in self.played.items() if played.changes), None)
+        return next((name for name, played in self.scenarios_run.items() if played.changes), None)

@@ -129,10 +129,10 @@ def _parameters(runs: Mapping[str, RecordedRun]) -> Iterator[Row]:
         kind = next(row.kind for row in rows if row)
         known = [value for row in rows if (value := _constant(row)) is not None]
         if len(known) < len(rows):
-            yield Row(key, None, tuple(row.displayed if row else "" for row in rows))
+            yield Row(key, None, tuple(row.display_text if row else "" for row in rows))
         else:
             unit = display_unit(kind)
-            cells = ["" if math.isnan(value) else plain(float(unit.shown(value)), 8) for value in known]
+            cells = ["" if math.isnan(value) else plain(float(unit.from_si(value)), 8) for value in known]
             yield Row(key, kind, tuple(cells))
 
 
@@ -168,7 +168,7 @@ def _difference(value: float, first: float, kind: Kind) -> str:
     if kind is FLAG or math.isnan(value - first):
         return ""
     unit = display_unit(kind)
-    found = float(unit.shown(value) - unit.shown(first))
+    found = float(unit.from_si(value) - unit.from_si(first))
     if kind is COUNT:
         return plain(found)
     return ("+" if found > 0.0 else "") + number(found, 3)
@@ -181,7 +181,7 @@ def _run_table(runs: Mapping[str, RecordedRun]) -> Table:
         kind = next(row.kind for row in rows if row)
         values = [value for row in rows if (value := _constant(row)) is not None]
         if len(values) < len(rows):
-            columns[key] = Column(np.array([row.displayed if row else "" for row in rows]), None, key)
+            columns[key] = Column(np.array([row.display_text if row else "" for row in rows]), None, key)
         else:
             columns[key + key_suffix(kind)] = Column(np.array(values), kind, key)
     numbers = {key: each for key, each in _number_values(runs).items() if key != "finished"}

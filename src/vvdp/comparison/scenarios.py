@@ -12,7 +12,7 @@ from vvdp.base.signal import constant, ramp
 from vvdp.comparison.motion import Motion, steady
 from vvdp.comparison.scores import Truth
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
-from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, captured
+from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, capture_unit
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.systems.bench import rotary_bench
@@ -197,7 +197,9 @@ def scenarios(sectors: int = SECTORS, rate: float = RATE) -> tuple[Scenario, ...
             replace(sound, threshold=ramp(0.35, 0.65, 0.5, 2.5)),
         ),
         scenario("eccentric", "24.7 Hz, wheel off centre by 0.05 of its radius", usual, faulty(eccentricity=0.05)),
-        scenario("captured", "24.7 Hz, sharp edges, each stamped", usual, replace(sharp, acquisition=captured(0.0))),
+        scenario(
+            "captured", "24.7 Hz, sharp edges, each stamped", usual, replace(sharp, acquisition=capture_unit(0.0))
+        ),
     )
 
 

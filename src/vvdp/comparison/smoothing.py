@@ -12,7 +12,7 @@ from vvdp.base.kinds import Angle, AngularVariance, Time
 from vvdp.base.params import Params
 from vvdp.comparison.scores import Traces
 from vvdp.estimation.event_filter import EventFilter, EventFilterMemory, edge_angle_variance, event_filter_step
-from vvdp.estimation.smoother import Step, smoothed, smoothed_at
+from vvdp.estimation.smoother import Step, smooth_edges, smoothed_at
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle
@@ -52,7 +52,7 @@ def smoothed_traces(time: Array, shown: Array, settings: EventFilter) -> Traces:
         return Traces(unknown, unknown, unknown, unknown)
     mean_speed = float((angles[-1] - angles[0]) / (times[-1] - times[0]))
     prior = AngleSpeed(float(angles[0]), mean_speed, settings.angle_variance, 0.0, settings.speed_variance)
-    motion = smoothed(times, angles, variances, settings.acceleration_density, prior, _compiled_run)
+    motion = smooth_edges(times, angles, variances, settings.acceleration_density, prior, _compiled_run)
     there = smoothed_at(time, motion)
     return Traces(there.angle, there.speed, unknown, unknown)
 

@@ -23,7 +23,7 @@ from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
 from vvdp.studies.engine import HERE, Engine
-from vvdp.studies.run import interrupts_held, silent
+from vvdp.studies.run import hold_interrupts, silent
 from vvdp.studies.work import batches, check_same
 
 COST_SAMPLES = 20_000
@@ -39,7 +39,7 @@ class _Ran(NamedTuple):
     traced: Traced | None
 
 
-def recorded(scenario: Scenario, encoder: Replay, seed: int, samples: int | None = None) -> Record:
+def simulate_record(scenario: Scenario, encoder: Replay, seed: int, samples: int | None = None) -> Record:
     """The record of one run: clock phase, wheel angle and all noise follow from `seed`.
 
     `encoder` is the compiled encoder of the scenario; `samples` those until its end unless given.
@@ -89,7 +89,7 @@ class _Field:
         return vvdp.__version__, *(each.digest for each in compiled)
 
     def run(self, scenario: Scenario, seed: int) -> _Ran:
-        record = recorded(scenario, self.encoders[scenario.name], seed)
+        record = simulate_record(scenario, self.encoders[scenario.name], seed)
         scores: dict[str, Score] = {}
         speeds: dict[str, Array] = {}
         for contender in self.contenders:
@@ -102,13 +102,13 @@ class _Field:
 
     def traces(self, contender: Contender, scenario: Scenario, record: Record) -> Traces:
         if contender.loop is None:
-            return estimated(contender, self.steps[contender.name], record, contender.rows(scenario, record))
+            return run_estimator(contender, self.steps[contender.name], record, contender.rows(scenario, record))
         loop = self.loops[contender.name, scenario.name]
         memory = adapting_start(scenario, record, contender.settings)
         return _shown_traces(loop, loop(memory, np.column_stack(record.truth)).shown)
 
 
-def estimated(contender: Contender, step: Replay, record: Record, rows: Array) -> Traces:
+def run_estimator(contender: Contender, step: Replay, record: Record, rows: Array) -> Traces:
     """What a contender makes of its `rows`; `step` is its own, compiled."""
     shown = step(contender.memory, rows).shown
     if contender.afterwards is not None:
@@ -184,11 +184,12 @@ def _field(plan: _Plan) -> _Field:
     return _Field(
         contenders=plan.contenders,
         encoders={
-            name: compiled_encoder(each, cache=cache, say=_named(say, "encoder")) for name, each in scenarios.items()
+            name: compiled_encoder(each, cache=cache, say=_with_name(say, "encoder"))
+            for name, each in scenarios.items()
         },
-        steps={each.name: compiled_step(each, cache=cache, say=_named(say, each.name)) for each in plan.contenders},
+        steps={each.name: compiled_step(each, cache=cache, say=_with_name(say, each.name)) for each in plan.contenders},
         loops={
-            (each.name, name): compiled_loop(each, scenario, cache=cache, say=_named(say, each.name))
+            (each.name, name): compiled_loop(each, scenario, cache=cache, say=_with_name(say, each.name))
             for each in loops
             for name, scenario in scenarios.items()
         },
@@ -196,13 +197,13 @@ def _field(plan: _Plan) -> _Field:
     )
 
 
-def _named(say: Callable[[str], None], name: str) -> Callable[[str], None]:
+def _with_name(say: Callable[[str], None], name: str) -> Callable[[str], None]:
     """Says what is being compiled, in place of a line that is the same for all."""
 
-    def named(_: str) -> None:
+    def say_name(_: str) -> None:
         say(f"compiling {name} (once, a few seconds)")
 
-    return named
+    return say_name
 
 
 def compiled_encoder(scenario: Scenario, *, cache: Path | None = None, say: Callable[[str], None] = quiet) -> Replay:
@@ -233,7 +234,7 @@ def _all_runs(plan: _Plan, seeds: int, engine: Engine, progress: Callable[[int, 
     task = partial(_runs_done, replace(plan, say=quiet), _field(plan).program)
     done: list[_Ran] = []
     try:
-        with interrupts_held() as interrupted:
+        with hold_interrupts() as interrupted:
             for some in batches(task, trials, engine, interrupted):
                 done += some
                 progress(len(done), len(trials))
@@ -253,12 +254,12 @@ def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[_Trial], c
 def _costs(field: _Field, scenario: Scenario) -> dict[str, Measured]:
     """Time that a sample takes each contender on one core [s]: the least of all rounds, as other work only adds to it;
     its error is by how much the median of the rounds is longer."""
-    record = recorded(scenario, field.encoders[scenario.name], 0, COST_SAMPLES)
+    record = simulate_record(scenario, field.encoders[scenario.name], 0, COST_SAMPLES)
     rows = {contender.name: contender.rows(scenario, record) for contender in field.contenders}
     taken: dict[str, list[float]] = {name: [] for name in rows}
     for _ in range(COST_ROUNDS):
         for contender in field.contenders:
             began = time.perf_counter()
-            estimated(contender, field.steps[contender.name], record, rows[contender.name])
+            run_estimator(contender, field.steps[contender.name], record, rows[contender.name])
             taken[contender.name].append((time.perf_counter() - began) / COST_SAMPLES)
     return {name: Measured(min(times), float(np.median(times)) - min(times)) for name, times in taken.items()}

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from vvdp.base.books import Stored
+from vvdp.base.conservation import Stored
 from vvdp.base.kinds import Flow, Power
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.line import (

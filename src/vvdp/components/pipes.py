@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from vvdp.base.books import Stored
+from vvdp.base.conservation import Stored
 from vvdp.components.lines import (
     LayeredEffect,
     LineEffect,

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from vvdp.base.books import Stored
+from vvdp.base.conservation import Stored
 from vvdp.base.kinds import Power, Torque
 from vvdp.hydraulics.friction import ShaftFriction, shaft_friction_torque
 from vvdp.hydraulics.ports import ExchangedPower, ShaftSpeed, ShaftState

@@ -84,7 +84,7 @@ def infeasibility(problem: Problem, held: Mapping[str, float]) -> str:
     lines = ["no design meets all of these together:"]
     lines += [f"  {_item_words(problem, kept, item, held)}" for item in kept]
     for bound in problem.bounds:
-        if bound.variable.whole and not bound.fixed:
+        if bound.variable.whole and not bound.is_fixed:
             name, closest = bound.variable.name, held[bound.variable.name]
             lines.append(f"  {name} from {bound.low:g} to {bound.high:g}: numbers are for {closest:g}, the closest")
     return "\n".join([*lines, *_constraints_in_the_way(problem, kept, held)])
@@ -116,7 +116,7 @@ def _constraints_in_the_way(problem: Problem, kept: Sequence[Item], held: Mappin
     limits = tuple(item for item in kept if isinstance(item, Limit))
     closest = Elastic(replace(problem, limits=limits), held)
     values = closest.traced.values(closest.least()[1])
-    found = [plain_quantities(q) for q in problem.found(values)]
+    found = [plain_quantities(q) for q in problem.evaluate(values)]
     valve = valve_of(problem, values)
     return [
         f"  {each.words} (closest: {each.numbers(valve, found)})"
@@ -180,7 +180,7 @@ def _worst(problem: Problem, item: Limit, traced: Traced) -> Any:
     import casadi
 
     values = {b.variable.name: casadi.exp(traced.x[i]) for i, b in enumerate(traced.bounds)} | traced.held
-    at_points = problem.found(values)
+    at_points = problem.evaluate(values)
     if item.over_the_points:
         return problem.mean(at_points, item.quantity)
     return reduce(casadi.fmin if item.at_least else casadi.fmax, [getattr(q, item.quantity) for q in at_points])

@@ -88,14 +88,14 @@ def optimise(
             f'optimum; minimise something else, and demand what you need of it with --subject-to "{name} <= ..."'
         )
     values = best.traced.values(best.x)
-    after = tuple(plain_quantities(q) for q in problem.found(values))
+    after = tuple(plain_quantities(q) for q in problem.evaluate(values))
     converged = search.converged
     far = [local.objective for local in converged if local.objective - best.objective > SAME * abs(best.objective)]
     return Optimum(
         problem=problem,
         values=values,
         objective=float(problem.mean(after, problem.objective)),
-        before=tuple(problem.found({})),
+        before=tuple(problem.evaluate({})),
         after=after,
         active=tuple(sorted(_active(problem, best), key=_grip)),
         starts=search.started,
@@ -200,7 +200,7 @@ def _global_search(problem: Problem, traced: Traced, seed: int) -> tuple[Array, 
 
     count = 0
 
-    def penalised(x: Array) -> Any:
+    def penalised_costs(x: Array) -> Any:
         nonlocal count
         objective, violation = _judge(problem, traced, x)
         count += violation.size
@@ -209,7 +209,7 @@ def _global_search(problem: Problem, traced: Traced, seed: int) -> tuple[Array, 
 
     box: Any = list(zip(traced.low, traced.high, strict=True))
     answer = differential_evolution(
-        penalised, box, rng=seed, popsize=15, maxiter=300, tol=1e-8,
+        penalised_costs, box, rng=seed, popsize=15, maxiter=300, tol=1e-8,
         polish=False, vectorized=True, updating="deferred", init="sobol",
     )  # fmt: skip
     objective, violation = _judge(problem, traced, answer.x)
@@ -225,7 +225,7 @@ def _judge(problem: Problem, traced: Traced, x: Array) -> tuple[Array, Array]:
     for bound, column in zip(traced.bounds, columns, strict=True):
         values[bound.variable.name] = np.exp(column)
     with np.errstate(all="ignore"):
-        found = problem.found(values)
+        found = problem.evaluate(values)
         valve = valve_of(problem, values)
         excess = [excess for each in problem.excesses(found) for excess in each]
         excess += [each.excess(valve, found) for each in traced.geometry]
@@ -260,7 +260,7 @@ def _active(problem: Problem, local: Local) -> Iterator[Active]:
             kind = "bound" if side.is_given else "usual bound"
             yield Active(side, kind, elasticity, elasticity * local.objective / side.value)
     for bound in problem.bounds:
-        if bound.variable.whole and not bound.fixed:
+        if bound.variable.whole and not bound.is_fixed:
             number = traced.held[bound.variable.name]
             if number in (bound.low, bound.high):
                 yield Active(Side(bound, upper=number == bound.high), "bound of a whole number", np.nan, np.nan)

@@ -146,7 +146,7 @@ def _way(values: Sequence[float], bounds: Sequence[Bound]) -> Column:
     return Column(np.array(ways), EFFICIENCY, "way from the lower to the upper bound")
 
 
-def _moved(source: Limit | Side) -> tuple[str, Kind, str]:
+def _sensitivity_axis(source: Limit | Side) -> tuple[str, Kind, str]:
     """Key, kind and label of what a curve moves."""
     if isinstance(source, Limit):
         kind = KINDS[source.quantity]
@@ -162,7 +162,7 @@ def _curves(found: Optimum, curves: Sequence[LimitCurve]) -> Table:
         "moved": Column(np.repeat([each.source.words for each in curves], count), None, "moved")
     }
     for place, each in enumerate(curves):
-        name, kind, label = _moved(each.source)
+        name, kind, label = _sensitivity_axis(each.source)
         if name not in columns:
             columns[name] = Column(np.full(count * len(curves), np.nan), kind, label)
         columns[name].values[place * count : (place + 1) * count] = each.values
@@ -178,7 +178,7 @@ def _curve_chart(name: str, found: Optimum, places: range, curves: Sequence[Limi
     panels = []
     for place in places:
         each = curves[place]
-        x, count = _moved(each.source)[0], len(each.values)
+        x, count = _sensitivity_axis(each.source)[0], len(each.values)
         rows = tuple(range(place * count, (place + 1) * count))
         panels.append(
             Lines(

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterator, Sequence
 
-from vvdp.base.display import NOTHING, fixed, number, percent, with_unit
+from vvdp.base.display import NOTHING, fixed_point, number, percent, with_unit
 from vvdp.base.kinds import NUMBER
 from vvdp.design.conditions import LEFT_OUT, conditions, sentence
 from vvdp.design.optimise import Optimum
@@ -44,9 +44,9 @@ def optimum_result(
 ) -> Result:
     """The optimum with the simulations of it, what is in doubt, and how it goes with its limits."""
     charts = {each.name: each for each in optimum_charts(found, curves)}
-    listings = {"variables": _variables(found), "quantities": _quantities(found), "held": _held(found)}
+    listings = {"variables": _variables(found), "quantities": _quantities(found), "held": _limits_table(found)}
     if proven:
-        listings["simulated"] = _simulated(found, proven)
+        listings["simulated"] = _simulation_table(found, proven)
     system = found.problem.system
     return Result(
         verb="design optimum",
@@ -80,7 +80,7 @@ def _sections(found: Optimum, listings: Collection[str], charts: Collection[str]
     if "simulated" in listings:
         yield Section(title="Analytic against simulation", words=(COMPARING,), shows=("simulated",))
     if _is_published(found):
-        yield Section(title="The published optimum", words=(_published(found),))
+        yield Section(title="The published optimum", words=(_published_values(found),))
     yield Section(title="How it was done", words=(MANNER, _search(found)), shows=("conditions",))
 
 
@@ -125,7 +125,7 @@ def _change(name: str, before: float, after: float) -> str:
     """From before to after: in per cent, for a share in percentage points."""
     if name in ("efficiency", "transition_fraction"):
         share = 100.0 * (after - before)
-        return f"{'+' if share > 0.0 else ''}{fixed(share, 1)} points"
+        return f"{'+' if share > 0.0 else ''}{fixed_point(share, 1)} points"
     if not before:
         return NOTHING
     return ("+" if after > before else "") + percent(after / before - 1.0)
@@ -151,7 +151,7 @@ def _is_published(found: Optimum) -> bool:
     return "wang2017" in sources and found.problem.objective == "pressure_drop_total"
 
 
-def _published(found: Optimum) -> str:
+def _published_values(found: Optimum) -> str:
     near = abs(found.objective / SOURCE_OPTIMUM - 1.0) < 0.012
     return (
         "The 2.48 bar of wang2017 depend on bounds that it does not state. The source gives 6.61 bar for the prototype "
@@ -186,7 +186,7 @@ def _share(per_cent: float) -> str:
     return f"{number(per_cent)} %" if per_cent == per_cent else NOTHING
 
 
-def _held(found: Optimum) -> Listing:
+def _limits_table(found: Optimum) -> Listing:
     rows = (
         Row(each.words, None, (each.kind, _share(each.elasticity), number(each.sensitivity))) for each in found.active
     )
@@ -208,7 +208,7 @@ COMPARED = (
 )
 
 
-def _simulated(found: Optimum, proven: Sequence[Proof]) -> Listing:
+def _simulation_table(found: Optimum, proven: Sequence[Proof]) -> Listing:
     by_design = {(each.point, each.design): each for each in proven}
     rows = []
     for point in range(len(found.problem.points)):

@@ -67,20 +67,20 @@ class Front:
     simulated: tuple[Simulated, ...] = ()
 
     @property
-    def refused(self) -> tuple[int, ...]:
+    def rejects(self) -> tuple[int, ...]:
         """The designs that their simulation does not bear out; none where nothing was simulated."""
         return tuple(place for place, each in enumerate(self.simulated[1:]) if each.doubts)
 
     @property
-    def kept(self) -> tuple[int, ...]:
+    def front_designs(self) -> tuple[int, ...]:
         """The designs that are on the front: confirmed by simulation, or all where nothing was simulated."""
-        return tuple(place for place in range(len(self.values)) if place not in self.refused)
+        return tuple(place for place in range(len(self.values)) if place not in self.rejects)
 
     @property
     def on_a_bound(self) -> tuple[int, ...]:
         """The designs on the front of which some variable lies on a bound."""
-        bounds = [bound for bound in self.problem.bounds if not bound.fixed]
-        return tuple(k for k in self.kept if any(b.holds(self.values[k][b.variable.name]) for b in bounds))
+        bounds = [bound for bound in self.problem.bounds if not bound.is_fixed]
+        return tuple(k for k in self.front_designs if any(b.holds(self.values[k][b.variable.name]) for b in bounds))
 
     def column(self, quantity: str) -> Array:
         """A quantity along the front [SI]."""
@@ -113,7 +113,7 @@ def objectives(minimise: Sequence[str], maximise: Sequence[str]) -> tuple[Object
     return (*(Objective(name, False) for name in minimise), *(Objective(name, True) for name in maximise))
 
 
-def undominated(costs: Array) -> npt.NDArray[np.bool_]:
+def is_undominated(costs: Array) -> npt.NDArray[np.bool_]:
     """Which rows of `costs` no other row beats: is nowhere worse and somewhere better."""
     no_worse = np.all(costs[:, None, :] <= costs[None, :, :], axis=2)
     better = np.any(costs[:, None, :] < costs[None, :, :], axis=2)
@@ -149,9 +149,9 @@ def front(
     except KeyboardInterrupt:
         found, finished = [*found, *spread[len(found) - len(anchors) :]], False
     found = [values for values in found if _is_exact(asked, values)]
-    rows = [_means(asked, asked.found(values)) for values in found]
+    rows = [_means(asked, asked.evaluate(values)) for values in found]
     costs = np.array([[each.sign * row[each.quantity] for each in wanted] for row in rows])
-    kept = np.flatnonzero(undominated(costs))
+    kept = np.flatnonzero(is_undominated(costs))
     kept = kept[_apart(costs[kept])]
     order = kept[np.argsort(costs[kept, 0])]
     return Front(
@@ -159,7 +159,7 @@ def front(
         objectives=tuple(wanted),
         values=tuple(found[k] for k in order),
         quantities=tuple(rows[k] for k in order),
-        before=_means(asked, asked.found({})),
+        before=_means(asked, asked.evaluate({})),
         evaluations=evaluations,
         finished=finished,
     )
@@ -214,7 +214,9 @@ def _spread(
     for k, design in enumerate(known[:points]):
         first[k] = np.log([design[b.variable.name] for b in bounds])
     algorithm = AGEMOEA(pop_size=points, sampling=first)
-    algorithm.setup(_evolved(asked, wanted), termination=("n_gen", evolution.generations), seed=evolution.seed)
+    algorithm.setup(
+        _evolution_problem(asked, wanted), termination=("n_gen", evolution.generations), seed=evolution.seed
+    )
     best, finished, done = None, True, 0
     try:
         while algorithm.has_next():
@@ -245,12 +247,12 @@ def _columns(asked: Problem, x: Array) -> dict[str, Any]:
     }
 
 
-def _evolved(asked: Problem, wanted: Sequence[Objective]) -> Any:
+def _evolution_problem(asked: Problem, wanted: Sequence[Objective]) -> Any:
     """The problem as pymoo takes it."""
     from pymoo.core.problem import Problem as Evolved
 
     low, high = _box(asked)
-    demands, sided = geometry_of(asked), _banded(asked)
+    demands, sided = geometry_of(asked), _with_bands(asked)
     count = sum(1 if each.over_the_points else len(asked.points) for each in sided.limits) + len(demands)
 
     class Designs(Evolved):  # type: ignore[misc]
@@ -260,7 +262,7 @@ def _evolved(asked: Problem, wanted: Sequence[Objective]) -> Any:
         def _evaluate(self, x: Array, out: dict[str, Any], *_: Any, **__: Any) -> None:
             values = _columns(asked, x)
             with np.errstate(all="ignore"):
-                found = asked.found(values)
+                found = asked.evaluate(values)
                 valve = valve_of(asked, values)
                 excess = [excess for each in sided.excesses(found) for excess in each]
                 excess += [each.excess(valve, found) for each in demands]
@@ -271,7 +273,7 @@ def _evolved(asked: Problem, wanted: Sequence[Objective]) -> Any:
     return Designs()
 
 
-def _banded(asked: Problem) -> Problem:
+def _with_bands(asked: Problem) -> Problem:
     """`asked` with a band in place of each limit that is exact, as evolution would never meet it."""
     limits = []
     for limit in asked.limits:
@@ -282,13 +284,13 @@ def _banded(asked: Problem) -> Problem:
 
 def _is_exact(asked: Problem, values: dict[str, float]) -> bool:
     """Whether a design meets the limits that are exact."""
-    pairs = zip(asked.limits, asked.excesses(asked.found(values)), strict=True)
+    pairs = zip(asked.limits, asked.excesses(asked.evaluate(values)), strict=True)
     return all(abs(excess) <= EXACT for limit, excesses in pairs if limit.exactly for excess in excesses)
 
 
 def _move_onto(asked: Problem, wanted: Sequence[Objective], values: dict[str, float]) -> dict[str, float]:
     """The design at which the first objective is least while no other gets worse; `values` where that fails."""
-    at = _means(asked, asked.found(values))
+    at = _means(asked, asked.evaluate(values))
     ceilings = []
     for each in wanted[1:]:
         worst = at[each.quantity] + each.sign * ROOM * abs(at[each.quantity])
@@ -300,6 +302,6 @@ def _move_onto(asked: Problem, wanted: Sequence[Objective], values: dict[str, fl
     if local is None:
         return values
     moved = traced.values(local.x)
-    new = _means(asked, asked.found(moved))
+    new = _means(asked, asked.evaluate(moved))
     gained = wanted[0].sign * (new[wanted[0].quantity] - at[wanted[0].quantity]) <= 0.0
     return moved if gained or not _is_exact(asked, values) else values

@@ -39,7 +39,7 @@ def front_result(found: Front, *, finished: bool) -> Result:
     charts = {each.name: each for each in (*_pair_charts(found), _variable_chart(found))}
     good = ", ".join(f"{'large' if each.large else 'small'} {LABELS[each.quantity]}" for each in found.objectives)
     demands = "; ".join(each.words_with_origin for each in found.problem.limits) or "nothing"
-    refused = (Section(title="Refused by the simulation", shows=("reasons", "refused")),) if found.refused else ()
+    refused = (Section(title="Refused by the simulation", shows=("reasons", "refused")),) if found.rejects else ()
     return Result(
         verb="design pareto",
         title="Pareto front of the rotary valve",
@@ -69,8 +69,8 @@ def write_designs(folder: Path, found: Front) -> None:
     system = found.problem.system
     (folder / "systems").mkdir()
     good = ", ".join(f"{'large' if each.large else 'small'} {each.quantity}" for each in found.objectives)
-    names = [*_names("point", found.kept), *_names("refused", found.refused)]
-    for name, place in zip(names, (*found.kept, *found.refused), strict=True):
+    names = [*_names("point", found.front_designs), *_names("refused", found.rejects)]
+    for name, place in zip(names, (*found.front_designs, *found.rejects), strict=True):
         note = f"{name} of a Pareto front: {good}"
         design = redesign(system, found.values[place], note, f"{system.title}, {name} of a front")
         write_whole(folder / "systems" / f"{name}.toml", resolved_text(design))
@@ -83,10 +83,10 @@ def _names(word: str, places: tuple[int, ...]) -> list[str]:
 
 def _table(found: Front, *, refused: bool = False) -> Table:
     """The designs on the front, or those that the simulation refuses with its reason."""
-    places, title = found.kept, "Designs on the front"
+    places, title = found.front_designs, "Designs on the front"
     names = _names("point", places)
     if refused:
-        places, title = found.refused, "Designs that the simulation refuses"
+        places, title = found.rejects, "Designs that the simulation refuses"
         names = _names("refused", places)
     wanted = [each.quantity for each in found.objectives]
     variables = [b.variable for b in found.problem.bounds]
@@ -98,7 +98,7 @@ def _table(found: Front, *, refused: bool = False) -> Table:
         values = np.array([found.values[k][each.name] for k in places], float)
         columns[key(each.name, each.kind)] = Column(values, each.kind, each.label)
     if found.simulated:
-        columns |= _simulated(found, places)
+        columns |= _simulation_table(found, places)
     if refused:
         reasons = ["; ".join(found.simulated[1 + k].doubts) for k in places]
         columns["reason"] = Column(np.array(reasons, str), None, "reason")
@@ -108,7 +108,7 @@ def _table(found: Front, *, refused: bool = False) -> Table:
     return Table(title=title, columns=columns, shown=tuple(shown), is_data=not places)
 
 
-def _simulated(found: Front, places: tuple[int, ...]) -> dict[str, Column]:
+def _simulation_table(found: Front, places: tuple[int, ...]) -> dict[str, Column]:
     """What the simulation says of designs; -1 is the one as it was, which was simulated first."""
     columns = {}
     for name, (kind, label) in SIMULATED.items():
@@ -127,26 +127,32 @@ def _before(found: Front) -> Table:
         value = np.array([value_in(at, variable.name)])
         columns[key(variable.name, variable.kind)] = Column(value, variable.kind, variable.label)
     if found.simulated:
-        columns |= _simulated(found, (-1,))
+        columns |= _simulation_table(found, (-1,))
     return Table(title="The design as it was", columns=columns, is_data=True)
 
 
 def _numbers(found: Front) -> Iterator[tuple[str, Number]]:
     yield "evaluations", Number(found.evaluations, COUNT, "designs evaluated")
-    yield "designs", Number(len(found.kept), COUNT, "designs on the front")
-    yield "confirmed_designs", Number(len(found.kept) if found.simulated else 0, COUNT, "designs that are confirmed")
-    yield "refused_designs", Number(len(found.refused), COUNT, "designs that the simulation refuses")
+    yield "designs", Number(len(found.front_designs), COUNT, "designs on the front")
+    yield (
+        "confirmed_designs",
+        Number(len(found.front_designs) if found.simulated else 0, COUNT, "designs that are confirmed"),
+    )
+    yield "refused_designs", Number(len(found.rejects), COUNT, "designs that the simulation refuses")
     yield "designs_on_a_bound", Number(len(found.on_a_bound), COUNT, "designs with a variable on a bound")
 
 
 def _badge(found: Front) -> Badge:
     if found.simulated:
-        return Badge(f"{len(found.kept)} designs confirmed by simulation", Grade.GOOD if found.kept else Grade.BAD)
+        return Badge(
+            f"{len(found.front_designs)} designs confirmed by simulation",
+            Grade.GOOD if found.front_designs else Grade.BAD,
+        )
     return Badge("not simulated", Grade.WARNING)
 
 
 def _findings(found: Front) -> Iterator[Finding]:
-    count = len(found.kept)
+    count = len(found.front_designs)
     if not found.simulated:
         yield Finding(
             text="No design is confirmed: none was simulated, and analytic values alone may mislead.",
@@ -154,9 +160,9 @@ def _findings(found: Front) -> Iterator[Finding]:
             title="Nothing is confirmed",
             remedy="The same command without --no-simulation simulates all designs.",
         )
-    if found.refused:
+    if found.rejects:
         yield Finding(
-            text=f"{len(found.refused)} of {len(found.values)} designs are not on the front, as the simulation refuses "
+            text=f"{len(found.rejects)} of {len(found.values)} designs are not on the front, as the simulation refuses "
             f"them: it is more than {percent(TOLERANCE, 0)} off the analytic total loss, has not settled or failed.",
             grade=Grade.WARNING,
             title="Designs were refused",
@@ -165,7 +171,7 @@ def _findings(found: Front) -> Iterator[Finding]:
     better = sum(
         all(each.sign * (found.quantities[k][each.quantity] - found.before[each.quantity]) <= 0.0 for each in
             found.objectives)
-        for k in found.kept
+        for k in found.front_designs
     )  # fmt: skip
     whom = f"{better} of them {'is' if better == 1 else 'are'}" if better else "None of them is"
     yield Finding(text=f"{whom} at least as good as the design as it was in every objective.")
@@ -181,7 +187,7 @@ def _findings(found: Front) -> Iterator[Finding]:
 def _reasons(found: Front) -> Listing:
     rows = (
         Row(name, None, ("; ".join(found.simulated[1 + place].doubts),))
-        for name, place in zip(_names("refused", found.refused), found.refused, strict=True)
+        for name, place in zip(_names("refused", found.rejects), found.rejects, strict=True)
     )
     return Listing(title="Designs that the simulation refuses", heads=("reason",), rows=tuple(rows))
 
@@ -191,7 +197,7 @@ def _bounds(found: Front) -> Listing:
     for bound in found.problem.bounds:
         name = bound.variable.name
         low, high = (
-            sum(abs(found.values[k][name] - end) <= ON_BOUND * end for k in found.kept)
+            sum(abs(found.values[k][name] - end) <= ON_BOUND * end for k in found.front_designs)
             for end in (bound.low, bound.high)
         )
         amounts = (with_unit(end, bound.variable.kind) for end in (bound.low, bound.high))
@@ -204,7 +210,7 @@ def _points(found: Front, x: str, y: str) -> tuple[Line, ...]:
     """The designs as points, those that are refused and the one as it was apart."""
     groups = (
         ("front", "confirmed" if found.simulated else "not simulated", Colour.LOAD),
-        *((("refused", "refused by the simulation", Colour.FAINT),) if found.refused else ()),
+        *((("refused", "refused by the simulation", Colour.FAINT),) if found.rejects else ()),
         ("before", "as it was", Colour.INLET),
     )
     return tuple(

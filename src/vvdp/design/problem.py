@@ -12,7 +12,7 @@ from vvdp.base.display import value_text, with_unit
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.tables import nearest, read_table, with_settings
-from vvdp.base.units import parsed
+from vvdp.base.units import parse
 from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, quantities, setup
 from vvdp.design.variables import VARIABLES, Variable, value_in, with_variables
 from vvdp.systems.bench import rotary_bench
@@ -62,7 +62,7 @@ class Limit:
         return abs(self.value) or SMALLEST[self.quantity]
 
     def excess(self, found: Any) -> Any:
-        """How far `found` violates the limit, as a part of it; negative within, or below where it is exact."""
+        """How far `evaluate` violates the limit, as a part of it; negative within, or below where it is exact."""
         share = (found - self.value) / self.measure
         return -share if self.at_least else share
 
@@ -89,7 +89,7 @@ class Bound:
     high_given: bool = False
 
     @property
-    def fixed(self) -> bool:
+    def is_fixed(self) -> bool:
         """Whether there is nothing to choose."""
         return self.low == self.high
 
@@ -115,13 +115,13 @@ class Side(NamedTuple):
 
     def __str__(self) -> str:
         """As a person types it."""
-        sign = "=" if self.bound.fixed else "<=" if self.upper else ">="
+        sign = "=" if self.bound.is_fixed else "<=" if self.upper else ">="
         return f"{self.bound.variable.name} {sign} {value_text(self.value, self.bound.variable.kind)}"
 
     @property
     def words(self) -> str:
         """As a person reads it."""
-        sign = "=" if self.bound.fixed else "≤" if self.upper else "≥"
+        sign = "=" if self.bound.is_fixed else "≤" if self.upper else "≥"
         return f"{self.bound.variable.label} {sign} {with_unit(self.value, self.bound.variable.kind, 6)}"
 
     @property
@@ -132,7 +132,7 @@ class Side(NamedTuple):
     @property
     def is_given(self) -> bool:
         """Whether somebody asked for it."""
-        return self.bound.fixed or (self.bound.high_given if self.upper else self.bound.low_given)
+        return self.bound.is_fixed or (self.bound.high_given if self.upper else self.bound.low_given)
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ class Problem:
         """The same with two sides for each limit that is exact."""
         return replace(self, limits=tuple(side for limit in self.limits for side in limit.sides))
 
-    def found(self, values: Mapping[str, Any]) -> list[Quantities]:
+    def evaluate(self, values: Mapping[str, Any]) -> list[Quantities]:
         """The quantities at every point with the variables at `values` [SI]."""
         return [quantities(with_variables(point.setup, values)) for point in self.points]
 
@@ -245,7 +245,7 @@ def with_usual_limits(asked: Problem, *, front: bool = False) -> Problem:
     it took before, the relief valve stays shut while a port is open, and the pump needs no more than the power of its
     motor, or what it needed before. Names in the objectives of a front do not bound them.
     """
-    before, mean = asked.found({}), len(asked.points) > 1
+    before, mean = asked.evaluate({}), len(asked.points) > 1
     named = frozenset(limit.quantity for limit in asked.limits) if front else asked.quantities
     more = []
     frequency = float(asked.mean(before, "pwm_frequency"))
@@ -319,7 +319,7 @@ def _limits(text: str, faults: list[Fault]) -> list[Limit]:
         faults.append(Fault(option, 0, name, f"unknown quantity{other}"))
         return []
     try:
-        value = parsed(number, KINDS[name])
+        value = parse(number, KINDS[name])
     except ParameterError as problem:
         faults.append(Fault(option, 0, name, str(problem)))
         return []
@@ -344,7 +344,7 @@ def _read_bound(text: str, at: Setup, given: dict[str, dict[str, float]], faults
     message = _why_not(name, number, at)
     if not message:
         try:
-            value = parsed(number, VARIABLES[name].kind)
+            value = parse(number, VARIABLES[name].kind)
         except ParameterError as problem:
             message = str(problem)
     if message:
@@ -407,7 +407,7 @@ def _points(path: Path, system: System, faults: list[Fault]) -> tuple[Point, ...
         if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0.0 < weight < np.inf:
             faults.append(Fault(place, 0, "weight", f"{weight!r}; expected a number above zero"))
             continue
-        for key, value in _dotted(row).items():
+        for key, value in _dotted_key(row).items():
             if key.startswith("valve.") or "." not in key:
                 faults.append(
                     Fault(place, 0, key, "is no setting of an operating point; a point has one valve with the others")
@@ -423,7 +423,7 @@ def _points(path: Path, system: System, faults: list[Fault]) -> tuple[Point, ...
     return tuple(found)
 
 
-def _dotted(row: Mapping[str, Any]) -> dict[str, Any]:
+def _dotted_key(row: Mapping[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, Mapping):

@@ -127,7 +127,7 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
             raise ConfigError([Fault(system.name, 0, "valve", message)])
         found += [text for text in at.warnings if text not in found]
     rated = rotary_bench(problem.system, "design").motor.rated_power
-    needed = max(q.input_power for q in problem.found(values))
+    needed = max(q.input_power for q in problem.evaluate(values))
     if needed > rated:
         found.append(f"the pump takes in {needed:.4g} W, more than the {rated:.4g} W of its motor")
     return found + _unmade(problem, values)
@@ -166,7 +166,7 @@ def simulation_doubts(found: Optimum, proven: Sequence[Proof]) -> list[str]:
         if "analytic_pwm_frequency_Hz" in each.found:
             pair = each.found["pwm_frequency_Hz"], each.found["analytic_pwm_frequency_Hz"]
             told += [f"{text}{where}" for text in _apart("PWM frequency", FREQUENCY, *pair)]
-        told += [f"{text}{where}" for text in _unsettled(each.found)]
+        told += [f"{text}{where}" for text in _not_settled(each.found)]
     return told
 
 
@@ -180,7 +180,7 @@ def _apart(label: str, kind: Kind, simulated: float, analytic: float) -> list[st
     ]
 
 
-def _unsettled(found: Mapping[str, Any]) -> list[str]:
+def _not_settled(found: Mapping[str, Any]) -> list[str]:
     told = []
     if not found["settled"]:
         told.append("the simulation has not settled: its means are still changing, a longer run.until may help")
@@ -238,10 +238,10 @@ def simulated_designs(
                 for k in range(len(systems))
             ]
         )
-    return tuple(_simulated(problem, values, [rows[k] for rows in by_point]) for k, values in enumerate(designs))
+    return tuple(_simulate(problem, values, [rows[k] for rows in by_point]) for k, values in enumerate(designs))
 
 
-def _simulated(problem: Problem, values: Mapping[str, float], rows: Sequence[Mapping[str, Any]]) -> Simulated:
+def _simulate(problem: Problem, values: Mapping[str, float], rows: Sequence[Mapping[str, Any]]) -> Simulated:
     told = [f"the simulation gives nothing: {row['failure']}" for row in rows if "failure" in row]
     if told:
         nan = float("nan")
@@ -249,8 +249,8 @@ def _simulated(problem: Problem, values: Mapping[str, float], rows: Sequence[Map
     loss, frequency, efficiency = (
         _mean(problem, [float(row[key]) for row in rows]) for key in ("loss_total_W", "pwm_frequency_Hz", "efficiency")
     )
-    told = _apart("total loss", MEAN_POWER, loss, float(problem.mean(problem.found(values), "loss_total")))
-    told += list(dict.fromkeys(text for row in rows for text in _unsettled(row)))
+    told = _apart("total loss", MEAN_POWER, loss, float(problem.mean(problem.evaluate(values), "loss_total")))
+    told += list(dict.fromkeys(text for row in rows for text in _not_settled(row)))
     return Simulated(
         loss_total=loss,
         pwm_frequency=frequency,

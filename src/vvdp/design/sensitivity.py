@@ -60,7 +60,7 @@ def _with_value(problem: Problem, source: Limit | Side, value: float) -> Problem
         limits = tuple(replace(each, value=value) if each is source else each for each in problem.limits)
         return replace(problem, limits=limits)
     bound = source.bound
-    low, high = (value, value) if bound.fixed else (bound.low, value) if source.upper else (value, bound.high)
+    low, high = (value, value) if bound.is_fixed else (bound.low, value) if source.upper else (value, bound.high)
     moved = replace(bound, low=low, high=high)
     return replace(problem, bounds=tuple(moved if each is bound else each for each in problem.bounds))
 
@@ -84,7 +84,7 @@ def gradients(problem: Problem, values: Mapping[str, float]) -> dict[str, Array]
     with quiet_casadi():
         x = casadi.SX.sym("x", len(problem.bounds))
         symbols = {b.variable.name: casadi.exp(x[i]) for i, b in enumerate(problem.bounds)}
-        found = problem.found(symbols)[0]
+        found = problem.evaluate(symbols)[0]
         at = np.log([values[b.variable.name] for b in problem.bounds])
         return {
             name: row_of(casadi.Function("g", [x], [casadi.gradient(getattr(found, name), x)])(at))

@@ -101,7 +101,7 @@ class Traced:
         with quiet_casadi():
             x = casadi.SX.sym("x", len(self.bounds))
             values = {b.variable.name: casadi.exp(x[i]) for i, b in enumerate(self.bounds)} | self.held
-            found = problem.found(values)
+            found = problem.evaluate(values)
             valve = valve_of(problem, values)
             objective = problem.sign * problem.mean(found, problem.objective)
             of_limits = problem.excesses(found)

@@ -17,7 +17,7 @@ from vvdp.base.extras import require
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import nearest
-from vvdp.base.units import parsed
+from vvdp.base.units import parse
 from vvdp.design.problem import require_flow
 from vvdp.design.quantities import Quantities, Setup, loose_copy, quantities, setup
 from vvdp.fluid.oil import Oil, density
@@ -47,7 +47,7 @@ class Spread:
     source: str
     note: str
 
-    def drawn(self, share: Any) -> Any:
+    def quantile(self, share: Any) -> Any:
         """The value below which the share `share` of all draws lies."""
         if self.logarithmic:
             return self.low * (self.high / self.low) ** share
@@ -120,7 +120,7 @@ def spreads(system: System, texts: Iterable[str] = ()) -> tuple[Spread, ...]:
             faults.append(Fault(option, 0, name, f"unknown input{nearest(name, list(found))}"))
             continue
         try:
-            low, high = (parsed(word, found[name].kind) for word in match.groups()[1:])
+            low, high = (parse(word, found[name].kind) for word in match.groups()[1:])
         except ParameterError as problem:
             faults.append(Fault(option, 0, name, str(problem)))
             continue
@@ -220,7 +220,7 @@ def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES
         system=system,
         spreads=tuple(taken),
         scatter=scatter,
-        inputs={each.name: each.drawn(even[:, k]) for k, each in enumerate(taken)},
+        inputs={each.name: each.quantile(even[:, k]) for k, each in enumerate(taken)},
         outputs=spread_out,
         evaluations=shares.shape[0] + even.shape[0],
         samples=samples,
@@ -258,7 +258,7 @@ def _nothing_left(at: Setup, nominal: Quantities) -> str:
 
 def _evaluate(at: Setup, taken: Sequence[Spread], shares: Array) -> dict[str, Array]:
     """The outputs for rows of `shares`, each between 0 and 1, in the order of the spreads."""
-    found = quantities(with_inputs(at, {each.name: each.drawn(shares[:, k]) for k, each in enumerate(taken)}))
+    found = quantities(with_inputs(at, {each.name: each.quantile(shares[:, k]) for k, each in enumerate(taken)}))
     return {name: np.broadcast_to(np.asarray(getattr(found, name)), len(shares)).copy() for name in OUTPUTS}
 
 

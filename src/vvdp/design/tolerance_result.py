@@ -41,14 +41,14 @@ def tolerance_result(found: Tolerance) -> Result:
         sections=(
             Section(title="Figures", shows=tuple(each.name for each in charts)),
             Section(title="Scatter", shows=("outputs",)),
-            Section(title="Inputs", words=(_assumed(found),), shows=("spreads",)),
+            Section(title="Inputs", words=(_assumptions(found),), shows=("spreads",)),
             Section(title="Shares of the variance", shows=("shares",)),
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
     )
 
 
-def _assumed(found: Tolerance) -> str:
+def _assumptions(found: Tolerance) -> str:
     assumed = sum(each.status == "assumed" for each in found.spreads)
     return f"{assumed} of {len(found.spreads)} spreads are assumptions; the shares depend on them."
 

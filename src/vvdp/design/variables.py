@@ -6,7 +6,7 @@ from typing import Any
 
 from vvdp.base.kinds import COUNT, PRESSURE_LEVEL, SPEED, VOLUME, Kind
 from vvdp.base.params import field_kinds
-from vvdp.base.tables import Table, copied
+from vvdp.base.tables import Table, copy_tables
 from vvdp.base.units import in_unit
 from vvdp.design.quantities import Setup, loose_copy
 from vvdp.systems.bench import rotary_bench
@@ -121,7 +121,7 @@ def redesign(system: System, values: Mapping[str, float], note: str, title: str)
 
     Raises ConfigError where the values cannot be made.
     """
-    content = copied(system.content)
+    content = copy_tables(system.content)
     for name, value in values.items():
         variable = VARIABLES[name]
         table, _, key = variable.setting.partition(".")
@@ -144,4 +144,4 @@ def setting_text(value: float, kind: Kind) -> str:
         return f"{value / 1e5:.10g} bara"
     if kind.unit == "1":
         return f"{value:.10g}"
-    return f"{in_unit(value, kind, kind.shown):.10g} {kind.shown}"
+    return f"{in_unit(value, kind, kind.display_unit):.10g} {kind.display_unit}"

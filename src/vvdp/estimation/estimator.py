@@ -31,7 +31,7 @@ class Estimate(NamedTuple):
     missed_edges: Count
 
 
-def believed(belief: AngleSpeed, innovation: float, innovation_deviation: float, missed_edges: float) -> Estimate:
+def to_estimate(belief: AngleSpeed, innovation: float, innovation_deviation: float, missed_edges: float) -> Estimate:
     """The estimate that a belief about the time of the sample makes; arguments as in `Estimate`."""
     b = belief
     angle_deviation, speed_deviation = np.sqrt(b.angle_variance), np.sqrt(b.speed_variance)

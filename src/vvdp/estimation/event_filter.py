@@ -33,9 +33,9 @@ from vvdp.estimation.association import (
     irregular_share,
     sector,
 )
-from vvdp.estimation.estimator import Estimate, Estimator, believed
+from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
 from vvdp.estimation.index import IndexMemory, index_after_edge, index_start
-from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
 
@@ -195,8 +195,8 @@ def event_filter_step(
     innovation, deviation = 0.0, 0.0
     if reading.edges > 0.0:
         memory, innovation, deviation = after_edge(memory, reading, settings)
-    belief = propagated(memory.belief, reading.time - memory.time, memory.manoeuvre.density)
-    estimate = believed(belief, innovation, deviation, memory.tally.missed_edges)
+    belief = predict(memory.belief, reading.time - memory.time, memory.manoeuvre.density)
+    estimate = to_estimate(belief, innovation, deviation, memory.tally.missed_edges)
     return memory, estimate
 
 
@@ -230,13 +230,13 @@ def after_edge(
     """
     wheel, q, q_m = settings.wheel, settings.acceleration_density, settings.manoeuvre_density
     h = reading.edge_time - memory.time
-    prior = propagated(memory.belief, h, memory.manoeuvre.density)
-    wide = widened(propagated(memory.belief, h, 0.0), reading.edge_time - memory.last.time, q_m)
+    prior = predict(memory.belief, h, memory.manoeuvre.density)
+    wide = inflate(predict(memory.belief, h, 0.0), reading.edge_time - memory.last.time, q_m)
     R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
-    seen = seen_edge(memory, reading, prior, wide, R, settings)
+    seen = associate(memory, reading, prior, wide, R, settings)
     edges = memory.tally.ignored + reading.edges
     if seen.used == 0.0:
-        return ignoring(memory, edges), 0.0, 0.0
+        return skip_edges(memory, edges), 0.0, 0.0
 
     associating = memory.tally.associating
     if associating > 0.0 and memory.manoeuvre.density <= q and vague(prior, wheel) > 0.0:
@@ -252,9 +252,9 @@ def after_edge(
     skipped = memory.tally.started * maximum(seen.edge - memory.last.number - edges, 0.0)
     irregular = irregular_share(memory.tally.irregular, associating * minimum(skipped, BURST), 1.0)
     if irregular > UNBELIEVABLE:
-        prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
+        prior, associating, irregular = reset_speed(prior, settings), 0.0, RELIABLE
 
-    belief = corrected(prior, innovation, R)
+    belief = update(prior, innovation, R)
     speed_limit = settings.association_speed_deviation * settings.association_speed_deviation
     if vague(belief, wheel) == 0.0 and belief.speed_variance < speed_limit:
         associating = 1.0
@@ -262,7 +262,7 @@ def after_edge(
     if settings.index_turns > 0.0 and associating > 0.0:
         found = index_after_edge(search, number, reading.edge_time, reading.polarity, R, settings.index_turns, wheel)
         number, search = number + found.edges, found.memory
-        belief = turned(belief, found.edges * sector(wheel))
+        belief = shift_angle(belief, found.edges * sector(wheel))
     missed = memory.tally.missed_edges + skipped
     after = EventFilterMemory(
         time=reading.edge_time,
@@ -275,7 +275,7 @@ def after_edge(
     return after, innovation, np.sqrt(prior.angle_variance + R)
 
 
-def seen_edge(
+def associate(
     memory: EventFilterMemory,
     reading: Reading,
     prior: AngleSpeed,
@@ -313,7 +313,7 @@ def seen_edge(
     return associated_edge(m.last.number, sighting, wheel)
 
 
-def widened(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
+def inflate(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
     """The belief when the acceleration has had an `acceleration_density` [rad^2/s^3] more for the last `duration` [s].
 
     P + q [[h^3/3, h^2/2], [h^2/2, h]].
@@ -328,20 +328,20 @@ def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
     return 1.0 if 6.0 * np.sqrt(belief.angle_variance) >= sector(wheel) else 0.0
 
 
-def doubted(belief: AngleSpeed, settings: EventFilter) -> AngleSpeed:
+def reset_speed(belief: AngleSpeed, settings: EventFilter) -> AngleSpeed:
     """The belief whose speed may have been anything, a multiple or a fraction of the true one."""
     b = belief
     anything = maximum(b.speed * b.speed, settings.speed_variance)
     return AngleSpeed(b.angle, b.speed, b.angle_variance, b.covariance, anything)
 
 
-def turned(belief: AngleSpeed, angle: float) -> AngleSpeed:
+def shift_angle(belief: AngleSpeed, angle: float) -> AngleSpeed:
     """The belief about a wheel whose edges turn out to be `angle` [rad] further on."""
     b = belief
     return AngleSpeed(b.angle + angle, b.speed, b.angle_variance, b.covariance, b.speed_variance)
 
 
-def ignoring(memory: EventFilterMemory, edges: float) -> EventFilterMemory:
+def skip_edges(memory: EventFilterMemory, edges: float) -> EventFilterMemory:
     """The memory with `edges` ignored since the last used one."""
     m, tally = memory, memory.tally
     told = Tally(

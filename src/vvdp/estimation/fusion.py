@@ -16,7 +16,7 @@ from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Rati
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
-from vvdp.estimation.estimator import Estimate, believed
+from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import (
     EventFilter,
     EventFilterMemory,
@@ -26,10 +26,10 @@ from vvdp.estimation.event_filter import (
     after_edge,
     edge_angle_variance,
     event_filter_start,
-    widened,
+    inflate,
 )
 from vvdp.estimation.threshold import AngleDrift
-from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, edge_below
 
@@ -201,8 +201,8 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
     if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.tally.associating > 0.0:
         memory = _after_pressure_edge(memory, reading, settings)
     last = memory.filter
-    belief = propagated(last.belief, encoder.time - last.time, last.manoeuvre.density)
-    estimate = believed(belief, innovation, deviation, last.tally.missed_edges)
+    belief = predict(last.belief, encoder.time - last.time, last.manoeuvre.density)
+    estimate = to_estimate(belief, innovation, deviation, last.tally.missed_edges)
     shown = FusionEstimate(
         estimate=estimate,
         phase=memory.mean[2],
@@ -266,7 +266,7 @@ def _drift(covariance: Array, h: float, acceleration_density: float, settings: F
 
 
 def _observe(mean: Array, covariance: Array, observation: Array, innovation: float, variance: float) -> None:
-    """As `vvdp.numerics.kalman.observed`, in place; in loops a small filter compiles and runs several times faster."""
+    """As `vvdp.numerics.kalman.update_n`, in place; in loops a small filter compiles and runs several times faster."""
     x, P, n = mean, covariance, mean.size
     g = np.zeros(n)
     S = variance
@@ -341,7 +341,7 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
         if abs(speed_run) >= settings.patience:
             density, speed_run = event.manoeuvre_density, 0.0
             since = maximum(reading.pressure_edge_time - doubts.agreed_time, 0.0)
-            _believe(mean, P, widened(_belief(mean, P), since, density))
+            _believe(mean, P, inflate(_belief(mean, P), since, density))
         if abs(duty_run) >= settings.patience:
             P[3, 3] += settings.duty_ratio_variance
             duty_run = 0.0

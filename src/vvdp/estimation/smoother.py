@@ -1,8 +1,8 @@
 """Angle and speed of a logged record, from all its edges: those before an instant and those after it.
 
-The model is that of the event filter, a speed that is a random walk. `filtered` goes forward over the edges,
-`smoothed` goes forward and back, `smoothed_at` fills in any instant. The two passes are steps over rows, so a caller
-may hand in a compiled `run`. Derived in docs/models/smoother.md.
+The model is that of the event filter, a speed that is a random walk. `filter_edges` goes forward over the edges,
+`smooth_edges` goes forward and back, `smoothed_at` fills in any instant. The two passes are steps over rows, so
+a caller may hand in a compiled `run`. Derived in docs/models/smoother.md.
 
 Source  ours, docs/models/smoother.md, where a function names no other.
 """
@@ -16,7 +16,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AccelerationDensity
 from vvdp.base.params import Params
-from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 
 Step = Callable[[Any, Any, Any], tuple[Any, Any]]
 Run = Callable[[Step, Any, Any, Params, Array], tuple[Any, Array]]
@@ -98,8 +98,8 @@ def filtered_step(memory: Reached, edge: EdgePassed, walk: SpeedWalk) -> tuple[R
 
     Source  wang2017, eqs. 3.5 to 3.9, corrected: docs/errata.md
     """
-    prior = propagated(memory.belief, edge.time - memory.time, walk.acceleration_density)
-    belief = corrected(prior, edge.angle - prior.angle, edge.variance)
+    prior = predict(memory.belief, edge.time - memory.time, walk.acceleration_density)
+    belief = update(prior, edge.angle - prior.angle, edge.variance)
     return Reached(edge.time, belief), belief
 
 
@@ -114,7 +114,7 @@ def smoothed_step(memory: Reached, row: Forward, walk: SpeedWalk) -> tuple[Reach
     h, q = memory.time - row.time, walk.acceleration_density
     a, b, c = row.angle_variance, row.covariance, row.speed_variance
     later = memory.belief
-    prior = propagated(AngleSpeed(row.angle, row.speed, a, b, c), h, q)
+    prior = predict(AngleSpeed(row.angle, row.speed, a, b, c), h, q)
     m11, m12, m22 = prior.angle_variance, prior.covariance, prior.speed_variance
     determinant = m11 * m22 - m12 * m12
     g11, g12 = ((a + h * b) * m22 - b * m12) / determinant, (b * m11 - (a + h * b) * m12) / determinant
@@ -153,7 +153,7 @@ def smoothed_step(memory: Reached, row: Forward, walk: SpeedWalk) -> tuple[Reach
     return Reached(row.time, belief), drawn
 
 
-def interpreted(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
+def run_plainly(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
     """A step taken over rows in plain Python: the memory reached, and what was shown, shape (rows, numbers shown)."""
     make, shown = type(row)._make, []
     for numbers in rows.tolist():
@@ -162,13 +162,13 @@ def interpreted(step: Step, memory: Any, row: Any, settings: Params, rows: Array
     return memory, np.array(shown)
 
 
-def filtered(
+def filter_edges(
     times: Array,
     angles: Array,
     variances: Array,
     acceleration_density: float,
     prior: AngleSpeed,
-    run: Run = interpreted,
+    run: Run = run_plainly,
 ) -> Beliefs:
     """The motion at the edges, each given the edges up to it: the event filter without association, shape (n,).
 
@@ -177,7 +177,7 @@ def filtered(
     variances             of the angles [rad^2]
     acceleration_density  q [rad^2/s^3]
     prior                 belief at times[0] without the edge there
-    run                   what takes a step over rows; `interpreted`, or a compiled one
+    run                   what takes a step over rows; `run_plainly`, or a compiled one
 
     Raises ParameterError for arrays that do not fit, times that do not increase or variances that are not positive.
     """
@@ -187,19 +187,19 @@ def filtered(
     return Beliefs(*run(filtered_step, start, EdgePassed(0.0, 0.0, 1.0), walk, rows)[1].T)
 
 
-def smoothed(
+def smooth_edges(
     times: Array,
     angles: Array,
     variances: Array,
     acceleration_density: float,
     prior: AngleSpeed,
-    run: Run = interpreted,
+    run: Run = run_plainly,
 ) -> Smoothed:
-    """The motion at the edges, each given all edges; arguments and errors are those of `filtered`.
+    """The motion at the edges, each given all edges; arguments and errors are those of `filter_edges`.
 
     Source  rauch1965; docs/models/smoother.md
     """
-    forward = filtered(times, angles, variances, acceleration_density, prior, run)
+    forward = filter_edges(times, angles, variances, acceleration_density, prior, run)
     return _drawn_back(np.array(times, float), forward, acceleration_density, run)
 
 
@@ -243,16 +243,16 @@ def smoothed_at(times: Array, smoothed: Smoothed) -> Beliefs:
     t, n = np.asarray(times, float), smoothed.times.size
     left = np.clip(np.searchsorted(smoothed.times, t, side="right") - 1, 0, n - 1)
     states = np.column_stack(smoothed.beliefs)[left]
-    outside = _carried(states, t - smoothed.times[left], smoothed.acceleration_density)
+    outside = _predict_either_way(states, t - smoothed.times[left], smoothed.acceleration_density)
     inside = (t >= smoothed.times[0]) & (t < smoothed.times[-1])
     motion = np.array(outside)
     if inside.any():
-        motion[:, inside] = _bridged(t[inside], left[inside], smoothed)
+        motion[:, inside] = _bridge(t[inside], left[inside], smoothed)
     return Beliefs(*motion)
 
 
-def _carried(states: Array, duration: Array, q: float) -> Beliefs:
-    """As `propagated`, but going back adds noise too: what lies before the first edge is as unknown as the future."""
+def _predict_either_way(states: Array, duration: Array, q: float) -> Beliefs:
+    """As `predict`, but going back adds noise too: what lies before the first edge is as unknown as the future."""
     angle, speed, P11, P12, P22 = states.T
     h, away = duration, abs(duration)
     return Beliefs(
@@ -264,7 +264,7 @@ def _carried(states: Array, duration: Array, q: float) -> Beliefs:
     )
 
 
-def _bridged(t: Array, left: Array, smoothed: Smoothed) -> Beliefs:
+def _bridge(t: Array, left: Array, smoothed: Smoothed) -> Beliefs:
     q, right = smoothed.acceleration_density, left + 1
     h = smoothed.times[right] - smoothed.times[left]
     s = (t - smoothed.times[left]) / h
@@ -322,16 +322,16 @@ def smoothed_portions(
     acceleration_density: float,
     prior: AngleSpeed,
     overlap: float,
-    run: Run = interpreted,
+    run: Run = run_plainly,
 ) -> Iterator[Smoothed]:
     """A record of any length, smoothed piece by piece; memory holds a portion and an overlap.
 
     Each piece begins with the edge that the one before ended with, so that `smoothed_at` finds every instant in one of
     them. Edges more than `overlap` [s] after a piece (`smoothing_overlap`) do not count for it; those before all do.
 
-    portions  times, angles and variances of consecutive edges, as for `filtered`
+    portions  times, angles and variances of consecutive edges, as for `filter_edges`
 
-    Raises ParameterError as `filtered` does, also between portions.
+    Raises ParameterError as `filter_edges` does, also between portions.
     """
     waiting, start = np.empty((0, 3)), prior
     for portion in portions:
@@ -341,16 +341,16 @@ def smoothed_portions(
         if ready < 2:
             continue
         times, angles, variances = waiting.T
-        forward = filtered(times, angles, variances, acceleration_density, start, run)
+        forward = filter_edges(times, angles, variances, acceleration_density, start, run)
         yield _cut(_drawn_back(times, forward, acceleration_density, run), ready)
         # The last edge of this piece is the first of the next, whose prior is the belief just before it.
         kept = ready - 1
         belief = AngleSpeed(*(float(column[kept - 1]) for column in forward))
-        start = propagated(belief, float(times[kept] - times[kept - 1]), acceleration_density)
+        start = predict(belief, float(times[kept] - times[kept - 1]), acceleration_density)
         waiting = waiting[kept:]
     if waiting.size:
         times, angles, variances = waiting.T
-        yield smoothed(times, angles, variances, acceleration_density, start, run)
+        yield smooth_edges(times, angles, variances, acceleration_density, start, run)
 
 
 def _cut(whole: Smoothed, size: int) -> Smoothed:

@@ -229,7 +229,7 @@ def threshold_step(
             threshold = clip(adapted, settings.lowest, settings.highest)
         speed = maximum(estimate.speed, event.lowest_speed)
         expected = reading.time - (estimate.angle - edge_angle(after.last.number, event.wheel)) / speed + shift
-        phases = _remembered(phases, s * _place(expected, reading))
+        phases = _remember(phases, s * _place(expected, reading))
         blind = largest_gap(phases) * speed * reading.edge_interval / w
         edges, due = edges + 1.0, 1.0
     on_plateau = estimate.angle - edge_angle(after.last.number, event.wheel) > 0.5 * sector(event.wheel)
@@ -254,7 +254,7 @@ def _place(expected: float, reading: Reading) -> float:
     return (expected - begin) / reading.edge_interval if reading.edge_interval > 0.0 else 0.0
 
 
-def _remembered(phases: Array, phase: float) -> Array:
+def _remember(phases: Array, phase: float) -> Array:
     kept = np.empty(phases.size)
     kept[1:] = phases[:-1]
     kept[0] = phase

@@ -12,7 +12,7 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.geometry.facets import FINENESS, Faceted, Part
-from vvdp.geometry.kernel import Floats, joined
+from vvdp.geometry.kernel import Floats, union
 from vvdp.geometry.mesh import Mesh, patch_areas, require_sound, volume
 from vvdp.geometry.shape import ValveShape, collector_position, rail_arc, stations, stroke
 from vvdp.geometry.solids import (
@@ -22,14 +22,14 @@ from vvdp.geometry.solids import (
     channel_cutter,
     collector,
     collector_port,
-    faceted,
+    facet_kernel,
     nozzle,
     nozzles,
     pocket_cutter,
     rail,
     rail_angles,
     rail_port,
-    wrapped,
+    wrap,
 )
 from vvdp.geometry.unrolled import clipped_openings
 from vvdp.valve.geometry import nozzle_width, pitch
@@ -74,7 +74,7 @@ def _beyond_port(shape: ValveShape, valve: RotaryValve, radius: float, z: float,
 def _inlet(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Part:
     """Rail, nozzles and port, the port ended."""
     port = rail_port(shape, valve, kernel) - _beyond_port(shape, valve, shape.rail_radius, 0.0, "inlet", kernel)
-    return joined([rail(shape, valve, kernel), nozzles(shape, valve, valve.spool_radius, kernel), port])
+    return union([rail(shape, valve, kernel), nozzles(shape, valve, valve.spool_radius, kernel), port])
 
 
 def rail_domain(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) -> Domain:
@@ -82,12 +82,12 @@ def rail_domain(shape: ValveShape, valve: RotaryValve, fineness: float = FINENES
 
     Source  ours, docs/models/geometry.md
     """
-    kernel = faceted(valve, fineness)
+    kernel = facet_kernel(valve, fineness)
     fluid = _inlet(shape, valve, kernel)
     for number in range(round(valve.sections)):
         # Each mouth has its own sector of the bore; the angles lie clear of all mouths.
         sector = _sector(f"outlet{number + 1}", valve, shape.rail_diameter, kernel)
-        fluid = fluid - sector.turned(number * 2.0 * np.pi / valve.sections)
+        fluid = fluid - sector.rotate(number * 2.0 * np.pi / valve.sections)
     mesh = require_sound(fluid.mesh(), "rail", 1, 0)
     middle = rail_angles(shape, valve)[0] + 0.5 * rail_arc(shape, valve)
     inside = (float(shape.rail_radius * np.cos(middle)), float(shape.rail_radius * np.sin(middle)), 0.0)
@@ -96,7 +96,7 @@ def rail_domain(shape: ValveShape, valve: RotaryValve, fineness: float = FINENES
 
 def rail_without_port(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) -> Mesh:
     """Rail and nozzles up to the bore, of which `rail_volume` is the volume."""
-    kernel, R, reach = faceted(valve, fineness), valve.spool_radius, shape.rail_diameter
+    kernel, R, reach = facet_kernel(valve, fineness), valve.spool_radius, shape.rail_diameter
     whole = rail(shape, valve, kernel) + nozzles(shape, valve, R, kernel)
     return require_sound((whole - kernel.cylinder("bore", R, -reach, reach)).mesh(), "rail without port", 1, 0)
 
@@ -106,7 +106,7 @@ def _sector(patch: str, valve: RotaryValve, height: float, kernel: Faceted) -> P
     R, half = valve.spool_radius, 0.5 * pitch(valve)
 
     def sector(a: Floats, b: Floats, c: Floats) -> Floats:
-        return wrapped((2.0 * a - 1.0) * 0.96 * half, (c - 0.5) * height, R * (0.5 + 0.5 * b), R)
+        return wrap((2.0 * a - 1.0) * 0.96 * half, (c - 0.5) * height, R * (0.5 + 0.5 * b), R)
 
     return kernel.mapped_box(patch, sector, (4.0 * half, 0.0, 0.0))
 
@@ -155,16 +155,16 @@ def centre_domain(
 
     Source  ours, docs/models/geometry.md
     """
-    N, R, at, kernel = round(valve.sections), valve.spool_radius, stations(shape, valve), faceted(valve, fineness)
+    N, R, at, kernel = round(valve.sections), valve.spool_radius, stations(shape, valve), facet_kernel(valve, fineness)
     _require_open(angle, position, shape, valve)
     end = kernel.cylinder("outlet", 2.0 * R, at.ring_end - OVERLAP * R, 2.0 * at.ring_end)
-    fluid = (_pockets(shape, valve, kernel) - end).turned(angle).moved(-position)
+    fluid = (_pockets(shape, valve, kernel) - end).rotate(angle).translate(-position)
     stub = STUB * R
     whole = nozzle("nozzles", shape, valve, R, -4.0 * OVERLAP * R, 2.0 * stub + nozzle_width(valve), kernel)
     within = _spool_within(shape, valve, kernel)
     for number in range(N):
         one = whole - _across_jet(f"inlet{number + 1}", shape, valve, stub, kernel) - within
-        fluid = fluid + one.turned(2.0 * np.pi * number / N)
+        fluid = fluid + one.rotate(2.0 * np.pi * number / N)
     mesh = require_sound(fluid.mesh(), "centre section", 1, N + 1)
     return Domain("centre", mesh, _in_ring(shape, valve, angle, position))
 
@@ -206,13 +206,13 @@ def turbine_domain(
 
     Source  ours, docs/models/geometry.md
     """
-    R, at, kernel = valve.spool_radius, stations(shape, valve), faceted(valve, fineness)
+    R, at, kernel = valve.spool_radius, stations(shape, valve), facet_kernel(valve, fineness)
     require_within_stroke(position, shape, valve)
     start = at.channel_start - APPROACH * R
     chamber = chamber_cutter(shape, valve, start - BEYOND * R, kernel)
     chamber = chamber - kernel.cylinder("inlet", 2.0 * R, start - R, start)
     rotor = chamber + channel_cutter(shape, valve, R * (1.0 + 4.0 * OVERLAP), kernel)
-    fluid = rotor.turned(angle).moved(-position) + _outlet(shape, valve, kernel)
+    fluid = rotor.rotate(angle).translate(-position) + _outlet(shape, valve, kernel)
     mesh = require_sound(fluid.mesh(), "outlet turbine", 1, 1 + round(shape.outlet_blades))
     radius = 0.5 * (shape.chamber_inner_radius + shape.chamber_outer_radius)
     return Domain("turbine", mesh, (float(radius), 0.0, float(0.5 * (start + at.channel_start) - position)))
@@ -228,17 +228,17 @@ def valve_domain(
 
     Source  ours, docs/models/geometry.md
     """
-    N, R, at, kernel = round(valve.sections), valve.spool_radius, stations(shape, valve), faceted(valve, fineness)
+    N, R, at, kernel = round(valve.sections), valve.spool_radius, stations(shape, valve), facet_kernel(valve, fineness)
     _require_open(angle, position, shape, valve)
     inlet = _inlet(shape, valve, kernel) - _spool_within(shape, valve, kernel)
-    rotor = joined(
+    rotor = union(
         [
             _pockets(shape, valve, kernel),
             chamber_cutter(shape, valve, at.ring_end - OVERLAP * R, kernel),
             channel_cutter(shape, valve, R * (1.0 + 4.0 * OVERLAP), kernel),
         ]
     )
-    fluid = inlet + rotor.turned(angle).moved(-position) + _outlet(shape, valve, kernel)
+    fluid = inlet + rotor.rotate(angle).translate(-position) + _outlet(shape, valve, kernel)
     mesh = require_sound(fluid.mesh(), "whole valve", 1, 2 * N + round(shape.outlet_blades))
     return Domain("valve", mesh, _in_ring(shape, valve, angle, position))
 

@@ -42,15 +42,15 @@ class Body:
     def __sub__(self, other: "Body") -> "Body":
         from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 
-        return Body(tuple(_combined(BRepAlgoAPI_Cut(), [shape], other.shapes) for shape in self.shapes))
+        return Body(tuple(_combine(BRepAlgoAPI_Cut(), [shape], other.shapes) for shape in self.shapes))
 
     def __and__(self, other: "Body") -> "Body":
         from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
 
         whole = other.shape()
-        return Body(tuple(_combined(BRepAlgoAPI_Common(), [shape], [whole]) for shape in self.shapes))
+        return Body(tuple(_combine(BRepAlgoAPI_Common(), [shape], [whole]) for shape in self.shapes))
 
-    def turned(self, angle: float) -> "Body":
+    def rotate(self, angle: float) -> "Body":
         """Turned about the axis [rad]."""
         from OCP.gp import gp, gp_Trsf
 
@@ -58,7 +58,7 @@ class Body:
         motion.SetRotation(gp.OZ_s(), float(angle))
         return self._put(motion)
 
-    def moved(self, z: float) -> "Body":
+    def translate(self, z: float) -> "Body":
         """Moved along the axis [m]."""
         from OCP.gp import gp_Trsf, gp_Vec
 
@@ -66,7 +66,7 @@ class Body:
         motion.SetTranslation(gp_Vec(0.0, 0.0, float(z) / MILLI))
         return self._put(motion)
 
-    def mirrored(self, z: float = 0.0) -> "Body":
+    def mirror(self, z: float = 0.0) -> "Body":
         """Mirrored at the plane at `z` [m]."""
         from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf
 
@@ -85,10 +85,10 @@ class Body:
 
         if len(self.shapes) == 1:
             return self.shapes[0]
-        return _combined(BRepAlgoAPI_Fuse(), self.shapes[:1], self.shapes[1:])
+        return _combine(BRepAlgoAPI_Fuse(), self.shapes[:1], self.shapes[1:])
 
 
-def _combined(
+def _combine(
     operation: "BRepAlgoAPI_BooleanOperation",
     arguments: "Iterable[TopoDS_Shape]",
     tools: "Iterable[TopoDS_Shape]",

@@ -31,15 +31,15 @@ class Part:
     def __and__(self, other: "Part") -> "Part":
         return Part(self.solid ^ other.solid, {**self.patches, **other.patches})
 
-    def turned(self, angle: float) -> "Part":
+    def rotate(self, angle: float) -> "Part":
         """Turned about the axis [rad]."""
         return Part(self.solid.rotate([0.0, 0.0, float(np.degrees(angle))]), self.patches)
 
-    def moved(self, z: float) -> "Part":
+    def translate(self, z: float) -> "Part":
         """Moved along the axis [m]."""
         return Part(self.solid.translate([0.0, 0.0, float(z)]), self.patches)
 
-    def mirrored(self, z: float = 0.0) -> "Part":
+    def mirror(self, z: float = 0.0) -> "Part":
         """Mirrored at the plane at `z` [m]."""
         return Part(self.solid.mirror([0.0, 0.0, 1.0]).translate([0.0, 0.0, 2.0 * float(z)]), self.patches)
 
@@ -67,12 +67,12 @@ class Faceted:
 
     def cylinder(self, patch: str, radius: float, low: float, high: float) -> Part:
         """A prism about the axis with its corners on the cylinder."""
-        return _named(self._prism(radius, low, high), patch)
+        return _name_patch(self._prism(radius, low, high), patch)
 
     def radial_cylinder(self, patch: str, radius: float, angle: float, near: float, far: float, z: float) -> Part:
         """A prism whose axis is the ray at `angle`, from `near` to `far`."""
         along = self._prism(radius, near, far).rotate([0.0, 90.0, float(np.degrees(angle))])
-        return _named(along.translate([0.0, 0.0, float(z)]), patch)
+        return _name_patch(along.translate([0.0, 0.0, float(z)]), patch)
 
     def _prism(self, radius: float, low: float, high: float) -> Manifold:
         segments = self._edges(2.0 * np.pi * radius, 48)
@@ -85,7 +85,7 @@ class Faceted:
         n, m = self._edges(2.0 * np.pi * radius, 64), self._edges(np.pi * centre_radius, 48)
         phi, turn = 2.0 * np.pi * np.arange(n) / n, 2.0 * np.pi * np.arange(m)[:, None] / m
         out, height = centre_radius + radius * np.cos(phi), np.broadcast_to(z + radius * np.sin(phi), (m, n))
-        return _named(_tube(np.stack([out * np.cos(turn), out * np.sin(turn), height], axis=-1)), patch)
+        return _name_patch(_tube(np.stack([out * np.cos(turn), out * np.sin(turn), height], axis=-1)), patch)
 
     def bent_rod(self, patch: str, centre_radius: float, radius: float, begin: float, end: float) -> Part:
         """An arc of a torus about the axis, in the plane z = 0, with a hemisphere at either end."""
@@ -105,7 +105,7 @@ class Faceted:
         for angle, beyond in ((begin, -r), (end, r)):
             out, along = _directions(angle)
             poles.append(centre_radius * out + beyond * along)
-        return _named(_tube(np.array(rings), poles), patch)
+        return _name_patch(_tube(np.array(rings), poles), patch)
 
     def mapped_box(self, patch: str, placed: Placed, lengths: Sequence[float]) -> Part:
         """The unit cube, its faces divided by edges, with every node moved to where `placed` puts it."""
@@ -118,13 +118,13 @@ class Faceted:
             triangles += [np.stack([p, s, r], -1).reshape(-1, 3), np.stack([p, r, q], -1).reshape(-1, 3)]
         used, numbered = np.unique(np.vstack(triangles), return_inverse=True)
         a, b, c = np.unravel_index(used, number.shape)
-        return _named(_surface(placed(a / na, b / nb, c / nc), numbered.reshape(-1, 3)), patch)
+        return _name_patch(_surface(placed(a / na, b / nb, c / nc), numbered.reshape(-1, 3)), patch)
 
     def _edges(self, length: float, least: int) -> int:
         return max(least, int(np.ceil(length / self.edge - 1e-9)))
 
 
-def _named(solid: Manifold, patch: str) -> Part:
+def _name_patch(solid: Manifold, patch: str) -> Part:
     original = solid.as_original()
     return Part(original, {original.original_id(): patch})
 

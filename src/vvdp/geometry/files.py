@@ -75,7 +75,7 @@ def read_stl(path: Path) -> Mesh:
     solids = found.get("geometry", {found.get("metadata", {}).get("name", "body"): found})
     if not solids:
         raise unusable(path, "is not an STL file")
-    return _merged([solid["vertices"][solid["faces"]] for solid in solids.values()], list(solids))
+    return _merge([solid["vertices"][solid["faces"]] for solid in solids.values()], list(solids))
 
 
 def write_glb(path: Path, mesh: Mesh, name: str) -> None:
@@ -100,10 +100,10 @@ def read_glb(path: Path) -> Mesh:
         parts = load_glb(io.BytesIO(path.read_bytes()))["geometry"]
     except (ValueError, IndexError, KeyError, NotImplementedError):
         raise unusable(path, "is not a GLB file") from None
-    return _merged([part["vertices"][part["faces"]] for part in parts.values()], list(parts))
+    return _merge([part["vertices"][part["faces"]] for part in parts.values()], list(parts))
 
 
-def _merged(corners: Sequence[Floats], names: Sequence[str]) -> Mesh:
+def _merge(corners: Sequence[Floats], names: Sequence[str]) -> Mesh:
     """The mesh of patches that are given by the corners of their triangles."""
     patch = np.repeat(np.arange(len(corners)), [len(each) for each in corners])
     points = np.concatenate(corners).reshape(-1, 3).astype(float)

@@ -20,13 +20,13 @@ class Solid(Protocol):
 
     def __and__(self: "S", other: "S", /) -> "S": ...
 
-    def turned(self: "S", angle: float) -> "S":
+    def rotate(self: "S", angle: float) -> "S":
         """Turned about the axis [rad]."""
 
-    def moved(self: "S", z: float) -> "S":
+    def translate(self: "S", z: float) -> "S":
         """Moved along the axis [m]."""
 
-    def mirrored(self: "S", z: float = 0.0) -> "S":
+    def mirror(self: "S", z: float = 0.0) -> "S":
         """Mirrored at the plane at `z` [m]."""
 
 
@@ -56,7 +56,7 @@ class Kernel(Protocol[Made]):
         """
 
 
-def joined(parts: Sequence[S]) -> S:
+def union(parts: Sequence[S]) -> S:
     """All parts in one."""
     whole = parts[0]
     for part in parts[1:]:
@@ -66,4 +66,4 @@ def joined(parts: Sequence[S]) -> S:
 
 def around(part: S, count: float) -> S:
     """`count` copies of a part, evenly spread about the axis, in one."""
-    return joined([part.turned(2.0 * np.pi * number / count) for number in range(round(count))])
+    return union([part.rotate(2.0 * np.pi * number / count) for number in range(round(count))])

@@ -8,7 +8,7 @@ from trimesh.triangles import cross
 
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import ANGLE, AREA, LENGTH, VOLUME, Kind
-from vvdp.geometry.mesh import Floats, Mesh, unwrapped, volume
+from vvdp.geometry.mesh import Floats, Mesh, unwrap, volume
 from vvdp.geometry.shape import ValveShape, rail_volume, spool_volume
 from vvdp.valve.geometry import Openings, barrier_width, pitch
 from vvdp.valve.rotary import RotaryValve
@@ -70,7 +70,7 @@ def _flat(triangles: Floats) -> CrossSection:
 def _mouths(sleeve: Mesh, valve: RotaryValve) -> tuple[CrossSection, ...]:
     """What the bore's wall leaves open within half a pitch of each nozzle."""
     bore = valve.spool_radius + valve.radial_clearance
-    wall = unwrapped(sleeve.of("bore"), bore, 2e-3 * bore)
+    wall = unwrap(sleeve.of("bore"), bore, 2e-3 * bore)
     # Seen in arcs of the spool's surface.
     wall = wall * np.array([valve.spool_radius / bore, 1.0])
     P, turn = pitch(valve), 2.0 * np.pi * valve.spool_radius
@@ -132,7 +132,7 @@ def comparisons(shape: ValveShape, valve: RotaryValve, spool: Mesh, sleeve: Mesh
 def surface_of(spool: Mesh, sleeve: Mesh, valve: RotaryValve) -> Surface:
     """The unwrapped surfaces of both, to be laid over each other by `measured_openings`."""
     R, P, L = valve.spool_radius, pitch(valve), valve.helix_length
-    lands = unwrapped(spool.of("spool"), R, 2e-3 * R)
+    lands = unwrap(spool.of("spool"), R, 2e-3 * R)
     inside = (lands[:, :, 1].max(1) > -0.5 * L) & (lands[:, :, 1].min(1) < 1.5 * L)
     lands = lands[inside]
     turn = 2.0 * np.pi * R
@@ -185,7 +185,7 @@ def mouth_area(sleeve: Mesh, valve: RotaryValve) -> float:
 def barrier_width_on(spool: Mesh, valve: RotaryValve) -> float:
     """Circumferential width of the barriers half-way up [m]: what they take of the circle there, over 2 N."""
     R, L = valve.spool_radius, valve.helix_length
-    lands = unwrapped(spool.of("spool"), R, 2e-3 * R)
+    lands = unwrap(spool.of("spool"), R, 2e-3 * R)
     lands = lands[(lands[:, :, 1].max(1) > 0.3 * L) & (lands[:, :, 1].min(1) < 0.7 * L)]
     low, high, far = 0.48 * L / UNIT, 0.52 * L / UNIT, 4.0 * np.pi * R / UNIT
     band = CrossSection([np.array([(-far, low), (far, low), (far, high), (-far, high)])])

@@ -89,7 +89,7 @@ def require_sound(mesh: Mesh, what: str, components_expected: int, genus_expecte
     return mesh
 
 
-def unwrapped(corners: Floats, radius: float, tolerance: float) -> Floats:
+def unwrap(corners: Floats, radius: float, tolerance: float) -> Floats:
     """Triangles that lie on the cylinder of `radius`, as (arc, axial) [m], each unwrapped about its own middle.
 
     The arc is counted from -pi R to pi R at the triangle's middle.

@@ -424,13 +424,13 @@ def valve_shape(
     if abs(factor - 1.0) > 1e-12:
         scaled = {key for key, kind in field_kinds(ValveShape).items() if kind is LENGTH and key not in given}
         shape = replace(shape, **{key: factor * getattr(shape, key) for key in scaled})
-        rows = [_scaled(row, factor) if row.key in scaled else row for row in rows]
+        rows = [_scale(row, factor) if row.key in scaled else row for row in rows]
     if found := [Fault("geometry", 0, "", message) for message in contradictions(shape, valve)]:
         raise ConfigError(found)
     return shape, tuple(rows)
 
 
-def _scaled(row: Sourced, factor: float) -> Sourced:
+def _scale(row: Sourced, factor: float) -> Sourced:
     assert isinstance(row.value, float)
     note = f"{row.note}; " if row.note else ""
     return replace(row, value=factor * row.value, note=f"{note}{factor:.4g} times the prototype's")

@@ -9,7 +9,7 @@ import numpy as np
 
 from vvdp.base.errors import ParameterError
 from vvdp.geometry.facets import FINENESS, Faceted
-from vvdp.geometry.kernel import Floats, Kernel, S, around, joined
+from vvdp.geometry.kernel import Floats, Kernel, S, around, union
 from vvdp.geometry.mesh import Mesh, require_sound
 from vvdp.geometry.shape import (
     ValveShape,
@@ -35,7 +35,7 @@ BEYOND = 0.06
 """By how much a cutter reaches beyond what it cuts, over the spool radius."""
 
 
-def faceted(valve: RotaryValve, fineness: float = FINENESS) -> Faceted:
+def facet_kernel(valve: RotaryValve, fineness: float = FINENESS) -> Faceted:
     """The kernel of facets with `fineness` edges per spool radius. Raises ParameterError where they are too coarse."""
     if not fineness >= COARSEST:
         raise ParameterError(
@@ -45,7 +45,7 @@ def faceted(valve: RotaryValve, fineness: float = FINENESS) -> Faceted:
     return Faceted(valve.spool_radius / fineness)
 
 
-def wrapped(u: Floats, z: Floats, r: Floats, radius: float) -> Floats:
+def wrap(u: Floats, z: Floats, r: Floats, radius: float) -> Floats:
     """Points of the unwrapped surface of `radius`, at radii r."""
     return np.stack([r * np.cos(u / radius), r * np.sin(u / radius), z], axis=-1)
 
@@ -74,11 +74,11 @@ def pocket_cutter(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S
     def kite(a: Floats, b: Floats, c: Floats) -> Floats:
         weights = np.stack([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b], -1)
         u, z = np.moveaxis(weights @ corners, -1, 0)
-        return wrapped(u, z, low + c * (high - low), R)
+        return wrap(u, z, low + c * (high - low), R)
 
     def window(a: Floats, b: Floats, c: Floats) -> Floats:
         z = at.pocket_end - OVERLAP * R + b * (shape.window_length + 2.0 * OVERLAP * R)
-        return wrapped((2.0 * a - 1.0) * shape.window_half_angle * R, z, low + c * (high - low), R)
+        return wrap((2.0 * a - 1.0) * shape.window_half_angle * R, z, low + c * (high - low), R)
 
     cut = [
         around(kernel.mapped_box("spool", kite, (side, side, high - low)), N),
@@ -86,7 +86,7 @@ def pocket_cutter(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S
         kernel.cylinder("spool", high, at.tip + gap / 6.0, at.pocket_end),
         kernel.cylinder("spool", high, at.window_end, at.ring_end),
     ]
-    return joined(cut) - kernel.cylinder("spool", shape.hub_radius, -at.spool_end, 2.0 * at.spool_end)
+    return union(cut) - kernel.cylinder("spool", shape.hub_radius, -at.spool_end, 2.0 * at.spool_end)
 
 
 def chamber_cutter(shape: ValveShape, valve: RotaryValve, start: float, kernel: Kernel[S]) -> S:
@@ -124,14 +124,14 @@ def spool_part(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S:
     """The spool: barriers on a hub, windows and an outlet turbine on either side, end lands."""
     low, high = spool_reach(shape, valve)
     R, ring_end = valve.spool_radius, stations(shape, valve).ring_end
-    load = joined(
+    load = union(
         [
             pocket_cutter(shape, valve, kernel),
             chamber_cutter(shape, valve, ring_end - OVERLAP * R, kernel),
             channel_cutter(shape, valve, R * (1.0 + BEYOND), kernel),
         ]
     )
-    tank = load.mirrored(0.5 * valve.helix_length).turned(np.pi / valve.sections)
+    tank = load.mirror(0.5 * valve.helix_length).rotate(np.pi / valve.sections)
     return kernel.cylinder("spool", R, low, high) - (load + tank)
 
 
@@ -140,7 +140,7 @@ def spool(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) -> 
 
     Source  ours, docs/models/geometry.md
     """
-    mesh = spool_part(shape, valve, faceted(valve, fineness)).mesh()
+    mesh = spool_part(shape, valve, facet_kernel(valve, fineness)).mesh()
     return require_sound(mesh, "spool", 1, 2 * round(shape.outlet_blades))
 
 
@@ -157,16 +157,16 @@ def nozzle(
     centre = np.array([bore, 0.0, 0.0])
     growth = (shape.nozzle_taper - 1.0) / nozzle_reach(shape, valve)
 
-    def swept(a: Floats, b: Floats, c: Floats) -> Floats:
+    def sweep(a: Floats, b: Floats, c: Floats) -> Floats:
         u, z = 0.5 * width * (a - b), 0.5 * length * (a + b - 1.0)
         t = (start + c * (end - start))[:, None]
-        mouth = wrapped(u, z, np.full(u.shape, bore), R)
+        mouth = wrap(u, z, np.full(u.shape, bore), R)
         points: Floats = centre + t * outwards + (1.0 + growth * t) * (mouth - centre)
         return points
 
     # Twice as fine as the rest: what the spool opens is measured here.
     side = float(np.hypot(width, length))
-    return kernel.mapped_box(patch, swept, (side, side, 0.0))
+    return kernel.mapped_box(patch, sweep, (side, side, 0.0))
 
 
 def rail_angles(shape: ValveShape, valve: RotaryValve) -> tuple[float, float]:
@@ -218,10 +218,10 @@ def sleeve_part(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S:
         nozzles(shape, valve, bore, kernel),
         rail_port(shape, valve, kernel),
         outlet,
-        outlet.mirrored(),
+        outlet.mirror(),
         kernel.cylinder("bore", bore, -2.0 * half, 2.0 * half),
     ]
-    return kernel.cylinder("sleeve", sleeve_radius(shape), -half, half) - joined(cut)
+    return kernel.cylinder("sleeve", sleeve_radius(shape), -half, half) - union(cut)
 
 
 def sleeve(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) -> Mesh:
@@ -229,13 +229,13 @@ def sleeve(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) ->
 
     Source  ours, docs/models/geometry.md
     """
-    mesh = sleeve_part(shape, valve, faceted(valve, fineness)).mesh()
+    mesh = sleeve_part(shape, valve, facet_kernel(valve, fineness)).mesh()
     return require_sound(mesh, "sleeve", 1, round(valve.sections) + 3)
 
 
 def half_sleeve(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) -> Mesh:
     """The sleeve without its half at x > 0, to be looked into; the cut is the patch `section`."""
-    kernel, far = faceted(valve, fineness), 2.0 * (sleeve_half_length(shape, valve) + sleeve_radius(shape))
+    kernel, far = facet_kernel(valve, fineness), 2.0 * (sleeve_half_length(shape, valve) + sleeve_radius(shape))
 
     def half(a: Floats, b: Floats, c: Floats) -> Floats:
         return far * np.stack([a, 2.0 * b - 1.0, 2.0 * c - 1.0], axis=-1)

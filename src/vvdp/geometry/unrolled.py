@@ -45,7 +45,7 @@ def tank_wedge(number: int, valve: RotaryValve) -> tuple[HalfPlane, HalfPlane]:
     return (slope, 1.0, slope * (apex - half_barrier) + L), (-slope, 1.0, -slope * (apex + half_barrier) + L)
 
 
-def clipped(polygon: Points, sides: Sequence[HalfPlane]) -> Points:
+def clip_polygon(polygon: Points, sides: Sequence[HalfPlane]) -> Points:
     """The part of a convex polygon that lies within all half planes; no rows where nothing is left."""
     for a, b, c in sides:
         if not len(polygon):
@@ -73,8 +73,8 @@ def open_parts(nozzle: Points, valve: RotaryValve) -> tuple[list[Points], list[P
     """The parts of a nozzle's outline that see load pockets, and those that see tank pockets."""
     P = pitch(valve)
     numbers = range(int(np.floor(nozzle[:, 0].min() / P)) - 2, int(np.ceil(nozzle[:, 0].max() / P)) + 3)
-    load = [part for n in numbers if len(part := clipped(nozzle, load_wedge(n, valve)))]
-    tank = [part for n in numbers if len(part := clipped(nozzle, tank_wedge(n, valve)))]
+    load = [part for n in numbers if len(part := clip_polygon(nozzle, load_wedge(n, valve)))]
+    tank = [part for n in numbers if len(part := clip_polygon(nozzle, tank_wedge(n, valve)))]
     return load, tank
 
 
@@ -92,7 +92,7 @@ def clipped_openings(spool_angle: float, axial_position: float, valve: RotaryVal
         for side, wedge in enumerate((load_wedge, tank_wedge)):
             nearest = round(u / pitch(valve))
             sides = [wedge(n, valve) for n in range(nearest - 3, nearest + 4)]
-            shares[side] += _union([clipped(whole + (u, z), each) for each in sides], sides) / area(whole)
+            shares[side] += _union([clip_polygon(whole + (u, z), each) for each in sides], sides) / area(whole)
     return Openings(shares[0] / valve.sections, shares[1] / valve.sections)
 
 
@@ -102,5 +102,5 @@ def _union(parts: list[Points], sides: list[tuple[HalfPlane, HalfPlane]]) -> flo
     Where part i and part j > i meet, all between contain what they share, so the union is the sum of the parts less
     what each shares with the one before.
     """
-    shared = [area(clipped(part, before)) for part, before in zip(parts[1:], sides[:-1], strict=True)]
+    shared = [area(clip_polygon(part, before)) for part, before in zip(parts[1:], sides[:-1], strict=True)]
     return sum(area(part) for part in parts) - sum(shared)

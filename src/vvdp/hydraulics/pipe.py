@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.books import Stored
+from vvdp.base.conservation import Stored
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import BulkModulus, Compliance, Count, Length, Ratio
 from vvdp.base.params import Params
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.line import line_volume
-from vvdp.hydraulics.volume import closed_volume_stored
+from vvdp.hydraulics.volume import closed_volume_contents
 
 
 class LinePipe(Params):
@@ -100,7 +100,7 @@ def piece_stored(pressure: float, oil: Oil, pipe: LinePipe) -> Stored:
     """
     V, compliance = line_volume(inner_piece(pipe)), pipe.hose_compliance
     excess = pressure - oil.reference_pressure
-    inside = closed_volume_stored(pressure, V * (1.0 + compliance * excess), oil)
+    inside = closed_volume_contents(pressure, V * (1.0 + compliance * excess), oil)
     return Stored(inside.energy + 0.5 * V * compliance * excess**2, inside.volume)
 
 

@@ -5,7 +5,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.books import Stored
+from vvdp.base.conservation import Stored
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
 from vvdp.base.params import Params
@@ -85,7 +85,7 @@ def closed_volume_rate(net_flow: float, volume_rate: float, volume: float, fluid
     return fluid.bulk_modulus / volume * (fluid.volume_ratio * net_flow - volume_rate)
 
 
-def stored(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0) -> Stored:
+def vessel_contents(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0) -> Stored:
     """Energy [J] and tank volumes [m^3] in a vessel: 0 and V0 + swept at the reference pressure without gas.
 
     energy = V w/nu + V0 (P - ref)^2 / (2 B) + gas, volume = V/nu, with w the strain energy per tank volume.
@@ -94,12 +94,14 @@ def stored(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0)
     swept_volume  what a moving wall adds to the vessel [m^3]
     """
     excess = pressure - oil.reference_pressure
-    oil_inside = closed_volume_stored(pressure, oil_held(pressure, vessel, oil.reference_pressure) + swept_volume, oil)
+    oil_inside = closed_volume_contents(
+        pressure, oil_held(pressure, vessel, oil.reference_pressure) + swept_volume, oil
+    )
     hose = 0.5 * vessel.oil_volume * vessel.hose_compliance * excess**2
     return Stored(oil_inside.energy + hose + gas_energy(pressure, vessel, oil.reference_pressure), oil_inside.volume)
 
 
-def closed_volume_stored(pressure: float, volume: float, oil: Oil) -> Stored:
+def closed_volume_contents(pressure: float, volume: float, oil: Oil) -> Stored:
     """Energy [J] and tank volumes [m^3] of the oil in a rigid volume: V w/nu and V/nu.
 
     pressure  absolute [Pa]

@@ -30,7 +30,7 @@ class Alignment(NamedTuple):
     index_found: bool
 
 
-def edges_wanted(wheel: CodeWheel) -> int:
+def edges_needed(wheel: CodeWheel) -> int:
     """How many edges an alignment looks at, at most."""
     return len(wheel.edges) * STRETCH * (STRETCHES if wheel.has_index else 1) + 1
 

@@ -103,7 +103,7 @@ def _last_part(info: ChannelInfo) -> str:
 
 def no_such(path: Path, what: str, name: str, names: Sequence[str]) -> ConfigError:
     """The error for a name that a file does not have among `names`."""
-    return unusable(path, f"no {what} {name!r}; channels are {listed(names)}{suggestion(name, names, 3)}")
+    return unusable(path, f"no {what} {name!r}; channels are {list_names(names)}{suggestion(name, names, 3)}")
 
 
 def checked_size(samples: int) -> int:
@@ -113,7 +113,7 @@ def checked_size(samples: int) -> int:
     return samples
 
 
-def listed(names: Sequence[str], most: int = 40) -> str:
+def list_names(names: Sequence[str], most: int = 40) -> str:
     """Names as a message shows them, shortened where there are many."""
     if not names:
         return "none"

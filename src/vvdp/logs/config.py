@@ -21,7 +21,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import DUTY_RATIO, FRACTION, FREQUENCY, PRESSURE_LEVEL, TIME, Kind
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import Table, nearest, read_flag, read_table, read_text, read_values, read_whole
-from vvdp.base.units import line_to_si, parsed
+from vvdp.base.units import line_to_si, parse
 from vvdp.estimation.event_filter import EventFilter, event_filter
 from vvdp.estimation.fusion import LAG
 from vvdp.estimation.pressure_edges import PressureEdges, pressure_edges
@@ -151,7 +151,7 @@ class _Given:
 
     def fault(self, key: str, message: str) -> None:
         line = self.table.lines.get(key) or self.table.lines.get(key.partition(".")[0]) or 0
-        self.faults.append(_placed(Fault(self.table.place, line, key, message), self.options))
+        self.faults.append(_locate_fault(Fault(self.table.place, line, key, message), self.options))
 
     def place(self, key: str) -> str:
         """How a message calls a key."""
@@ -160,7 +160,7 @@ class _Given:
 
 def _read(table: Table, options: Sequence[Option]) -> _Given:
     names = {option.key: option.name for option in options}
-    given = _Given(table, names, (*_asked(table, options),), {}, [])
+    given = _Given(table, names, (*_given_keys(table, options),), {}, [])
     for name in table.content:
         if name not in READERS:
             given.fault(name, f"unknown table{nearest(name, list(READERS))}")
@@ -170,11 +170,11 @@ def _read(table: Table, options: Sequence[Option]) -> _Given:
         found: list[Fault] = []
         values = read_values(readers, _entries(table, name, options), name, table, found)
         given.values.update({f"{name}.{key}": value for key, value in values.items()})
-        given.faults.extend(_placed(fault, names) for fault in found)
+        given.faults.extend(_locate_fault(fault, names) for fault in found)
     return given
 
 
-def _asked(table: Table, options: Sequence[Option]) -> Iterator[str]:
+def _given_keys(table: Table, options: Sequence[Option]) -> Iterator[str]:
     return (f"{name}.{key}" for name in READERS for key in _entries(table, name, options))
 
 
@@ -189,15 +189,17 @@ def _entries(table: Table, name: str, options: Sequence[Option]) -> dict[str, An
     return entries | own
 
 
-def _placed(fault: Fault, options: Mapping[str, str]) -> Fault:
+def _locate_fault(fault: Fault, options: Mapping[str, str]) -> Fault:
     """A fault under the name of the option that gave its value, if one did."""
     return Fault(options[fault.key], 0, "", fault.message) if fault.key in options else fault
 
 
 def _rate(entry: Any) -> float:
-    value = parsed(entry, FREQUENCY)
+    value = parse(entry, FREQUENCY)
     if not value > 0.0:
-        raise ParameterError(f"{entry!r}; expected {FREQUENCY.named} above zero, for example {FREQUENCY.example!r}")
+        raise ParameterError(
+            f"{entry!r}; expected {FREQUENCY.with_article} above zero, for example {FREQUENCY.example!r}"
+        )
     return value
 
 
@@ -234,14 +236,14 @@ def _level(entry: Any) -> float | None:
 
 
 def _hysteresis(entry: Any) -> float:
-    value = parsed(entry, FRACTION)
+    value = parse(entry, FRACTION)
     if not 0.0 <= value <= 0.9:
         raise ParameterError(f"{value:g} of the swing; expected 0 to 0.9, or no edge is ever seen")
     return value
 
 
 def _quantities(kinds: Mapping[str, Kind]) -> dict[str, Reader]:
-    return {name: partial(parsed, kind=kind) for name, kind in kinds.items()}
+    return {name: partial(parse, kind=kind) for name, kind in kinds.items()}
 
 
 PRESSURE_KINDS = {name: kind for name, kind in field_kinds(PressureEdges).items() if kind is not None}

@@ -159,7 +159,7 @@ def _number(text, begin, end, decimal, high, low, tens):  # type: ignore[no-unty
     elif digits <= np.uint64(9007199254740992) and -22 <= exponent <= 22:
         value = np.float64(digits) / tens[-exponent] if exponent < 0 else np.float64(digits) * tens[exponent]
     else:
-        sound, value = _rounded(digits, exponent, high, low)
+        sound, value = _round(digits, exponent, high, low)
         if not sound:
             return False, 0.0
     return True, -value if negative else value
@@ -177,7 +177,7 @@ def _product(a, b):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _rounded(digits, exponent, high, low):  # type: ignore[no-untyped-def]
+def _round(digits, exponent, high, low):  # type: ignore[no-untyped-def]
     """Whether it is decided here, and `digits` times ten to the `exponent`, rounded to even.
 
     Source  lemire2021, section 5

@@ -49,7 +49,7 @@ def no_edges() -> Edges:
     return Edges(*(np.empty(0) for _ in range(4)))
 
 
-def joined(parts: Sequence[Edges]) -> Edges:
+def join(parts: Sequence[Edges]) -> Edges:
     """Records one after another."""
     return Edges(*(np.concatenate(columns) for columns in zip(*parts, strict=True))) if parts else no_edges()
 
@@ -158,12 +158,12 @@ class WaveEdges:
         if self._high is not None:  # the last certain sample of the portion before is the first one kept
             certain, high = np.concatenate([[0], certain]), np.concatenate([[self._high], high])
         changed = np.flatnonzero(high[1:] != high[:-1]) + 1
-        edges = self._placed(t, v, certain[changed - 1], certain[changed], high[changed], level, period)
+        edges = self._place(t, v, certain[changed - 1], certain[changed], high[changed], level, period)
         self._high = bool(high[-1])
         self._times, self._values = t[certain[-1] :], v[certain[-1] :]
         return edges
 
-    def _placed(
+    def _place(
         self, t: Array, v: Array, before: Chosen, after: Chosen, high: Chosen, level: float, period: float
     ) -> Edges:
         """Edges between certain samples `before` and `after`: where the level was crossed in that direction, on average
@@ -342,7 +342,7 @@ class Debounce:
 
     def push(self, edges: Edges, *, last: bool = False) -> Edges:
         """The edges that are settled now; those near the end wait for the next portion, unless this is the `last`."""
-        edges = joined([self._kept, edges])
+        edges = join([self._kept, edges])
         n = edges.times.size
         if n < 3:
             self._kept = no_edges() if last else edges
@@ -355,9 +355,9 @@ class Debounce:
         end = n if last else int(np.searchsorted(clusters, clusters[max(n - self.CONTEXT, 0)]))
         self._kept = part(edges, slice(end, n))
         self._earlier = np.empty(0) if last else known[: known.size - (n - 1) + end][-NEIGHBOURS:]
-        return self._merged(part(edges, slice(0, end)), clusters[:end])
+        return self._merge(part(edges, slice(0, end)), clusters[:end])
 
-    def _merged(self, edges: Edges, clusters: Chosen) -> Edges:
+    def _merge(self, edges: Edges, clusters: Chosen) -> Edges:
         if not edges.times.size:
             return edges
         first = np.flatnonzero(np.concatenate([[True], clusters[1:] != clusters[:-1]]))
@@ -380,7 +380,7 @@ class Debounce:
         return part(merged, kept)
 
 
-def ranked(steps: Array, size: int, rank: int) -> Array:
+def rank_filter(steps: Array, size: int, rank: int) -> Array:
     """Of each window of `size` neighbours the value with `rank` smaller ones: one for each window, from first to last.
 
     A window never reaches over the ends of the record, so that a single odd step there stays a single one.
@@ -398,7 +398,7 @@ def _usual(steps: Array) -> Array:
     if not steps.size:
         return steps
     size = min(NEIGHBOURS, steps.size)
-    quartiles = ranked(steps, size, (3 * size) // 4)
+    quartiles = rank_filter(steps, size, (3 * size) // 4)
     place = np.arange(steps.size)
     before, after = quartiles[np.fmax(place - size + 1, 0)], quartiles[np.fmin(place, quartiles.size - 1)]
     found: Array = np.fmin(before, after)

@@ -31,14 +31,14 @@ from vvdp.logs.charts import Excerpt
 from vvdp.logs.clock import ClockChoice, seconds
 from vvdp.logs.config import Counts, Estimation, InletPressure, Stamps, Wave, source_channels
 from vvdp.logs.config_text import config_text
-from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, joined, no_edges, part
-from vvdp.logs.findings import Sums, findings, numbers_in_doubt, settings_of, summary
-from vvdp.logs.fitting import fitted_filter
-from vvdp.logs.kept import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Store
+from vvdp.logs.diagnostics import Sums, findings, numbers_in_doubt, settings_of, summary
+from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, join, no_edges, part
+from vvdp.logs.estimate_result import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Store
+from vvdp.logs.noise_fit import fitted_filter
+from vvdp.logs.offline_filter import FEWEST_EDGES, LONGEST_BRIDGED, FilteredRows, OfflineFilter, Waves, no_waves
 from vvdp.logs.quantity import Conversion, to_si
 from vvdp.logs.result import Outcome, estimate_result
 from vvdp.logs.source import open_log
-from vvdp.logs.tracking import FEWEST_EDGES, LONGEST_BRIDGED, Tracked, Tracker, Waves, no_waves
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
@@ -64,7 +64,7 @@ FORGOTTEN = 1e-4
 """Edges count for a smoothed instant until their share has fallen to this."""
 
 
-def opened(path: Path, wanted: Estimation) -> Log:
+def open_for_estimate(path: Path, wanted: Estimation) -> Log:
     """The log, opened with the clock that was named; columns of edge times need none.
 
     Raises ConfigError where it cannot be read, or lacks a channel that is asked for.
@@ -124,7 +124,7 @@ def _pascals(log: Log, pressure: InletPressure) -> Conversion:
 
 
 @contextmanager
-def _interrupt_noted() -> Iterator[Callable[[], bool]]:
+def _catch_interrupt() -> Iterator[Callable[[], bool]]:
     """Whether Ctrl-C was pressed, to be asked where the record can be left; a second one ends everything at once."""
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
@@ -166,7 +166,7 @@ def estimate(
     before anything was reached.
     """
     began = time.perf_counter()
-    wanted = _fitted(log, wanted, say)
+    wanted = _fit_settings(log, wanted, say)
     with Store(folder / "result.h5") as store:
         run = _Run(log, wanted, store, say)
         passes = 2.0 if wanted.smooth else 1.0
@@ -174,9 +174,9 @@ def estimate(
         if not run.sums.rows:
             if run.sums.interruptions:
                 raise KeyboardInterrupt
-            raise unusable(log.path, run.nothing_found())
-        with _interrupt_noted():  # the second pass heeds Ctrl-C itself; all else is done to the end, in seconds
-            run.tell_left_out()
+            raise unusable(log.path, run.explain_no_result())
+        with _catch_interrupt():  # the second pass heeds Ctrl-C itself; all else is done to the end, in seconds
+            run.report_skipped()
             if wanted.smooth:
                 run.smooth(lambda done: progress((1.0 + done) / passes))
             outcome = _outcome(run, wanted, log, began)
@@ -220,7 +220,7 @@ def _meta(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _fitted(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimation:
+def _fit_settings(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimation:
     """The estimation with the settings that the beginning of the log speaks for, if it asks for them."""
     if not wanted.fit:
         return wanted
@@ -229,7 +229,7 @@ def _fitted(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimat
         run.through(lambda done: None, FITTED_EDGES)
         if run.sums.interruptions:
             raise KeyboardInterrupt
-        told = run.sums.explained(settings_of(wanted))
+        told = run.sums.noise_fit(settings_of(wanted))
     if told is None or numbers_in_doubt(told, run.sums, wanted):
         why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
@@ -279,7 +279,7 @@ class _Run:
         self.log, self.wanted, self.store, self.say = log, wanted, store, say
         self.sums = Sums(len(wanted.wheel.edges))
         self.period = 0.0
-        self.tracker: Tracker | None = None
+        self.tracker: OfflineFilter | None = None
         narrowest = min(sector_widths(wanted.wheel)) * len(wanted.wheel.edges) / TURN
         self.debounce = Debounce(shortest=min(0.15, 0.4 * narrowest))
         self.clock_at = -np.inf
@@ -325,7 +325,7 @@ class _Run:
             names += (self.wanted.pressure.channel,)
         wanted_names = tuple(dict.fromkeys(names))
         finished = True
-        with _interrupt_noted() as self._interrupted:
+        with _catch_interrupt() as self._interrupted:
             at_once = SAMPLES_AT_ONCE if np.isinf(most_edges) else FITTED_AT_ONCE
             try:
                 for portion in self.log.portions(wanted_names, at_once):
@@ -368,7 +368,7 @@ class _Run:
             if isinstance(self.finder, StampEdges):
                 self.sums.measured = self.tracker.covered
 
-    def tell_left_out(self) -> None:
+    def report_skipped(self) -> None:
         """Remarks when isolated edges were ignored; the time base does not reach out to them."""
         if self.tracker is None or not self.tracker.left_out_times:
             return
@@ -503,7 +503,7 @@ class _Run:
                 self._take_in_pressure()
         self._take_in_pressure()
 
-    def _tracker(self) -> Tracker:
+    def _tracker(self) -> OfflineFilter:
         usual = USUAL_RATE if not self.period else min(USUAL_RATE, 1.0 / self.period)
         rate = self.wanted.output_rate or _round_rate(usual)
         self.sums.rate = rate
@@ -520,9 +520,9 @@ class _Run:
         more = {**(PRESSURE_ROW if self.pressure is not None else {}), **(FUSED_ROWS if together is not None else {})}
         self.store.columns("", {**ROWS, **more})
         self.store.columns("edges", EDGES)
-        tracker = Tracker(wanted.filter, rate, wanted.sections, together, self.say)
+        tracker = OfflineFilter(wanted.filter, rate, wanted.sections, together, self.say)
         if together is not None and self.pressure is not None:
-            tracker.hear(self.pressure.waves)
+            tracker.add_pressure_edges(self.pressure.waves)
         return tracker
 
     def _close_clock(self) -> None:
@@ -534,7 +534,7 @@ class _Run:
                 self.sums.end = max(self.sums.end, float(found.times[-1]))
         else:
             self.finder.restart()
-        settled = joined([self.debounce.push(found), self.debounce.push(no_edges(), last=True)])
+        settled = join([self.debounce.push(found), self.debounce.push(no_edges(), last=True)])
         self._track(settled, last=True)
         self._count()
         if self.pressure is not None:
@@ -551,7 +551,7 @@ class _Run:
 
     # What comes out
 
-    def _write(self, tracked: Tracked) -> None:
+    def _write(self, tracked: FilteredRows) -> None:
         rows = dict(tracked.rows)
         if rows["time"].size:
             if self.pressure is not None:
@@ -605,7 +605,7 @@ class _Run:
         found = Waves(*(columns[name][at] for name in names))
         pressure.waves = Waves(*(np.concatenate(both) for both in zip(pressure.waves, found, strict=True)))
         if self.wanted.pressure is not None and self.wanted.pressure.fused and self.tracker is not None:
-            self.tracker.hear(found)
+            self.tracker.add_pressure_edges(found)
 
     def _take_in_pressure(self, *, last: bool = False) -> None:
         """Gives the rows their pressure, folds it over the angle and takes its duty ratio, as far as both are known;
@@ -691,7 +691,7 @@ class _Run:
 
     def smooth(self, progress: Callable[[float], None]) -> None:
         """The second pass: every row again, given the edges before and after it; it may be interrupted as well."""
-        with _interrupt_noted() as self._interrupted:
+        with _catch_interrupt() as self._interrupted:
             self.store.flush()
             self.store.columns("", SMOOTHED)
             pieces = self.store.file["piece"][:]
@@ -716,7 +716,7 @@ class _Run:
             first, last = np.searchsorted(numbers, [piece, piece + 0.5])
             begin, end = np.searchsorted(pieces, [piece, piece + 0.5])
             self._heed()
-            for smoothed in self._smoothed(int(first), int(last), run):
+            for smoothed in self._smooth(int(first), int(last), run):
                 self._write_smoothed(smoothed, int(begin), int(end))
                 try:
                     progress(self._smoothed_rows / pieces.size)
@@ -730,7 +730,7 @@ class _Run:
                 f"The second pass was stopped; from {time:.6g} s of piece {piece:g} on the smoothed columns are NaN."
             )
 
-    def _smoothed(self, first: int, last: int, run: Any) -> Iterator[Smoothed]:
+    def _smooth(self, first: int, last: int, run: Any) -> Iterator[Smoothed]:
         file, q = self.store.file["edges"], self.wanted.filter.acceleration_density
         portions = list(range(first, last, SMOOTHED_EDGES))
 
@@ -769,7 +769,7 @@ class _Run:
             self._smoothed_rows = begin + stop
             self._heed()
 
-    def nothing_found(self) -> str:
+    def explain_no_result(self) -> str:
         """Why there is no estimate."""
         edges = f"{self.sums.edges:g} edges were found"
         channel = self.wanted.source.channel

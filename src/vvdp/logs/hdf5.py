@@ -13,8 +13,8 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log
+from vvdp.logs.channel_readers import Leaf, Reader, Tree, evenly
 from vvdp.logs.clock import ClockChoice
-from vvdp.logs.tracks import Leaf, Reader, Tree, evenly
 
 MOST_COLUMNS = 64
 """A matrix with more columns is not a set of channels."""
@@ -22,14 +22,14 @@ MOST_COLUMNS = 64
 
 def hdf5_log(path: Path, choice: ClockChoice) -> Log:
     """The log in an HDF5 file."""
-    file = opened(path)
+    file = open_hdf5(path)
     tree = Tree(path, choice, "/")
     for name in file:
         _walk(tree, (name,), file.get(name))
     return tree.log(file)
 
 
-def opened(path: Path) -> Any:
+def open_hdf5(path: Path) -> Any:
     """The HDF5 file `path`, open for reading. Raises ConfigError where it is damaged."""
     try:
         return h5py.File(path, "r")
@@ -59,11 +59,16 @@ def _add(tree: Tree, path: tuple[str, ...], dataset: Any) -> None:
         tree.refuse(path, why)
         return
     unit, clock = text(dataset.attrs.get("units", dataset.attrs.get("unit"))), _own_clock(dataset)
-    link = _linked(dataset)
+    link = _dimension_scale(dataset)
     if dataset.ndim == 1:
         tree.add(
             Leaf(
-                path=path, samples=dataset.shape[0], values=_scaled(dataset, 0), unit=unit, clock=clock, clock_path=link
+                path=path,
+                samples=dataset.shape[0],
+                values=_read_scaled(dataset, 0),
+                unit=unit,
+                clock=clock,
+                clock_path=link,
             )
         )
     else:
@@ -73,7 +78,7 @@ def _add(tree: Tree, path: tuple[str, ...], dataset: Any) -> None:
                 Leaf(
                     path=column,
                     samples=dataset.shape[0],
-                    values=_scaled(dataset, k),
+                    values=_read_scaled(dataset, k),
                     unit=unit,
                     clock=clock,
                     clock_path=link,
@@ -97,7 +102,7 @@ def field_reader(dataset: Any, name: str) -> Reader:
     return lambda begin, end: np.asarray(dataset[begin:end][name], float)
 
 
-def _scaled(dataset: Any, column: int) -> Reader:
+def _read_scaled(dataset: Any, column: int) -> Reader:
     """Reads a column, with fill value, scale and offset as netCDF defines them."""
     scale, offset = dataset.attrs.get("scale_factor"), dataset.attrs.get("add_offset")
     fill = dataset.attrs.get("_FillValue")
@@ -136,7 +141,7 @@ def _number(value: object) -> float | None:
     return number if np.isfinite(number) else None
 
 
-def _linked(dataset: Any) -> tuple[str, ...] | None:
+def _dimension_scale(dataset: Any) -> tuple[str, ...] | None:
     """Path of the dimension scale along the first axis; None for a dataset that is itself one."""
     if dataset.attrs.get("CLASS") == b"DIMENSION_SCALE" or not dataset.dims[0]:
         return None

@@ -17,9 +17,9 @@ import numpy as np
 
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log
+from vvdp.logs.channel_readers import Leaf, Reader, Tree
 from vvdp.logs.clock import ClockChoice, heading, is_time_name
-from vvdp.logs.hdf5 import MOST_COLUMNS, opened, text
-from vvdp.logs.tracks import Leaf, Reader, Tree
+from vvdp.logs.hdf5 import MOST_COLUMNS, open_hdf5, text
 
 MOST_STRUCTS = 1000
 DEEPEST = 30
@@ -78,7 +78,7 @@ def mat_log(path: Path, choice: ClockChoice) -> Log:
 
 def mat73_log(path: Path, choice: ClockChoice) -> Log:
     """The log in a MATLAB file of version 7.3."""
-    file = opened(path)
+    file = open_hdf5(path)
     try:
         variables = {name: _from_hdf5(file[name], file, 0) for name in file if not name.startswith("#")}
     except (OSError, KeyError, ValueError, RuntimeError) as problem:

@@ -13,8 +13,8 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log, unique
+from vvdp.logs.channel_readers import Leaf, Tree
 from vvdp.logs.clock import ClockChoice
-from vvdp.logs.tracks import Leaf, Tree
 
 _TIME = 1
 """What the specification calls the synchronisation type of a master that is a time."""
@@ -24,7 +24,7 @@ _TEXT_CONVERSIONS = range(7, 12)
 
 def mdf_log(path: Path, choice: ClockChoice) -> Log:
     """The log in an MDF file."""
-    file = _opened(path)
+    file = _open_mdf(path)
     try:
         tree = Tree(path, choice, "/", short=True)
         labels = unique([_label(number, group) for number, group in enumerate(file.groups)])
@@ -41,7 +41,7 @@ def mdf_log(path: Path, choice: ClockChoice) -> Log:
     return tree.log(file)
 
 
-def _opened(path: Path) -> Any:
+def _open_mdf(path: Path) -> Any:
     import asammdf
 
     # An object of asammdf that failed to open a file fails again when it is disposed of, and says so on the terminal.
@@ -109,11 +109,11 @@ class _Samples:
 
     def times(self, begin: int, end: int) -> Array:
         """Times of the master [s]."""
-        return _joined([np.asarray(signal.timestamps, float) for signal in self._signals(begin, end)])
+        return _join([np.asarray(signal.timestamps, float) for signal in self._signals(begin, end)])
 
     def values(self, begin: int, end: int) -> Array:
         """Values, NaN where they are marked as invalid."""
-        return _joined([_valid(signal) for signal in self._signals(begin, end)])
+        return _join([_valid(signal) for signal in self._signals(begin, end)])
 
     def _signals(self, begin: int, end: int) -> list[Any]:
         if self._span != (begin, end):
@@ -126,7 +126,7 @@ class _Samples:
         return self._read
 
 
-def _joined(parts: list[Array]) -> Array:
+def _join(parts: list[Array]) -> Array:
     return parts[0] if len(parts) == 1 else np.concatenate([np.empty(0), *parts])
 
 

@@ -31,7 +31,7 @@ def to_si(path: Path, channel: ChannelInfo, kind: Kind, unit: str | None = None)
         raise ConfigError([Fault(str(path), 0, channel.name, problem)])
     written = unit or channel.unit
     if not written and kind.unit != "1":
-        problem = f"has no unit; {kind.named} was expected, say in {kind.shown or kind.unit}"
+        problem = f"has no unit; {kind.with_article} was expected, say in {kind.display_unit or kind.unit}"
         raise ConfigError([Fault(str(path), 0, channel.name, problem)])
     try:
         return Conversion(*line_to_si(written, kind))

@@ -26,7 +26,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.logs.charts import Excerpt, Figure, pressure_figure, pressure_fold, wave_figure
 from vvdp.logs.config import Counts, Estimation, Stamps, Wave, source_channels
-from vvdp.logs.findings import Sums
+from vvdp.logs.diagnostics import Sums
 from vvdp.logs.speed_charts import innovation_figure, seen_stretch, speed_detail, speed_figure
 from vvdp.logs.wheel_charts import TABLE, wheel_figure, wheel_table
 from vvdp.results.result import Badge, Finding, Grade, Listing, Number, Result, Row, Section, numbers_of
@@ -199,7 +199,7 @@ def _badges(outcome: Outcome) -> Iterator[Badge]:
     sums, summary = outcome.sums, outcome.summary
     grave = sum(finding.grade is Grade.BAD for finding in outcome.findings)
     if grave:
-        yield Badge(_counted(grave, "grave finding"), Grade.BAD)
+        yield Badge(_count_text(grave, "grave finding"), Grade.BAD)
     if sums.interruptions:
         yield Badge("interrupted", Grade.BAD)
     if (fits := summary["settings_fit"]) is not None:
@@ -208,7 +208,7 @@ def _badges(outcome: Outcome) -> Iterator[Badge]:
             if fits
             else Badge("settings of the filter do not fit", Grade.WARNING)
         )
-    missed = Badge(f"{_counted(sums.missed, 'edge')} missed", Grade.WARNING)
+    missed = Badge(f"{_count_text(sums.missed, 'edge')} missed", Grade.WARNING)
     yield missed if sums.missed else Badge("no edge missed", Grade.GOOD)
     if (index := summary["index_found"]) is not None:
         yield Badge("index found", Grade.GOOD) if index else Badge("index not found", Grade.BAD)
@@ -218,13 +218,13 @@ def _badges(outcome: Outcome) -> Iterator[Badge]:
         yield Badge("edges in step with the clock", Grade.BAD)
 
 
-def _counted(count: float, word: str) -> str:
+def _count_text(count: float, word: str) -> str:
     return f"{plain(count, 12)} {word}{'' if count == 1 else 's'}"
 
 
 def _in_words(sums: Sums, frequency: Number) -> str:
     speed = sums.speed if sums.speed.count else sums.early_speed
-    passed = f"{_counted(sums.edges, 'edge')} of a wheel with {sums.sectors} sectors passed"
+    passed = f"{_count_text(sums.edges, 'edge')} of a wheel with {sums.sectors} sectors passed"
     missed = f", {plain(sums.missed)} more did not show" if sums.missed else ""
     settled = (
         f"The angle is known to {with_unit(sums.angle_deviation.mean, ANGLE, 3)} and the speed to "

@@ -28,7 +28,7 @@ def open_log(path: Path, *, time: str | None = None, rate: float | None = None, 
     choice = ClockChoice(time, rate, time_unit)
     choice.check()
     head = _head(path)
-    found = _found(path, head)
+    found = _detect_format(path, head)
     expected = FORMATS.get(path.suffix.lower())
     if expected is None:
         is_one = f" (its content is {found})" if found != "text" else ""
@@ -80,7 +80,7 @@ def _head(path: Path) -> bytes:
     return head
 
 
-def _found(path: Path, head: bytes) -> str:
+def _detect_format(path: Path, head: bytes) -> str:
     """What the file is by its content."""
     if head[:4] in (b"TDSm", b"TDSh"):
         return "TDMS" if head[:4] == b"TDSm" else "a TDMS index without its data"

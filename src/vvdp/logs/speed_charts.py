@@ -11,7 +11,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import display_unit, number, plain, with_unit
 from vvdp.base.kinds import ANGLE, COUNT, DURATION, FREQUENCY, RATIO, SPEED, Kind
 from vvdp.logs.charts import Excerpt, Figure, data_table, short_clock
-from vvdp.logs.findings import Sums, nis_band
+from vvdp.logs.diagnostics import Sums, nis_band
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Table
 from vvdp.sensing.wheel import TURN
@@ -288,12 +288,12 @@ def _square_table(sums: Sums) -> Table:
     columns = {
         "square": (sums.bins, RATIO, "squared normalised innovation"),
         "edges": (np.append(sums.histogram, np.nan), COUNT, "edges"),
-        "density": (_closed(np.where(density > 0.0, density, np.nan)), RATIO, "density"),
-        "expected_density": (_closed(shares / widths), RATIO, "density by chance"),
+        "density": (_close_steps(np.where(density > 0.0, density, np.nan)), RATIO, "density"),
+        "expected_density": (_close_steps(shares / widths), RATIO, "density by chance"),
     }
     return data_table("Squares of normalised innovations", columns)
 
 
-def _closed(values: Array) -> Array:
+def _close_steps(values: Array) -> Array:
     """Values of steps, with the last one again where it ends."""
     return np.append(values, values[-1:])

@@ -10,7 +10,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
-from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, listed, no_such
+from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, list_names, no_such
 from vvdp.logs.clock import ClockChoice, is_time_name, no_clock, seconds
 
 
@@ -50,7 +50,7 @@ class TableLog(Log):
         wanted = {name: own.index(self.channel(name).name) for name in names}
         clock = self._clock
         if clock is None and self._choice.rate is None:
-            raise no_clock(self.path, "the file", listed([info.name for info in self.channels()]))
+            raise no_clock(self.path, "the file", list_names([info.name for info in self.channels()]))
         if clock is None:
             return self._at_rate(wanted, samples, self._choice.rate or 0.0)
         self._choice.refuse_rate(self.path, f"column {own[clock]!r}")
@@ -64,7 +64,7 @@ class TableLog(Log):
             unit, remark = self._choice.unit_of(self.path, column.name, column.unit)
             if remark:
                 self.remark(remark)
-        return self._timed(wanted, samples, clock, unit)
+        return self._with_clock(wanted, samples, clock, unit)
 
     def _chosen_clock(self) -> int | None:
         """The column that is the clock: the one chosen, or named as a time, or the only one of date-times."""
@@ -77,24 +77,26 @@ class TableLog(Log):
         instants = [k for k, column in enumerate(self._columns) if column.holds == "instant"]
         found = [k for k in named if self._columns[k].holds != "text"] or instants or named
         if len(found) > 1 and self._choice.rate is None:
-            names = listed([self._columns[k].name for k in found])
+            names = list_names([self._columns[k].name for k in found])
             self.remark(f"several columns may be the time ({names}); the first is taken")
         return found[0] if found else None
 
     def _at_rate(self, wanted: Mapping[str, int], samples: int, rate: float) -> Iterator[Mapping[str, Portion]]:
         row = 0
-        for arrays in self._followed(sorted(set(wanted.values())), samples):
+        for arrays in self._without_clock(sorted(set(wanted.values())), samples):
             count = next(iter(arrays.values())).size if arrays else 0
             times = np.arange(row, row + count) / rate
             row += count
             yield {name: Portion(times, arrays[k]) for name, k in wanted.items()}
 
-    def _timed(self, wanted: Mapping[str, int], samples: int, clock: int, unit: str) -> Iterator[Mapping[str, Portion]]:
-        for arrays in self._followed(sorted({clock, *wanted.values()}), samples):
+    def _with_clock(
+        self, wanted: Mapping[str, int], samples: int, clock: int, unit: str
+    ) -> Iterator[Mapping[str, Portion]]:
+        for arrays in self._without_clock(sorted({clock, *wanted.values()}), samples):
             times = seconds(arrays[clock], unit)
             yield {name: Portion(times, arrays[k]) for name, k in wanted.items()}
 
-    def _followed(self, columns: Sequence[int], samples: int) -> Iterator[Mapping[int, Array]]:
+    def _without_clock(self, columns: Sequence[int], samples: int) -> Iterator[Mapping[int, Array]]:
         self.done = 0.0
         for arrays, done in self._rows(columns, samples):
             self.done = done

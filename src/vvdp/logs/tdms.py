@@ -17,8 +17,8 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.logs.channel import Log
+from vvdp.logs.channel_readers import Leaf, Reader, Tree, evenly
 from vvdp.logs.clock import ClockChoice
-from vvdp.logs.tracks import Leaf, Reader, Tree, evenly
 
 
 def tdms_log(path: Path, choice: ClockChoice) -> Log:

@@ -72,7 +72,7 @@ class TextLog(TableLog):
         with self.path.open("rb") as file:
             file.seek(self._dialect.begin)
             for block, complete in _blocks(self.path, file, max(4096, int(samples * self._dialect.row_length))):
-                arrays = table.parsed(block, complete)
+                arrays = table.parse_block(block, complete)
                 yield arrays, file.tell() / size
         for remark in table.remarks:
             self.remark(remark)
@@ -104,7 +104,7 @@ class _Table:
         self._decimal = "." if dialect.delimiter == "," else ""
         self._origins: dict[int, Any] = {}
 
-    def parsed(self, block: bytes, complete: bool) -> dict[int, Array]:
+    def parse_block(self, block: bytes, complete: bool) -> dict[int, Array]:
         """The columns of a block of lines."""
         found = self._plain(block) if complete else None
         if found is None:
@@ -124,7 +124,7 @@ class _Table:
                 instants = _column_of_instants(block, delimiter, k)
                 if instants is None:
                     return None
-                found[k] = self._elapsed(k, instants)
+                found[k] = self._elapsed_seconds(k, instants)
         decimal = self._decimal_sign(block)
         if decimal is None:
             return None
@@ -174,7 +174,7 @@ class _Table:
         for k, column in texts.items():
             instants = _instants(column)
             assert instants is not None
-            found[k] = self._elapsed(k, instants)
+            found[k] = self._elapsed_seconds(k, instants)
         return {k: found[k] for k in self._columns}
 
     def _value(self, text: str, line: int, k: int) -> float:
@@ -192,7 +192,7 @@ class _Table:
                 self._decimal = sign
         return float(text.replace(",", ".").replace("d", "e").replace("D", "e"))
 
-    def _elapsed(self, k: int, instants: Any) -> Array:
+    def _elapsed_seconds(self, k: int, instants: Any) -> Array:
         if instants.size:
             self._origins.setdefault(k, instants[0])
         return seconds_between(instants, self._origins.get(k, np.datetime64(0, "ns")))
@@ -298,14 +298,14 @@ def _dialect(path: Path, head: bytes, whole: bool) -> Dialect:
         raise unusable(path, f"has a line of more than {HEAD} bytes; expected a table")
     forced = re.fullmatch(rb"(?:\xef\xbb\xbf)?sep=(.)\r?", raw[0])
     delimiters: Sequence[str] = (forced[1].decode("latin-1"),) if forced else _DELIMITERS
-    texts = [_decoded(line) for line in raw]
+    texts = [_decode(line) for line in raw]
     if forced:
         texts[0] = ""
     fitting: list[tuple[int, int, Dialect]] = []
     faults: list[ConfigError] = []
     for order, delimiter in enumerate(delimiters):
         try:
-            dialect = _tried(path, raw, texts, delimiter)
+            dialect = _try_dialect(path, raw, texts, delimiter)
         except ConfigError as problem:
             faults.append(problem)
             continue
@@ -315,7 +315,7 @@ def _dialect(path: Path, head: bytes, whole: bool) -> Dialect:
         return min(fitting, key=lambda found: found[:2])[2]
     if faults:
         raise faults[0]
-    single = _tried(path, raw, texts, ";")
+    single = _try_dialect(path, raw, texts, ";")
     if single is None:
         raise unusable(path, "holds no row of numbers; expected a table with one column a channel")
     if b"," in raw[single.line - 1]:
@@ -323,14 +323,14 @@ def _dialect(path: Path, head: bytes, whole: bool) -> Dialect:
     return single
 
 
-def _decoded(line: bytes) -> str:
+def _decode(line: bytes) -> str:
     try:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError:
         return line.decode("latin-1")
 
 
-def _tried(path: Path, raw: Sequence[bytes], texts: Sequence[str], delimiter: str) -> Dialect | None:
+def _try_dialect(path: Path, raw: Sequence[bytes], texts: Sequence[str], delimiter: str) -> Dialect | None:
     """The dialect with this delimiter; None where there are no rows. Raises ConfigError where a row is odd."""
     lines, place = [], 0
     for number, (line, text) in enumerate(zip(raw, texts, strict=True), 1):
@@ -345,7 +345,7 @@ def _tried(path: Path, raw: Sequence[bytes], texts: Sequence[str], delimiter: st
     if first and 1 in (len(kinds[first]), len(kinds[first - 1])) and len(kinds[first]) != len(kinds[first - 1]):
         return None  # heading and rows are not parted by this: `edge [s]` over times, `p` over decimal commas
     names, units, remarks, above = _headings(path, lines, kinds, first)
-    held = _held(kinds[first : first + _EXAMINED], names)
+    held = _column_contents(kinds[first : first + _EXAMINED], names)
     if above:
         remarks.append(f"lines {lines[0].number} to {above} are not part of the table; they are left out")
     named = unique([name or f"column {k + 1}" for k, name in enumerate(names)])
@@ -419,7 +419,7 @@ def _is_names(fields: Sequence[str], kinds: Sequence[str], width: int) -> bool:
     return len(fields) == width and "n" not in kinds and any(fields)
 
 
-def _held(rows: Sequence[Sequence[str]], names: Sequence[str]) -> list[str]:
+def _column_contents(rows: Sequence[Sequence[str]], names: Sequence[str]) -> list[str]:
     """What each column holds, by the first thing in it that says so."""
     words = {"n": "number", "i": "instant", "t": "text"}
     empty = ["number" if name else "nothing" for name in names]

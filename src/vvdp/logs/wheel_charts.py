@@ -6,7 +6,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import number
 from vvdp.base.kinds import ANGLE, COUNT, EFFICIENCY, RATIO
 from vvdp.logs.charts import Figure, data_table
-from vvdp.logs.findings import Sums
+from vvdp.logs.diagnostics import Sums
 from vvdp.logs.speed_charts import PALE
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vvdp.base.books import NOTHING, Books, Stored
+from vvdp.base.conservation import NOTHING, Books, Stored
 from vvdp.base.errors import NetworkError
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
@@ -22,7 +22,7 @@ from vvdp.network.paths import Places
 from vvdp.network.text import Text
 from vvdp.network.trial import check_law
 from vvdp.network.written_program import WrittenProgram
-from vvdp.simulation.model import Case, Model, no_mark, started_case
+from vvdp.simulation.model import Case, Model, initial_case, no_mark
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Circuit:
 
     def case_of(self, params: Any) -> Case:
         """The case of other parameters of the same classes."""
-        return started_case(self.model, type(self.case.command), params, self.case.settings)
+        return initial_case(self.model, type(self.case.command), params, self.case.settings)
 
 
 def build(network: Network) -> Circuit:
@@ -78,12 +78,12 @@ def build(network: Network) -> Circuit:
         stored=module.stored,
         start=module.start,
         conditions=module.conditions,
-        programs={program.name: program.assembled(module) for program in written},
+        programs={program.name: program.assemble(module) for program in written},
         mark=getattr(module, "mark", no_mark),
         stop=module.stop,
     )
     settings = {program.name: program.settings for program in written}
-    case = started_case(model, classes.command, classes.values, settings)
+    case = initial_case(model, classes.command, classes.values, settings)
     _check_inertias(network, case)
     return Circuit(network, model, case, whole)
 
@@ -105,10 +105,10 @@ def _classes_by_name(classes: Classes) -> dict[str, Any]:
         "EMPTY_BOOKS": classes.empty_books,
         "State": classes.state,
         "Outputs": classes.outputs,
-        "Supplied": classes.supplied,
-        "Spent": classes.spent,
+        "Supplied": classes.supplied_class,
+        "Spent": classes.spent_class,
         "Totals": classes.totals,
-        "Held": classes.held,
+        "Held": classes.conditions_class,
         "Modes": classes.modes,
     }
 

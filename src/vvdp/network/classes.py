@@ -3,7 +3,7 @@
 from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
-from vvdp.base.books import Books, Nothing
+from vvdp.base.conservation import Books, Nothing
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import (
     EXCHANGED_ENERGY,
@@ -30,7 +30,7 @@ from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.network import Part
 from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
-from vvdp.network.paths import Places, StartValue, averaged_flows, exchanged, flows_of, shown
+from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, part_outputs, tank_exchanges
 from vvdp.simulation.values import blank, names
 
 INTEGRALS = {FLOW: TankVolume, PRESSURE_LEVEL: PressureTime, FRACTION: Duration, RATIO: Duration, POWER: Energy}
@@ -45,7 +45,7 @@ class Classes:
         self.network = places.network
 
     @cached_property
-    def supplied(self) -> type:
+    def supplied_class(self) -> type:
         """Energy from outside: by tanks, sources, driven shafts and parts."""
         given = [n for n, node in self.network.nodes.items() if isinstance(node, Tank | PressureSource | DrivenShaft)]
         given += [p.name for p in self.network.parts.values() if "supplied" in names(p.component.result)]
@@ -63,7 +63,7 @@ class Classes:
         }
 
     @cached_property
-    def spent(self) -> type:
+    def spent_class(self) -> type:
         """Energy turned to heat, by part."""
         losses = {p.name: p.component.losses for p in self.network.parts.values() if p.component.losses}
         hints = {n: _energy(kinds[""]) if "" in kinds else self.spent_parts[n] for n, kinds in losses.items()}
@@ -111,7 +111,9 @@ class Classes:
                 hints[f"{name}_speed"] = Speed
         for part in self.network.parts.values():
             _join(
-                hints, part.name, {f"{part.name}_{n}": Annotated[float, kind] for n, (_, kind) in shown(part).items()}
+                hints,
+                part.name,
+                {f"{part.name}_{n}": Annotated[float, kind] for n, (_, kind) in part_outputs(part).items()},
             )
         for path in self.program_reads:
             kind = self.places.quantity(path, path).kind
@@ -134,7 +136,7 @@ class Classes:
         return named_tuple("Media", oils)
 
     @cached_property
-    def held(self) -> type:
+    def conditions_class(self) -> type:
         """What is worked out once per sample."""
         hints = dict(get_type_hints(self.medium, include_extras=True))
         for name, node in self.network.nodes.items():
@@ -157,14 +159,14 @@ class Classes:
         for part in self.network.parts.values():
             found = {f"{part.name}_{n}": Annotated[float, kind] for n, kind in part.component.modes.items()}
             _join(hints, part.name, found)
-        return named_tuple("Modes", hints | dict.fromkeys(exchanged(self.places), Kink))
+        return named_tuple("Modes", hints | dict.fromkeys(tank_exchanges(self.places), Kink))
 
     @cached_property
     def command(self) -> type:
         """What is held between samples: the conditions, the modes, and the command of each program."""
         modes = {} if self.modes is Nothing else {"modes": self.modes}
         programs = {name: type(program.type.command) for name, program in self.network.programs.items()}
-        return named_tuple("Command", {"held": self.held, **modes, **programs})
+        return named_tuple("Command", {"held": self.conditions_class, **modes, **programs})
 
     @cached_property
     def start(self) -> type[Params]:
@@ -197,7 +199,7 @@ class Classes:
     @cached_property
     def empty_books(self) -> Books:
         """Books before a run."""
-        return Books(blank(self.supplied), blank(self.spent), 0.0, 0.0, blank(self.totals))
+        return Books(blank(self.supplied_class), blank(self.spent_class), 0.0, 0.0, blank(self.totals))
 
 
 def flow_names(part: Part) -> list[str]:

@@ -11,7 +11,7 @@ from enum import Enum, auto
 from functools import cached_property
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from vvdp.base.books import Stored
+from vvdp.base.conservation import Stored
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import KINK, MODE, Kind
 from vvdp.base.params import Params, field_kinds
@@ -117,12 +117,12 @@ class Component:
 
     def arguments_of(self, function: Callable[..., Any]) -> tuple[Argument, ...]:
         """The arguments of one of its functions, in order. Raises NetworkError where one cannot be told."""
-        if function not in self._told:
-            self._told[function] = self._arguments_of(function)
-        return self._told[function]
+        if function not in self._known_arguments:
+            self._known_arguments[function] = self._arguments_of(function)
+        return self._known_arguments[function]
 
     @cached_property
-    def _told(self) -> dict[Callable[..., Any], tuple[Argument, ...]]:
+    def _known_arguments(self) -> dict[Callable[..., Any], tuple[Argument, ...]]:
         """The arguments of its functions that were asked for."""
         return {}
 
@@ -271,7 +271,7 @@ def _check_units(component: Component) -> None:
         found += [(f"losses.{name}", kind, "W") for name, kind in component.losses.items()]
     for name, kind, unit in found:
         if kind is None or kind.unit != unit:
-            what = "has no kind" if kind is None else f"is {kind.named} [{kind.unit}]"
+            what = "has no kind" if kind is None else f"is {kind.with_article} [{kind.unit}]"
             raise NetworkError(f"{component.name}: {name!r} of its result {what}; expected one in {unit}")
     if component.state is not None:
         without = [name for name, kind in field_kinds(component.state).items() if kind is None]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 WIDTH = 116
 
 
-def added(terms: list[tuple[str, str]]) -> str:
+def signed_sum(terms: list[tuple[str, str]]) -> str:
     """A sum of signed terms as text."""
     text = " ".join(f"{sign} {term}" for sign, term in terms) or "0.0"
     return f"-{text[2:]}" if text.startswith("- ") else text.removeprefix("+ ")
@@ -17,12 +17,12 @@ def negative(term: str) -> str:
     return term.removeprefix("-") if term.startswith("-") else f"-{term}"
 
 
-def indented(lines: Iterable[str]) -> list[str]:
+def indent(lines: Iterable[str]) -> list[str]:
     """Lines, four spaces further in, and folded where they are too long."""
-    return [part for line in lines for part in folded(f"    {line}")]
+    return [part for line in lines for part in fold(f"    {line}")]
 
 
-def bracketed(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
+def keyword_call(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
     """A call with a keyword on each line."""
     if not fields:
         yield f"{head.partition('=')[0]}=NOTHING,"
@@ -32,23 +32,23 @@ def bracketed(head: str, cls: type, fields: dict[str, str]) -> Iterator[str]:
     yield "),"
 
 
-def folded(line: str) -> list[str]:
+def fold(line: str) -> list[str]:
     """A line of text, on several where it is too long: one for each argument of its call, or term of its sum."""
     if len(line) <= WIDTH or line.endswith("("):
         return [line]
     space = line[: len(line) - len(line.lstrip())]
     head, value, tail = re.fullmatch(r"(\s*(?:return |\w+ = |\w+=)?)(.*?)(,?)", line).groups()  # type: ignore[union-attr]
-    terms, (begin, end) = divided(value, (" + ", " - ")), first_bracket(value)
+    terms, (begin, end) = split_at(value, (" + ", " - ")), first_bracket(value)
     opened, closed = "(", ")"
     if len(terms) == 1 and end:
         inside, opened, closed = value[begin + 1 : end], value[: begin + 1], value[end:]
         is_call = begin > 0 and (value[begin - 1].isalnum() or value[begin - 1] == "_")
-        terms = [] if is_call else divided(inside, (" + ", " - "))
+        terms = [] if is_call else split_at(inside, (" + ", " - "))
         if is_call:
-            terms = [f"{part.removeprefix(', ')}," for part in divided(inside, (", ",))]
+            terms = [f"{part.removeprefix(', ')}," for part in split_at(inside, (", ",))]
     if len(terms) < 2:
         return [line]
-    folds = [text for term in terms for text in folded(f"{space}    {term.lstrip()}")]
+    folds = [text for term in terms for text in fold(f"{space}    {term.lstrip()}")]
     return [head + opened, *folds, f"{space}{closed}{tail}"]
 
 
@@ -63,7 +63,7 @@ def first_bracket(text: str) -> tuple[int, int]:
     return 0, 0
 
 
-def divided(text: str, marks: tuple[str, ...]) -> list[str]:
+def split_at(text: str, marks: tuple[str, ...]) -> list[str]:
     """The parts of a text before the marks that stand in no bracket; each but the first begins with its mark."""
     parts, depth, begin = [], 0, 0
     for place, letter in enumerate(text):

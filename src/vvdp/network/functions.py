@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from vvdp.base.books import Nothing
+from vvdp.base.conservation import Nothing
 from vvdp.base.errors import NetworkError
 from vvdp.base.params import field_kinds
 from vvdp.base.select import maximum, minimum
@@ -13,9 +13,9 @@ from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.flow import flow_side
 from vvdp.hydraulics.pipe import LinePipe, piece_rate, piece_stored
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
-from vvdp.hydraulics.volume import closed_volume_rate, closed_volume_stored, pressure_rate, stored
+from vvdp.hydraulics.volume import closed_volume_contents, closed_volume_rate, pressure_rate, vessel_contents
 from vvdp.network.component import Role
-from vvdp.network.folding import bracketed, indented, negative
+from vvdp.network.folding import indent, keyword_call, negative
 from vvdp.network.network import Part
 from vvdp.network.nodes import (
     Chamber,
@@ -29,7 +29,15 @@ from vvdp.network.nodes import (
     Shaft,
     Tank,
 )
-from vvdp.network.paths import averaged_flows, exchanged, paths_of, shown, signals_of, sources_of, takes_surplus
+from vvdp.network.paths import (
+    averaged_flows,
+    part_outputs,
+    paths_of,
+    signals_of,
+    sources_of,
+    takes_surplus,
+    tank_exchanges,
+)
 from vvdp.network.text import PRESCRIBED, Text
 from vvdp.simulation.values import blank, names
 
@@ -43,7 +51,7 @@ class Functions:
 
     def all(self) -> list[list[str]]:
         """All functions, the lines of each."""
-        return [self.circuit(), self.conditions(), self.stored(), self.start(), self.stop(), self.mark()]
+        return [self.circuit(), self.conditions(), self.contents(), self.start(), self.stop(), self.mark()]
 
     def circuit(self) -> list[str]:
         """The function `circuit`."""
@@ -59,7 +67,7 @@ class Functions:
                 continue
             if takes_surplus(part):  # what those before it give: of several such valves, the first has the first choice
                 node = part.nodes[part.component.hydraulic_ports[0]]
-                lines.append(f"surplus_{node} = {self.text.given(node, only=done)}")
+                lines.append(f"surplus_{node} = {self.text.inflow_sum(node, only=done)}")
             lines.append(f"{name} = {self.text.call(part, part.component.law)}")
             done.add(name)
         lines += [*self._exchange(), "rates = State("]
@@ -69,7 +77,7 @@ class Functions:
         if self.classes.modes is not Nothing:
             lines += ["modes = Modes(", *(f"    {name}={text}," for name, text in self._modes()), ")"]
         last = "return rates, outputs" + (", modes" if self.classes.modes is not Nothing else "")
-        return ["def circuit(t, s, u, p):", *indented([*lines, last])]
+        return ["def circuit(t, s, u, p):", *indent([*lines, last])]
 
     def _rates(self) -> Iterator[tuple[str, str]]:
         for name, node in self.network.nodes.items():
@@ -84,64 +92,63 @@ class Functions:
         match node:
             case OilVolume(values=Chamber()):
                 volume = f"{self.places.path(node.values)}.volume" + (f" + {swept}" if swept else "")
-                return f"{self.text.use(closed_volume_rate)}({self.text.given(name)}, {rate}, {volume}, {name})"
+                return f"{self.text.use(closed_volume_rate)}({self.text.inflow_sum(name)}, {rate}, {volume}, {name})"
             case OilVolume(values=LinePipe()):
                 ends = f"{self.places.path(node.values)}, {self.places.path(node.oil)}.reference_pressure"
-                return f"{self.text.use(piece_rate)}({self.text.given(name)}, {name}, {ends})"
+                return f"{self.text.use(piece_rate)}({self.text.inflow_sum(name)}, {name}, {ends})"
             case OilVolume():
                 reference = f"{self.places.path(node.oil)}.reference_pressure"
                 values = self.places.path(node.values)
                 ends = f"{values}, {reference}" + (f", {swept}" if swept else "")
-                return (
-                    f"{self.text.use(pressure_rate)}({self.text.given(name)}, {rate}, {name}.pressure, {name}, {ends})"
-                )
+                call, inflow = self.text.use(pressure_rate), self.text.inflow_sum(name)
+                return f"{call}({inflow}, {rate}, {name}.pressure, {name}, {ends})"
             case DrivenShaft() if name in self.places.turning:
                 return f"{name}.speed"
             case Shaft():
-                return f"{self.text.use(ShaftState)}({name}.speed, ({self.text.given(name)}) / h.{name}_inertia)"
+                return f"{self.text.use(ShaftState)}({name}.speed, ({self.text.inflow_sum(name)}) / h.{name}_inertia)"
             case Rod():
-                return f"{self.text.use(RodState)}({name}.velocity, ({self.text.given(name)}) / h.{name}_inertia)"
+                return f"{self.text.use(RodState)}({name}.velocity, ({self.text.inflow_sum(name)}) / h.{name}_inertia)"
         return ""
 
     def _books(self) -> Iterator[str]:
-        yield from bracketed("supplied=Supplied", self.classes.supplied, self._supplied())
-        yield from bracketed("spent=Spent", self.classes.spent, self._spent())
+        yield from keyword_call("supplied=Supplied", self.classes.supplied_class, self._supplied_powers())
+        yield from keyword_call("spent=Spent", self.classes.spent_class, self._spent_powers())
         yield "taken_in=taken_in,"
-        yield f"given_out={' + '.join(['taken_in', *(f'into_{name}' for name in self._prescribed)])},"
-        yield from bracketed("totals=Totals", self.classes.totals, self._totals())
+        yield f"given_out={' + '.join(['taken_in', *(f'into_{name}' for name in self._prescribed_pressures)])},"
+        yield from keyword_call("totals=Totals", self.classes.totals, self._totals())
 
     @property
-    def _prescribed(self) -> list[str]:
+    def _prescribed_pressures(self) -> list[str]:
         return [name for name, node in self.network.nodes.items() if isinstance(node, PRESCRIBED)]
 
     def _exchange(self) -> Iterator[str]:
         """Lines that say what oil goes into tanks and sources, and how much of it comes out of them."""
-        yield from (f"into_{name} = {self.text.given(name)}" for name in self._prescribed)
-        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in exchanged(self.places).values()]
+        yield from (f"into_{name} = {self.text.inflow_sum(name)}" for name in self._prescribed_pressures)
+        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in tank_exchanges(self.places).values()]
         yield f"taken_in = {' + '.join(terms) or '0.0'}"
 
-    def _supplied(self) -> dict[str, str]:
+    def _supplied_powers(self) -> dict[str, str]:
         found = {}
         for name, node in self.network.nodes.items():
             if isinstance(node, PRESCRIBED):
-                found[name] = f"-{name}.enthalpy * into_{name}{self._pushed(name, node)}"
+                found[name] = f"-{name}.enthalpy * into_{name}{self._wall_power(name, node)}"
             elif isinstance(node, DrivenShaft):
-                found[name] = f"-{name}.speed * ({self.text.given(name)})"
+                found[name] = f"-{name}.speed * ({self.text.inflow_sum(name)})"
         parts = (part for part in self.network.parts.values() if "supplied" in names(part.component.result))
         return found | {part.name: f"{part.name}.supplied" for part in parts}
 
-    def _pushed(self, name: str, node: Tank | PressureSource) -> str:
+    def _wall_power(self, name: str, node: Tank | PressureSource) -> str:
         """What a prescribed pressure gives to the walls that move in it."""
         moving = [
             f"{m.part.name}_walls.{m.port}.rate"
-            for m in self.places.attached(name)
+            for m in self.places.ports_at(name)
             if m.part.component.moves_walls and m.port in m.part.component.wall_ports
         ]
         if not moving:
             return ""
         return f" + ({name}.pressure - {self.places.path(node.oil)}.reference_pressure) * ({' + '.join(moving)})"
 
-    def _spent(self) -> dict[str, str]:
+    def _spent_powers(self) -> dict[str, str]:
         found = {}
         for part in self.network.parts.values():
             losses = part.component.losses
@@ -172,14 +179,14 @@ class Functions:
             elif isinstance(node, DrivenShaft):
                 texts[f"{name}_speed"] = f"{name}.speed"
         for part in self.network.parts.values():
-            texts |= {f"{part.name}_{name}": text for name, (text, _) in shown(part).items()}
+            texts |= {f"{part.name}_{name}": text for name, (text, _) in part_outputs(part).items()}
         texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}
         yield from texts.items()
 
     def _modes(self) -> Iterator[tuple[str, str]]:
         for part in self.network.parts.values():
             yield from ((f"{part.name}_{name}", f"{part.name}.{name}") for name in part.component.modes)
-        for name, flow in exchanged(self.places).items():
+        for name, flow in tank_exchanges(self.places).items():
             yield name, f"{self.text.use(flow_side)}({flow})"
 
     def conditions(self) -> list[str]:
@@ -205,7 +212,7 @@ class Functions:
             if part.component.held:
                 fields[part.name] = self.text.call(part, part.component.held)
         lines += ["return Held(", *(f"    {name}={text}," for name, text in fields.items()), ")"]
-        return ["def conditions(t, p):", *indented(lines)]
+        return ["def conditions(t, p):", *indent(lines)]
 
     def oils(self) -> dict[str, Any]:
         """The oils of the network, by the name of their medium."""
@@ -220,14 +227,14 @@ class Functions:
         terms = [f"{self.places.path(node.values)}.{own}"] if node.values else []
         terms += [
             self.text.call(m.part, m.part.component.inertia)
-            for m in self.places.attached(name)
+            for m in self.places.ports_at(name)
             if m.part.component.inertia
         ]
         if not terms:
             raise NetworkError(f"{name} has no {own}; give it one, or join a component that has")
         return " + ".join(terms)
 
-    def stored(self) -> list[str]:
+    def contents(self) -> list[str]:
         """The function `stored`."""
         lines, energies, held = list[str](), list[str](), list[str]()
         used = [p for p in self.network.parts.values() if p.component.walls or p.component.stored]
@@ -241,7 +248,7 @@ class Functions:
         }
         own = [p for p in used if p.component.stored]
         for part in own:
-            self._check_stored(part)
+            self._check_contents(part)
         stores = [(p.component, p.component.stored) for p in own if p.component.stored]
         if any(a.role is Role.MEDIUM for component, store in stores for a in component.arguments_of(store)):
             lines.append("h = conditions(0.0, p)")
@@ -259,9 +266,9 @@ class Functions:
         energies, volumes = [f"{name}.energy" for name in held] + energies, [f"{name}.volume" for name in held]
         lines.append(f"energy = {' + '.join(energies) or '0.0'}")
         lines.append(f"return Stored(energy, {' + '.join(volumes) or '0.0'})")
-        return ["def stored(s, p):", *indented(lines)]
+        return ["def stored(s, p):", *indent(lines)]
 
-    def _check_stored(self, part: Part) -> None:
+    def _check_contents(self, part: Part) -> None:
         arguments = part.component.arguments_of(part.component.stored) if part.component.stored else ()
         for argument in arguments:
             if argument.role is Role.PORT and isinstance(self.network.nodes[part.nodes[argument.name]], PRESCRIBED):
@@ -281,10 +288,11 @@ class Functions:
         oil, values, swept = self.places.path(node.oil), self.places.path(node.values), self.text.walls(name, "volume")
         if isinstance(node.values, Chamber):
             volume = f"{values}.volume" + (f" + {swept}" if swept else "")
-            return f"{self.text.use(closed_volume_stored)}(s.{name}, {volume}, {oil})"
+            return f"{self.text.use(closed_volume_contents)}(s.{name}, {volume}, {oil})"
         if isinstance(node.values, LinePipe):
             return f"{self.text.use(piece_stored)}(s.{name}, {oil}, {values})"
-        return f"{self.text.use(stored, 'vessel_stored')}(s.{name}, {oil}, {values}{f', {swept}' if swept else ''})"
+        call = self.text.use(vessel_contents, "vessel_stored")
+        return f"{call}(s.{name}, {oil}, {values}{f', {swept}' if swept else ''})"
 
     def start(self) -> list[str]:
         """The function `start`."""
@@ -293,7 +301,7 @@ class Functions:
             if name == "books":
                 continue
             lines.append(f"    {name}={self._start(name)},")
-        return ["def start(p):", "    return State(", *indented(lines), "        books=EMPTY_BOOKS,", "    )"]
+        return ["def start(p):", "    return State(", *indent(lines), "        books=EMPTY_BOOKS,", "    )"]
 
     def _start(self, name: str) -> str:
         values = self.places.starts.get(name)
@@ -309,10 +317,10 @@ class Functions:
         state = part.component.state
         assert state is not None
         if values is not None:
-            return nested(part.start, iter(value.path for value in values), self.text.use)
+            return nested_text(part.start, iter(value.path for value in values), self.text.use)
         if part.component.start is not None:
             return self.text.call(part, part.component.start)
-        return nested(blank(state), iter(lambda: "0.0", None), self.text.use)
+        return nested_text(blank(state), iter(lambda: "0.0", None), self.text.use)
 
     def stop(self) -> list[str]:
         """The function `stop`: the next corner of a signal, or jump of a part."""
@@ -322,7 +330,7 @@ class Functions:
                 self._check_stop(part)
                 calls.append(self.text.call(part, part.component.stop))
         lines = ["next_stop = np.inf", *(f"next_stop = {self.text.use(minimum)}(next_stop, {call})" for call in calls)]
-        return ["def stop(t, u, p):", *indented(lines), "    return next_stop"]
+        return ["def stop(t, u, p):", *indent(lines), "    return next_stop"]
 
     def _check_stop(self, part: Part) -> None:
         assert part.component.stop is not None
@@ -353,15 +361,15 @@ class Functions:
                 ]
                 return [
                     "def mark(t, s, u, p):",
-                    *indented(list(self.text.node_lines(nodes, at_rest=True))),
+                    *indent(list(self.text.node_lines(nodes, at_rest=True))),
                     f"    return {self.text.call(part, part.component.mark)}",
                 ]
         return []
 
 
-def nested(value: Any, leaves: Iterator[str], use: Callable[[Any], str]) -> str:
+def nested_text(value: Any, leaves: Iterator[str], use: Callable[[Any], str]) -> str:
     """A NamedTuple as the text that makes it, with `leaves` for its numbers."""
     fields = getattr(type(value), "_fields", None)
     if fields is None:
         return next(leaves)
-    return f"{use(type(value))}({', '.join(nested(getattr(value, name), leaves, use) for name in fields)})"
+    return f"{use(type(value))}({', '.join(nested_text(getattr(value, name), leaves, use) for name in fields)})"

@@ -84,7 +84,7 @@ class Graph:
     programs: tuple[GraphProgram, ...] = ()
 
     def __post_init__(self) -> None:
-        faults = [*_repeated(self._names())]
+        faults = [*_duplicates(self._names())]
         faults += _marked_twice(self.components)
         known = {node.name for node in self.nodes}
         for component in self.components:
@@ -109,7 +109,7 @@ class Graph:
         return next(component for component in self.components if component.name == name)
 
 
-def _repeated(names: Iterable[str]) -> list[str]:
+def _duplicates(names: Iterable[str]) -> list[str]:
     seen: set[str] = set()
     found = []
     for name in names:

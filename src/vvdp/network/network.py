@@ -97,7 +97,7 @@ class Network:
         if reserved := RESERVED & values.keys():
             raise NetworkError(f"{min(reserved)!r} is reserved; call the values otherwise")
         self.oil = oil
-        self.temperature = _prescribed("temperature", temperature)
+        self.temperature = _check_source("temperature", temperature)
         self.values: dict[str, Params] = {"oil": oil, **values}
         self.nodes: dict[str, Node] = {}
         self.parts: dict[str, Part] = {}
@@ -115,7 +115,7 @@ class Network:
     def tank(self, name: str, pressure: Signal | None = None, oil: Oil | None = None) -> None:
         """Add a tank, at the oil's reference pressure or another [Pa, absolute]."""
         medium = oil or self.oil
-        held = constant(medium.reference_pressure) if pressure is None else _prescribed(name, pressure)
+        held = constant(medium.reference_pressure) if pressure is None else _check_source(name, pressure)
         _check_pressure(name, "pressure", *held.extremes)
         self._add_node(Tank(name, held, medium))
 
@@ -321,7 +321,7 @@ def _signal(name: str, source: object) -> Source:
     raise NetworkError(f"{name}: {source!r} is no source; expected a number in SI, a Signal, a path or a Connection")
 
 
-def _prescribed(name: str, source: object) -> Signal:
+def _check_source(name: str, source: object) -> Signal:
     found = _signal(name, source)
     if not isinstance(found, Signal):
         raise NetworkError(f"{name}: {source!r} is worked out once per sample; expected a number in SI or a Signal")

@@ -118,7 +118,7 @@ class Places:
         if takes_surplus(part):
             parts = list(self.network.parts)
             node = part.nodes[part.component.hydraulic_ports[0]]
-            for met in self.attached(node):
+            for met in self.ports_at(node):
                 later = met.part.name in parts[parts.index(part.name) :]
                 if met.part is not part and not (later and self._takes_surplus_of(met.part, node)):
                     yield met.part.name
@@ -127,7 +127,7 @@ class Places:
     def _takes_surplus_of(part: Part, node: str) -> bool:
         return takes_surplus(part) and part.nodes[part.component.hydraulic_ports[0]] == node
 
-    def attached(self, node: str) -> tuple[Attachment, ...]:
+    def ports_at(self, node: str) -> tuple[Attachment, ...]:
         """The ports that meet at a node, in the order of the parts."""
         return tuple(
             Attachment(part, port)
@@ -291,11 +291,11 @@ def flows_of(part: Part) -> dict[str, str]:
     return {f"{port}_flow": f"{part.name}.{port}" for port in given}
 
 
-def exchanged(places: Places) -> dict[str, str]:
+def tank_exchanges(places: Places) -> dict[str, str]:
     """Names and texts of the flows into tanks and pressure sources, each through one port."""
     found = {}
     for node in (name for name, node in places.network.nodes.items() if isinstance(node, Tank | PressureSource)):
-        for met in places.attached(node):
+        for met in places.ports_at(node):
             component, name = met.part.component, f"{met.part.name}_{met.port}_flow"
             if component.is_passage and met.port in component.hydraulic_ports:
                 found[name] = f"{'-' if met.port == component.hydraulic_ports[0] else ''}{met.part.name}.flow"
@@ -310,7 +310,7 @@ def averaged_flows(part: Part) -> dict[str, str]:
     return dict(list(found.items())[1:]) if len(found) > 1 else found
 
 
-def shown(part: Part) -> dict[str, tuple[str, Kind]]:
+def part_outputs(part: Part) -> dict[str, tuple[str, Kind]]:
     """Names, texts and kinds of what a part shows: flows, outputs, torques and forces."""
     found = {name: (text, FLOW) for name, text in flows_of(part).items()}
     found |= {name: (f"{part.name}.{name}", kind) for name, kind in part.component.outputs.items()}
@@ -326,8 +326,10 @@ def _part_quantities(part: Part) -> "dict[str, Quantity]":
     found = {
         key: Quantity(f"s.{part.name}.{key}", kind, "", f"s.{part.name}.{key}") for key, kind in kinds.items() if kind
     }
-    recorded = {key: f"outputs.{part.name}_{key}" for key in shown(part)}
-    return found | {key: Quantity(text, kind, part.name, recorded[key]) for key, (text, kind) in shown(part).items()}
+    recorded = {key: f"outputs.{part.name}_{key}" for key in part_outputs(part)}
+    return found | {
+        key: Quantity(text, kind, part.name, recorded[key]) for key, (text, kind) in part_outputs(part).items()
+    }
 
 
 @dataclass(frozen=True)
@@ -347,7 +349,8 @@ def check_unit(where: str, wanted: Kind | None, path: str, found: Kind) -> None:
     if wanted is None or ANY_UNIT & {wanted.name, found.name} or wanted.unit == found.unit:
         return
     raise NetworkError(
-        f"{where} is {wanted.named} [{wanted.unit}], {path!r} is {found.named} [{found.unit}]; a Connection converts it"
+        f"{where} is {wanted.with_article} [{wanted.unit}], {path!r} is {found.with_article} [{found.unit}]; "
+        "a Connection converts it"
     )
 
 

@@ -15,7 +15,7 @@ from vvdp.fluid.mixture import fluid_state, state_at
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.network.classes import Classes
 from vvdp.network.component import Argument, Role
-from vvdp.network.folding import added
+from vvdp.network.folding import signed_sum
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import (
     Connection,
@@ -58,14 +58,14 @@ class Text:
         """The name under which the text knows a function or class."""
         wanted = name or re.sub(r"\W", "", value.__name__)
         wanted += "_" if keyword.iskeyword(wanted) else ""
-        taken = self._taken
+        taken = self._own_names
         while wanted in taken or self.names.get(wanted, value) is not value:
             wanted += "_law" if callable(value) and not isinstance(value, type) else "_"
         self.names[wanted] = value
         return wanted
 
     @cached_property
-    def _taken(self) -> frozenset[str]:
+    def _own_names(self) -> frozenset[str]:
         """Names that the text gives to what is its own. Raises NetworkError where two would be the same."""
         net = self.network
         own = {*net.nodes, *net.parts, *net.programs}
@@ -158,15 +158,15 @@ class Text:
         """The sum of volumes or rates of the walls that move in a node; empty without any."""
         found = [
             f"{m.part.name}_walls.{m.port}.{what}"
-            for m in self.places.attached(node)
+            for m in self.places.ports_at(node)
             if m.port in m.part.component.wall_ports
         ]
         return " + ".join(found)
 
-    def given(self, node: str, *, only: Container[str] | None = None) -> str:
+    def inflow_sum(self, node: str, *, only: Container[str] | None = None) -> str:
         """The sum of what the parts at a node, or some of them, give to it: flows, torques or forces."""
         terms = []
-        for met in self.places.attached(node):
+        for met in self.places.ports_at(node):
             component = met.part.component
             if only is not None and met.part.name not in only:
                 continue
@@ -175,7 +175,7 @@ class Text:
                 terms.append((sign, f"{met.part.name}.flow"))
             elif met.port in names(component.result):
                 terms.append(("+", f"{met.part.name}.{met.port}"))
-        return added(terms)
+        return signed_sum(terms)
 
     def node_lines(self, nodes: Iterable[str], *, at_rest: bool = False) -> Iterator[str]:
         """Lines that say what is at nodes; `at_rest` where only angle and position of what moves are asked for."""

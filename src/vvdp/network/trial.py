@@ -10,7 +10,7 @@ import numpy as np
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import EXCHANGED_ENERGY, Kind
 from vvdp.base.params import Params, field_kinds, field_types
-from vvdp.base.units import parsed
+from vvdp.base.units import parse
 from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.hydraulics.ports import Medium
@@ -44,7 +44,7 @@ def check_law(component: Component, values: tuple[Params, ...], oil: Oil) -> Non
     What cannot be worked out here is left to the check of the whole circuit, which says where it fails.
     """
     try:
-        _tried(component, values, oil)
+        _try_values(component, values, oil)
     except NetworkError:
         raise
     except (ArithmeticError, TypeError, ValueError, AttributeError):
@@ -52,7 +52,7 @@ def check_law(component: Component, values: tuple[Params, ...], oil: Oil) -> Non
 
 
 @lru_cache(maxsize=256)
-def _tried(component: Component, values: tuple[Params, ...], oil: Oil) -> None:
+def _try_values(component: Component, values: tuple[Params, ...], oil: Oil) -> None:
     rng = np.random.default_rng(20261122)
     own = Trial(component, values, oil)
     with np.errstate(all="ignore"):
@@ -75,9 +75,9 @@ class Trial:
         instant = Instant(values, state, None)
         if component.held:
             instant = replace(instant, held=self.call(component.held, instant))
-        return self._settled(instant)
+        return self._settle(instant)
 
-    def _settled(self, at: Instant) -> Instant:
+    def _settle(self, at: Instant) -> Instant:
         """The same with the modes that hold there, as a run would find them."""
         told = [a.name for a in self.component.arguments if a.role is Role.MODE]
         for _ in range(SETTLINGS if told else 0):
@@ -106,9 +106,9 @@ class Trial:
     def call(self, function: Callable[..., Any] | None, at: Instant) -> Any:
         """The value of one of the component's functions at an instant."""
         assert function is not None
-        return function(*(self._given(a, at) for a in self.component.arguments_of(function)))
+        return function(*(self._argument_value(a, at) for a in self.component.arguments_of(function)))
 
-    def _given(self, argument: Argument, at: Instant) -> Any:
+    def _argument_value(self, argument: Argument, at: Instant) -> Any:
         match argument.role:
             case Role.PARAMS:
                 return self._value(argument)
@@ -136,7 +136,7 @@ class Trial:
         if not np.isfinite(flat(result)).all():
             return
         losses = self._losses(result)
-        flows, powers = self._taken(at, result)
+        flows, powers = self._port_exchange(at, result)
         energy, volume = self._stored_rates(at, result)
         accuracy = EXACT if component.stored is None else DIFFERENCED
         powers += [energy, *losses.values(), -getattr(result, "supplied", 0.0)]
@@ -167,7 +167,7 @@ class Trial:
             return dict(result.losses._asdict())
         return {"": result.loss} if "loss" in names(self.component.result) else {}
 
-    def _taken(self, at: Instant, result: Any) -> tuple[list[float], list[float]]:
+    def _port_exchange(self, at: Instant, result: Any) -> tuple[list[float], list[float]]:
         """Oil [m^3/s] and power [W] that the component gives to each of its ports."""
         component = self.component
         given = {port: getattr(result, port, 0.0) for port in component.ports}
@@ -203,13 +203,13 @@ class Trial:
                 values[name] = node._replace(angle=node.angle + dt * node.speed)
             elif role is Role.ROD:
                 values[name] = node._replace(position=node.position + dt * node.velocity)
-        state = at.state if at.state is None else moved(at.state, result.rates, dt)
+        state = at.state if at.state is None else step_record(at.state, result.rates, dt)
         return Instant(values, state, at.held)
 
 
 def random_value(kind: Kind, rng: np.random.Generator) -> float:
     """Up to twice the example of a kind, and either side of zero where the kind allows it."""
-    size = abs(parsed(kind.example, kind)) or 1.0
+    size = abs(parse(kind.example, kind)) or 1.0
     low = -size if kind.low < 0.0 else 0.1 * size
     return float(rng.uniform(max(low, kind.low), min(2.0 * size, kind.high)))
 
@@ -220,10 +220,10 @@ def random_record(cls: Any, rng: np.random.Generator) -> Any:
     return cls(*(random_value(k, rng) if (k := kinds[n]) else random_record(types[n], rng) for n in names(cls)))
 
 
-def moved(value: Any, rate: Any, dt: float) -> Any:
+def step_record(value: Any, rate: Any, dt: float) -> Any:
     """A record that has changed at a rate."""
     pairs = zip(value, rate, strict=True)
-    return type(value)(*(moved(v, r, dt) if hasattr(v, "_fields") else v + dt * r for v, r in pairs))
+    return type(value)(*(step_record(v, r, dt) if hasattr(v, "_fields") else v + dt * r for v, r in pairs))
 
 
 def _where(at: Instant) -> str:

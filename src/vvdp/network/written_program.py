@@ -4,7 +4,7 @@ import types
 from functools import cached_property
 from typing import Any
 
-from vvdp.base.books import NOTHING
+from vvdp.base.conservation import NOTHING
 from vvdp.base.errors import NetworkError
 from vvdp.base.params import field_kinds
 from vvdp.network.classes import named_tuple, params_class
@@ -69,7 +69,7 @@ class WrittenProgram:
             [f"def begin_{self.name}(z):", f"    return {memory}({starts}, {start}(z.program))"],
         ]
 
-    def assembled(self, module: types.ModuleType) -> Program:
+    def assemble(self, module: types.ModuleType) -> Program:
         """The program as the model takes it, from the module that its text has become."""
         kind, through = self.part.type, bool(self.part.sensors)
         return Program(

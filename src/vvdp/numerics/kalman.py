@@ -24,7 +24,7 @@ class AngleSpeed(NamedTuple):
     speed_variance: SpeedVariance
 
 
-def propagated(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
+def predict(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
     """The belief after `duration` [s] without a measurement; the acceleration is white noise.
 
     Exact: F = [[1, h], [0, 1]], Q = q [[h^3/3, h^2/2], [h^2/2, h]]. A negative duration goes back in time along the
@@ -44,7 +44,7 @@ def propagated(belief: AngleSpeed, duration: float, acceleration_density: float)
     )
 
 
-def corrected(belief: AngleSpeed, innovation: float, measurement_variance: float) -> AngleSpeed:
+def update(belief: AngleSpeed, innovation: float, measurement_variance: float) -> AngleSpeed:
     """The belief after an angle was measured that differs from the expected one by `innovation` [rad].
 
     K = P H / (H' P H + R), P+ = (I - K H') P (I - K H')' + K R K' (Joseph), positive whatever the rounding.
@@ -66,12 +66,12 @@ def corrected(belief: AngleSpeed, innovation: float, measurement_variance: float
     )
 
 
-def moved(mean: Array, covariance: Array, transition: Array, noise: Array) -> tuple[Array, Array]:
+def predict_n(mean: Array, covariance: Array, transition: Array, noise: Array) -> tuple[Array, Array]:
     """Mean (n,) and covariance (n, n) after a linear step: F x, F P F' + Q."""
     return np.dot(transition, mean), np.dot(np.dot(transition, covariance), transition.T.copy()) + noise
 
 
-def observed(
+def update_n(
     mean: Array, covariance: Array, observation: Array, innovation: float, measurement_variance: float
 ) -> tuple[Array, Array]:
     """Mean (n,) and covariance (n, n) after one scalar measurement with row `observation` (n,), Joseph form."""

@@ -36,11 +36,11 @@ def random_start(seed: float) -> Random:
     second = np.floor(whole / (FIRST_MODULUS - 1.0)) % (SECOND_MODULUS - 1.0) + 1.0
     state = Random(first, second)
     for _ in range(STIRRINGS):
-        state, _ = uniform(_stirred(state))
+        state, _ = uniform(_next_state(state))
     return state
 
 
-def _stirred(state: Random) -> Random:
+def _next_state(state: Random) -> Random:
     a, b = state.first % STIRRING_MODULUS, state.second % STIRRING_MODULUS
     first = (a * a + state.second) % (FIRST_MODULUS - 1.0) + 1.0
     second = (b * b + first) % (SECOND_MODULUS - 1.0) + 1.0

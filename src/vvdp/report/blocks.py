@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from vvdp.report.leads import Exit, Lead, Point, led, reach
+from vvdp.report.leads import Exit, Lead, Point, lead_lines, reach
 from vvdp.report.lettering import extent
 from vvdp.report.symbol import Box, Side, Symbol
 from vvdp.report.symbol_set import Fitted
@@ -45,17 +45,17 @@ class Piece:
     leads: tuple[Lead, ...]
     box: Box
 
-    def moved(self, dx: float, dy: float) -> "Piece":
+    def translate(self, dx: float, dy: float) -> "Piece":
         """The piece somewhere else."""
         leads = tuple(replace(lead, points=tuple((x + dx, y + dy) for x, y in lead.points)) for lead in self.leads)
-        label = replace(self.label, box=shifted(self.label.box, dx, dy))
+        label = replace(self.label, box=shift_box(self.label.box, dx, dy))
         at = (self.at[0] + dx, self.at[1] + dy)
-        return replace(self, at=at, label=label, leads=leads, box=shifted(self.box, dx, dy))
+        return replace(self, at=at, label=label, leads=leads, box=shift_box(self.box, dx, dy))
 
     @property
     def body(self) -> Box:
         """The box of the symbol alone."""
-        return shifted(self.symbol.box, *self.at)
+        return shift_box(self.symbol.box, *self.at)
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Block:
         return around([piece.box for piece in self.pieces])
 
 
-def shifted(box: Box, dx: float, dy: float) -> Box:
+def shift_box(box: Box, dx: float, dy: float) -> Box:
     """A box somewhere else."""
     return box[0] + dx, box[1] + dy, box[2] + dx, box[3] + dy
 
@@ -133,6 +133,6 @@ def piece(
         )
         for port, terminal in fit.terminals.items()
     ]
-    leads = led(name, exits, inner, to_right=bool(fit.links) and beside is Beside.RIGHT)
+    leads = lead_lines(name, exits, inner, to_right=bool(fit.links) and beside is Beside.RIGHT)
     box = around([inner, *(reach(lead) for lead in leads)])
     return Piece(name=name, symbol=fit.symbol, at=(0.0, 0.0), label=label, leads=leads, box=box)

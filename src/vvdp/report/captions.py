@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from vvdp.network.graph import Graph, NodeKind
-from vvdp.report.lettering import wrapped
+from vvdp.report.lettering import wrap_parts
 
 Lines = tuple[str, ...]
 
@@ -27,11 +27,11 @@ def captions(graph: Graph, values: Mapping[str, Lines], marks: Mapping[str, str]
     texts = {}
     for component in graph.components:
         follows = [f"{put}: {source}" for put, source in component.connections.items()]
-        lines = wrapped((*component.labels, *values.get(component.name, ()), *follows), limits.text)
+        lines = wrap_parts((*component.labels, *values.get(component.name, ()), *follows), limits.text)
         texts[component.name] = (*heading(marks[component.name], component.name, limits.name), *lines)
     for node in graph.nodes:
         limit = limits.rail if node.kind is NodeKind.VOLUME else limits.text
-        texts[node.name] = (node.name, *wrapped((*node.labels, *values.get(node.name, ())), limit))
+        texts[node.name] = (node.name, *wrap_parts((*node.labels, *values.get(node.name, ())), limit))
     return texts
 
 

@@ -8,7 +8,7 @@ from vvdp.report.blocks import Beside, Block, Piece, piece
 from vvdp.report.layers import Stand, node_levels, stands
 from vvdp.report.leads import Point
 from vvdp.report.symbol import Side, Symbol
-from vvdp.report.symbol_set import LONELY, NODES, Fitted, fitted, is_source
+from vvdp.report.symbol_set import LONELY, NODES, Fitted, fit_symbol, is_source
 
 SPACE, ROW = 20.0, 12.0
 """Space between the symbols of a chain, along it and between its rows [px]."""
@@ -41,7 +41,7 @@ def setting(graph: Graph, texts: Callable[[str], tuple[str, ...]]) -> Setting:
     fed = frozenset(name for name, kind in kinds.items() if kind is NodeKind.PRESSURE) | {
         node for component in graph.components if is_source(component.symbol) for node in component.ports.values()
     }
-    fits = {component.name: fitted(component, kinds, fed) for component in graph.components}
+    fits = {component.name: fit_symbol(component, kinds, fed) for component in graph.components}
     return Setting(graph, texts, fits, node_levels(graph, fits), kinds)
 
 
@@ -209,7 +209,7 @@ class Chain:
         elif len(tops) == 1 and tops <= {Side.BOTTOM, Side.TOP}:
             below = (Side.TOP in tops) != self.where[component.name].flipped
             beside = Beside.BELOW if below else Beside.ABOVE
-        made = _mirrored(self.given, component, self.where[component.name], beside, mirrored)
+        made = _mirror(self.given, component, self.where[component.name], beside, mirrored)
         self._add(made, made.symbol, linked=came is not None)
         for node in shafts[:1]:
             self._node(node)
@@ -220,7 +220,7 @@ class Chain:
     def _add(self, made: Piece, symbol: Symbol, linked: bool = True) -> None:
         """Puts a piece to the right of all others and draws the double line to it."""
         x = self.right + (SPACE if self.pieces else 0.0) - min(made.box[0], made.symbol.box[0])
-        self.pieces.append(made.moved(x, 0.0))
+        self.pieces.append(made.translate(x, 0.0))
         left, right = symbol.axis
         if self.end is not None and linked and left is not None:
             self.links.append(((self.end, 0.0), (x + left, 0.0)))
@@ -230,7 +230,7 @@ class Chain:
     def _rows(self, leaves: list[GraphComponent], centred: bool) -> None:
         """Several components that end a rod or shaft, one below the other."""
         self.done |= {c.name for c in leaves}
-        made = [_mirrored(self.given, c, self.where[c.name], Beside.RIGHT, False) for c in leaves]
+        made = [_mirror(self.given, c, self.where[c.name], Beside.RIGHT, False) for c in leaves]
         highs = [max(30.0, p.box[3] - p.box[1]) + ROW for p in made]
         y = -0.5 * sum(highs) if centred else max(20.0, self.pieces[-1].box[3])
         bar = max((self.end or self.right) + 0.5 * SPACE, self.right + 6.0)
@@ -238,7 +238,7 @@ class Chain:
         for each, high in zip(made, highs, strict=True):
             middle = y + 0.5 * high
             x = bar + SPACE - each.symbol.box[0]
-            self.pieces.append(each.moved(x, middle))
+            self.pieces.append(each.translate(x, middle))
             self.links.append(((bar, middle), (x + (each.symbol.axis[0] or 0.0), middle)))
             ys.append(middle)
             wide, y = max(wide, x + each.box[2]), y + high
@@ -256,10 +256,10 @@ def _mark(name: str) -> Piece:
     return _plain(name, Symbol((-4, -8, 4, 8), "", {}, (-4, 4)), (f"→ {name}",), Beside.BELOW)
 
 
-def _mirrored(given: Setting, component: GraphComponent, stand: Stand, beside: Beside, mirrored: bool) -> Piece:
+def _mirror(given: Setting, component: GraphComponent, stand: Stand, beside: Beside, mirrored: bool) -> Piece:
     """A component's piece, with left and right exchanged where its shaft would come from the wrong side."""
     fit = given.fits[component.name]
     symbol = fit.symbol.upside_down() if stand.flipped else fit.symbol
-    turned = Fitted(symbol.mirrored() if mirrored else symbol, fit.terminals, fit.links)
+    turned = Fitted(symbol.mirror() if mirrored else symbol, fit.terminals, fit.links)
     texts, where = given.texts(component.name), (given.level, stand.band)
     return piece(component.name, turned, component.ports, texts, beside, where)

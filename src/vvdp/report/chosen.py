@@ -50,7 +50,9 @@ def chosen_chart(result: Result, names: Sequence[str], ends: Ends = (None, None)
     Raises ConfigError for names of nothing that can be drawn, and for charts that have another axis than the first.
     """
     found = {name: _panels(result, name) for name in names}
-    faults = [Fault("plot", 0, name, f"unknown{_meant(result, name)}") for name, panels in found.items() if not panels]
+    faults = [
+        Fault("plot", 0, name, f"unknown{_suggestion(result, name)}") for name, panels in found.items() if not panels
+    ]
     if faults:
         raise ConfigError(faults)
     if len(found) == 1 and names[0] in result.charts and ends == (None, None):
@@ -89,7 +91,7 @@ def _panels(result: Result, name: str) -> tuple[Panel, ...]:
     return (replace(quick_panel(table, result.tables[table], key), label=words),)
 
 
-def _meant(result: Result, name: str) -> str:
+def _suggestion(result: Result, name: str) -> str:
     return suggestion(name, [*result.charts, *series_names(result)]) or "; --list shows all names"
 
 

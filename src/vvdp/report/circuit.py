@@ -145,7 +145,7 @@ def main_values(values: Params | None) -> Lines:
         plain = kind is not None and isinstance(value, float) and value != 0.0 and usual.get(name) != value
         if kind is None or not plain or kind.unit in ("1", "SI") or kind in UNSAID or "transition" in name:
             continue
-        if "(" in kind.shown or (kind.unit in units and kind.unit not in SIZES):
+        if "(" in kind.display_unit or (kind.unit in units and kind.unit not in SIZES):
             continue
         units.add(kind.unit)
         found.append((kind, with_unit(value, kind)))

@@ -70,11 +70,11 @@ def _letter(component: GraphComponent) -> str:
 
 def _plan(graph: Graph, values: Mapping[str, Lines], marks: Mapping[str, str]) -> Plan:
     """The layout with texts as usual or, where that is too wide for a page, with narrow ones."""
-    usual = _planned(graph, captions(graph, values, marks, USUAL))
-    return usual if usual.width <= MOST_WIDTH else _planned(graph, captions(graph, values, marks, NARROW))
+    usual = _arrange(graph, captions(graph, values, marks, USUAL))
+    return usual if usual.width <= MOST_WIDTH else _arrange(graph, captions(graph, values, marks, NARROW))
 
 
-def _planned(graph: Graph, texts: Mapping[str, Lines]) -> Plan:
+def _arrange(graph: Graph, texts: Mapping[str, Lines]) -> Plan:
     given = setting(graph, lambda name: texts[name])
     made = blocks(given)
     lines = {node.name: texts[node.name] for node in graph.nodes if node.kind is NodeKind.VOLUME}
@@ -99,7 +99,7 @@ def _parts(made: Plan) -> Iterator[str]:
     for rail in made.rails:
         yield _rail(rail)
     for piece in made.pieces:
-        yield piece.symbol.drawn(*piece.at, escape(piece.label.lines[0]))
+        yield piece.symbol.draw_at(*piece.at, escape(piece.label.lines[0]))
         yield _label(piece.label)
     for label in made.names.values():
         yield _label(label)
@@ -109,7 +109,7 @@ def _wire(wire: Wire) -> Iterator[str]:
     yield draw.pipe(*wire.points, pilot=wire.pilot)
     if wire.tank:
         x, y = wire.points[-1]
-        yield tank().drawn(x, y + 2, escape(wire.node))
+        yield tank().draw_at(x, y + 2, escape(wire.node))
 
 
 def _signal(x0: float, x1: float, y: float, name: str) -> str:

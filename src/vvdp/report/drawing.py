@@ -52,7 +52,7 @@ class Drawn:
     svg: str
 
 
-def drawn(name: str, caption: str, height: float, draw: Callable[["Figure"], None]) -> Drawn:
+def draw_figure(name: str, caption: str, height: float, draw: Callable[["Figure"], None]) -> Drawn:
     """The figure that `draw` fills, as wide as the page and `height` inches high."""
     return Drawn(name, caption, _with_short_paths(image(name, height, draw, "svg").decode()))
 

@@ -12,8 +12,8 @@ from vvdp.geometry.files import patch_colour
 from vvdp.geometry.mesh import Floats, Mesh, volume
 from vvdp.geometry.shape import ValveShape, stations
 from vvdp.geometry.unrolled import Points, nozzle_outline, open_parts
-from vvdp.report.drawing import INK, INLET, LOAD, PAGE_WIDTH, STYLE, TANK, Drawn, drawn, legend
-from vvdp.report.shading import lying_frame, shaded, view_frame
+from vvdp.report.drawing import INK, INLET, LOAD, PAGE_WIDTH, STYLE, TANK, Drawn, draw_figure, legend
+from vvdp.report.shading import lying_frame, shade, view_frame
 from vvdp.valve.geometry import (
     barrier_width,
     helix_slope,
@@ -50,7 +50,7 @@ def unwrapped_figure(shape: ValveShape, valve: RotaryValve, position: float) -> 
         f"spool angle of {with_unit(angle, ANGLE, 3)}. Barriers (dark grey) part pockets that lead to the load from "
         "pockets that lead to the tank; the spool turns to the right and moves up or down to set the duty ratio."
     )
-    return drawn("unwrapped", caption, 3.9, draw)
+    return draw_figure("unwrapped", caption, 3.9, draw)
 
 
 def telling_angle(valve: RotaryValve, position: float) -> float:
@@ -74,7 +74,7 @@ def solids_figure(spool: Mesh, half_sleeve: Mesh) -> Drawn:
         "blue) under its shell, and the turbine's channels. Sleeve: inlet rail and nozzles (orange), outlet collectors "
         "(blue)."
     )
-    return drawn("solids", caption, 5.2, draw)
+    return draw_figure("solids", caption, 5.2, draw)
 
 
 def oil_figure(volumes: Mapping[str, Mesh]) -> Drawn:
@@ -93,7 +93,7 @@ def oil_figure(volumes: Mapping[str, Mesh]) -> Drawn:
         "(orange), walls of spool and sleeve (grey), windows (sand), chamber and channels of the outlet turbine, "
         "collector (blue)."
     )
-    return drawn("oil", caption, 6.4, draw)
+    return draw_figure("oil", caption, 6.4, draw)
 
 
 def film(shape: ValveShape, valve: RotaryValve, position: float, frames: int) -> Iterator[Any]:
@@ -264,7 +264,7 @@ def _every(step: float) -> Any:
 
 def _picture(axes: "Axes", meshes: Sequence[Mesh], frame: Floats, width: int = LARGEST_PICTURE) -> None:
     colours = {name: patch_colour(name) for mesh in meshes for name in mesh.names}
-    picture, (left, right, low, high) = shaded(meshes, colours, frame, width)
+    picture, (left, right, low, high) = shade(meshes, colours, frame, width)
     axes.imshow(picture, extent=(MM * left, MM * right, MM * low, MM * high), interpolation="antialiased")
     axes.grid(False)
     axes.set_axis_off()

@@ -182,7 +182,7 @@ def _describe_lines(panel: Lines, table: Table, tables: Mapping[str, Table], col
     x = (tables[panel.lines[0].table] if panel.lines[0].table else table).columns[panel.lines[0].x]
     levels = [
         {
-            "value": float(column_unit(x if level.upright else y[0]).shown(level.value)),
+            "value": float(column_unit(x if level.upright else y[0]).from_si(level.value)),
             "label": level.label,
             "upright": level.upright,
             "colour": level.colour,
@@ -211,8 +211,8 @@ def _describe_axis(
     axis: list[Column], label: str = "", ends: tuple[float | None, float | None] = (None, None), *, is_log: bool = False
 ) -> dict[str, Any]:
     unit, words = column_unit(axis[0]), axis_label(axis, label)
-    low, high = (None if end is None else float(unit.shown(end)) for end in ends)
-    name = words.removesuffix(unit.bracketed)
+    low, high = (None if end is None else float(unit.from_si(end)) for end in ends)
+    name = words.removesuffix(unit.bracketed_symbol)
     return {"label": words, "name": name, "unit": unit.symbol, "low": low, "high": high, "log": is_log}
 
 

@@ -76,7 +76,7 @@ class Lanes:
         return begin, (begin[0], y), (x, y)
 
 
-def led(owner: str, exits: Iterable[Exit], inner: Box, to_right: bool) -> tuple[Lead, ...]:
+def lead_lines(owner: str, exits: Iterable[Exit], inner: Box, to_right: bool) -> tuple[Lead, ...]:
     """The lines of a symbol in the order of its ports; `inner` holds the symbol and its label.
 
     What must go around the symbol goes on the nearer side, or all on the right where `to_right`.

@@ -23,7 +23,7 @@ def extent(lines: Sequence[str]) -> tuple[float, float]:
     return max(width(line, bold=not i) for i, line in enumerate(lines)), LEADING * len(lines)
 
 
-def wrapped(parts: Iterable[str], limit: int) -> list[str]:
+def wrap_parts(parts: Iterable[str], limit: int) -> list[str]:
     """The parts joined by commas to lines of at most `limit` characters; longer parts are broken at spaces."""
     lines: list[str] = []
     for part in (piece for whole in parts for piece in wrap(whole, limit, break_long_words=False) or [whole]):

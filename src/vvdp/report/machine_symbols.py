@@ -2,7 +2,7 @@
 
 from vvdp.report import symbols as draw
 from vvdp.report.symbol import Side, Symbol, Terminal
-from vvdp.report.symbols import arrow, arrow_head, filled, pipe
+from vvdp.report.symbols import arrow, arrow_head, filled_polygon, pipe
 from vvdp.report.valve_symbols import box
 
 ROUND = 26.0
@@ -12,31 +12,31 @@ def _circle(radius: float) -> str:
     return f'<circle cx="0" cy="0" r="{radius:g}"/>'
 
 
-def _rounded(lower: str, upper: str) -> dict[str, Terminal]:
+def _round_shape(lower: str, upper: str) -> dict[str, Terminal]:
     return {lower: Terminal(0, ROUND, Side.BOTTOM), upper: Terminal(0, -ROUND, Side.TOP)}
 
 
 def pump() -> Symbol:
     """A pump of fixed displacement."""
-    drawn = _circle(ROUND) + filled((0, -26), (-9, -11), (9, -11))
-    return Symbol((-26, -26, 26, 26), drawn, _rounded("suction", "outlet"), (-26, 26))
+    drawn = _circle(ROUND) + filled_polygon((0, -26), (-9, -11), (9, -11))
+    return Symbol((-26, -26, 26, 26), drawn, _round_shape("suction", "outlet"), (-26, 26))
 
 
 def hydraulic_motor() -> Symbol:
     """A hydraulic motor of fixed displacement."""
-    drawn = _circle(ROUND) + filled((0, 9), (-9, 24), (9, 24))
-    return Symbol((-26, -26, 26, 26), drawn, _rounded("inlet", "outlet"), (-26, 26))
+    drawn = _circle(ROUND) + filled_polygon((0, 9), (-9, 24), (9, 24))
+    return Symbol((-26, -26, 26, 26), drawn, _round_shape("inlet", "outlet"), (-26, 26))
 
 
 def flow_source() -> Symbol:
     """A source that holds a flow."""
     drawn = _circle(ROUND) + arrow((0, 5), (0, -24), 9)
-    return Symbol((-26, -26, 26, 26), drawn, _rounded("suction", "outlet"), letters=((0, 13, "Q", 14.0),))
+    return Symbol((-26, -26, 26, 26), drawn, _round_shape("suction", "outlet"), letters=((0, 13, "Q", 14.0),))
 
 
 def pressure_source() -> Symbol:
     """A source that holds a pressure."""
-    drawn = _circle(24) + filled((0, -24), (-9, -9), (9, -9))
+    drawn = _circle(24) + filled_polygon((0, -24), (-9, -9), (9, -9))
     return Symbol((-24, -24, 24, 24), drawn, {"port": Terminal(0, -24, Side.TOP)}, letters=((0, 5, "p", 16.0),))
 
 

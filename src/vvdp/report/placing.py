@@ -34,7 +34,7 @@ class Placing:
         for _ in range(6):
             before = best
             for moved in list(order):
-                order, best = self._moved(order, best, moved)
+                order, best = self._move_block(order, best, moved)
             if best >= before - 1e-6:
                 break
         return order
@@ -47,7 +47,7 @@ class Placing:
         width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
         for sweep in range(10):
             for i in order if sweep % 2 else reversed(order):
-                places[i] = self._settled(i, order, places, width)
+                places[i] = self._best_place(i, order, places, width)
         return places
 
     def _first_order(self) -> list[int]:
@@ -68,7 +68,7 @@ class Placing:
         spots = iter(pinned)
         return [next(spots) if self.blocks[i].column is not None else i for i in order]
 
-    def _moved(self, order: list[int], best: float, block: int) -> tuple[list[int], float]:
+    def _move_block(self, order: list[int], best: float, block: int) -> tuple[list[int], float]:
         """The order with one block where it costs least."""
         at = order.index(block)
         rest = [i for i in order if i != block]
@@ -95,7 +95,7 @@ class Placing:
                 edge[band] = places[i] + high
         return places
 
-    def _eased(self, order: Sequence[int]) -> list[float]:
+    def _ease_right(self, order: Sequence[int]) -> list[float]:
         """The blocks as far to the right of there as brings them nearer to what they are joined to."""
         places = self._compact(order)
         width = max((places[i] + high for i in order for _, high in self.spans[i].values()), default=0.0)
@@ -123,15 +123,15 @@ class Placing:
         )
 
     def _meet(self, i: int, a: Lead, j: int, b: Lead) -> bool:
-        (low, high), (lower, higher) = self._crossed(i, a), self._crossed(j, b)
+        (low, high), (lower, higher) = self._crossed_levels(i, a), self._crossed_levels(j, b)
         return low <= higher and lower <= high
 
-    def _crossed(self, i: int, lead: Lead) -> tuple[int, int]:
+    def _crossed_levels(self, i: int, lead: Lead) -> tuple[int, int]:
         """The lowest and highest level that a line reaches."""
         band, level = self.blocks[i].band, self.level[lead.node]
         return (band, level) if lead.up else (level, band - 1)
 
-    def _settled(self, i: int, order: Sequence[int], places: list[float], width: float) -> float:
+    def _best_place(self, i: int, order: Sequence[int], places: list[float], width: float) -> float:
         """Where a block would best be, between those beside it."""
         if self.blocks[i].column is not None:
             return places[i]
@@ -169,7 +169,7 @@ class Placing:
 
     def _cost(self, order: Sequence[int]) -> float:
         """Length of lines, crossings, flow to the left and missed positions of an order."""
-        places = self._eased(order)
+        places = self._ease_right(order)
         rails: dict[str, list[float]] = {}
         into: dict[str, list[float]] = {}
         out: dict[str, list[float]] = {}
@@ -180,7 +180,7 @@ class Placing:
                 rails.setdefault(lead.node, []).append(x)
                 way = into if (lead.owner, lead.port) in self.sends else out
                 way.setdefault(lead.node, []).append(x)
-                verticals.append((x, *self._crossed(i, lead), lead.node))
+                verticals.append((x, *self._crossed_levels(i, lead), lead.node))
         ends = {node: (min(xs), max(xs)) for node, xs in rails.items()}
         cost = sum(high - low for low, high in ends.values())
         for x, low, high, own in verticals:

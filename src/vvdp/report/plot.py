@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array, Rows
 from vvdp.base.display import DisplayUnit, display_unit, plain
-from vvdp.report.drawing import STYLE, Drawn, drawn, empty_figure
+from vvdp.report.drawing import STYLE, Drawn, draw_figure, empty_figure
 from vvdp.results.chart import Bars, Chart, Colour, Dots, Field, Level, Line, Lines, Panel, Stroke
 from vvdp.results.result import Column, Table
 
@@ -32,7 +32,7 @@ EDGE = 0.07
 
 def draw_chart(chart: Chart, tables: Mapping[str, Table]) -> Drawn:
     """The printed figure of a chart over the tables of its result."""
-    return drawn(chart.name, chart.caption, chart.height, lambda figure: fill_figure(figure, chart, tables))
+    return draw_figure(chart.name, chart.caption, chart.height, lambda figure: fill_figure(figure, chart, tables))
 
 
 def new_figure(chart: Chart, tables: Mapping[str, Table]) -> "Figure":
@@ -148,7 +148,7 @@ def axis_label(columns: Sequence[Column], label: str = "") -> str:
     labels = list(dict.fromkeys(column.label for column in columns))
     kind = columns[0].kind
     words = label or (labels[0] if len(labels) == 1 else kind.name if kind else "")
-    return words + column_unit(columns[0]).bracketed
+    return words + column_unit(columns[0]).bracketed_symbol
 
 
 def line_looks(panel: Lines) -> list[tuple[str, Stroke]]:
@@ -197,7 +197,7 @@ def column_unit(column: Column) -> DisplayUnit:
 def shown_values(table: Table, key: str, rows: tuple[int, ...] = ()) -> Array:
     """A column in the unit in which it is shown, at `rows` or all."""
     values = np.asarray(table[key], float)
-    shown: Array = column_unit(table.columns[key]).shown(values[list(rows)] if rows else values)
+    shown: Array = column_unit(table.columns[key]).from_si(values[list(rows)] if rows else values)
     return shown
 
 
@@ -293,11 +293,13 @@ def _draw_line(axes: "Axes", line: Line, table: Table, look: tuple[str, Stroke],
 
 def _draw_level(axes: "Axes", level: Level, unit: DisplayUnit) -> None:
     draw = axes.axvline if level.upright else axes.axhline
-    draw(unit.shown(level.value), color=level.colour, linestyle=level.stroke, linewidth=0.9, label=level.label or None)
+    draw(
+        unit.from_si(level.value), color=level.colour, linestyle=level.stroke, linewidth=0.9, label=level.label or None
+    )
 
 
 def _set_ends(set_ends: Any, ends: Iterable[float | None], unit: DisplayUnit) -> None:
-    given = [None if end is None else unit.shown(end) for end in ends]
+    given = [None if end is None else unit.from_si(end) for end in ends]
     if given != [None, None]:
         set_ends(*given)
 
@@ -340,7 +342,7 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
 def _draw_dots(axes: "Axes", panel: Dots, table: Table) -> None:
     rows = list(panel.rows) or list(range(table.rows))
     column = table.columns[panel.value]
-    least = float(column_unit(column).shown(panel.least))
+    least = float(column_unit(column).from_si(panel.least))
     values = shown_values(table, panel.value)[rows]
     highest = float(np.max(values[np.isfinite(values)], initial=10.0 * least))
     for place, (row, value) in enumerate(zip(reversed(rows), values[::-1], strict=True)):
@@ -390,7 +392,7 @@ def _draw_field(axes: "Axes", panel: Field, table: Table) -> None:
 def field_steps(panel: Field, table: Table) -> list[float]:
     """Levels of the contours, as shown."""
     if panel.steps:
-        return [float(column_unit(table.columns[panel.z]).shown(step)) for step in panel.steps]
+        return [float(column_unit(table.columns[panel.z]).from_si(step)) for step in panel.steps]
     z = shown_values(table, panel.z, panel.rows)
     return [float(step) for step in np.linspace(np.nanmin(z), np.nanmax(z), 11)]
 

@@ -94,10 +94,10 @@ def _facts(page: Page) -> Iterator[str]:
     yield text(str(meta.get("written", ""))[:10])
     yield f"vvdp {text(meta.get('vvdp', ''))}"
     if meta.get("command"):
-        yield f"<code>{text(' '.join(map(_quoted, meta['command'])))}</code>"
+        yield f"<code>{text(' '.join(map(_quote, meta['command'])))}</code>"
 
 
-def _quoted(word: str) -> str:
+def _quote(word: str) -> str:
     return f'"{word}"' if " " in word or not word else word
 
 

@@ -72,7 +72,7 @@ def plan(
     pieces, links, wires = [], [], []
     for block, x in zip(blocks, places, strict=True):
         y = axes[block.band]
-        pieces += [piece.moved(x, y) for piece in block.pieces]
+        pieces += [piece.translate(x, y) for piece in block.pieces]
         links += [tuple((a + x, b + y) for a, b in link) for link in block.links]
     for piece in pieces:
         wires += [_wire(lead, rails) for lead in piece.leads]
@@ -89,10 +89,10 @@ def plan(
         rails=tuple(rails.values()),
         names=names,
     )
-    return _shifted(made, MARGIN - left, MARGIN)
+    return _shift(made, MARGIN - left, MARGIN)
 
 
-def _shifted(given: Plan, dx: float, dy: float) -> Plan:
+def _shift(given: Plan, dx: float, dy: float) -> Plan:
     def to(point: Point) -> Point:
         return point[0] + dx, point[1] + dy
 
@@ -107,7 +107,7 @@ def _shifted(given: Plan, dx: float, dy: float) -> Plan:
     return Plan(
         width=given.width + 2 * MARGIN,
         height=given.height + 2 * MARGIN,
-        pieces=tuple(piece.moved(dx, dy) for piece in given.pieces),
+        pieces=tuple(piece.translate(dx, dy) for piece in given.pieces),
         links=tuple(tuple(to(p) for p in link) for link in given.links),
         wires=tuple(replace(wire, points=tuple(to(p) for p in wire.points)) for wire in given.wires),
         rails=given.rails,
@@ -128,10 +128,10 @@ def _rails(blocks: Sequence[Block], level: Mapping[str, int], places: Sequence[f
 def _tracks(rails: list[Rail]) -> list[list[Rail]]:
     """The rails of a level as rows from the top, in the order with the fewest crossings."""
     orders = permutations(rails) if len(rails) <= 5 else iter([tuple(rails)])
-    return min((_packed(order) for order in orders), key=_crossings, default=[])
+    return min((_pack(order) for order in orders), key=_crossings, default=[])
 
 
-def _packed(order: Sequence[Rail]) -> list[list[Rail]]:
+def _pack(order: Sequence[Rail]) -> list[list[Rail]]:
     rows: list[list[Rail]] = []
     for rail in order:
         begin, end = rail.ends
@@ -217,14 +217,14 @@ def _free(
     segments += [(*_span(other), other.y) for other in rails.values() if other is not rail]
     solid = [*taken, *(piece.box for piece in pieces)]
 
-    def blocked(x: float) -> bool:
+    def is_blocked(x: float) -> bool:
         box = (x - 5, rail.y - high - 5, x + wide + 5, rail.y - 1)
         return any(_cut(s, box) for s in segments) or any(overlap(box, other) for other in solid)
 
     first = begin + 7.0
     tries = [first + 4.0 * i for i in range(int(max(0.0, end - begin - wide) // 4.0) + 1)]
     further = [x for i in range(400) for x in (end + 7 + 4.0 * i, begin - wide - 7 - 4.0 * i)]
-    return next((x for x in [*tries, *further] if not blocked(x)), end + 7)
+    return next((x for x in [*tries, *further] if not is_blocked(x)), end + 7)
 
 
 def _span(rail: Rail) -> tuple[float, float, float]:

@@ -33,7 +33,7 @@ def lying_frame(azimuth: float, elevation: float) -> Floats:
     return np.array([up, -right, eye])
 
 
-def shaded(
+def shade(
     meshes: Sequence[Mesh], colours: Mapping[str, Colour], frame: Floats, width: int, margin: float = 0.03
 ) -> tuple[Floats, tuple[float, float, float, float]]:
     """The picture of all meshes (height, width, 3), and its edges in the plane of projection: left, right, low, high.
@@ -72,7 +72,7 @@ def _nearest(corners: Floats, low: Floats, pixel: float, rows: int, columns: int
     # Far triangles first: where several cover a point, the nearest of them must win, by its depth there.
     depth, seen = np.full(rows * columns, -np.inf), np.full(rows * columns, -1, dtype=np.int64)
     for part in np.array_split(np.argsort(z.mean(1)), max(1, len(front) // CHUNK)):
-        place, deep, which = _covered(flat[part], z[part], rows, columns)
+        place, deep, which = _covered_points(flat[part], z[part], rows, columns)
         order = np.argsort(deep, kind="stable")
         place, deep, which = place[order], deep[order], which[order]
         better = deep > depth[place]
@@ -80,7 +80,7 @@ def _nearest(corners: Floats, low: Floats, pixel: float, rows: int, columns: int
     return seen.reshape(rows, columns)
 
 
-def _covered(flat: Floats, z: Floats, rows: int, columns: int) -> tuple[Indices, Floats, Indices]:
+def _covered_points(flat: Floats, z: Floats, rows: int, columns: int) -> tuple[Indices, Floats, Indices]:
     """Every point that lies within a triangle: its place, its depth, and which triangle; found row by row."""
     x, y = flat[:, :, 0], flat[:, :, 1]
     first = np.clip(np.ceil(y.min(1)), 0, rows).astype(np.int64)

@@ -56,7 +56,7 @@ class Symbol:
         letters = tuple((x, -y, text, size) for x, y, text, size in self.letters)
         return Symbol((x0, -y1, x1, -y0), f'<g transform="scale(1 -1)">{self.svg}</g>', turned, self.axis, letters)
 
-    def mirrored(self) -> "Symbol":
+    def mirror(self) -> "Symbol":
         """The symbol with left and right exchanged."""
         x0, y0, x1, y1 = self.box
         turned = {n: Terminal(-t.x, t.y, MIRRORED.get(t.side, t.side)) for n, t in self.terminals.items()}
@@ -64,7 +64,7 @@ class Symbol:
         left, right = (None if x is None else -x for x in self.axis)
         return Symbol((-x1, y0, -x0, y1), f'<g transform="scale(-1 1)">{self.svg}</g>', turned, (right, left), letters)
 
-    def drawn(self, x: float, y: float, tooltip: str = "") -> str:
+    def draw_at(self, x: float, y: float, tooltip: str = "") -> str:
         """The symbol with its centre at (x, y) and `tooltip`, ready text, shown on hover."""
         title = f"<title>{tooltip}</title>" if tooltip else ""
         letters = "".join(letter(*each) for each in self.letters)

@@ -143,7 +143,7 @@ def is_source(symbol: str) -> bool:
     return entry(symbol) in (_PUMP, _FLOW)
 
 
-def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind], fed: frozenset[str] = frozenset()) -> Fitted:
+def fit_symbol(component: GraphComponent, kinds: Mapping[str, NodeKind], fed: frozenset[str] = frozenset()) -> Fitted:
     """The symbol of a component, with a terminal for every port; `kinds` are those of the nodes, `fed` have a source.
 
     A few ports that a symbol does not know join at its left side; with more, or without a symbol, it is a box.
@@ -155,7 +155,7 @@ def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind], fed: frozen
         symbol = generic(component.symbol, lines)
         return Fitted(symbol, {port: port for port in lines}, links)
     symbol = HELD_BETWEEN[found.draw]() if len(links) > 1 and found.draw in HELD_BETWEEN else found.draw()
-    names: Mapping[str, str] = _assigned(lines, symbol)
+    names: Mapping[str, str] = _assign_terminals(lines, symbol)
     if found is _SWITCH_3 and {*lines} == {*SELECTOR}:
         diverts = component.ports["pressure"] in fed or component.ports["first"] not in fed
         symbol, names = (valve.diverter_3_2(), DIVERTER) if diverts else (symbol, SELECTOR)
@@ -169,7 +169,7 @@ def fitted(component: GraphComponent, kinds: Mapping[str, NodeKind], fed: frozen
     return Fitted(replace(symbol, terminals={**symbol.terminals, **more}, axis=axis), names, links)
 
 
-def _assigned(lines: Mapping[str, NodeKind], symbol: Symbol) -> dict[str, str]:
+def _assign_terminals(lines: Mapping[str, NodeKind], symbol: Symbol) -> dict[str, str]:
     """Port -> terminal: by name, then tanks to the tank's terminals, then in order as long as terminals last."""
     free, names = list(symbol.terminals), dict[str, str]()
     single = [port for port, kind in lines.items() if kind is not NodeKind.TANK]

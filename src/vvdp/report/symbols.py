@@ -28,7 +28,7 @@ def junction(x: float, y: float) -> str:
     return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="3.6" fill="{INK}" stroke="none"/>'
 
 
-def filled(*points: Point) -> str:
+def filled_polygon(*points: Point) -> str:
     """A solid polygon."""
     corners = " ".join(f"{_n(x)},{_n(y)}" for x, y in points)
     return f'<polygon points="{corners}" fill="{INK}" stroke="none"/>'
@@ -37,7 +37,7 @@ def filled(*points: Point) -> str:
 def arrow_head(x: float, y: float, along: Point, size: float = 9.0) -> str:
     """A solid arrow head with its tip at (x, y), pointing along a unit vector."""
     (u, v), wide = along, 0.38 * size
-    return filled(
+    return filled_polygon(
         (x, y), (x - size * u - wide * v, y - size * v + wide * u), (x - size * u + wide * v, y - size * v - wide * u)
     )
 
@@ -74,7 +74,9 @@ def tank(x: float, y: float) -> str:
 
 def pump(x: float, y: float) -> str:
     """A pump of fixed displacement with centre (x, y): outlet at (x, y - 30), suction at (x, y + 30)."""
-    return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="30"/>' + filled((x, y - 30), (x - 10, y - 13), (x + 10, y - 13))
+    return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="30"/>' + filled_polygon(
+        (x, y - 30), (x - 10, y - 13), (x + 10, y - 13)
+    )
 
 
 def electric_motor(x: float, y: float) -> str:
@@ -117,13 +119,13 @@ def rotary_valve(x: float, y: float) -> str:
 def rotary_valve_body(x: float, y: float) -> str:
     """The boxes of `rotary_valve` without the letters of its ports."""
     boxes = "".join(f'<rect x="{_n(left)}" y="{_n(y - 32)}" width="64" height="64"/>' for left in (x - 64, x))
-    to_load = arrow((x + 18, y + 32), (x + 18, y - 32)) + blocked(x + 46, y + 32, up=True)
+    to_load = arrow((x + 18, y + 32), (x + 18, y - 32)) + blocked_port(x + 46, y + 32, up=True)
     to_tank = pipe((x - 46, y + 32), (x - 46, y + 2), (x - 18, y + 2), (x - 18, y + 24))
-    to_tank += arrow_head(x - 18, y + 32, (0, 1)) + blocked(x - 46, y - 32, up=False)
+    to_tank += arrow_head(x - 18, y + 32, (0, 1)) + blocked_port(x - 46, y - 32, up=False)
     return boxes + to_load + to_tank
 
 
-def blocked(x: float, y: float, *, up: bool) -> str:
+def blocked_port(x: float, y: float, *, up: bool) -> str:
     """A closed port at the edge (x, y) of a valve's box."""
     inner = y - 11 if up else y + 11
     return pipe((x, y), (x, inner)) + pipe((x - 7, inner), (x + 7, inner))
@@ -184,6 +186,6 @@ def pressure_source(x: float, y: float) -> str:
     """A source that holds a pressure, standing on its connection (x, y) with the line coming from above."""
     return (
         f'<circle cx="{_n(x)}" cy="{_n(y + 26)}" r="26"/>'
-        + filled((x, y), (x - 10, y + 17), (x + 10, y + 17))
+        + filled_polygon((x, y), (x - 10, y + 17), (x + 10, y + 17))
         + letter(x, y + 33, "p", 17)
     )

@@ -28,7 +28,7 @@ def assumed_table(system: System) -> str:
             ],
             ("", "n", "u", "q"),
         )
-        for r in system.assumed
+        for r in system.assumptions
     )
     return table(["Parameter", "Value", "Unit", "Why"], rows, (1,))
 
@@ -44,7 +44,7 @@ def _parameter_rows(system: System, known: Mapping[str, Reference], columns: int
             f'<span class="keys">{_breaking(r.key)}</span>',
             *_value(system, r),
             status,
-            _cited(r.source, known),
+            _cite(r.source, known),
             text(r.where),
             text(r.note),
         ]
@@ -75,5 +75,5 @@ def _is_absolute(system: System, given: Sourced) -> bool:
     return "bara" in str(entry) or "psia" in str(entry)
 
 
-def _cited(key: str, known: Mapping[str, Reference]) -> str:
+def _cite(key: str, known: Mapping[str, Reference]) -> str:
     return f'<a href="#ref-{text(key)}">{text(key)}</a>' if key in known else text(key)

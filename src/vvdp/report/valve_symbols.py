@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from vvdp.report.symbol import Side, Symbol, Terminal
-from vvdp.report.symbols import arrow, blocked, pipe, rotary_drive, rotary_valve_body, set_position, spring
+from vvdp.report.symbols import arrow, blocked_port, pipe, rotary_drive, rotary_valve_body, set_position, spring
 
 
 def box(x0: float, y0: float, x1: float, y1: float) -> str:
@@ -95,7 +95,7 @@ def _solenoid(x: float, wide: float = 22.0, proportional: bool = False) -> str:
 def valve_2_2() -> Symbol:
     """A 2/2 switching valve, closed at rest."""
     boxes = box(-60, -20, -20, 20) + box(-20, -20, 20, 20) + stubs(20, 32)
-    inside = arrow((-40, 20), (-40, -20)) + blocked(0, 20, up=True) + blocked(0, -20, up=False)
+    inside = arrow((-40, 20), (-40, -20)) + blocked_port(0, 20, up=True) + blocked_port(0, -20, up=False)
     return Symbol((-82, -32, 46, 32), boxes + inside + _solenoid(-82) + spring(20, 46, 0), through(32))
 
 
@@ -103,7 +103,7 @@ def proportional_2_2() -> Symbol:
     """A 2/2 proportional valve."""
     rails = pipe((-60, -25), (20, -25)) + pipe((-60, 25), (20, 25))
     boxes = box(-60, -20, -20, 20) + box(-20, -20, 20, 20) + stubs(20, 34) + rails
-    inside = arrow((-40, 20), (-40, -20)) + blocked(0, 20, up=True) + blocked(0, -20, up=False)
+    inside = arrow((-40, 20), (-40, -20)) + blocked_port(0, 20, up=True) + blocked_port(0, -20, up=False)
     drive = _solenoid(-82, proportional=True) + spring(20, 46, 0)
     return Symbol((-86, -34, 46, 34), boxes + inside + drive, through(34))
 
@@ -111,8 +111,8 @@ def proportional_2_2() -> Symbol:
 def valve_3_2() -> Symbol:
     """A 3/2 switching valve: at rest the load goes to the tank."""
     boxes = box(-76, -22, -26, 22) + box(-26, -22, 26, 22)
-    rest = arrow((-13, -22), (13, 22)) + blocked(-13, 22, up=True)
-    on = arrow((-63, 22), (-63, -22)) + blocked(-37, 22, up=True)
+    rest = arrow((-13, -22), (13, 22)) + blocked_port(-13, 22, up=True)
+    on = arrow((-63, 22), (-63, -22)) + blocked_port(-37, 22, up=True)
     lines = pipe((-13, 22), (-13, 34)) + pipe((13, 22), (13, 34)) + pipe((-13, -22), (-13, -34))
     terminals = {
         "P": Terminal(-13, 34, Side.BOTTOM),
@@ -127,8 +127,8 @@ def valve_3_2() -> Symbol:
 def diverter_3_2() -> Symbol:
     """A 3/2 switching valve that sends one line to a load, and to the tank at rest."""
     boxes = box(-76, -22, -26, 22) + box(-26, -22, 26, 22)
-    rest = pipe((-13, 22), (-13, 2), (13, 2), (13, 14)) + arrow((13, 2), (13, 22), 8) + blocked(-13, -22, up=False)
-    on = arrow((-63, 22), (-63, -22)) + blocked(-37, 22, up=True)
+    rest = pipe((-13, 22), (-13, 2), (13, 2), (13, 14)) + arrow((13, 2), (13, 22), 8) + blocked_port(-13, -22, up=False)
+    on = arrow((-63, 22), (-63, -22)) + blocked_port(-37, 22, up=True)
     lines = pipe((-13, 22), (-13, 34)) + pipe((13, 22), (13, 34)) + pipe((-13, -22), (-13, -34))
     drawn = boxes + rest + on + lines + _solenoid(-98) + spring(26, 52, 0)
     return replace(valve_3_2(), svg=drawn)
@@ -138,7 +138,7 @@ def valve_4_3() -> Symbol:
     """A 4/3 proportional directional valve, closed in its middle."""
     boxes = box(-84, -22, -28, 22) + box(-28, -22, 28, 22) + box(28, -22, 84, 22)
     rails = pipe((-84, -27), (84, -27)) + pipe((-84, 27), (84, 27))
-    middle = "".join(blocked(x, 22, up=True) + blocked(x, -22, up=False) for x in (-14, 14))
+    middle = "".join(blocked_port(x, 22, up=True) + blocked_port(x, -22, up=False) for x in (-14, 14))
     straight = arrow((-70, 22), (-70, -22)) + arrow((-42, -22), (-42, 22))
     crossed = arrow((42, 22), (70, -22)) + arrow((42, -22), (70, 22))
     lines = "".join(pipe((x, s * 22), (x, s * 38)) for x in (-14, 14) for s in (-1, 1))

@@ -23,7 +23,7 @@ def shown_cell(value: float | str | None, kind: Kind | None, digits: int = 4) ->
         return value or ""
     if kind is FLAG:
         return "" if math.isnan(value) else "yes" if value else "no"
-    shown = display_unit(kind).shown(value) if kind else value
+    shown = display_unit(kind).from_si(value) if kind else value
     whole = kind is not None and kind.name == "count" and float(shown).is_integer()
     return f"{shown:.0f}" if whole else number(float(shown), digits)
 
@@ -36,7 +36,7 @@ def shown_columns(each: Table) -> list[str]:
 
 def column_head(column: Column) -> str:
     """Label and unit of a column."""
-    return column.label + (display_unit(column.kind).bracketed if column.kind else "")
+    return column.label + (display_unit(column.kind).bracketed_symbol if column.kind else "")
 
 
 def table_cell(each: Table, key: str, place: int) -> str:
@@ -44,7 +44,7 @@ def table_cell(each: Table, key: str, place: int) -> str:
     column = each.columns[key]
     value, kind = column.values[place], column.kind
     if kind is not None and key in each.axes:
-        return plain(float(display_unit(kind).shown(value)), 4)
+        return plain(float(display_unit(kind).from_si(value)), 4)
     return shown_cell(str(value) if kind is None else float(value), kind)
 
 

@@ -210,4 +210,6 @@ def sentences(texts: Sequence[str], grade: Grade = Grade.PLAIN) -> Iterator[Find
 def _check_key(key: str, kind: Kind | None) -> None:
     suffix = key_suffix(kind) if kind else ""
     if not key.endswith(suffix):
-        raise ValueError(f"key {key!r} has to end with {suffix!r}, the unit of {kind.named if kind else 'a text'}")
+        raise ValueError(
+            f"key {key!r} has to end with {suffix!r}, the unit of {kind.with_article if kind else 'a text'}"
+        )

@@ -165,7 +165,7 @@ def _value(wanted: Any, content: Any) -> Any:
     if wanted is Column:
         return _column(content)
     if origin in (Union, UnionType):
-        return _chosen(inner, content)
+        return _choose_type(inner, content)
     if origin is tuple:
         return tuple(_value(inner[0], item) for item in content)
     if origin is not None and issubclass(origin, Mapping):
@@ -178,7 +178,7 @@ def _value(wanted: Any, content: Any) -> Any:
     return math.nan if content is None and wanted is float else content
 
 
-def _chosen(types: Sequence[Any], content: Any) -> Any:
+def _choose_type(types: Sequence[Any], content: Any) -> Any:
     """The one of several types that fits: None, a plain value, or the record that has all of these fields."""
     if content is None:
         return None if type(None) in types else math.nan

@@ -61,7 +61,7 @@ class Driving:
 
 def self_spinning(stand: Stand) -> Stand:
     """The same stand with nothing that turns the spool but the flow."""
-    return stand.changed(spool_drive={"coupling": 0.0})
+    return stand.with_tables(spool_drive={"coupling": 0.0})
 
 
 def driving_point(stand: Stand, flow: float) -> SetPoint:
@@ -95,7 +95,7 @@ def self_against_driven(
         flows = [share * stand.pump_flow(stand.set_point) for share in FLOW_SHARES]
     at = [driving_point(stand, q) for q in flows]
     stands: list[tuple[Stand, SetPoint]] = [(self_spinning(stand), point) for point in at]
-    stands += [(stand.driven(float(f)), point) for point in at for f in frequencies]
+    stands += [(stand.with_motor(float(f)), point) for point in at for f in frequencies]
     states = steady_states(stands, cores=cores, cache=cache, say=say)
     rows = [_driven_row(state) for state in states]
     alone, grid = np.array(rows[: len(at)]), np.array(rows[len(at) :]).reshape(len(at), len(frequencies), 5)
@@ -179,7 +179,7 @@ def scaled_open_loss(scale: float, flow: float, density: float, valve: RotaryVal
     return flow * ((drops.nozzle + drops.outlet_turbine) / (scale * scale) + drops.centre_section)
 
 
-def redesigned(stand: Stand, d: Driving) -> tuple[float, Array, Array]:
+def redesign(stand: Stand, d: Driving) -> tuple[float, Array, Array]:
     """A self-spinning valve that keeps the ripple limit from the lowest flow on, and what its drop costs.
 
     Factor on its areas, and the open valve's loss at every flow, as it is and with scaled areas [W]. nan where no
@@ -201,7 +201,7 @@ def driving_claim(
     """A self-spinning spool beside a driven one over flow, and what a self-spinning valve would cost."""
     found = self_against_driven(stand, cores=cores, cache=cache, say=say)
     numbers = {"ripple_limit_Pa": found.limit, "self_frequency_exponent": power_of(found.flows, found.self_frequency)}
-    scale, as_it_is, scaled = redesigned(stand, found)
+    scale, as_it_is, scaled = redesign(stand, found)
     if np.isfinite(found.self_frequency).any() and np.isfinite(found.best_frequency).any():
         numbers["largest_drive_power_W"] = float(np.nanmax(found.best_drive_power))
         if np.isfinite(scale):

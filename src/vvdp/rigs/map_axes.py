@@ -72,10 +72,10 @@ class _Range(NamedTuple):
     def words(self, value: float) -> str:
         """`value` [SI] as a person writes it."""
         unit = display_unit(self.kind)
-        return f"{round(unit.shown(value), 6) + 0.0:.6g} {unit.symbol}".rstrip()
+        return f"{round(unit.from_si(value), 6) + 0.0:.6g} {unit.symbol}".rstrip()
 
     @property
-    def expected(self) -> str:
+    def expectation(self) -> str:
         """What is allowed, in words."""
         if np.isfinite(self.highest):
             return f"numbers from {self.words(self.lowest)} to {self.words(self.highest)}"
@@ -87,7 +87,7 @@ def _axis_problem(values: Sequence[float], allowed: _Range) -> str | None:
         return "none; expected at least one"
     if outside := [v for v in values if not (np.isfinite(v) and allowed.lowest < v <= allowed.highest)]:
         more = f" and {len(outside) - 1} more" if len(outside) > 1 else ""
-        return f"{allowed.words(outside[0])}{more}; expected {allowed.expected}"
+        return f"{allowed.words(outside[0])}{more}; expected {allowed.expectation}"
     for before, after in itertools.pairwise(values):
         if after <= before:
             return f"{allowed.words(after)} after {allowed.words(before)}; expected increasing values"

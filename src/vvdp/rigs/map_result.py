@@ -133,7 +133,7 @@ def map_result(found: PumpMap, table: str = "map") -> Result:
         numbers=numbers_of(numbers, QUANTITIES),
         findings=tuple(_findings(found, numbers)),
         seconds=found.seconds,
-        finished=found.finished,
+        finished=found.is_finished,
     )
 
 
@@ -153,7 +153,7 @@ def _listings(found: PumpMap) -> dict[str, Listing]:
             Row(
                 with_unit(pressure, kinds.PRESSURE_LEVEL),
                 kinds.EFFICIENCY,
-                tuple(_marked(*(float(grid[row, place]) for grid in grids)) for place in places),
+                tuple(_mark_efficiency(*(float(grid[row, place]) for grid in grids)) for place in places),
             )
             for row, pressure in enumerate(axes.load_pressures)
         )
@@ -178,7 +178,7 @@ def _ripple_flag(found: PumpMap) -> tuple[str, ...]:
     return tuple(name for name in ("ripple_reaches_relief",) if name in found.columns)
 
 
-def _marked(efficiency: float, overloaded: float, ripples: float = 0.0) -> str:
+def _mark_efficiency(efficiency: float, overloaded: float, ripples: float = 0.0) -> str:
     """An efficiency in % with its marks."""
     return number(100.0 * efficiency, 3) + "*" * (overloaded > 0.0) + "†" * (ripples > 0.0)
 
@@ -238,7 +238,7 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
     for reason in dict.fromkeys(r for r in found.reasons if r and r != NOT_RUN):
         alike = sum(r == reason for r in found.reasons)
         yield Finding(text=f"{alike} point{'s' if alike > 1 else ''} without an efficiency: {reason}.")
-    if not found.finished:
+    if not found.is_finished:
         missing = sum(r == NOT_RUN for r in found.reasons)
         yield Finding(text=f"Interrupted: {missing} of {count} points were not run yet.")
     if doubtful := int(numbers.get("untrusted_points", 0.0)):

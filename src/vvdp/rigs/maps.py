@@ -38,7 +38,7 @@ from vvdp.steady.shooting import DISTANCE, LIMIT, TOLERANCE
 from vvdp.steady.steady_states import HELD, Steady, steady_states
 from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.studies.engine import HERE, Engine
-from vvdp.studies.run import interrupts_held, silent
+from vvdp.studies.run import hold_interrupts, silent
 from vvdp.studies.store import Finished, opened_store
 from vvdp.studies.work import Batching, check_same, kept_batches
 from vvdp.valve.leakage import leakage_conductance
@@ -101,7 +101,7 @@ class PumpMap:
     seconds: float
 
     @property
-    def finished(self) -> bool:
+    def is_finished(self) -> bool:
         """Whether every point has been worked on."""
         return NOT_RUN not in self.reasons
 
@@ -141,7 +141,7 @@ def analytic_map(
     if stand.makes_pressure:
         columns |= _ripple_columns(stand, points, columns)
     turns = np.array([reason is None for reason in stuck])
-    columns = _judged(stand, axes, {name: np.where(turns, values, np.nan) for name, values in columns.items()})
+    columns = _with_losses(stand, axes, {name: np.where(turns, values, np.nan) for name, values in columns.items()})
     reasons = _reasons(stand, columns, stuck)
     return PumpMap(
         stand=stand,
@@ -217,7 +217,7 @@ def _columns(values: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def _judged(stand: Stand, axes: Axes, columns: Mapping[str, Array]) -> dict[str, Array]:
+def _with_losses(stand: Stand, axes: Axes, columns: Mapping[str, Array]) -> dict[str, Array]:
     """`columns` with the set points before them and the efficiencies and losses that follow from them.
 
     The derived flow of a pump at duty ratio d is d D omega. An efficiency is nan where nothing is delivered.
@@ -295,12 +295,12 @@ def simulated_map(
     if pending:
         compiled_loop(say)  # here, so that workers find it compiled
     ran = 0
-    with interrupts_held() as interrupted:
+    with hold_interrupts() as interrupted:
         for done in kept_batches(partial(_points_done, stand, cache), pending, store, engine, interrupted, BATCHING):
             finished |= {each.key: each for each in done}
             ran += len(done)
             progress(len(points) - len(pending) + ran, len(points))
-    return _collected(stand, axes, [finished.get(each.key) for each in wanted], ran, time.perf_counter() - began)
+    return _collect(stand, axes, [finished.get(each.key) for each in wanted], ran, time.perf_counter() - began)
 
 
 class _Wanted(NamedTuple):
@@ -315,7 +315,7 @@ def _points_done(stand: Stand, cache: Path | None, batch: Sequence[_Wanted], cor
     digest = link(stand.model, stand.bench.case, cache).digest
     check_same(_key(stand, batch[0].point, digest), batch[0].key)
     states = steady_states([(stand, each.point) for each in batch], cores=cores, cache=cache)
-    return [_finished(each.key, state) for each, state in zip(batch, states, strict=True)]
+    return [_finish_point(each.key, state) for each, state in zip(batch, states, strict=True)]
 
 
 @contextmanager
@@ -364,7 +364,7 @@ def _key(stand: Stand, point: SetPoint, digest: str) -> str:
     return found.hexdigest()
 
 
-def _finished(key: str, state: Steady) -> Finished:
+def _finish_point(key: str, state: Steady) -> Finished:
     summary = dict(state.summary)
     if state.periodic is not None and summary:
         summary |= {
@@ -375,7 +375,7 @@ def _finished(key: str, state: Steady) -> Finished:
     return Finished(key, dict(zip(SetPoint._fields, state.point, strict=True)), state.reason, summary)
 
 
-def _collected(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: int, seconds: float) -> PumpMap:
+def _collect(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: int, seconds: float) -> PumpMap:
     rows: list[Mapping[str, float | bool]] = [each.summary if each else {} for each in done]
 
     def column(name: str) -> Array:
@@ -385,7 +385,7 @@ def _collected(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: i
     columns = {name: column(name) for name in (*FOUND, *some)}
     columns["delivered_flow_m3_s"] = column("mean_load_flow_m3_s")  # leakage taken off
     reasons = [each.failure if each else NOT_RUN for each in done]
-    judged = _judged(stand, axes, columns)
+    judged = _with_losses(stand, axes, columns)
     return PumpMap(
         stand=stand,
         axes=axes,

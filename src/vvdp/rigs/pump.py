@@ -77,7 +77,7 @@ def pump(
         numbers={**found.numbers, **numbers_of(numbers, QUANTITIES)},
         findings=(*found.findings, *_findings(numbers)),
     )
-    if not steady.finished:
+    if not steady.is_finished:
         return replace(result, seconds=time.perf_counter() - began)
     moving = dynamics(stand, (low, high), cores=cores, cache=cache, say=say)
     return replace(

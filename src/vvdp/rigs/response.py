@@ -71,7 +71,7 @@ def period_mean_flow(times: Array, series: BenchSeries, sections: float) -> Arra
 def _with_duty(state: Steady, signal: Signal) -> Case:
     """The case of a periodic state with a duty ratio that changes over time; it starts in that state."""
     assert state.periodic is not None
-    bench = state.stand.at(state.point, state.area).changed(operation={"duty_ratio": signal})
+    bench = state.stand.at(state.point, state.area).with_tables(operation={"duty_ratio": signal})
     return replace(bench.case, state=state.periodic.case.state)
 
 

@@ -117,7 +117,7 @@ def with_gas(stand: Stand, size: float) -> Stand:
     """
     line = load_line(stand)
     gas, precharge = line.gas_volume or NO_ACCUMULATOR, line.precharge_pressure or 0.5 * stand.set_point.load_pressure
-    return stand.changed(load_line={"gas_volume": size * gas, "precharge_pressure": precharge})
+    return stand.with_tables(load_line={"gas_volume": size * gas, "precharge_pressure": precharge})
 
 
 def ripple(
@@ -175,7 +175,7 @@ def _points(
     here = stand.set_point
     return [
         [(stand, here._replace(duty_ratio=float(d))) for d in duty_ratios],
-        [(stand.driven(float(f)), here) for f in frequencies],
+        [(stand.with_motor(float(f)), here) for f in frequencies],
         [(with_gas(stand, size), here) for size in sizes],
     ]
 

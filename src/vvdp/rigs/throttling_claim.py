@@ -84,7 +84,7 @@ def against_throttling(
         for share in pressure_shares
         for d in duty_ratios
     ]
-    states = _solved(steady_states([(stand, p) for p in points], cores=cores, cache=cache, say=say))
+    states = _with_periodic_state(steady_states([(stand, p) for p in points], cores=cores, cache=cache, say=say))
     flow, friction = stand.pump_flow(here), pump_friction_power(here.pump_speed, stand.bench.pump)
     delivered = np.array([float(state.summary["mean_load_flow_m3_s"]) for state in states])
     load = np.array([state.point.load_pressure - stand.tank_pressure for state in states])
@@ -100,7 +100,7 @@ def against_throttling(
     )
 
 
-def _solved(states: Sequence[Steady]) -> list[Steady]:
+def _with_periodic_state(states: Sequence[Steady]) -> list[Steady]:
     """Those that have a periodic state. Raises ParameterError where none has."""
     found = [state for state in states if state.reason is None]
     if not found:
@@ -171,7 +171,7 @@ def _break_evens(found: Throttling) -> Iterator[tuple[str, str, float]]:
     for pressure in np.unique(found.load_pressure):
         rows = found.load_pressure == pressure
         even = break_even_share(found.share[rows], found.switched[rows], found.bled_off[rows])
-        level = round(display_unit(GAUGE_PRESSURE).shown(pressure))
+        level = round(display_unit(GAUGE_PRESSURE).from_si(pressure))
         yield f"break_even_share_at_{level}_bar", f"{level} bar", even
 
 

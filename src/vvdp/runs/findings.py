@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from vvdp.base.display import display_unit, fixed, number, percent, plain, with_unit
+from vvdp.base.display import display_unit, fixed_point, number, percent, plain, with_unit
 from vvdp.base.kinds import DURATION, MEAN_POWER, POSITION, SIGNED_PRESSURE
 from vvdp.results.result import Badge, Finding, Grade
 from vvdp.runs.run import RecordedRun
@@ -22,17 +22,17 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
     if not run.has("finished"):
         yield Badge("interrupted", Grade.BAD)
     if run.record.mark_times.size or "pwm_frequency_Hz" in run.summary:
-        yield _settled(run)
+        yield _settling_warning(run)
     yield Badge("cavitation", Grade.BAD) if run.has("cavitation") else Badge("no cavitation", Grade.GOOD)
     if "motor_overloaded" in run.summary:
         over = run.has("motor_overloaded")
         yield Badge("motor overloaded", Grade.BAD) if over else Badge("motor within its rating", Grade.GOOD)
     if run.has("stiff_method"):
         yield Badge("stiff method at the end")
-    yield Badge(f"{len(run.system.assumed)} assumed values")
+    yield Badge(f"{len(run.system.assumptions)} assumed values")
 
 
-def _settled(run: RecordedRun) -> Badge:
+def _settling_warning(run: RecordedRun) -> Badge:
     if not run.number("averaged_periods") >= 1:
         return Badge(f"no {run.period}", Grade.WARNING)
     return Badge("settled", Grade.GOOD) if run.has("settled") else Badge("not settled", Grade.WARNING)
@@ -64,7 +64,9 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
     if run.has("cavitation") and lowest is not None:
         name = lowest[0].replace("_", " ")
         bar = display_unit(SIGNED_PRESSURE)
-        low, limit = (f"{fixed(bar.shown(p), 3)} bar absolute" for p in (lowest[1], cavitation_pressure(run.system)))
+        low, limit = (
+            f"{fixed_point(bar.from_si(p), 3)} bar absolute" for p in (lowest[1], cavitation_pressure(run.system))
+        )
         yield Finding(
             grade=Grade.BAD,
             title=f"Cavitation at the {name}",

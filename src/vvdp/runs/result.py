@@ -120,7 +120,9 @@ def _bench_losses(run: RecordedRun, tables: dict[str, Table]) -> list[Chart]:
 def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], losses: list[Chart],
               of_losses: tuple[str, ...], harmonics: tuple[str, ...]) -> tuple[Section, ...]:  # fmt: skip
     words = () if bench is None else tuple(analytic_words(run, bench))
-    assumed = f"{len(run.system.assumed)} of {len(run.system.rows)} values are assumptions; the results depend on them."
+    assumed = (
+        f"{len(run.system.assumptions)} of {len(run.system.rows)} values are assumptions; the results depend on them."
+    )
     shown = (*(chart.name for chart in course), *harmonics)
     return (
         Section(title="Circuit", words=(f"Circuit: {run.system.circuit_name}.",), shows=("circuit",)),
@@ -136,7 +138,7 @@ def _sections(run: RecordedRun, bench: RotaryBench | None, course: list[Chart], 
             ),
             shows=("computation",),
         ),
-        Section(title="Assumed values", words=(assumed,), shows=("assumed",) if run.system.assumed else ()),
+        Section(title="Assumed values", words=(assumed,), shows=("assumed",) if run.system.assumptions else ()),
         Section(title="Parameters", shows=("parameters",)),
         Section(title="Equations", words=("The network as it is written out and simulated.",), shows=("equations",)),
     )

@@ -50,7 +50,7 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
         "title": system.title,
         "circuit": system.circuit_name,
         "command": list(command),
-        "assumed_values": len(system.assumed),
+        "assumed_values": len(system.assumptions),
         "written": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
     }
     return RecordedRun(system, record_of(done), found, meta | balances)

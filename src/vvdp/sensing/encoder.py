@@ -36,7 +36,7 @@ class Shaft(NamedTuple):
 
 
 class Acquisition(Params):
-    """How the time of an edge is told: `SAMPLED`, `INTERPOLATED`, or by a unit made with `captured`."""
+    """How the time of an edge is told: `SAMPLED`, `INTERPOLATED`, or by a unit made with `capture_unit`."""
 
     interpolated: Fraction
     captured: Fraction
@@ -50,7 +50,7 @@ INTERPOLATED = Acquisition(interpolated=1.0, captured=0.0, resolution=0.0)
 """The photodiode's wave is sampled, and a line through the samples on both sides of the threshold gives the time."""
 
 
-def captured(resolution: float) -> Acquisition:
+def capture_unit(resolution: float) -> Acquisition:
     """A capture unit stamps every edge to within `resolution` [s]."""
     return Acquisition(interpolated=0.0, captured=1.0, resolution=resolution)
 
@@ -143,7 +143,7 @@ def edge_deviation(encoder: Encoder) -> float:
     return encoder.noise * ramp_width(encoder.spot)
 
 
-def counted(count: float, before: float, bits: float) -> float:
+def counter_difference(count: float, before: float, bits: float) -> float:
     """Edges between two readings of a counter that starts again at 2^bits [1].
 
     Source  wang2017, eq. 3.2, with more than one edge and overflow
@@ -311,7 +311,7 @@ def encoder_reading(
             crossed = edge if forward else edge + 1.0
             edge_time = crossing_time(goal, memory.time, memory.angle, earlier_speed, shaft.time, angle, speed)
     counter = counter % 2.0**encoder.counter_bits
-    edges = counted(counter, memory.counter, encoder.counter_bits)
+    edges = counter_difference(counter, memory.counter, encoder.counter_bits)
     interval = shaft.time - memory.time
     told, spread = shaft.time - 0.5 * interval, interval
     if encoder.acquisition.captured > 0.0 and passed > 0.0:
@@ -320,7 +320,7 @@ def encoder_reading(
         if resolution > 0.0:
             told = (np.floor(edge_time / resolution) + 0.5) * resolution
     elif encoder.acquisition.interpolated > 0.0 and passed == 1.0:
-        told, spread = _interpolated(memory, angle, crossed, threshold, told, spread, encoder)
+        told, spread = _interpolate(memory, angle, crossed, threshold, told, spread, encoder)
     clock = 1.0 + faults.clock_drift
     reading = Reading(clock * shaft.time, edges, clock * told, clock * spread, polarity)
     after = EncoderMemory(
@@ -338,7 +338,7 @@ def encoder_reading(
     return after, reading
 
 
-def _interpolated(
+def _interpolate(
     memory: EncoderMemory,
     angle: float,
     crossed: float,

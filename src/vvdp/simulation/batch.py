@@ -20,7 +20,7 @@ from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.outcome import Outcome, marked_window
-from vvdp.simulation.prepare import Prepared, Reached, compiled_loop, prepared, started
+from vvdp.simulation.prepare import Prepared, Reached, compiled_loop, prepare, start_run
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.start import check_start, start_bounds
 from vvdp.simulation.stepping import Method, Stepping
@@ -120,7 +120,7 @@ def simulate_batch(
     _are_of_one_shape(cases)
     crew = Crew(_threads(cores), stop)
     began = time.perf_counter()
-    ready = prepared(model, cases[0], stepping, cache, say)
+    ready = prepare(model, cases[0], stepping, cache, say)
     loop = compiled_loop(say)
     code: SideBySide | str = "lanes were not asked for"
     if lanes and stepping.method is Method.STIFF:
@@ -128,13 +128,13 @@ def simulate_batch(
     elif lanes:
         code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
     rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
-    part = _carried(loop, ready, code, cases, stepping, marks_from, rows, crew)
+    part = _carry_out(loop, ready, code, cases, stepping, marks_from, rows, crew)
     crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # their middle mark has been written over
     if crowded.size:
         room = int(part.clocks[crowded, places.MARKS].max()) + 1
         at_once = max(1, _places(ready, room))
         for some in np.split(crowded, range(at_once, crowded.size, at_once)):
-            again = _carried(loop, ready, code, [cases[row] for row in some], stepping, marks_from, room, crew)
+            again = _carry_out(loop, ready, code, [cases[row] for row in some], stepping, marks_from, room, crew)
             for whole, piece in zip(part, again, strict=True):
                 whole[some] = piece
     clocks = part.clocks
@@ -225,7 +225,7 @@ class _Carried(NamedTuple):
     lanes: npt.NDArray[np.bool_]
 
 
-def _carried(
+def _carry_out(
     loop: Any,
     ready: Prepared,
     code: SideBySide | str,
@@ -237,7 +237,7 @@ def _carried(
 ) -> _Carried:
     count, n = len(cases), ready.vectors.state.size
     state, command, memory, params = rows_of(cases)
-    start, others = state.copy(), started(ready, stepping)[3:]
+    start, others = state.copy(), start_run(ready, stepping)[3:]
     begun = Reached(state, command, memory, *(np.stack([part] * count) for part in others))
     low, high, status = state.copy(), state.copy(), np.full(count, places.HANDED)
     times, states = np.zeros((count, rows)), np.zeros((count, rows, n))

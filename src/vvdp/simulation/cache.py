@@ -52,7 +52,7 @@ class Wanted(NamedTuple):
     announce: Callable[[], str]
 
 
-def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
+def load(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
     """The module from its folder in the cache, or compiled into it.
 
     Raises RunError where the cache cannot be written, or can be by others.
@@ -61,24 +61,24 @@ def loaded(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.Mod
         if found := sys.modules.get(_module_name(wanted.name)):
             return found
         try:
-            return _read_or_compiled(wanted, cache, say)
+            return _read_or_compile(wanted, cache, say)
         except OSError as problem:
             raise RunError(f"compiled code cannot be kept in {cache} ({problem.strerror}); {ADVICE}") from None
 
 
-def _read_or_compiled(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
+def _read_or_compile(wanted: Wanted, cache: Path, say: Callable[[str], None]) -> types.ModuleType:
     cache.mkdir(mode=0o700, parents=True, exist_ok=True)
     check_private(cache)
     folder = cache / f"{wanted.name}-{_processor()}"
     if folder.exists():
         check_private(folder)
-        if found := _kept(wanted, folder):
+        if found := _read_cached(wanted, folder):
             return found
         say(f"compiled code in {folder} is damaged; compiling it anew")
         shutil.rmtree(folder, ignore_errors=True)
     elif words := wanted.announce():
         say(words)
-    return _compiled(wanted, folder)
+    return _compile(wanted, folder)
 
 
 def check_private(folder: Path) -> None:
@@ -122,23 +122,23 @@ def _sums(folder: Path) -> str:
     return "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()} {path.relative_to(folder)}\n" for path in files)
 
 
-def _kept(wanted: Wanted, folder: Path) -> types.ModuleType | None:
+def _read_cached(wanted: Wanted, folder: Path) -> types.ModuleType | None:
     """The module in `folder`; None where it is not what was put there."""
     try:
         if (folder / TEXT).read_text() != wanted.source or (folder / SUMS).read_text() != _sums(folder):
             return None
-        return _executed(wanted, folder)
+        return _execute(wanted, folder)
     except Exception:  # whatever is wrong with it: it is compiled anew, and what is wrong then is told
         return None
 
 
-def _compiled(wanted: Wanted, folder: Path) -> types.ModuleType:
+def _compile(wanted: Wanted, folder: Path) -> types.ModuleType:
     """The module compiled, and its folder under its final name."""
     workshop = Path(tempfile.mkdtemp(prefix=f".{wanted.name}-", dir=folder.parent))
     try:
         (workshop / TEXT).write_text(wanted.source)
         wanted.prepare()
-        found = _executed(wanted, workshop)
+        found = _execute(wanted, workshop)
         (workshop / SUMS).write_text(_sums(workshop))
         try:
             workshop.rename(folder)
@@ -150,7 +150,7 @@ def _compiled(wanted: Wanted, folder: Path) -> types.ModuleType:
         shutil.rmtree(workshop, ignore_errors=True)
 
 
-def _executed(wanted: Wanted, folder: Path) -> types.ModuleType:
+def _execute(wanted: Wanted, folder: Path) -> types.ModuleType:
     from numba.core import config as numba_config
 
     config: Any = numba_config
@@ -184,7 +184,7 @@ def _module_name(name: str) -> str:
     return f"vvdp_linked_{name}"
 
 
-def kept(name: str, make: Callable[[], bytes], cache: Path) -> bytes:
+def cached_bytes(name: str, make: Callable[[], bytes], cache: Path) -> bytes:
     """What `make` gives, from its file in the cache where it was made before; damage is made anew.
 
     Raises RunError where the cache cannot be written, or can be by others.

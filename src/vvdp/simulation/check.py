@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vvdp.base.books import Nothing
+from vvdp.base.conservation import Nothing
 from vvdp.base.errors import RunError, VvdpError
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import nearest
@@ -49,22 +49,22 @@ def check_model(model: Model, case: Case) -> None:
         for name, program in model.programs.items():
             _program_is_sound(name, program, model, case)
             if not passed:
-                arguments = (0.0, blanked(case.state), outputs, case.params)
+                arguments = (0.0, blank_books(case.state), outputs, case.params)
                 _passes_arrays(f"measure of program {name!r}", program.measure, arguments)
     if not passed:
         with suppress(RunError):  # of what cannot be compiled; linking says it
-            _PASSED.put(key, _reached(model), True)
+            _PASSED.put(key, _reach_functions(model), True)
 
 
-def _reached(model: Model) -> Functions:
+def _reach_functions(model: Model) -> Functions:
     """What the functions of a model reach that are tried. Raises RunError where one cannot be compiled."""
     found = Functions()
-    for function in _tried(model):
+    for function in _try_functions(model):
         reachable(function, found)
     return found
 
 
-def _tried(model: Model) -> list[Callable[..., Any]]:
+def _try_functions(model: Model) -> list[Callable[..., Any]]:
     called = [model.circuit, model.mark, model.stop, model.conditions]
     called += [f for p in model.programs.values() for f in (p.measure, p.step, p.trigger)]
     return [function for function in called if function is not None]
@@ -114,9 +114,7 @@ def _are_numbers(case: Case) -> None:
 
 def _circuit_values(model: Model, case: Case) -> tuple[Any, Any]:
     name, state = _name(model.circuit), type(case.state).__name__
-    found = _called(
-        "the circuit", model.circuit, "t, state, command, params", 0.0, case.state, case.command, case.params
-    )
+    found = _call("the circuit", model.circuit, "t, state, command, params", 0.0, case.state, case.command, case.params)
     has_modes = "modes" in names(case.command)
     if not isinstance(found, tuple) or names(found) or len(found) != 2 + has_modes:
         what = "nothing" if found is None else "the rates only" if type(found) is type(case.state) else repr(found)
@@ -142,38 +140,38 @@ def _rates_are_finite(rates: Any) -> None:
 
 
 def _circuit_is_sound(model: Model, case: Case, rates: Any, outputs: Any) -> None:
-    again = _called("the circuit", model.circuit, "", 0.0, case.state, case.command, case.params)
+    again = _call("the circuit", model.circuit, "", 0.0, case.state, case.command, case.params)
     if not (_equal(rates, again[0]) and _equal(outputs, again[1])):
         raise RunError(
             f"the circuit, {_name(model.circuit)}, gives two answers to the same question; random numbers belong into "
             "a program's memory (vvdp.numerics.random)"
         )
     if hasattr(case.state, "books"):
-        blind = _called("the circuit", model.circuit, "", 0.0, blanked(case.state), case.command, case.params)
+        blind = _call("the circuit", model.circuit, "", 0.0, blank_books(case.state), case.command, case.params)
         if not _equal(rates, blind[0]):
             raise RunError("the circuit reads its own books; they may only be written")
 
 
-def blanked(state: Any) -> Any:
+def blank_books(state: Any) -> Any:
     """The state with NaN in its books."""
-    return state._replace(books=_mapped(state.books, lambda _: np.nan)) if hasattr(state, "books") else state
+    return state._replace(books=_map_leaves(state.books, lambda _: np.nan)) if hasattr(state, "books") else state
 
 
 def _stored_is_sound(model: Model, case: Case) -> None:
     assert model.stored is not None
     if not hasattr(case.state, "books"):
         raise RunError(f"the model has `stored`, but its state, {type(case.state).__name__}, has no field `books`")
-    found = _called("stored", model.stored, "state, params", case.state, case.params)
+    found = _call("stored", model.stored, "state, params", case.state, case.params)
     if names(found) != ("energy", "volume") or not np.isfinite(flat(found)).all():
         raise RunError(f"stored, {_name(model.stored)}, returns {found!r}; expected Stored(energy, volume)")
 
 
 def _stops_and_marks(model: Model, case: Case) -> None:
     arguments = "t, state, command, params"
-    _finite("mark", model.mark, _called("mark", model.mark, arguments, 0.0, case.state, case.command, case.params))
+    _finite("mark", model.mark, _call("mark", model.mark, arguments, 0.0, case.state, case.command, case.params))
     t = 0.0
     for _ in range(2):
-        later = _called("stop", model.stop, "t, command, params", t, case.command, case.params)
+        later = _call("stop", model.stop, "t, command, params", t, case.command, case.params)
         if np.ndim(later) or not isinstance(later, int | float | np.number) or not later > t:
             raise RunError(
                 f"stop, {_name(model.stop)}, returns {later} when asked at t = {t:.6g} s; expected the next time after "
@@ -188,7 +186,7 @@ def _conditions_are_sound(model: Model, case: Case) -> None:
     assert model.conditions is not None
     if "held" not in names(case.command):
         raise RunError(f"the model has conditions, but its command, {type(case.command).__name__}, no field `held`")
-    found = _called("conditions", model.conditions, "t, params", 0.0, case.params)
+    found = _call("conditions", model.conditions, "t, params", 0.0, case.params)
     _same_fields("what conditions returns", found, "the command's field `held`", case.command.held)
     _have_kinds("condition", found)
 
@@ -205,11 +203,11 @@ def _program_is_sound(name: str, program: Program, model: Model, case: Case) -> 
             raise RunError(f"{what} has no entry in the {part} of the case; NOTHING where it needs none")
     command, memory, settings = getattr(case.command, name), case.memory[name], case.settings[name]
     _same_fields(f"the first command of {what}", program.command, f"the command's field {name!r}", command)
-    state = blanked(case.state)
+    state = blank_books(case.state)
     outputs = model.circuit(0.0, state, case.command, params)[1]
-    reading = _called(f"measure of {what}", program.measure, "t, state, outputs, params", 0.0, state, outputs, params)
+    reading = _call(f"measure of {what}", program.measure, "t, state, outputs, params", 0.0, state, outputs, params)
     _reading_is_sound(what, reading)
-    found = _called(f"step of {what}", program.step, "t, memory, reading, settings", 0.0, memory, reading, settings)
+    found = _call(f"step of {what}", program.step, "t, memory, reading, settings", 0.0, memory, reading, settings)
     if not isinstance(found, tuple) or names(found) or len(found) != 2:
         raise RunError(f"step of {what} returns {found!r}; expected (memory, command)")
     _same_fields(f"the memory that {what} returns", found[0], "the memory it is given", memory)
@@ -221,7 +219,7 @@ def _program_is_sound(name: str, program: Program, model: Model, case: Case) -> 
         _finite(
             f"trigger of {what}",
             program.trigger,
-            _called(f"trigger of {what}", program.trigger, "t, state, command, params, settings", *arguments),
+            _call(f"trigger of {what}", program.trigger, "t, state, command, params, settings", *arguments),
         )
 
 
@@ -240,7 +238,7 @@ def _reading_is_sound(what: str, reading: Any) -> None:
 # Trying a function
 
 
-def _called(what: str, function: Callable[..., Any], expected: str, *arguments: Any) -> Any:
+def _call(what: str, function: Callable[..., Any], expected: str, *arguments: Any) -> Any:
     """The value of `function`. Raises RunError with what is wrong, and where."""
     try:
         signature(function).bind(*arguments)
@@ -251,10 +249,12 @@ def _called(what: str, function: Callable[..., Any], expected: str, *arguments: 
     except VvdpError:
         raise
     except Exception as problem:
-        raise RunError(f"{what}, {_name(function)}, cannot be worked out: {_told(problem)}{_place(problem)}") from None
+        raise RunError(
+            f"{what}, {_name(function)}, cannot be worked out: {_explain(problem)}{_place(problem)}"
+        ) from None
 
 
-def _told(problem: Exception) -> str:
+def _explain(problem: Exception) -> str:
     """What a Python error means for a person who wrote a circuit."""
     text = str(problem)
     if isinstance(problem, AttributeError) and names(problem.obj):
@@ -276,7 +276,7 @@ def _place(problem: BaseException) -> str:
 def _passes_arrays(what: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     """Outputs and readings over time are the functions themselves, evaluated on whole columns."""
     time, *values = arguments
-    columns = [_mapped(value, lambda x: np.stack([np.asarray(x, float)] * 2, axis=-1)) for value in values[:2]]
+    columns = [_map_leaves(value, lambda x: np.stack([np.asarray(x, float)] * 2, axis=-1)) for value in values[:2]]
     tries = (
         ("the time", (np.full(2, time), *values)),
         ("the state", (time, columns[0], *values[1:])),
@@ -298,13 +298,13 @@ def _array_fault(problem: Exception, by: str) -> str:
         r"only .* arrays can be converted|only integer scalar", str(problem)
     ):
         return "hands an array to a function for single numbers; use that of NumPy, as np.sqrt for math.sqrt"
-    return f"does not pass arrays: {_told(problem)}"
+    return f"does not pass arrays: {_explain(problem)}"
 
 
 def _reads_no_lists(model: Model) -> None:
     """Compiled code takes tuples and arrays for constants, but nothing that may still change."""
     seen: set[types.FunctionType] = set()
-    for function in _tried(model):
+    for function in _try_functions(model):
         for user, name, value in _globals(function, seen):
             if isinstance(value, list | dict | set):
                 kind = type(value).__name__
@@ -365,9 +365,9 @@ def _finite(what: str, function: Callable[..., Any], value: Any) -> None:
         raise RunError(f"{what}, {_name(function)}, returns {value}; expected a finite number")
 
 
-def _mapped(value: Any, change: Callable[[Any], Any]) -> Any:
+def _map_leaves(value: Any, change: Callable[[Any], Any]) -> Any:
     if inner := names(value):
-        return type(value)(**{name: _mapped(getattr(value, name), change) for name in inner})
+        return type(value)(**{name: _map_leaves(getattr(value, name), change) for name in inner})
     return change(value)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from llvmlite import ir
 
-from vvdp.simulation.lane_math import EXP_SERIES, LN2, shortened
+from vvdp.simulation.lane_math import EXP_SERIES, LN2, shorten_series
 from vvdp.simulation.lane_values import DOUBLE, INTEGER, Code, Vector
 
 LOG_BITS, EXP_BITS = 7, 6
@@ -51,8 +51,8 @@ RECIPROCALS, LOGARITHMS = _logarithms()
 ROOTS = _roots()
 REST, PART = Fraction(43, 10000), Fraction(1, 2 << EXP_BITS)
 """How far a mantissa times its reciprocal is from 1 at most, and an exponent from the table's."""
-LOG2_SERIES = shortened([Fraction((-1) ** i, i + 1) / Fraction(LN2) for i in range(14)], 6, -REST, REST)
-EXP2_SERIES = shortened([Fraction(LN2) ** i / math.factorial(i) for i in range(1, 14)], 5, -PART, PART)
+LOG2_SERIES = shorten_series([Fraction((-1) ** i, i + 1) / Fraction(LN2) for i in range(14)], 6, -REST, REST)
+EXP2_SERIES = shorten_series([Fraction(LN2) ** i / math.factorial(i) for i in range(1, 14)], 5, -PART, PART)
 ROUNDING = 1.5 * 2.0 ** (52 - EXP_BITS)
 """Added to a number, it leaves that in steps of the table in the last bits."""
 

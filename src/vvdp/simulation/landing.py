@@ -156,7 +156,7 @@ def lateness(before, x, held, grain, width, t, step, usual):
 
 
 @njit(**BARE)
-def changed(x, held, grain):
+def last_change(x, held, grain):
     """The number of the last mode or kink whose floor has changed, counted from the end."""
     found = 1
     for i in range(1, held.size):

@@ -16,7 +16,7 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 
 from vvdp.simulation import lane_math, lane_values
-from vvdp.simulation.cache import default_cache, kept, one_at_a_time, quiet
+from vvdp.simulation.cache import cached_bytes, default_cache, one_at_a_time, quiet
 from vvdp.simulation.lane_math import FUNCTIONS
 from vvdp.simulation.lane_values import DOUBLE, Code, Mask, Vector
 from vvdp.simulation.symbols import Node, Op
@@ -53,11 +53,11 @@ def lane_rates(graph: Graph, cache: Path | None = None, say: Callable[[str], Non
 
     def make() -> bytes:
         say("compiling rates for many cases at once")
-        return compiled(lane_text(graph, host_width(), is_fused()).replace(NAME, symbol))
+        return compile_text(lane_text(graph, host_width(), is_fused()).replace(NAME, symbol))
 
     with one_at_a_time:
         if symbol not in _loaded:
-            _loaded[symbol] = loaded(kept(symbol, make, cache or default_cache()))
+            _loaded[symbol] = load_code(cached_bytes(symbol, make, cache or default_cache()))
             llvm.add_symbol(symbol, _loaded[symbol].get_function_address(symbol))
     return LaneRates(host_width(), _loaded[symbol].get_function_address(symbol), symbol)
 
@@ -96,11 +96,11 @@ def lane_text(graph: Graph, width: int, fused: bool) -> str:
     values: dict[int, Any] = {}
     for place in by_urgency(graph):
         node = graph.nodes[place]
-        values[place] = _written(code, node, [values[i] for i in node.inputs], function.args)
+        values[place] = _write_node(code, node, [values[i] for i in node.inputs], function.args)
         for row in (row for row, output in enumerate(graph.outputs) if output == place):
             code.builder.store(values[place].value, _row(code, function.args[-1], row), align=8)
     code.builder.ret_void()
-    return _widened(str(module), width)
+    return _prefer_whole_vectors(str(module), width)
 
 
 def by_urgency(graph: Graph) -> list[int]:
@@ -117,7 +117,7 @@ def by_urgency(graph: Graph) -> list[int]:
     return sorted(range(len(graph.nodes)), key=lambda place: (latest[place], place))
 
 
-def _written(code: Code, node: Node, inputs: list[Any], arguments: Any) -> Any:
+def _write_node(code: Code, node: Node, inputs: list[Any], arguments: Any) -> Any:
     """The vector or mask of a node."""
     if node.op is Op.CONSTANT:
         return code.vector(node.number)
@@ -156,7 +156,7 @@ def _row(code: Code, vector: Any, row: int) -> Any:
     return code.builder.bitcast(first, kind)
 
 
-def _widened(text: str, width: int) -> str:
+def _prefer_whole_vectors(text: str, width: int) -> str:
     """`text` with the wish for whole vectors, which LLVM would otherwise halve on some processors."""
     bits = 64 * width
     wish = f'"prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}"'
@@ -165,7 +165,7 @@ def _widened(text: str, width: int) -> str:
     return f"{head}{name}{signature.rstrip()} {wish}\n{brace}{body}"
 
 
-def compiled(text: str) -> bytes:
+def compile_text(text: str) -> bytes:
     """The machine code of LLVM's `text` for this processor."""
     module = llvm.parse_assembly(text)
     module.triple = llvm.get_process_triple()
@@ -178,7 +178,7 @@ def compiled(text: str) -> bytes:
     return code
 
 
-def loaded(code: bytes) -> Any:
+def load_code(code: bytes) -> Any:
     """An engine that holds the functions of compiled `code`."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))

@@ -32,7 +32,7 @@ def parts(value: Decimal, count: int, bits: int) -> list[float]:
     return found
 
 
-def shortened(series: list[Fraction], terms: int, low: Fraction, high: Fraction) -> list[float]:
+def shorten_series(series: list[Fraction], terms: int, low: Fraction, high: Fraction) -> list[float]:
     """`sum(c[i] x^i)` with so many terms, next to the best between `low` and `high`.
 
     Each highest term is replaced by what the Chebyshev polynomial of its degree leaves of it.
@@ -58,12 +58,16 @@ EIGHTH = Fraction(HALF_PI / 2) ** 2
 """The square of an eighth of a turn [rad2]."""
 SPREAD = Fraction(1, 33)
 """Above ((m - 1)/(m + 1))^2 for all m between the roots of 1/2 and 2."""
-EXP_SERIES = shortened([Fraction(1, factorial(i + 2)) for i in range(16)], 11, -Fraction(7, 20), Fraction(7, 20))
-EXP2_SERIES = shortened([Fraction(LN2) ** i / factorial(i) for i in range(1, 18)], 12, -Fraction(1, 2), Fraction(1, 2))
-LOG_SERIES = shortened([Fraction(2, 2 * i + 3) for i in range(16)], 8, Fraction(0), SPREAD)
-ATANH_SERIES = shortened([Fraction(1, 2 * i + 3) for i in range(16)], 8, Fraction(0), SPREAD)
-SIN_SERIES = shortened([Fraction((-1) ** (i + 1), factorial(2 * i + 3)) for i in range(10)], 7, Fraction(0), EIGHTH)
-COS_SERIES = shortened([Fraction((-1) ** i, factorial(2 * i)) for i in range(11)], 8, Fraction(0), EIGHTH)
+EXP_SERIES = shorten_series([Fraction(1, factorial(i + 2)) for i in range(16)], 11, -Fraction(7, 20), Fraction(7, 20))
+EXP2_SERIES = shorten_series(
+    [Fraction(LN2) ** i / factorial(i) for i in range(1, 18)], 12, -Fraction(1, 2), Fraction(1, 2)
+)
+LOG_SERIES = shorten_series([Fraction(2, 2 * i + 3) for i in range(16)], 8, Fraction(0), SPREAD)
+ATANH_SERIES = shorten_series([Fraction(1, 2 * i + 3) for i in range(16)], 8, Fraction(0), SPREAD)
+SIN_SERIES = shorten_series(
+    [Fraction((-1) ** (i + 1), factorial(2 * i + 3)) for i in range(10)], 7, Fraction(0), EIGHTH
+)
+COS_SERIES = shorten_series([Fraction((-1) ** i, factorial(2 * i)) for i in range(11)], 8, Fraction(0), EIGHTH)
 FAR = {True: 1e9, False: 1e5}
 """Angles up to which a sine's reduction is exact enough, with a fused product and without [rad]."""
 HUGE = 2.0**900
@@ -77,7 +81,7 @@ def power(code: Code, x: Vector, y: Vector) -> Vector:
     """`x ** y` as pow(x, y) of the C library has it."""
     high, low = _log2(code, *_split(code, x))
     e, rest = code.product(y, high)
-    result = _exp2(code, e, code.multiply_add(y, low, rest), _lifted)
+    result = _exp2(code, e, code.multiply_add(y, low, rest), _scale_in_range)
     usual = (x > 2.0**-1022) & (x < math.inf) & (abs(e) < 1000.0) & (abs(y) < HUGE)
     is_zero = x.equals(0.0) & (y > 0.0)  # as often as a port is shut
     with code.where_any(~(usual | is_zero), is_zero.select(0.0, result)) as held:
@@ -91,7 +95,7 @@ def _any_power(code: Code, x: Vector, y: Vector) -> Vector:
     high, low = _log2(code, *_split_tiny(code, size))
     e, rest = code.product(y, high)
     rest = (abs(e) < 1100.0).select(rest + y * low, 0.0)
-    result = _exp2(code, _between(e, -1100.0, 1100.0), rest, _scaled)
+    result = _exp2(code, _between(e, -1100.0, 1100.0), rest, _scale_in_two_steps)
     grows = (size.equals(math.inf) & (y > 0.0)) | (size.equals(0.0) & (y < 0.0))
     result = (size.equals(math.inf) | size.equals(0.0)).select(grows.select(math.inf, 0.0), result)
     half = 0.5 * y
@@ -129,7 +133,7 @@ def _exp2(code: Code, e: Vector, rest: Vector, scaled: Callable[[Code, Vector, V
 def exp(code: Code, x: Vector) -> Vector:
     """e to the power of x."""
     p, shifted = _exp_rest(code, _between(x, -750.0, 750.0))
-    return _scaled(code, 1.0 + p, shifted)
+    return _scale_in_two_steps(code, 1.0 + p, shifted)
 
 
 def expm1(code: Code, x: Vector) -> Vector:
@@ -137,7 +141,7 @@ def expm1(code: Code, x: Vector) -> Vector:
     p, shifted = _exp_rest(code, _between(x, -50.0, 750.0))
     n = shifted - ROUNDING
     inverse = _power_of_2(code, ROUNDING - _between(n, -100.0, 100.0))
-    return _scaled(code, p + (1.0 - inverse), shifted)
+    return _scale_in_two_steps(code, p + (1.0 - inverse), shifted)
 
 
 def _exp_rest(code: Code, x: Vector) -> tuple[Vector, Vector]:
@@ -180,17 +184,17 @@ def _log_ends(result: Vector, argument: Vector, given: Vector) -> Vector:
 
 def sin(code: Code, x: Vector) -> Vector:
     """The sine of x [rad]."""
-    return _with_far(code, "sin", x, _turned(code, x, 0))
+    return _with_far(code, "sin", x, _sine_of_quarters(code, x, 0))
 
 
 def cos(code: Code, x: Vector) -> Vector:
     """The cosine of x [rad]."""
-    return _with_far(code, "cos", x, _turned(code, x, 1))
+    return _with_far(code, "cos", x, _sine_of_quarters(code, x, 1))
 
 
 def tan(code: Code, x: Vector) -> Vector:
     """The tangent of x [rad]."""
-    return _with_far(code, "tan", x, _turned(code, x, 0) / _turned(code, x, 1))
+    return _with_far(code, "tan", x, _sine_of_quarters(code, x, 0) / _sine_of_quarters(code, x, 1))
 
 
 def _with_far(code: Code, name: str, x: Vector, near: Vector) -> Vector:
@@ -200,7 +204,7 @@ def _with_far(code: Code, name: str, x: Vector, near: Vector) -> Vector:
     return held[0]
 
 
-def _turned(code: Code, x: Vector, quarters: int) -> Vector:
+def _sine_of_quarters(code: Code, x: Vector, quarters: int) -> Vector:
     """The sine of an angle and so many quarters of a turn."""
     shifted = code.multiply_add(x, float(1 / HALF_PI), ROUNDING)
     n, r = shifted - ROUNDING, x
@@ -253,13 +257,13 @@ def _power_of_2(code: Code, shifted: Vector) -> Vector:
     return code.floats(build.add(build.shl(shifted.bits, code.whole(52)), code.whole(ONE)))
 
 
-def _lifted(code: Code, x: Vector, shifted: Vector) -> Vector:
+def _scale_in_range(code: Code, x: Vector, shifted: Vector) -> Vector:
     """x 2^n of n plus `ROUNDING`, where that is in range: the exponent moved."""
     build = code.builder
     return code.floats(build.add(x.bits, build.shl(shifted.bits, code.whole(52))))
 
 
-def _scaled(code: Code, x: Vector, shifted: Vector) -> Vector:
+def _scale_in_two_steps(code: Code, x: Vector, shifted: Vector) -> Vector:
     """x 2^n of n plus `ROUNDING`, in two steps, since 2^n itself may be out of range."""
     build = code.builder
     n = build.sub(shifted.bits, code.whole(ROUNDING_BITS))

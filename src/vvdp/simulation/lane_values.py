@@ -54,12 +54,12 @@ class Code:
     def call(self, name: str, *values: Any) -> "Vector":
         """An operation of the processor that LLVM knows by `name`."""
         kind, suffix = self.kind(DOUBLE), "f64" if self.width == 1 else f"v{self.width}f64"
-        found = declared(self.builder.module, f"llvm.{name}.{suffix}", kind, [kind] * len(values))
+        found = declare(self.builder.module, f"llvm.{name}.{suffix}", kind, [kind] * len(values))
         return Vector(self, self.builder.call(found, [self.vector(value).value for value in values]))
 
     def scalar(self, name: str, value: "Vector") -> "Vector":
         """A function of the C library, lane by lane: for what is rare."""
-        found = declared(self.builder.module, name, DOUBLE, [DOUBLE])
+        found = declare(self.builder.module, name, DOUBLE, [DOUBLE])
         if self.width == 1:
             return Vector(self, self.builder.call(found, [value.value]))
         result = value.value
@@ -149,19 +149,19 @@ class Vector:
         return self.code.call("fabs", self)
 
     def __lt__(self, other: Any) -> "Mask":
-        return self._compared("<", other)
+        return self._compare("<", other)
 
     def __le__(self, other: Any) -> "Mask":
-        return self._compared("<=", other)
+        return self._compare("<=", other)
 
     def __gt__(self, other: Any) -> "Mask":
-        return self._compared(">", other)
+        return self._compare(">", other)
 
     def equals(self, other: Any) -> "Mask":
         """Where both are the same; nowhere where one is NaN."""
-        return self._compared("==", other)
+        return self._compare("==", other)
 
-    def _compared(self, sign: str, other: Any) -> "Mask":
+    def _compare(self, sign: str, other: Any) -> "Mask":
         return Mask(self.code, self.code.builder.fcmp_ordered(sign, self.value, self.code.vector(other).value))
 
     def _of(self, instruction: Any, a: Any, b: Any) -> "Vector":
@@ -189,7 +189,7 @@ class Mask:
         return Mask(self.code, self.code.builder.xor(self.value, self.code.whole_truth()))
 
 
-def declared(module: Any, name: str, result: Any, arguments: Sequence[Any]) -> Any:
+def declare(module: Any, name: str, result: Any, arguments: Sequence[Any]) -> Any:
     """A function that is known to `module` by its name only."""
     if name not in module.globals:
         ir.Function(module, ir.FunctionType(result, arguments), name)

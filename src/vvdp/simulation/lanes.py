@@ -40,7 +40,7 @@ def side_by_side(
     """The code of the model of this `digest`, or why it has none."""
     if digest not in _known:
         try:
-            _known[digest] = _compiled(model, case, cache, say)
+            _known[digest] = _compile(model, case, cache, say)
         except Untraceable as problem:
             _known[digest] = str(problem)
     return _known[digest]
@@ -49,7 +49,7 @@ def side_by_side(
 _known: dict[str, SideBySide | str] = {}
 
 
-def _compiled(model: Model, case: Case, cache: Path | None, say: Callable[[str], None]) -> SideBySide:
+def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], None]) -> SideBySide:
     rates, events = trace(model, case), trace(model, case, events_part)
     if events.signals > rates.signals:
         raise Untraceable("the settings of a program with a trigger have signals")

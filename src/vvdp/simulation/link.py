@@ -19,7 +19,7 @@ import numpy as np
 
 from vvdp.base.errors import RunError
 from vvdp.base.interrupts import interrupts_afterwards
-from vvdp.simulation.cache import Wanted, default_cache, is_kept, is_loaded, loaded, quiet
+from vvdp.simulation.cache import Wanted, default_cache, is_kept, is_loaded, load, quiet
 from vvdp.simulation.layout import arrays, blocks
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import (
@@ -147,7 +147,7 @@ class Hashed:
         wanted = Wanted(self.digest, self.part.source, known, self._prepare, lambda: within.words(self))
         try:
             with interrupts_afterwards():
-                return loaded(wanted, cache, say)
+                return load(wanted, cache, say)
         except RunError:
             raise
         except Exception as problem:

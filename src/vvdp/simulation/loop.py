@@ -11,7 +11,18 @@ import numpy as np
 from numba import float64, int64, njit, types
 
 from vvdp.numerics.sparse import Pattern
-from vvdp.simulation.landing import GRAIN, changed, follow, forget, guess, hold, is_left, lateness, positions, settle
+from vvdp.simulation.landing import (
+    GRAIN,
+    follow,
+    forget,
+    guess,
+    hold,
+    is_left,
+    last_change,
+    lateness,
+    positions,
+    settle,
+)
 from vvdp.simulation.marks import pass_marks, store_records
 from vvdp.simulation.pace import EXPLICIT_BELOW, TINY, choose_method, grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
@@ -279,7 +290,7 @@ def run(
                 return TOO_MANY_WAITING
             restless = settle(rates, t, y, command, params, plan, k[0])
             if restless >= 0 or clock[HASTY] > MANY:
-                clock[TIME], clock[CULPRIT] = t, restless if restless >= 0 else changed(x, held, grain)
+                clock[TIME], clock[CULPRIT] = t, restless if restless >= 0 else last_change(x, held, grain)
                 return RESTLESS
             positions(events, t, y, command, params, k[0], before)
             copy(g, held)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vvdp.base.books import NOTHING
+from vvdp.base.conservation import NOTHING
 from vvdp.base.params import field_types
 from vvdp.simulation.values import blank, names, same
 
@@ -97,7 +97,7 @@ class Case:
     __hash__ = None  # type: ignore[assignment]
 
 
-def started_case(model: Model, command: type, params: Any, settings: Mapping[str, Any] | None = None) -> Case:
+def initial_case(model: Model, command: type, params: Any, settings: Mapping[str, Any] | None = None) -> Case:
     """The case that `params`, and the `settings` of each program, make of a model that knows how to start.
 
     command  class of the model's command

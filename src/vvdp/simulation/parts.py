@@ -8,7 +8,7 @@ from typing import Any
 from vvdp.base.signal import Signal
 from vvdp.simulation.layout import blocks, members
 from vvdp.simulation.model import Case, Model, Program
-from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, told, told_size, write
+from vvdp.simulation.text import Classes, Place, numbers, parameters, remember, retell, told_size, write
 from vvdp.simulation.values import names
 
 VECTOR = "float64[::1]"
@@ -131,7 +131,7 @@ def step_part(model: Model, name: str, case: Case) -> Part:
     begins = [f"    m_from, c_from = int(p[{block}]), int(p[{Place(block.offset + 1, 'k')}])"]
     shapes, end = Place(block.offset + 2, "k"), Place(0, "m_from")
     memory = numbers(case.memory[name], "m", end, shapes, lines, classes)
-    reading = told(example_reading(model, program, case), "r", Place(), lines, classes)
+    reading = retell(example_reading(model, program, case), "r", Place(), lines, classes)
     head = [_outside(4, "exported(t, m_place, r_place, p_place, c_place, k)", ", int64")]
     head.append("    m, r, p, c = vector(m_place), vector(r_place), vector(p_place), vector(c_place)")
     lines = [*head, *begins, *lines, f"    memory, command = step(t, {memory}, {reading}, {settings})"]

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.books import NOTHING
+from vvdp.base.conservation import NOTHING
 from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.base.kinds import KINK
 from vvdp.numerics.sparse import Pattern, pattern
@@ -52,7 +52,7 @@ class Prepared:
     pattern: Pattern
 
 
-def prepared(
+def prepare(
     model: Model, case: Case, stepping: Stepping, cache: Path | None = None, say: Callable[[str], None] = quiet
 ) -> Prepared:
     """Everything that the loop needs. The books take no part in the error control: it is they that judge it."""
@@ -149,7 +149,7 @@ class Reached(NamedTuple):
         return Reached._make(part.copy() for part in self)
 
 
-def started(ready: Prepared, stepping: Stepping) -> Reached:
+def start_run(ready: Prepared, stepping: Stepping) -> Reached:
     """Where a run stands before its first step."""
     state, command, memory, _ = (part.copy() for part in ready.vectors)
     programs, clock = ready.plan.shape[0], np.zeros(places.CLOCK)

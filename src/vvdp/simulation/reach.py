@@ -37,14 +37,14 @@ def reachable(function: Callable[..., Any], found: Functions) -> Functions:
     if function is select:  # compiled code has its own text for it; the plain one reaches for casadi
         return found
     where = f"a default of {function.__qualname__}"
-    constants.append(_known(where, (function.__defaults__, tuple((function.__kwdefaults__ or {}).items())), found))
+    constants.append(_name_value(where, (function.__defaults__, tuple((function.__kwdefaults__ or {}).items())), found))
     if faster := compiled_form(function):
         reachable(faster, found)
         return found
     for path in sorted(set(paths(function.__code__))):
         name, value = _value(path, function)
         if value is not MISSING:
-            constants.append((path, _known(f"{name} (in {function.__qualname__})", value, found)))
+            constants.append((path, _name_value(f"{name} (in {function.__qualname__})", value, found)))
     return found
 
 
@@ -125,7 +125,7 @@ def value_at(path: tuple[str, ...], function: types.FunctionType) -> Any:
 
 def known_words(where: str, value: Any) -> Any:
     """Words that differ wherever a constant does. Raises RunError where there are none, with `where` it is read."""
-    return _known(where, value, {})
+    return _name_value(where, value, {})
 
 
 def _is_foreign(value: Any) -> bool:
@@ -133,16 +133,16 @@ def _is_foreign(value: Any) -> bool:
     return isinstance(value, np.ufunc) or (isinstance(home, str) and home.partition(".")[0] in FOREIGN)
 
 
-def _known(where: str, value: Any, found: Functions) -> Any:
+def _name_value(where: str, value: Any, found: Functions) -> Any:
     """Words that differ wherever `value` does."""
     if value is None or isinstance(value, bool | int | float | complex | str | bytes):
         plain = value.value if isinstance(value, enum.Enum) else value
         return (type(value).__module__, type(value).__qualname__, repr(plain))
     if isinstance(value, enum.Enum):
-        return (type(value).__qualname__, value.name, _known(where, value.value, found))
+        return (type(value).__qualname__, value.name, _name_value(where, value.value, found))
     if isinstance(value, tuple):
         named = type(value).__qualname__, getattr(value, "_fields", ())
-        return (*named, tuple(_known(where, inner, found) for inner in value))
+        return (*named, tuple(_name_value(where, inner, found) for inner in value))
     if isinstance(value, np.ndarray | np.generic) and value.dtype.hasobject is False:
         return (str(value.dtype), np.shape(value), value.tobytes())
     if isinstance(value, type):
@@ -161,9 +161,9 @@ def _known_class(where: str, cls: type, found: Functions) -> Any:
     name = f"{cls.__module__}.{cls.__qualname__}"
     if hasattr(cls, "_fields"):
         defaults = tuple(getattr(cls, "_field_defaults", {}).items())
-        return (name, cls._fields, _known(where, defaults, found))
+        return (name, cls._fields, _name_value(where, defaults, found))
     if issubclass(cls, enum.Enum):
-        return (name, tuple(_known(where, member, found) for member in cls))
+        return (name, tuple(_name_value(where, member, found) for member in cls))
     if issubclass(cls, BaseException) or _is_foreign(cls):
         return name
     raise RunError(f"{where} is a class that compiled code cannot make; write a NamedTuple")

@@ -45,7 +45,7 @@ def _left_out(function: types.FunctionType) -> Iterator[str]:
     for call in ast.walk(tree):
         if not isinstance(call, ast.Call) or any(isinstance(given, ast.Starred) for given in call.args):
             continue
-        cls = _named(call.func, function)
+        cls = _resolve_name(call.func, function)
         fields = getattr(cls, "_fields", ()) if isinstance(cls, type) else ()
         given = {*fields[: len(call.args)], *(keyword.arg for keyword in call.keywords)}
         if missing := [field for field in fields if field not in given]:
@@ -53,7 +53,7 @@ def _left_out(function: types.FunctionType) -> Iterator[str]:
             yield f"{ast.unparse(call.func)} is made without {', '.join(missing)}; write every field out ({place})"
 
 
-def _named(target: ast.expr, function: types.FunctionType) -> Any:
+def _resolve_name(target: ast.expr, function: types.FunctionType) -> Any:
     if isinstance(target, ast.Attribute):
-        return getattr(_named(target.value, function), target.attr, None)
+        return getattr(_resolve_name(target.value, function), target.attr, None)
     return function.__globals__.get(target.id) if isinstance(target, ast.Name) else None

@@ -48,7 +48,7 @@ class Replay:
         cache: Path | None = None,
         say: Callable[[str], None] = quiet,
     ) -> None:
-        shown = _shown(step, memory, reading, settings)
+        shown = _trial_output(step, memory, reading, settings)
         self.columns = tuple(path for path, _, _ in leaves(shown))
         self.width = flat(reading).size
         self._example, self._reading, self._settings = memory, reading, settings
@@ -71,10 +71,10 @@ class Replay:
 
 def replay_digest(step: Step, memory: Any, reading: Any, settings: Any) -> str:
     """`Replay.digest`, without compiling. Raises RunError as `Replay` does."""
-    return Hashed(_part(step, memory, reading, settings, _shown(step, memory, reading, settings))).digest
+    return Hashed(_part(step, memory, reading, settings, _trial_output(step, memory, reading, settings))).digest
 
 
-def _shown(step: Step, memory: Any, reading: Any, settings: Any) -> Any:
+def _trial_output(step: Step, memory: Any, reading: Any, settings: Any) -> Any:
     """What a step shows at these values. Raises RunError where it returns another memory than it takes."""
     after, shown = step(memory, reading, settings)
     before, found = [path for path, _, _ in leaves(memory)], [path for path, _, _ in leaves(after)]

@@ -10,17 +10,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.books import NOTHING
+from vvdp.base.conservation import NOTHING
 from vvdp.base.errors import RunError
 from vvdp.simulation import places
 from vvdp.simulation.crew import first_call
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.prepare import Prepared, Reached, started
+from vvdp.simulation.prepare import Prepared, Reached, start_run
 from vvdp.simulation.prepare import compiled_loop as compiled_loop
 from vvdp.simulation.prepare import is_loop_compiled as is_loop_compiled
-from vvdp.simulation.prepare import prepared as prepared
+from vvdp.simulation.prepare import prepare as prepare
 from vvdp.simulation.stepping import Method as Method
 from vvdp.simulation.stepping import Stepping as Stepping
 from vvdp.simulation.values import as_series, as_value, leaves, names
@@ -180,9 +180,9 @@ def simulate(
     """
     if continue_from is not None:
         stepping = replace(stepping, begin=continue_from.end)
-    ready = prepared(model, case, stepping, cache, say)
+    ready = prepare(model, case, stepping, cache, say)
     loop = compiled_loop(say)
-    before = carried_on(continue_from, ready, stepping) if continue_from else started(ready, stepping)
+    before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
     reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
     try:
         finished = _carry(loop, ready, stepping, reached, rows, case, _Watcher(progress, stop, portion))

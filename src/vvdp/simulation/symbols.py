@@ -186,7 +186,7 @@ class Symbol:
     __hash__ = None  # type: ignore[assignment]
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *values: Any, **options: Any) -> Any:
-        return _applied(ufunc, method, values, options)
+        return _apply_ufunc(ufunc, method, values, options)
 
     def __bool__(self) -> bool:
         raise Untraceable("an `if`, `and`, `or`, `min` or `max` asks for the value of a number; use select and minimum")
@@ -210,10 +210,10 @@ class Condition:
         return self.recorder.number(Op.SELECT, self, a, b)
 
     def __and__(self, other: Any) -> Any:
-        return self._joined(Op.BOTH, other)
+        return self._join(Op.BOTH, other)
 
     def __or__(self, other: Any) -> Any:
-        return self._joined(Op.EITHER, other)
+        return self._join(Op.EITHER, other)
 
     def __invert__(self) -> "Condition":
         return self.recorder.condition(Op.NOT, self)
@@ -221,12 +221,12 @@ class Condition:
     __rand__, __ror__ = __and__, __or__
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *values: Any, **options: Any) -> Any:
-        return _applied(ufunc, method, values, options)
+        return _apply_ufunc(ufunc, method, values, options)
 
     def __bool__(self) -> bool:
         raise Untraceable("an `if`, `and`, `or` or `not` asks whether something holds; use select, &, | and ~")
 
-    def _joined(self, op: Op, other: Any) -> Any:
+    def _join(self, op: Op, other: Any) -> Any:
         if isinstance(other, bool | np.bool_):
             if op is Op.BOTH:
                 return self if other else False
@@ -249,7 +249,7 @@ def power(base: Any, exponent: Any) -> Any:
     return square * base if odd else square
 
 
-def _applied(ufunc: np.ufunc, method: str, values: tuple[Any, ...], options: Any) -> Any:
+def _apply_ufunc(ufunc: np.ufunc, method: str, values: tuple[Any, ...], options: Any) -> Any:
     """The result of a function of NumPy."""
     if method != "__call__" or options or ufunc not in UFUNCS or any(map(np.ndim, values)):
         raise Untraceable(f"numpy.{ufunc.__name__} is not among the functions that can be traced")
@@ -274,7 +274,7 @@ def _plain(op: Op) -> Callable[..., Any]:
     return lambda recorder, *values: recorder.number(op, *values)
 
 
-def _compared(op: Op) -> Callable[..., Any]:
+def _comparison(op: Op) -> Callable[..., Any]:
     return lambda recorder, *values: recorder.condition(op, *values)
 
 
@@ -300,11 +300,11 @@ UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.tanh: _plain(Op.TANH),
     np.arctan: _plain(Op.ATAN),
     np.floor: _plain(Op.FLOOR),
-    np.less: _compared(Op.LESS),
-    np.less_equal: _compared(Op.AT_MOST),
+    np.less: _comparison(Op.LESS),
+    np.less_equal: _comparison(Op.AT_MOST),
     np.greater: lambda recorder, a, b: recorder.condition(Op.LESS, b, a),
     np.greater_equal: lambda recorder, a, b: recorder.condition(Op.AT_MOST, b, a),
-    np.equal: _compared(Op.EQUAL),
+    np.equal: _comparison(Op.EQUAL),
     np.not_equal: lambda recorder, a, b: ~recorder.condition(Op.EQUAL, a, b),
     np.logical_and: lambda _, a, b: a & b,
     np.logical_or: lambda _, a, b: a | b,

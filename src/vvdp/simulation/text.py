@@ -81,10 +81,10 @@ def numbers(value: Any, vector: str, place: Place, shapes: Place, lines: list[st
     return _number(vector, place)
 
 
-def told(value: Any, vector: str, place: Place, lines: list[str], classes: Classes) -> str:
+def retell(value: Any, vector: str, place: Place, lines: list[str], classes: Classes) -> str:
     """Like `numbers`, from a vector that `tell` wrote: the shape of an array stands before its numbers."""
     if inner := names(value):
-        parts = [told(getattr(value, name), vector, place, lines, classes) for name in inner]
+        parts = [retell(getattr(value, name), vector, place, lines, classes) for name in inner]
         return f"{classes.name(type(value))}({', '.join(parts)})"
     if np.ndim(value):
         return _array(vector, place, _shape(value, vector, place), lines)

@@ -67,9 +67,7 @@ def trace(model: Model, case: Case, wanted: Callable[[Model, Case], Part] = rate
     return graph
 
 
-def evaluated(
-    graph: Graph, t: Any, y: Sequence[Any], u: Sequence[Any], p: Sequence[Any], s: Sequence[Any]
-) -> list[Any]:
+def evaluate(graph: Graph, t: Any, y: Sequence[Any], u: Sequence[Any], p: Sequence[Any], s: Sequence[Any]) -> list[Any]:
     """The outputs at a time, a state, a command, parameters and values of the signals, floats or arrays of them."""
     inputs: dict[Op, Sequence[Any]] = {Op.TIME: [t], Op.STATE: y, Op.COMMAND: u, Op.PARAMETER: p, Op.SIGNAL: s}
     values: list[Any] = []
@@ -119,7 +117,7 @@ def dependencies(graph: Graph, p: Sequence[float] | None = None) -> NDArray[np.b
 
     p  parameters that hold wherever this is used: what they switch off, or multiply by zero, is no dependency
     """
-    known, found = _known(graph, p), list[int]()  # a bit for each state
+    known, found = _constant_values(graph, p), list[int]()  # a bit for each state
     for node, value in zip(graph.nodes, known, strict=True):
         inputs = node.inputs
         if node.op is Op.SELECT and known[inputs[0]] is not None:
@@ -133,7 +131,7 @@ def dependencies(graph: Graph, p: Sequence[float] | None = None) -> NDArray[np.b
     return np.array([[bool(found[i] >> j & 1) for j in range(graph.states)] for i in graph.outputs], bool)
 
 
-def _known(graph: Graph, p: Sequence[float] | None) -> list[Any]:
+def _constant_values(graph: Graph, p: Sequence[float] | None) -> list[Any]:
     """The value of each node that parameters and constants settle, None for the others."""
     known: list[Any] = []
     with np.errstate(all="ignore"):
@@ -203,7 +201,7 @@ def _check(graph: Graph, part: Part, case: Case) -> None:
             plain = _run(part, signal, SOME_TIME, y, u, p)
         except ArithmeticError:  # plain Python refuses what floats in compiled code pass on
             return
-    traced = evaluated(graph, SOME_TIME, y, u, p, [signal_value(SOME_TIME, one) for one in made])
+    traced = evaluate(graph, SOME_TIME, y, u, p, [signal_value(SOME_TIME, one) for one in made])
     for one, other in zip(plain, traced, strict=True):
         if not np.isclose(one, other, rtol=1e-7, atol=0.0, equal_nan=True):
             raise Untraceable("a circuit reads a signal at another time than the present, or does not stay the same")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.books import NOTHING, Nothing
+from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.kinds import Kind
 from vvdp.base.params import field_kinds, field_types
 from vvdp.base.signal import Signal
@@ -152,11 +152,11 @@ def same(one: Any, other: Any) -> bool:
     return np.array_equal(np.asarray(one, float), np.asarray(other, float), equal_nan=True)
 
 
-def rebuilt(example: Any, numbers: Iterator[Any]) -> Any:
+def rebuild(example: Any, numbers: Iterator[Any]) -> Any:
     """A value of the shape of `example` with its leaves taken from `numbers`: floats, or whole columns of a record."""
     inner = names(example)
     if inner:
-        members = {name: rebuilt(getattr(example, name), numbers) for name in inner}
+        members = {name: rebuild(getattr(example, name), numbers) for name in inner}
         return type(example)(**members)
     if np.ndim(example):
         shape = np.shape(example)
@@ -167,9 +167,9 @@ def rebuilt(example: Any, numbers: Iterator[Any]) -> Any:
 
 def as_value(example: Any, vector: Array) -> Any:
     """`vector` in the shape of `example`, floats at the leaves."""
-    return rebuilt(example, iter([float(x) for x in vector]))
+    return rebuild(example, iter([float(x) for x in vector]))
 
 
 def as_series(example: Any, rows: Array) -> Any:
     """The columns of `rows`, shape (times, n), in the shape of `example`: an array over time at each leaf."""
-    return rebuilt(example, iter(rows.T))
+    return rebuild(example, iter(rows.T))

@@ -58,7 +58,7 @@ class Watch:
                     within[id(value)] = value, known_words(".".join(path), value)
         self._names, self._led, self._within = tuple(names.values()), tuple(led.values()), tuple(within.values())
 
-    def unchanged(self) -> bool:
+    def is_unchanged(self) -> bool:
         """Whether all is as it was when this was made."""
         return (
             all(inside.get(name, MISSING) is value for inside, name, value in self._names)
@@ -99,7 +99,7 @@ class Remembered(Generic[Result]):
         if key is None or (known := self._found.get(key)) is None:
             return None
         watch, result = known
-        if watch.unchanged() and holds(result):
+        if watch.is_unchanged() and holds(result):
             return result
         self._found.pop(key, None)  # another thread may have done it by now
         return None

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.books import NOTHING
-from vvdp.simulation.kept import kept_table, table_key
+from vvdp.base.conservation import NOTHING
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay, replay_digest
+from vvdp.simulation.table_cache import kept_table, table_key
 from vvdp.simulation.values import flat
 from vvdp.steady.cycle_means import CycleMeans, CyclePoint, cycle_step
 from vvdp.valve.rotary import RotaryValve

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.books import Nothing
+from vvdp.base.conservation import Nothing
 from vvdp.base.kinds import (
     Conductance,
     Coupling,

@@ -269,9 +269,9 @@ class _Runner:
         )
         if run.stopped:
             return None
-        return [self._shot(run, i * (n + 1), steps[i]) for i in range(len(cases))]
+        return [self._shoot(run, i * (n + 1), steps[i]) for i in range(len(cases))]
 
-    def _shot(self, run: BatchRun, row: int, delta: Array) -> _Shot | str | None:
+    def _shoot(self, run: BatchRun, row: int, delta: Array) -> _Shot | str | None:
         n = self.unknown.size
         reasons = [reason for reason in run.reasons[row : row + n + 1] if reason]
         if run.marks[row : row + n + 1].min() < 1 or not run.mark_times[row, 0] > SOONEST * run.stepping.until:

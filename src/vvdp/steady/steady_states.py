@@ -90,7 +90,7 @@ def steady_states(
             elif not stand.makes_pressure or area or _is_held(run, stand, point):
                 found[number] = Steady(stand, point, run, sizing.area, None)
             else:
-                open_[number] = _resized(sizing, run, stand, point)
+                open_[number] = _resize_orifice(sizing, run, stand, point)
     for number, sizing in open_.items():
         reason = f"no orifice found that holds the load pressure in {MOST_SIZINGS} sizings"
         found[number] = Steady(*points[number], None, sizing.area, reason)
@@ -147,7 +147,7 @@ def _is_held(run: Periodic, stand: Stand, point: SetPoint) -> bool:
     return abs(_above_tank(run, stand, point) - 1.0) <= HELD
 
 
-def _resized(sizing: _Sizing, run: Periodic, stand: Stand, point: SetPoint) -> _Sizing:
+def _resize_orifice(sizing: _Sizing, run: Periodic, stand: Stand, point: SetPoint) -> _Sizing:
     """The next orifice: by the root law at first, then by the secant through the last two."""
     here = np.log(sizing.area), np.log(max(_above_tank(run, stand, point), 1e-3))
     slope = -2.0

@@ -97,22 +97,24 @@ class Stand:
         flow: float = self.bench.pump.displacement * point.pump_speed
         return flow
 
-    def changed(self, **tables: Mapping[str, Any]) -> "Stand":
+    def with_tables(self, **tables: Mapping[str, Any]) -> "Stand":
         """The same stand with some values of its tables replaced. Raises ParameterError where they contradict."""
-        return Stand(self.bench.changed(**tables))
+        return Stand(self.bench.with_tables(**tables))
 
-    def driven(self, pwm_frequency: float) -> "Stand":
+    def with_motor(self, pwm_frequency: float) -> "Stand":
         """The same stand with a motor that turns the spool so that it switches at `pwm_frequency` [Hz]."""
         speed = 2.0 * np.pi * pwm_frequency / self.bench.valve.sections
-        return self.changed(spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": constant(speed)})
+        return self.with_tables(
+            spool_drive={"coupling": STIFF_COUPLING}, operation={"spool_motor_speed": constant(speed)}
+        )
 
     def at(self, point: SetPoint, area: float | None = None) -> RotaryBench:
         """The bench at a set point, an orifice load with an `area` [m^2], that of the system unless given."""
         operation = {name: constant(value) for name, value in point._asdict().items() if name != "load_pressure"}
-        bench = self.bench.changed(operation=operation)
+        bench = self.bench.with_tables(operation=operation)
         if not self.makes_pressure:
-            return bench.changed(load={"pressure": constant(point.load_pressure)})
-        return bench if area is None else bench.changed(load={"area": constant(area)})
+            return bench.with_tables(load={"pressure": constant(point.load_pressure)})
+        return bench if area is None else bench.with_tables(load={"area": constant(area)})
 
     def case(self, point: SetPoint, means: CycleMeans, area: float | None = None) -> Case:
         """The case of a set point from a guess of its periodic state, at a mark: load port in the middle of its phase.
@@ -198,7 +200,7 @@ def stand(system: System, verb: str = "rig") -> Stand:
     Raises ConfigError, which names `verb`, where it is no bench of a rotary valve, ParameterError where the pump does
     not turn.
     """
-    bench = rotary_bench(system, verb).held()
+    bench = rotary_bench(system, verb).hold()
     speed = bench.operation.pump_speed.base
     if not speed > 0.0:
         raise ParameterError(f"operation.pump_speed = {speed:g} rad/s; expected more than 0 rad/s on a test stand")

@@ -40,7 +40,7 @@ CONNECTING = 15.0
 class DaskEngine(ABC):
     """What the engines on Dask have in common.
 
-    Workers are started for every call of `completed` and ended with it; within `with engine:` they are kept from call
+    Workers are started for every call of `run_all` and ended with it; within `with engine:` they are kept from call
     to call. `say` hears when workers are waited for.
     """
 
@@ -66,7 +66,7 @@ class DaskEngine(ABC):
 
     def __enter__(self) -> Self:
         with ExitStack() as opened:
-            self._client = opened.enter_context(self._connected(opened))
+            self._client = opened.enter_context(self._connect(opened))
             self._opened = opened.pop_all()
         return self
 
@@ -75,7 +75,7 @@ class DaskEngine(ABC):
         self._opened.close()
 
     @contextmanager
-    def _connected(self, opened: ExitStack) -> Iterator[Any]:
+    def _connect(self, opened: ExitStack) -> Iterator[Any]:
         """A Dask client. Raises ConfigError where no scheduler answers."""
         distributed = library("distributed")
         place = self._scheduler(opened)
@@ -88,15 +88,15 @@ class DaskEngine(ABC):
                 client.register_plugin(plugin, name="vvdp")
             yield client
 
-    def completed(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
+    def run_all(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
         """See `Engine`. Raises RunError where an item brings its workers down, and where the scheduler is lost."""
         if self._client is None:
             with self:
-                yield from self._completed(task, items)
+                yield from self._run_all(task, items)
         else:
-            yield from self._completed(task, items)
+            yield from self._run_all(task, items)
 
-    def _completed(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
+    def _run_all(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
         client, supply = self._client, iter(items)
         on_worker = functools.partial(_on_worker, task, processor())
         under_way: dict[Any, Item] = {}
@@ -253,7 +253,7 @@ def _worker_count(client: Any) -> int:
     try:
         return len(client.nthreads())
     except (OSError, ValueError) as problem:  # a client that has closed itself answers with a ValueError
-        raise _lost(problem) from None
+        raise _worker_loss(problem) from None
 
 
 def _result(future: Any) -> Any:
@@ -266,14 +266,14 @@ def _result(future: Any) -> Any:
     except KilledWorker as problem:
         raise RunError(f"the workers that took up the same item were lost one after the other: {problem}") from None
     except CancelledError as problem:
-        raise _lost(problem) from None
+        raise _worker_loss(problem) from None
     except RuntimeError as problem:
         if isinstance(problem.__cause__, ImportError):
             raise RunError(f"the task is not installed where it is to be run: {problem.__cause__}") from None
         raise
 
 
-def _lost(problem: BaseException) -> RunError:
+def _worker_loss(problem: BaseException) -> RunError:
     return RunError(f"the Dask scheduler is lost ({type(problem).__name__})")
 
 

@@ -19,7 +19,7 @@ class Engine(Protocol):
         """How many items are worked on at a time, as far as is known now; at least 1."""
         ...
 
-    def completed(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
+    def run_all(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
         """Yields every item with `task(item, cores)`, in the order in which they are finished.
 
         An item is enough work to keep all cores of a worker busy; `cores` says how many these are. Items are drawn only
@@ -52,7 +52,7 @@ class ThisProcess:
         """One item at a time."""
         return 1
 
-    def completed(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
+    def run_all(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
         """See `Engine`."""
         for item in items:
             yield item, task(item, self.cores or all_cores())

@@ -50,7 +50,7 @@ def stamp(path: Path) -> Stamp:
     return Stamp(found.st_size, found.st_mtime_ns)
 
 
-def indexed(directory: Path) -> dict[str, tuple[Stamp, list[Row]]]:
+def read_index(directory: Path) -> dict[str, tuple[Stamp, list[Row]]]:
     """What the index of `directory` knows: stamp and cases by the name of the file; nothing where it is of no use."""
     path = directory / NAME
     try:
@@ -87,7 +87,7 @@ def write_index(directory: Path, files: Mapping[str, tuple[Stamp, Iterable[Row]]
 
 
 def _write(path: Path, files: Mapping[str, tuple[Stamp, Iterable[Row]]], gone: Iterable[str]) -> None:
-    with _opened(path) as base:
+    with _open_index(path) as base:
         base.executemany("delete from files where name = ?", [(name,) for name in (*gone, *files)])
         base.executemany("delete from cases where file = ?", [(name,) for name in (*gone, *files)])
         base.executemany("insert into files values (?, ?, ?)", [(name, *mark) for name, (mark, _) in files.items()])
@@ -102,7 +102,7 @@ def _write(path: Path, files: Mapping[str, tuple[Stamp, Iterable[Row]]], gone: I
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[sqlite3.Connection]:
+def _open_index(path: Path) -> Iterator[sqlite3.Connection]:
     """The index within a transaction."""
     with closing(sqlite3.connect(path, timeout=WAITING)) as base:
         if base.execute("pragma user_version").fetchone() != (VERSION,):

@@ -47,7 +47,7 @@ class StudyResults:
     seconds: float
 
     @property
-    def finished(self) -> bool:
+    def is_finished(self) -> bool:
         """Whether every case has been run."""
         return not self.missing
 
@@ -71,7 +71,7 @@ def study_result(results: StudyResults) -> Result:
         charts=charts,
         findings=tuple(_findings(results)),
         seconds=results.seconds,
-        finished=results.finished,
+        finished=results.is_finished,
     )
 
 

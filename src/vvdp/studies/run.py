@@ -19,7 +19,7 @@ from vvdp.base.display import value_text
 from vvdp.base.errors import ConfigError, Fault, RunError
 from vvdp.base.kinds import NUMBER, Kind
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, copied, nearest, with_settings
+from vvdp.base.tables import Sourced, Table, copy_tables, nearest, with_settings
 from vvdp.results.result import Column
 from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.layout import case_form
@@ -90,7 +90,7 @@ def run_study(
         compiled_loop(say)  # here, so that workers find it compiled
     task = functools.partial(_finished_batch, base, cache, vvdp.__version__)
     batching = Batching(group=attrgetter("group"))
-    with interrupts_held() as interrupted:
+    with hold_interrupts() as interrupted:
         for done in kept_batches(task, pending, directory, engine, interrupted, batching):
             finished |= {case.key: case for case in done}
             ran += len(done)
@@ -115,11 +115,11 @@ def _base(study: Study) -> System:
     return study.system.read_from(table if study.until is None else lasting(table, study.until))
 
 
-def _built(base: System, settings: Settings) -> System:
+def _build_system(base: System, settings: Settings) -> System:
     """The system of one case."""
     texts = [f"{key}={value}" for key, value in settings.items() if not isinstance(value, Mapping)]
     varied = with_settings(base.table, texts)
-    content = copied(varied.content)
+    content = copy_tables(varied.content)
     for key, value in settings.items():
         if isinstance(value, Mapping):
             *tables, entry = key.split(".")
@@ -141,7 +141,7 @@ def _plan(study: Study, base: System, cache: Path | None, say: Callable[[str], N
         raise ConfigError([Fault("study", 0, "", "has no cases; expected values to vary")])
     for number, settings in enumerate(cases):
         try:
-            system = _built(base, settings)
+            system = _build_system(base, settings)
         except ConfigError as problem:
             for fault in problem.faults:
                 refused.setdefault((fault.key, fault.message), []).append(number)
@@ -204,7 +204,7 @@ def _inputs(system: System, settings: Settings) -> dict[str, tuple[float | str, 
 
 def _input(row: Sourced) -> tuple[float | str, Kind]:
     value = row.value.base if isinstance(row.value, Signal) and row.value.is_constant else row.value
-    return (row.displayed if isinstance(value, Signal | tuple) else value), row.kind
+    return (row.display_text if isinstance(value, Signal | tuple) else value), row.kind
 
 
 def _check_outputs(study: Study, base: System) -> None:
@@ -236,7 +236,7 @@ def _finished_batch(
     base: System, cache: Path | None, version: str, batch: Sequence[_Planned], cores: int
 ) -> list[Finished]:
     """What comes of a batch, where it is run."""
-    systems = [_built(base, case.settings) for case in batch]
+    systems = [_build_system(base, case.settings) for case in batch]
     one = systems[0]
     cases = [system.case for system in systems]
     run = simulate_batch(one.model, cases, one.stepping, one.average_from, cores=cores, cache=cache)
@@ -268,7 +268,7 @@ def _results(
         if done and done.failure:
             failures.append(Failure(case.number, case.settings, done.failure))
         row = done.summary if done else {}
-        extras = _built(base, case.settings).extras if row and closed_forms else None
+        extras = _build_system(base, case.settings).extras if row and closed_forms else None
         if extras is not None:
             row = {**row, **extras.closed_forms(row)}
         rows.append(row)
@@ -303,7 +303,7 @@ def _column(name: str, values: Sequence[tuple[float | str, Kind]]) -> Column:
 
 
 @contextmanager
-def interrupts_held() -> Iterator[threading.Event]:
+def hold_interrupts() -> Iterator[threading.Event]:
     """Within the block the first Ctrl-C only sets the event that is handed out: what is at hand is still finished."""
     asked = threading.Event()
     if threading.current_thread() is not threading.main_thread():

@@ -22,7 +22,7 @@ from typing import Any
 
 from vvdp.base.errors import ConfigError, unusable
 from vvdp.base.files import clear_unfinished, write_whole
-from vvdp.studies.index import Row, Stamp, indexed, stamp, write_index
+from vvdp.studies.index import Row, Stamp, read_index, stamp, write_index
 
 FORMAT = 1
 DESCRIPTION = "study.json"
@@ -50,7 +50,7 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
         _write(directory / DESCRIPTION, {"format": FORMAT, **description})
     except OSError as problem:
         raise unusable(directory, f"cannot be written ({problem.strerror})") from None
-    known = indexed(directory)
+    known = read_index(directory)
     found = _files(directory, known)
     unknown = {name: entry for name, entry in found.items() if known.get(name, (None,))[0] != entry[0]}
     gone = known.keys() - found.keys()
@@ -89,7 +89,7 @@ def _require_store(directory: Path) -> None:
 
 def finished_cases(directory: Path) -> dict[str, Finished]:
     """All finished cases in `directory` by key; nothing is written. Raises ConfigError where a file is damaged."""
-    return _by_key(_files(directory, indexed(directory)))
+    return _by_key(_files(directory, read_index(directory)))
 
 
 def _by_key(files: Mapping[str, tuple[Stamp, list[Finished]]]) -> dict[str, Finished]:
@@ -105,7 +105,7 @@ def _files(
         mark, rows = known.get(path.name, (None, ()))
         now = stamp(path)
         try:
-            cases = [_finished(row) for row in rows] if mark == now else _read(path)
+            cases = [_row_case(row) for row in rows] if mark == now else _read(path)
         except ValueError:  # in the index
             cases = _read(path)
         found[path.name] = now, cases
@@ -147,7 +147,7 @@ def _row(case: Finished) -> Row:
     )
 
 
-def _finished(row: Row) -> Finished:
+def _row_case(row: Row) -> Finished:
     return Finished(row.key, json.loads(row.settings), row.failure, _numbers(json.loads(row.summary)))
 
 

@@ -35,8 +35,8 @@ import numpy as np
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import TIME
 from vvdp.base.tables import Table, fault_at, read_table
-from vvdp.base.units import number_and_unit, parsed
-from vvdp.systems.system import System, shipped
+from vvdp.base.units import number_and_unit, parse
+from vvdp.systems.system import System, shipped_systems
 
 Settings: TypeAlias = Mapping[str, Any]
 """Values by `table.key`, each as a system file has it: text with a unit, a number, or a signal's mapping."""
@@ -52,7 +52,7 @@ class Uniform:
     low: str
     high: str
 
-    def drawn(self, share: float) -> str:
+    def quantile(self, share: float) -> str:
         """The value below which the share `share` of all draws lies."""
         (low, unit), (high, other) = number_and_unit(self.low), number_and_unit(self.high)
         if unit != other or not low <= high:
@@ -67,7 +67,7 @@ class Normal:
     mean: str
     deviation: str
 
-    def drawn(self, share: float) -> str:
+    def quantile(self, share: float) -> str:
         """The value below which the share `share` of all draws lies."""
         (mean, unit), (deviation, other) = number_and_unit(self.mean), number_and_unit(self.deviation)
         if unit != other or not deviation >= 0.0:
@@ -94,7 +94,7 @@ class Random:
 
     def draw(self, number: int) -> dict[str, str]:
         """The settings of one draw."""
-        return {name: spread.drawn(self._share(name, number)) for name, spread in self.spreads.items()}
+        return {name: spread.quantile(self._share(name, number)) for name, spread in self.spreads.items()}
 
     def _share(self, name: str, number: int) -> float:
         word = int.from_bytes(hashlib.sha256(name.encode()).digest()[:8])
@@ -173,7 +173,7 @@ def _system(path: Path, table: Table, faults: list[Fault]) -> str:
     if not isinstance(system, str) or not system:
         faults.append(fault_at(table, "system", f"{system!r}; expected the name of a shipped system or of a file"))
         return ""
-    return str(beside) if system not in shipped() and (beside := path.parent / system).is_file() else system
+    return str(beside) if system not in shipped_systems() and (beside := path.parent / system).is_file() else system
 
 
 def _until(table: Table, faults: list[Fault]) -> str | None:
@@ -187,7 +187,7 @@ def _until(table: Table, faults: list[Fault]) -> str | None:
 
 def _is_time(text: str, table: Table, faults: list[Fault]) -> bool:
     try:
-        parsed(text, TIME)
+        parse(text, TIME)
     except ParameterError as problem:
         faults.append(fault_at(table, "until", str(problem)))
         return False
@@ -195,7 +195,7 @@ def _is_time(text: str, table: Table, faults: list[Fault]) -> bool:
 
 
 def _settings(table: Table, faults: list[Fault]) -> dict[str, Any]:
-    settings = _flattened(table, "settings", faults)
+    settings = _flatten(table, "settings", faults)
     for key, value in settings.items():
         if isinstance(value, list | bool):
             faults.append(fault_at(table, f"settings.{key}", f"{value!r}; expected a value"))
@@ -205,7 +205,7 @@ def _settings(table: Table, faults: list[Fault]) -> dict[str, Any]:
 def _variations(table: Table, faults: list[Fault]) -> Variations:
     """What is varied: a grid, draws at each of its points, or cases that are written out."""
     content = table.content
-    grid = _flattened(table, "grid", faults)
+    grid = _flatten(table, "grid", faults)
     for key, values in grid.items():
         if not isinstance(values, list) or not values:
             faults.append(fault_at(table, f"grid.{key}", f"{values!r}; expected a list of values"))
@@ -225,7 +225,7 @@ def _cases(table: Table, faults: list[Fault]) -> list[Settings]:
     if "grid" in table.content or "random" in table.content:
         message = "contradicts grid and random; write the cases out or have them made"
         faults.append(fault_at(table, "cases", message))
-    return [_joined(case) for case in cases]
+    return [_join_keys(case) for case in cases]
 
 
 KEYS = ("title", "system", "until", "outputs", "settings", "grid", "random", "cases")
@@ -233,7 +233,7 @@ VALUES = frozenset(("value", "step", "ramp", "sine", "table", "from", "uniform",
 """Words of which a mapping has one where it is a value, and no table of values."""
 
 
-def _joined(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+def _join_keys(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """`table` with `operation.duty_ratio = ...`, which TOML nests, under the same name as when it is quoted."""
     found: dict[str, Any] = {}
     for key, value in table.items():
@@ -241,11 +241,11 @@ def _joined(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
         if "." in key or not isinstance(value, Mapping) or (above and VALUES & set(value)):
             found[path] = value
         else:
-            found |= _joined(value, f"{path}.")
+            found |= _join_keys(value, f"{path}.")
     return found
 
 
-def _flattened(table: Table, name: str, faults: list[Fault], path: str = "") -> dict[str, Any]:
+def _flatten(table: Table, name: str, faults: list[Fault], path: str = "") -> dict[str, Any]:
     """The values by `table.key` of the table `name`, which stands at `path` in the file."""
     path = path or name
     content: Any = table.content
@@ -254,7 +254,7 @@ def _flattened(table: Table, name: str, faults: list[Fault], path: str = "") -> 
     if not isinstance(content, Mapping) or (name in table.content and not content):
         faults.append(fault_at(table, path, f"{content!r}; expected a table of values by table.key"))
         return {}
-    found = _joined(content)
+    found = _join_keys(content)
     for key in found:
         if "." not in key:
             faults.append(fault_at(table, f"{path}.{key}", 'expected a key of the form "table.key"'))
@@ -281,7 +281,7 @@ def _random(table: Table, grid: Mapping[str, Any], faults: list[Fault]) -> Rando
 
 def _spreads(table: Table, grid: Mapping[str, Any], faults: list[Fault]) -> dict[str, Uniform | Normal]:
     spreads: dict[str, Uniform | Normal] = {}
-    entries = _flattened(table, "spreads", faults, "random.spreads")
+    entries = _flatten(table, "spreads", faults, "random.spreads")
     for key, words in entries.items():
         path = f"random.spreads.{key}"
         if key in grid:
@@ -305,5 +305,5 @@ def _spread(words: Any) -> Uniform | Normal:
         case _:
             message = "expected { uniform = [a, b] } or { normal = mean, deviation = s }, with units"
             raise ParameterError(f"{words!r}; {message}")
-    spread.drawn(0.5)
+    spread.quantile(0.5)
     return spread

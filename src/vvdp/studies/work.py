@@ -53,7 +53,9 @@ def kept_batches(
     Batches are those of `batches`. A worker that sees `directory` writes there itself: should the caller be gone by
     then, the next run finds the batch.
     """
-    for done in batches(functools.partial(_kept, task, directory.resolve()), cases, engine, interrupted, batching):
+    for done in batches(
+        functools.partial(_run_and_keep, task, directory.resolve()), cases, engine, interrupted, batching
+    ):
         keep_finished(directory, done)
         yield done
 
@@ -71,7 +73,7 @@ def batches(
     raises is raised here.
     """
     work = _Work(list(cases), engine, batching, interrupted)
-    for batch, (done, seconds) in engine.completed(functools.partial(_timed, task), work.batches()):
+    for batch, (done, seconds) in engine.run_all(functools.partial(_run_timed, task), work.batches()):
         work.learn(len(batch), seconds)
         yield done
 
@@ -84,7 +86,7 @@ def check_same(here: object, asked: object) -> None:
         )
 
 
-def _kept(task: Task[Case, Finished], directory: Path, batch: Sequence[Case], cores: int) -> list[Finished]:
+def _run_and_keep(task: Task[Case, Finished], directory: Path, batch: Sequence[Case], cores: int) -> list[Finished]:
     done = task(batch, cores)
     if is_store(directory):
         with suppress(OSError):  # then the caller keeps it
@@ -92,7 +94,7 @@ def _kept(task: Task[Case, Finished], directory: Path, batch: Sequence[Case], co
     return done
 
 
-def _timed(task: Task[Case, Result], batch: Sequence[Case], cores: int) -> tuple[list[Result], float]:
+def _run_timed(task: Task[Case, Result], batch: Sequence[Case], cores: int) -> tuple[list[Result], float]:
     began = time.perf_counter()
     done = task(batch, cores)
     return done, time.perf_counter() - began

@@ -116,13 +116,13 @@ class RotaryBench(Extras):
         """The duty ratio, or the axial position over the helix length."""
         if isinstance(self.operation, DutyOperation):
             return self.operation.duty_ratio
-        return _mapped(self.operation.axial_position, lambda x: x / self.valve.helix_length)
+        return _map_signal(self.operation.axial_position, lambda x: x / self.valve.helix_length)
 
     @property
     def axial_position(self) -> Signal:
         """The axial position of the spool [m]."""
         if isinstance(self.operation, DutyOperation):
-            return _mapped(self.operation.duty_ratio, lambda d: d * self.valve.helix_length)
+            return _map_signal(self.operation.duty_ratio, lambda d: d * self.valve.helix_length)
         return self.operation.axial_position
 
     @property
@@ -162,7 +162,7 @@ class RotaryBench(Extras):
         given = {name: table for name, table in self.tables.items() if name in known}
         return self.system.circuit.case_of(replace(params, **given))
 
-    def changed(self, **tables: Mapping[str, Any]) -> "RotaryBench":
+    def with_tables(self, **tables: Mapping[str, Any]) -> "RotaryBench":
         """The same bench with some values of its tables replaced. Raises ParameterError where they contradict."""
         new = {name: replace(self.tables[name], **values) for name, values in tables.items()}
         return RotaryBench(self.system, {**self.tables, **new})
@@ -174,14 +174,14 @@ class RotaryBench(Extras):
         values = {"inlet_pressure": inlet_pressure, "spool_speed": spool_speed, "spool_angle": spool_angle}
         if self.makes_pressure:
             values["load_pressure"] = load_pressure
-        return self.changed(initial=values)
+        return self.with_tables(initial=values)
 
-    def held(self) -> "RotaryBench":
+    def hold(self) -> "RotaryBench":
         """The same bench with all that is prescribed held at its first value, the axial position as a duty ratio.
 
         The pump does not pulsate and nothing watches the spool: only what repeats itself with the valve is left.
         """
-        tables = {name: _held(table) for name, table in self.tables.items() if name not in WATCHING}
+        tables = {name: _hold_table(table) for name, table in self.tables.items() if name not in WATCHING}
         operation = tables["operation"]
         tables["operation"] = DutyOperation(
             pump_speed=operation.pump_speed,
@@ -229,7 +229,7 @@ class RotaryBench(Extras):
         place = paths.index(total)
         return float((window.last[place] - window.first[place]) / (window.end - window.begin))
 
-    def simulated(self, run: Outcome, found: Summary) -> Summary:
+    def simulation_numbers(self, run: Outcome, found: Summary) -> Summary:
         """The numbers of a bench that its simulation gives, beside those that any circuit has."""
         window = run.window
         span = window.end - window.begin
@@ -267,7 +267,7 @@ class RotaryBench(Extras):
             "steady": self.is_steady,
         }
 
-    def recorded(self, run: Run) -> Summary:
+    def record_numbers(self, run: Run) -> Summary:
         """How far the estimate of a watched spool was off, from `SETTLED` on; empty for a shorter run, or no encoder.
 
         Root means square over time, by the trapezoidal rule over the recorded rows.
@@ -356,12 +356,12 @@ def rotary_bench(system: "System", verb: str) -> RotaryBench:
     raise ConfigError([Fault(system.name, 0, "", message)])
 
 
-def _held(table: Any) -> Any:
+def _hold_table(table: Any) -> Any:
     signals = {f.name: value for f in fields(table) if isinstance(value := getattr(table, f.name), Signal)}
     return replace(table, **{name: constant(signal_value(0.0, value)) for name, value in signals.items()})
 
 
-def _mapped(x: Signal, scaled: Callable[[float], float]) -> Signal:
+def _map_signal(x: Signal, scaled: Callable[[float], float]) -> Signal:
     return replace(
         x, base=scaled(x.base), change=tuple(map(scaled, x.change)), amplitude=tuple(map(scaled, x.amplitude))
     )

@@ -36,10 +36,10 @@ class TableSlot:
     def choice(self, keys: Mapping[str, Any]) -> type[Params]:
         """The class that has most of the keys, the first one at a tie."""
 
-        def shared(cls: Any) -> int:
+        def shared_base(cls: Any) -> int:
             return len(keys.keys() & _keys(cls))
 
-        return max(self.classes, key=shared)
+        return max(self.classes, key=shared_base)
 
 
 @cache
@@ -49,11 +49,11 @@ def _keys(cls: Any) -> frozenset[str]:
 
 def circuit_names() -> list[str]:
     """Names of the circuits that installed packages offer."""
-    return sorted({point.name for point in _offered()})
+    return sorted({point.name for point in _entry_points()})
 
 
 @cache
-def _offered() -> tuple[EntryPoint, ...]:
+def _entry_points() -> tuple[EntryPoint, ...]:
     """The entry points of all installed packages; reading them takes longer than drawing a circuit."""
     return tuple(entry_points(group=GROUP))
 
@@ -72,7 +72,7 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
             public = [n for n, value in vars(module).items() if inspect.isfunction(value) and not n.startswith("_")]
             raise ParameterError(f"{module_name} has no function {function!r}{nearest(function, public)}")
     else:
-        points = [point for point in _offered() if point.name == name]
+        points = [point for point in _entry_points() if point.name == name]
         if not points:
             message = f"{name!r} is not a circuit; expected {', '.join(circuit_names())}, or module:function"
             raise ParameterError(message)

@@ -50,11 +50,11 @@ class Extras:
         self.system = system
         self.tables: Mapping[str, Any] = system.tables
 
-    def simulated(self, run: "Outcome", found: Summary) -> Summary:  # noqa: ARG002
+    def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:  # noqa: ARG002
         """Further numbers of any run, beside those in `found`."""
         return {}
 
-    def recorded(self, run: "Run") -> Summary:  # noqa: ARG002
+    def record_numbers(self, run: "Run") -> Summary:  # noqa: ARG002
         """Further numbers that need the recorded rows."""
         return {}
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vvdp.base.tables import ORIGIN, Sourced
-from vvdp.systems.drawn import TABLES
+from vvdp.systems.drawing import TABLES
 from vvdp.systems.system import System
 
 

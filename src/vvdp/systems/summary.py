@@ -32,7 +32,7 @@ def summary(system: System, run: Run) -> Summary:
 def run_summary(system: System, run: Run) -> Summary:
     """The part of a summary that the run itself gives: all but the closed forms, in a tenth of the time."""
     simulated = simulated_summary(outcome(run, system.average_from), system)
-    recorded: Summary = {} if system.extras is None else system.extras.recorded(run)
+    recorded: Summary = {} if system.extras is None else system.extras.record_numbers(run)
     return simulated | recorded
 
 
@@ -55,7 +55,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **_part_numbers(run, system),
     }
     if system.extras is not None:
-        found |= system.extras.simulated(run, found)
+        found |= system.extras.simulation_numbers(run, found)
     found |= _balances(run)
     found |= {
         "steps": float(run.steps),
@@ -83,7 +83,9 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, HydraulicNode):
             reference = node.oil.reference_pressure
-            bounds = (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed(node, run, system, name)
+            bounds = (
+                (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed_bounds(node, run, system, name)
+            )
             lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
             mean = bounds[0] if bounds[0] == bounds[1] else means[f"totals.{name}_pressure"]
             found[f"pressure_mean_{name}_Pa"] = mean - reference
@@ -107,7 +109,7 @@ def cavitation_pressure(system: System) -> float:
     return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)
 
 
-def _prescribed(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
+def _prescribed_bounds(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
     """Bounds of a prescribed pressure [Pa, absolute], as the case has it; its mean where it is a connection."""
     if isinstance(node.pressure, Signal):
         given: Signal = attrgetter(system.circuit.place(node.pressure))(run.case.params)

@@ -15,7 +15,7 @@ from vvdp.base.kinds import TIME, Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, build, parsed_table, read_table, suggestion, with_settings
-from vvdp.base.units import parsed
+from vvdp.base.units import parse
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
 from vvdp.network.network import Network
@@ -29,7 +29,7 @@ from vvdp.systems.circuits import (
     network_function,
     table_slots,
 )
-from vvdp.systems.drawn import draw_network
+from vvdp.systems.drawing import draw_network
 from vvdp.systems.extras import Extras
 
 HEADINGS = ("title", "circuit")
@@ -121,7 +121,7 @@ class System:
         return str(self.content.get("circuit", f"drawn, {count}"))
 
     @property
-    def assumed(self) -> tuple[Sourced, ...]:
+    def assumptions(self) -> tuple[Sourced, ...]:
         """The values that are merely assumed."""
         return tuple(row for row in self.rows if row.status == "assumed")
 
@@ -143,15 +143,15 @@ class System:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A system travels to other processes as its text: its functions are written anew where it arrives."""
-        return _arrived, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
+        return _build_network, (self.table, self.name, self.folder.absolute(), self.tables if self.redrawn else None)
 
 
-def _arrived(table: Table, name: str, folder: Path, tables: Mapping[str, Any] | None) -> System:
+def _build_network(table: Table, name: str, folder: Path, tables: Mapping[str, Any] | None) -> System:
     found = built_system(table, name, folder)
     return found if tables is None else found.with_tables(tables)
 
 
-def shipped() -> dict[str, str]:
+def shipped_systems() -> dict[str, str]:
     """Names of the shipped systems and their texts."""
     folder = resources.files("vvdp.systems") / "data"
     return {f.name.removesuffix(".toml"): f.read_text("utf-8") for f in sorted(folder.iterdir(), key=lambda f: f.name)}
@@ -159,7 +159,7 @@ def shipped() -> dict[str, str]:
 
 def source_text(name: str) -> str:
     """The text of a system, by shipped name or path. Raises ConfigError where there is none."""
-    texts = shipped()
+    texts = shipped_systems()
     if name in texts:
         return texts[name]
     read_table(Path(name))
@@ -168,7 +168,7 @@ def source_text(name: str) -> str:
 
 def system_table(name: str) -> Table:
     """The parsed text of a system, by shipped name or path. Raises ConfigError where there is none."""
-    texts = shipped()
+    texts = shipped_systems()
     if name in texts:
         return parsed_table(texts[name], f"{name}.toml")
     path = Path(name)
@@ -208,7 +208,7 @@ def without_other_position(table: Table, settings: Sequence[str]) -> Table:
 def lasting(table: Table, until: str) -> Table:
     """`table` with a run of `until`; means are then taken from the same share of the run as before."""
     try:
-        seconds = parsed(until, TIME)
+        seconds = parse(until, TIME)
     except ParameterError as problem:
         raise ConfigError([Fault("--until", 0, "", str(problem))]) from None
     if not seconds > 0.0:
@@ -249,7 +249,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
             circuit, stepping = build_circuit(network), run[0].stepping(method)
             _check_temperature(network.temperature, stepping.sample_period)
         except (NetworkError, ParameterError) as problem:
-            faults.append(_placed(str(problem), table))
+            faults.append(_locate_fault(str(problem), table))
     if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(faults)
     return System(
@@ -266,7 +266,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     )
 
 
-def _placed(message: str, table: Table) -> Fault:
+def _locate_fault(message: str, table: Table) -> Fault:
     """A fault of the whole network at the line of the node, component or program with whose name the message begins."""
     word, _, key = message.partition(":")[0].partition(" ")[0].partition(".")
     for group in ("nodes", "components", "programs"):
@@ -298,7 +298,7 @@ def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunctio
 
 def _duration(entry: Any) -> float:
     """The time of an entry of [run], with its origin or without [s]. Raises ParameterError."""
-    return parsed(entry.get("value") if isinstance(entry, Mapping) else entry, TIME)
+    return parse(entry.get("value") if isinstance(entry, Mapping) else entry, TIME)
 
 
 def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:

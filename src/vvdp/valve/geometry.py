@@ -146,14 +146,14 @@ def port_edges(spool_angle: float, axial_position: float, shape: PortShape) -> P
     load, tank = abs(half_duty - 0.5 * shape.barrier_width), abs(half_duty + 0.5 * shape.barrier_width)
     half_nozzle = 0.5 * shape.nozzle_width
     return PortEdges(
-        load_near=side(distance - _folded(load - half_nozzle)),
-        load_far=side(distance - _folded(load + half_nozzle)),
-        tank_near=side(distance - _folded(tank - half_nozzle)),
-        tank_far=side(distance - _folded(tank + half_nozzle)),
+        load_near=side(distance - _fold(load - half_nozzle)),
+        load_far=side(distance - _fold(load + half_nozzle)),
+        tank_near=side(distance - _fold(tank - half_nozzle)),
+        tank_far=side(distance - _fold(tank + half_nozzle)),
     )
 
 
-def _folded(distance: float) -> float:
+def _fold(distance: float) -> float:
     """A distance from the middle of a wedge as one from that of the nearest [pitches]."""
     inner = abs(distance)
     return minimum(inner, 1.0 - inner)

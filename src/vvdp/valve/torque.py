@@ -216,9 +216,7 @@ def spool_time_constant(flow: float, density: float, viscosity: float, valve: Ro
     return spool_inertia(valve) / (friction_coefficient(viscosity, valve) + flow_damping(flow, density, valve))
 
 
-def friction_area_fitted(
-    pwm_frequency: float, flow: float, density: float, viscosity: float, valve: RotaryValve
-) -> float:
+def fit_friction_area(pwm_frequency: float, flow: float, density: float, viscosity: float, valve: RotaryValve) -> float:
     """Friction area with which the fully open valve spins at a stated PWM frequency [m^2].
 
     pwm_frequency  [Hz]

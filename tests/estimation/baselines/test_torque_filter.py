@@ -19,21 +19,21 @@ from vvdp.estimation.baselines.torque_filter import (
     TorqueChange,
     TorqueFilterMemory,
     TorqueReading,
-    doubted,
+    inflate,
     lag,
+    predict_spool,
     pump_delivery,
-    sighted,
+    reset_speed,
     spool_spin,
     torque_filter,
     torque_filter_estimator,
     torque_filter_start,
     torque_filter_step,
-    turned,
-    widened,
+    update_spool,
 )
 from vvdp.estimation.event_filter import Tally
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.numerics.kalman import AngleSpeed, observed, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict, update_n
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, equal_wheel
 from vvdp.simulation.replay import Replay
@@ -148,11 +148,11 @@ def test_propagation_is_the_matrix_exponential(duration, spin):
     q, q_e = 0.25, 0.3
     F, drift, Q = reference(duration, spin, q, q_e)
     mean, P = as_matrices(BELIEF)
-    x, C = as_matrices(turned(BELIEF, duration, spin, q, q_e))
+    x, C = as_matrices(predict_spool(BELIEF, duration, spin, q, q_e))
     np.testing.assert_allclose(x, F @ mean + drift, rtol=1e-12)
     np.testing.assert_allclose(C, F @ P @ F.T + Q, rtol=1e-11, atol=1e-16)
     # The noise alone, as its smallest entries vanish beside F P F'.
-    _, N = as_matrices(turned(as_belief(np.zeros(3), np.zeros((3, 3))), duration, spin, q, q_e))
+    _, N = as_matrices(predict_spool(as_belief(np.zeros(3), np.zeros((3, 3))), duration, spin, q, q_e))
     size = np.sqrt(np.outer(np.diag(Q), np.diag(Q)))
     assert np.all(abs(N - Q) <= 1e-9 * size)
 
@@ -160,19 +160,19 @@ def test_propagation_is_the_matrix_exponential(duration, spin):
 @given(st.floats(0.0, 0.3), st.floats(0.0, 0.3), st.floats(0.0, 1e4), st.floats(0.1, 100.0))
 def test_two_intervals_are_one_and_back_is_back(first, second, drive, damping):
     spin = Spin(drive, damping)
-    whole = turned(BELIEF, first + second, spin, 0.25, 1e-3)
-    both = turned(turned(BELIEF, first, spin, 0.25, 1e-3), second, spin, 0.25, 1e-3)
+    whole = predict_spool(BELIEF, first + second, spin, 0.25, 1e-3)
+    both = predict_spool(predict_spool(BELIEF, first, spin, 0.25, 1e-3), second, spin, 0.25, 1e-3)
     np.testing.assert_allclose(flat(both), flat(whole), rtol=1e-9, atol=1e-12)
     if first * damping < 3.0:  # what has decayed further cannot be had back
-        back = turned(turned(BELIEF, first, spin, 0.25, 1e-3), -first, spin, 0.25, 1e-3)
+        back = predict_spool(predict_spool(BELIEF, first, spin, 0.25, 1e-3), -first, spin, 0.25, 1e-3)
         np.testing.assert_allclose(flat(back), flat(BELIEF), rtol=1e-5, atol=1e-6)
 
 
 def test_without_torque_it_is_the_constant_speed_model():
     belief = replace_excess(BELIEF)
-    moved = turned(belief, 0.01, Spin(0.0, 0.0), 0.25, 0.0)
+    moved = predict_spool(belief, 0.01, Spin(0.0, 0.0), 0.25, 0.0)
     x, P = belief
-    plain = propagated(AngleSpeed(x.angle, x.speed, P.angle, P.angle_speed, P.speed), 0.01, 0.25)
+    plain = predict(AngleSpeed(x.angle, x.speed, P.angle, P.angle_speed, P.speed), 0.01, 0.25)
     got = [*moved.mean[:2], moved.covariance.angle, moved.covariance.angle_speed, moved.covariance.speed]
     np.testing.assert_allclose(got, plain, rtol=1e-14)
 
@@ -203,11 +203,11 @@ def test_left_alone_it_goes_to_the_equilibrium_of_the_valve(turbine_settings, te
     start = known._replace(mean=known.mean._replace(speed=0.0))
     T = spool_time_constant(HIGH, rho, mu, valve)
     final = equilibrium_speed(HIGH, rho, mu, valve)
-    assert turned(start, T, spin, 0.0, 0.0).mean.speed == pytest.approx(final * (1 - np.exp(-1.0)), rel=1e-12)
-    assert turned(start, 40 * T, spin, 0.0, 0.0).mean.speed == pytest.approx(final, rel=1e-12)
+    assert predict_spool(start, T, spin, 0.0, 0.0).mean.speed == pytest.approx(final * (1 - np.exp(-1.0)), rel=1e-12)
+    assert predict_spool(start, 40 * T, spin, 0.0, 0.0).mean.speed == pytest.approx(final, rel=1e-12)
     # An excess of 10 % is 10 % more speed.
     more = start._replace(mean=start.mean._replace(excess=0.1))
-    assert turned(more, 40 * T, spin, 0.0, 0.0).mean.speed == pytest.approx(1.1 * final, rel=1e-12)
+    assert predict_spool(more, 40 * T, spin, 0.0, 0.0).mean.speed == pytest.approx(1.1 * final, rel=1e-12)
 
 
 def test_reversed_flow_counts_as_none(turbine_settings):
@@ -224,8 +224,8 @@ def test_pump_delivery_by_hand():
 
 def test_an_edge_is_one_scalar_measurement():
     mean, P = as_matrices(BELIEF)
-    x, C = observed(mean, P, np.array([1.0, 0.0, 0.0]), 0.04, 5e-3)
-    found, P = as_matrices(sighted(BELIEF, 0.04, 5e-3))
+    x, C = update_n(mean, P, np.array([1.0, 0.0, 0.0]), 0.04, 5e-3)
+    found, P = as_matrices(update_spool(BELIEF, 0.04, 5e-3))
     np.testing.assert_allclose(found, x, rtol=1e-12)
     np.testing.assert_allclose(P, C, rtol=1e-12)
 
@@ -235,7 +235,7 @@ def test_a_sudden_change_of_torque_is_one_more_unknown():
     spin, V = Spin(5300.0, 35.0), 0.02
     F, _, _ = reference(0.02, spin, 0.0, 0.0)
     mean, P = as_matrices(BELIEF)
-    x, C = as_matrices(widened(BELIEF, 0.02, spin, V))
+    x, C = as_matrices(inflate(BELIEF, 0.02, spin, V))
     np.testing.assert_array_equal(x, mean)
     np.testing.assert_allclose(C, P + V * np.outer(F[:, 2], F[:, 2]), rtol=1e-12)
 
@@ -273,10 +273,10 @@ def test_filter_equals_the_dense_posterior():
 
     belief = BELIEF
     for i in range(1, n + 1):
-        belief = turned(belief, durations[i - 1], spins[i - 1], q, q_e)
+        belief = predict_spool(belief, durations[i - 1], spins[i - 1], q, q_e)
         if i in seen:
             k = seen.index(i)
-            belief = sighted(belief, angles[k] - belief.mean.angle, R[k])
+            belief = update_spool(belief, angles[k] - belief.mean.angle, R[k])
     x, last = as_matrices(belief)
     np.testing.assert_allclose(x, posterior[-3:], rtol=1e-9)
     np.testing.assert_allclose(last, C[-3:, -3:], rtol=1e-9)
@@ -294,8 +294,8 @@ def test_errors_are_as_large_as_they_are_said_to_be():
         x, belief = rng.multivariate_normal(mean, P), BELIEF
         for w in rng.multivariate_normal(np.zeros(3), Q, 40):
             x = F @ x + drift + w
-            belief = turned(belief, 5e-3, spin, q, q_e)
-            belief = sighted(belief, x[0] + np.sqrt(R) * rng.standard_normal() - belief.mean.angle, R)
+            belief = predict_spool(belief, 5e-3, spin, q, q_e)
+            belief = update_spool(belief, x[0] + np.sqrt(R) * rng.standard_normal() - belief.mean.angle, R)
         m, C = as_matrices(belief)
         total += (x - m) @ np.linalg.solve(C, x - m)
     low, high = stats.chi2.ppf([0.0005, 0.9995], 3 * n)
@@ -307,7 +307,7 @@ def test_covariance_stays_one(history):
     """Whatever intervals, flows and edges: symmetric by construction, and without a negative eigenvalue."""
     belief = as_belief([0.0, 100.0, 0.0], np.diag([1000.0, 1000.0, 0.09]))
     for duration, drive, damping, R in history:
-        belief = sighted(turned(belief, duration, Spin(drive, damping), 0.25, 1e-4), 0.01, R)
+        belief = update_spool(predict_spool(belief, duration, Spin(drive, damping), 0.25, 1e-4), 0.01, R)
         _, P = as_matrices(belief)
         scale = 1 / np.sqrt(np.diag(P))
         assert np.linalg.eigvalsh(P * np.outer(scale, scale)).min() > -1e-9
@@ -489,7 +489,7 @@ def test_where_only_the_samples_tell_the_edge_is_less_certain(turbine_settings, 
     spin = spool_spin(HIGH, WARM, settings.oil, settings.valve)
     for speed in (0.5, 150.78):
         memory = torque_filter_start(settings, 0.0, 0.0, speed)
-        prior = turned(memory.belief, 1e-3, spin, settings.acceleration_density, settings.excess_density)
+        prior = predict_spool(memory.belief, 1e-3, spin, settings.acceleration_density, settings.excess_density)
         reading = TorqueReading(Reading(1e-3, 1.0, 1e-3, interval, 0.0), HIGH, WARM)
         _, estimate = torque_filter_step(memory, reading, settings)
         passed = max(prior.mean.speed, 2 * np.pi) * interval
@@ -552,7 +552,7 @@ def test_doubles_at_the_start_do_not_lock_it_to_a_multiple(turbine_settings, rep
 def test_doubt_leaves_what_is_believed_and_takes_its_certainty(turbine_settings):
     """Speed 140 rad/s: 19600 rad^2/s^2; excess 0.1, less than the 30 % of the start: 0.09."""
     mean, P = as_matrices(BELIEF)
-    x, C = as_matrices(doubted(BELIEF, turbine_settings))
+    x, C = as_matrices(reset_speed(BELIEF, turbine_settings))
     np.testing.assert_array_equal(x, mean)
     assert C[1, 1] == pytest.approx(140.0**2)
     assert C[2, 2] == turbine_settings.excess_variance

@@ -9,7 +9,7 @@ from scipy import signal
 from vvdp.base.errors import ParameterError
 from vvdp.estimation.baselines.tracking_loop import (
     Tracked,
-    tracked,
+    correct,
     tracking_loop,
     tracking_loop_estimator,
 )
@@ -33,7 +33,7 @@ def linear(angles, bandwidth, h):
     reached, shown = Tracked(0.0, 0.0), []
     for angle in angles:
         predicted = Tracked(reached.angle + h * reached.speed, reached.speed)
-        reached = tracked(predicted, angle - predicted.angle, h, bandwidth)
+        reached = correct(predicted, angle - predicted.angle, h, bandwidth)
         shown.append(reached)
     return np.array(shown)
 
@@ -48,7 +48,7 @@ def filters(bandwidth, h):
 
 def test_one_step_by_hand():
     """b h = ln 2: z = 1/2. theta = 1 + 0.75 x 0.2 = 1.15, omega = 3 + 0.25 x 0.2 / 0.01 = 8."""
-    found = tracked(Tracked(1.0, 3.0), 0.2, 0.01, 100.0 * np.log(2.0))
+    found = correct(Tracked(1.0, 3.0), 0.2, 0.01, 100.0 * np.log(2.0))
     assert found == pytest.approx((1.15, 8.0))
 
 
@@ -73,7 +73,7 @@ def test_step_response_tends_to_the_continuous_one_to_first_order():
 
 
 def test_small_steps_are_those_of_the_gains_2b_and_b_squared():
-    found = tracked(Tracked(0.0, 0.0), 1.0, 1e-6, BANDWIDTH)
+    found = correct(Tracked(0.0, 0.0), 1.0, 1e-6, BANDWIDTH)
     assert found.angle / 1e-6 == pytest.approx(2.0 * BANDWIDTH, rel=1e-4)
     assert found.speed / 1e-6 == pytest.approx(BANDWIDTH**2, rel=1e-4)
 

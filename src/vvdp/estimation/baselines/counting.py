@@ -36,7 +36,7 @@ def count_start(time: float, angle: float, wheel: CodeWheel) -> LastEdge:
     return LastEdge(edge_below(angle, wheel), angle, time, 0.0, 0.0)
 
 
-def counted(last: LastEdge, reading: Reading, wheel: CodeWheel) -> LastEdge:
+def update_count(last: LastEdge, reading: Reading, wheel: CodeWheel) -> LastEdge:
     """The count after a sample; edges are only counted, from where the start has put them.
 
     Where the first edge has not the polarity that the start foretold, it is the `first_edge` that has.

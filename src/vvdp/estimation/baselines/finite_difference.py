@@ -15,9 +15,9 @@ from vvdp.estimation.baselines.counting import (
     LastEdge,
     carried_angle,
     count_start,
-    counted,
     overdue_speed,
     plain_estimate,
+    update_count,
 )
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.sensing.reading import Reading
@@ -71,7 +71,7 @@ def finite_difference_step(
 
     Source  wang2017, section 3.1; ours, docs/models/simple-estimators.md
     """
-    last = counted(memory.last, reading, settings.wheel)
+    last = update_count(memory.last, reading, settings.wheel)
     n = memory.times.size
     place = int(memory.samples % n)
     speed = memory.speed

@@ -11,9 +11,9 @@ from vvdp.estimation.baselines.counting import (
     LastEdge,
     carried_angle,
     count_start,
-    counted,
     overdue_speed,
     plain_estimate,
+    update_count,
 )
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.sensing.reading import Reading
@@ -57,7 +57,7 @@ def inverse_time_step(
     Source  wang2017, section 3.1; ours, docs/models/simple-estimators.md
     """
     before = memory.last
-    last = counted(before, reading, settings.wheel)
+    last = update_count(before, reading, settings.wheel)
     speed = memory.speed
     if reading.edges > 0.0 and before.found > 0.0 and last.time > before.time:
         speed = (last.angle - before.angle) / (last.time - before.time)

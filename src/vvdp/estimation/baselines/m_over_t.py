@@ -12,9 +12,9 @@ from vvdp.estimation.baselines.counting import (
     LastEdge,
     carried_angle,
     count_start,
-    counted,
     overdue_speed,
     plain_estimate,
+    update_count,
 )
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.sensing.reading import Reading
@@ -62,7 +62,7 @@ def m_over_t_step(memory: MOverTMemory, reading: Reading, settings: MOverT) -> t
 
     Source  ohmae1982, where the window begins on an edge too; ours, docs/models/simple-estimators.md
     """
-    last = counted(memory.last, reading, settings.wheel)
+    last = update_count(memory.last, reading, settings.wheel)
     opened, speed = memory.opened, memory.speed
     if reading.edges > 0.0:
         if opened.found == 0.0:

@@ -14,7 +14,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count
 from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum, minimum
-from vvdp.estimation.baselines.counting import LastEdge, count_start, counted, overdue_speed, plain_estimate
+from vvdp.estimation.baselines.counting import LastEdge, count_start, overdue_speed, plain_estimate, update_count
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle
@@ -122,7 +122,7 @@ def time_stamping_step(
     Source  merry2010; the bound of the speed is ours, docs/models/simple-estimators.md
     """
     wheel, before = settings.wheel, memory.last
-    last = counted(before, reading, wheel)
+    last = update_count(before, reading, wheel)
     times, angles, known, coefficients = memory.times, memory.angles, memory.known, memory.coefficients
     if reading.edges > 0.0 and (known == 0.0 or last.time > before.time):
         times, angles = times.copy(), angles.copy()

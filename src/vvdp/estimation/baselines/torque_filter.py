@@ -25,7 +25,7 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
-from vvdp.estimation.estimator import Estimate, Estimator, believed
+from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
 from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, Tally, edge_angle_variance, event_filter
 from vvdp.fluid.oil import Oil, density, kinematic_viscosity
 from vvdp.numerics.kalman import AngleSpeed
@@ -231,7 +231,7 @@ def lag(duration: float, damping: float) -> Lag:
     )
 
 
-def turned(
+def predict_spool(
     belief: SpoolBelief, duration: float, spin: Spin, acceleration_density: float, excess_density: float
 ) -> SpoolBelief:
     """The belief after `duration` [s] at one flow without an edge; a negative one goes back and takes noise out again.
@@ -267,7 +267,7 @@ def turned(
     return SpoolBelief(mean=mean, covariance=covariance)
 
 
-def sighted(belief: SpoolBelief, innovation: float, measurement_variance: float) -> SpoolBelief:
+def update_spool(belief: SpoolBelief, innovation: float, measurement_variance: float) -> SpoolBelief:
     """The belief after an edge at an angle that differs from the expected one by `innovation` [rad].
 
     K = P H / S, S = P11 + R, P+ = P - K S K'; the row of the angle as R/S of what it was, without cancellation.
@@ -295,7 +295,7 @@ def sighted(belief: SpoolBelief, innovation: float, measurement_variance: float)
     return SpoolBelief(mean=mean, covariance=covariance)
 
 
-def widened(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: float) -> SpoolBelief:
+def inflate(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: float) -> SpoolBelief:
     """The belief when the torque may have changed suddenly `duration` [s] ago: P + V g g', g = (b f2, b f1, 1).
 
     excess_variance  V, of the change of the excess [1]
@@ -313,7 +313,7 @@ def widened(belief: SpoolBelief, duration: float, spin: Spin, excess_variance: f
     return SpoolBelief(mean=belief.mean, covariance=covariance)
 
 
-def doubted(belief: SpoolBelief, settings: TorqueFilter) -> SpoolBelief:
+def reset_speed(belief: SpoolBelief, settings: TorqueFilter) -> SpoolBelief:
     """The belief whose speed may have been anything, a multiple or a fraction of the true one, and its excess with it.
 
     Source  ours, docs/models/event-filter.md
@@ -368,12 +368,12 @@ def torque_filter_step(
     if reading.reading.edges > 0.0:
         memory, innovation, deviation = _after_edge(memory, reading.reading, spin, settings)
     q, q_e = settings.acceleration_density, settings.excess_density
-    belief = turned(memory.belief, now - memory.time, spin, q, q_e)
+    belief = predict_spool(memory.belief, now - memory.time, spin, q, q_e)
     m = memory
     memory = TorqueFilterMemory(time=now, belief=belief, edge=m.edge, tally=m.tally, change=m.change)
     x, P = belief
     motion = AngleSpeed(x.angle, x.speed, P.angle, P.angle_speed, P.speed)
-    estimate = believed(motion, innovation, deviation, memory.tally.missed_edges)
+    estimate = to_estimate(motion, innovation, deviation, memory.tally.missed_edges)
     return memory, estimate
 
 
@@ -381,8 +381,10 @@ def _after_edge(
     memory: TorqueFilterMemory, reading: Reading, spin: Spin, settings: TorqueFilter
 ) -> tuple[TorqueFilterMemory, float, float]:
     wheel, gate, m = settings.wheel, settings.manoeuvre_gate, memory
-    prior = turned(m.belief, reading.edge_time - m.time, spin, settings.acceleration_density, settings.excess_density)
-    wide = widened(prior, reading.edge_time - m.change.calm_time, spin, settings.change_variance)
+    prior = predict_spool(
+        m.belief, reading.edge_time - m.time, spin, settings.acceleration_density, settings.excess_density
+    )
+    wide = inflate(prior, reading.edge_time - m.change.calm_time, spin, settings.change_variance)
     R = edge_angle_variance(prior.mean.speed, reading.edge_interval, settings)
     edges = m.tally.ignored + reading.edges
     if m.tally.started == 0.0:
@@ -428,8 +430,8 @@ def _after_edge(
         irregular_share(m.tally.irregular, m.tally.associating * minimum(skipped, BURST), 1.0),
     )
     if irregular > UNBELIEVABLE:
-        prior, associating, irregular = doubted(prior, settings), 0.0, RELIABLE
-    belief = sighted(prior, innovation, R)
+        prior, associating, irregular = reset_speed(prior, settings), 0.0, RELIABLE
+    belief = update_spool(prior, innovation, R)
     known = 6.0 * np.sqrt(belief.covariance.angle) < sector(wheel)
     limit = settings.association_speed_deviation * settings.association_speed_deviation
     tally = Tally(

@@ -13,7 +13,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Kind, Speed, Time
 from vvdp.base.params import Params
 from vvdp.estimation.association import sector
-from vvdp.estimation.baselines.counting import LastEdge, count_start, counted, plain_estimate
+from vvdp.estimation.baselines.counting import LastEdge, count_start, plain_estimate, update_count
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
@@ -52,7 +52,7 @@ class TrackingLoopMemory(NamedTuple):
     reached: Tracked
 
 
-def tracked(predicted: Tracked, error: float, duration: float, bandwidth: float) -> Tracked:
+def correct(predicted: Tracked, error: float, duration: float, bandwidth: float) -> Tracked:
     """What the loop reaches when the angle is found `error` [rad] above the one predicted over `duration` [s].
 
     theta = theta' + (1 - z^2) e, omega = omega' + (1 - z)^2 e / h, z = exp(-b h): both poles are at z, where those of
@@ -80,15 +80,15 @@ def tracking_loop_step(
     Source  ours, docs/models/simple-estimators.md, after the firmware of ODrive Robotics (encoder.cpp)
     """
     wheel = settings.wheel
-    last = counted(memory.last, reading, wheel)
+    last = update_count(memory.last, reading, wheel)
     h = reading.time - memory.time
     if h <= 0.0:
         reached = memory.reached
         return TrackingLoopMemory(last, memory.time, reached), plain_estimate(reached.angle, reached.speed)
     predicted = Tracked(memory.reached.angle + h * memory.reached.speed, memory.reached.speed)
     error = edge_angle(last.number, wheel) - edge_angle(edge_below(predicted.angle, wheel), wheel)
-    reached = tracked(predicted, error, h, settings.bandwidth)
-    smallest = tracked(Tracked(0.0, 0.0), 0.5 * sector(wheel), h, settings.bandwidth).speed
+    reached = correct(predicted, error, h, settings.bandwidth)
+    smallest = correct(Tracked(0.0, 0.0), 0.5 * sector(wheel), h, settings.bandwidth).speed
     if abs(reached.speed) < smallest:
         reached = Tracked(reached.angle, 0.0)
     return TrackingLoopMemory(last, reading.time, reached), plain_estimate(reached.angle, reached.speed)

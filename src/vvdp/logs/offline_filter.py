@@ -21,9 +21,9 @@ from vvdp.estimation.event_filter import (
     event_filter_step,
 )
 from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
-from vvdp.logs.alignment import Alignment, alignment, edges_wanted
-from vvdp.logs.edges import Chosen, Edges, joined, no_edges, part, ranked
-from vvdp.numerics.kalman import AngleSpeed, propagated
+from vvdp.logs.alignment import Alignment, alignment, edges_needed
+from vvdp.logs.edges import Chosen, Edges, join, no_edges, part, rank_filter
+from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, edge_angle
 from vvdp.simulation.link import quiet
@@ -122,7 +122,7 @@ FUSED_COLUMNS = ("pressure_phase", "pressure_duty_ratio", "pressure_duty_deviati
 """What a fused row has besides."""
 
 
-class Tracked(NamedTuple):
+class FilteredRows(NamedTuple):
     """Rows of the uniform time base and edges, each a mapping from name to column, as `kept` describes them."""
 
     rows: dict[str, Array]
@@ -139,7 +139,7 @@ class _Piece:
     missed: float = 0.0
 
 
-class Tracker:
+class OfflineFilter:
     """Takes settled edges, gives rows and edges with what the filter makes of them."""
 
     def __init__(
@@ -186,13 +186,13 @@ class Tracker:
         self.reached = -np.inf
         """The rows go so far [s]."""
 
-    def hear(self, waves: Waves) -> None:
+    def add_pressure_edges(self, waves: Waves) -> None:
         """Edges of the pressure, for the rows to come."""
         self._waves = Waves(*(np.concatenate(both) for both in zip(self._waves, waves, strict=True)))
 
-    def push(self, edges: Edges, horizon: float, *, last: bool = False) -> Iterator[Tracked]:
+    def push(self, edges: Edges, horizon: float, *, last: bool = False) -> Iterator[FilteredRows]:
         """What can be said now that the record is known up to `horizon` [s]; `last`: nothing follows on this clock."""
-        self._pending = joined([self._pending, edges])
+        self._pending = join([self._pending, edges])
         while self._pending.times.size:
             if not (yield from self._segment(last)):
                 return  # a piece begins, but too little of it is known yet
@@ -206,7 +206,7 @@ class Tracker:
         self._pending = no_edges()
         self._end(forget=True)
 
-    def _bridged(self, times: Array) -> Chosen:
+    def _can_bridge(self, times: Array) -> Chosen:
         """Of each of the next edges, whether the time since the edge before it can be bridged."""
         before = self._last[0] if self._piece is not None and self._last is not None else float(times[0])
         steps = np.diff(times, prepend=before)
@@ -223,11 +223,11 @@ class Tracker:
                 found[i] = bool(np.all(between <= limits[i]))
         return found
 
-    def _segment(self, last: bool) -> Generator[Tracked, None, bool]:
+    def _segment(self, last: bool) -> Generator[FilteredRows, None, bool]:
         """Takes in the pending edges up to the next cut; false where more have to be known first."""
-        wanted = edges_wanted(self._filter.wheel)
+        wanted = edges_needed(self._filter.wheel)
         looked_at = self._pending.times[: max(EDGES_AT_ONCE, wanted)]
-        cuts = np.flatnonzero(~self._bridged(looked_at))
+        cuts = np.flatnonzero(~self._can_bridge(looked_at))
         end = int(cuts[0]) if cuts.size else looked_at.size
         if self._piece is None:
             if end < wanted and not cuts.size and not last:
@@ -258,7 +258,7 @@ class Tracker:
     def _begin(self, first: Edges) -> None:
         found = alignment(first, self._filter.wheel)
         self.alignments.append(found)
-        number = self._continued(found, float(first.times[0]), float(first.polarities[0]))
+        number = self._continue_count(found, float(first.times[0]), float(first.polarities[0]))
         half = 0.5 * TURN / self._sectors
         angle = edge_angle(number, self._filter.wheel) - half  # the filter takes the edge half a sector ahead
         time = float(first.times[0])
@@ -268,7 +268,7 @@ class Tracker:
             self._piece = _Piece(fusion_start(self._fusion, time, angle, found.speed))
         self.pieces += 1
 
-    def _continued(self, found: Alignment, time: float, polarity: float) -> float:
+    def _continue_count(self, found: Alignment, time: float, polarity: float) -> float:
         """The number of a piece's first edge: on the turn that the last speed would have reached."""
         if self._last is None:
             return float(found.number)
@@ -312,7 +312,7 @@ class Tracker:
             return 0.0
         return float(_longest(_usual(self._steps)[-1:], np.array([np.inf]), self._filter)[0])
 
-    def _rows(self, edges: Edges, until: float) -> Iterator[Tracked]:
+    def _rows(self, edges: Edges, until: float) -> Iterator[FilteredRows]:
         """The filter over these edges and over the rows up to `until` [s]."""
         piece = self._piece
         assert piece is not None
@@ -320,7 +320,7 @@ class Tracker:
         if self._next is None:
             self._next = int(np.ceil(float(known[0]) * self.rate - 1e-9)) if known.size else 0
         elif piece.edges == 0 and known.size:
-            yield from self._filled(float(known[0]))
+            yield from self._gap_rows(float(known[0]))
         end, done = int(np.floor(until * self.rate + 1e-9)), 0
         while True:
             stop = min(self._next + ROWS_AT_ONCE, end + 1)
@@ -331,7 +331,7 @@ class Tracker:
             if stop > end:
                 return
 
-    def _filled(self, time: float) -> Iterator[Tracked]:
+    def _gap_rows(self, time: float) -> Iterator[FilteredRows]:
         """Rows of NaN up to `time`, where no estimate exists; nothing where that would be very many."""
         assert self._next is not None
         begin = int(np.ceil(time * self.rate - 1e-9))
@@ -339,10 +339,10 @@ class Tracker:
             for start in range(self._next, begin, ROWS_AT_ONCE):
                 grid = np.arange(start, min(start + ROWS_AT_ONCE, begin)) / self.rate
                 nothing = np.full((grid.size, len(self._replay.columns)), np.nan)
-                yield Tracked(self._named(grid, nothing), self._no_edges(), np.zeros(grid.size, bool))
+                yield FilteredRows(self._by_name(grid, nothing), self._no_edges(), np.zeros(grid.size, bool))
         self._next = max(begin, self._next)
 
-    def _step(self, piece: _Piece, edges: Edges, grid: Array) -> Tracked:
+    def _step(self, piece: _Piece, edges: Edges, grid: Array) -> FilteredRows:
         known = edges.times + 0.5 * edges.intervals
         m = known.size
         rows = np.zeros((m + grid.size, 5))
@@ -359,7 +359,7 @@ class Tracker:
         if grid.size:
             self.reached = float(grid[-1])
         settled = grid >= piece.settled_at
-        return Tracked(self._named(grid, shown[m : m + grid.size]), columns, settled)
+        return FilteredRows(self._by_name(grid, shown[m : m + grid.size]), columns, settled)
 
     def _with_waves(self, rows: Array) -> Array:
         """Rows of the fusion: the encoder's, then those of the pressure's edges up to the last of them."""
@@ -410,7 +410,7 @@ class Tracker:
     def _no_edges(self) -> dict[str, Array]:
         return {}
 
-    def _named(self, grid: Array, shown: Array) -> dict[str, Array]:
+    def _by_name(self, grid: Array, shown: Array) -> dict[str, Array]:
         angle, speed = shown[:, 0], shown[:, 1]
         more = {} if self._fusion is None else dict(zip(FUSED_COLUMNS, shown[:, 8:].T, strict=True))
         return more | {
@@ -444,7 +444,7 @@ def _bridged_times(periods: Array, settings: EventFilter) -> Array:
     low, high = np.zeros(periods.size), np.full(periods.size, 1e6)
     for _ in range(60):
         middle: Any = 0.5 * (low + high)
-        short = 3.0 * np.sqrt(propagated(steady, middle, q).angle_variance) < half
+        short = 3.0 * np.sqrt(predict(steady, middle, q).angle_variance) < half
         low, high = np.where(short, middle, low), np.where(short, high, middle)
     return low
 
@@ -464,6 +464,6 @@ def _usual(steps: Array) -> Array:
     if not steps.size:
         return steps
     size = min(RECENT, steps.size)
-    medians = ranked(steps, size, (size - 1) // 2)
+    medians = rank_filter(steps, size, (size - 1) // 2)
     found: Array = medians[np.fmax(np.arange(steps.size) - size, 0)]
     return found

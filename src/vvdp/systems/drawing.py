@@ -27,7 +27,7 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, build, nearest
-from vvdp.base.units import parsed, parsed_difference
+from vvdp.base.units import parse, parsed_difference
 from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.volume import Vessel
@@ -401,12 +401,12 @@ def _instrument_value(key: str, entry: object, measured: Kind) -> float:
     if key not in own:
         raise ParameterError(f"unknown key{nearest(key, list(own))}")
     if key in ("range_low", "range_high"):
-        return parsed(entry, measured)
+        return parse(entry, measured)
     if key in ("resolution", "offset", "noise"):
         return parsed_difference(entry, measured)
     kind = own[key]
     assert kind is not None
-    return parsed(entry, kind)
+    return parse(entry, kind)
 
 
 def _fields(cls: type[Params]) -> list[str]:

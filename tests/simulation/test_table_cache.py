@@ -5,8 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from vvdp.simulation import kept
-from vvdp.simulation.kept import kept_table, table_key
+from vvdp.simulation import table_cache
+from vvdp.simulation.table_cache import kept_table, table_key
 
 TABLE = np.arange(6.0).reshape(2, 3)
 
@@ -35,7 +35,7 @@ def test_key_sees_code_numbers_and_shape():
 @pytest.mark.parametrize("damage", [lambda old: old[:-1], lambda old: old[:-1] + b"\x01", lambda old: b""])
 def test_damaged_is_made_anew(tmp_path, damage):
     kept_table("key", lambda: TABLE, tmp_path)
-    (path,) = (tmp_path / kept.FOLDER).iterdir()
+    (path,) = (tmp_path / table_cache.FOLDER).iterdir()
     path.write_bytes(damage(path.read_bytes()))
     np.testing.assert_array_equal(kept_table("key", lambda: TABLE + 1.0, tmp_path), TABLE + 1.0)
     np.testing.assert_array_equal(kept_table("key", refuses, tmp_path), TABLE + 1.0)
@@ -49,8 +49,8 @@ def test_made_each_time_where_nothing_can_be_kept(tmp_path):
 
 
 def test_oldest_make_room(tmp_path, monkeypatch):
-    monkeypatch.setattr(kept, "MOST", 3)
+    monkeypatch.setattr(table_cache, "MOST", 3)
     for number in range(5):
         kept_table(f"key{number}", lambda: TABLE, tmp_path)
-        os.utime(tmp_path / kept.FOLDER / f"key{number}.table", (number, number))
-    assert sorted(path.stem for path in (tmp_path / kept.FOLDER).iterdir()) == ["key2", "key3", "key4"]
+        os.utime(tmp_path / table_cache.FOLDER / f"key{number}.table", (number, number))
+    assert sorted(path.stem for path in (tmp_path / table_cache.FOLDER).iterdir()) == ["key2", "key3", "key4"]

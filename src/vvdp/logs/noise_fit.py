@@ -12,7 +12,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_filter import EventFilter
-from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
@@ -91,9 +91,9 @@ def passage_step(memory: PassageMemory, passage: Passage, noise: Noise) -> tuple
     if memory.seen == 1.0:
         P22 = (R + memory.belief.angle_variance) / (h * h) + q * h / 3.0
         return PassageMemory(AngleSpeed(0.0, passage.angle / h, R, R / h, P22), 2.0), Surprise(0.0, 0.0)
-    prior = propagated(memory.belief, h, q)
+    prior = predict(memory.belief, h, q)
     innovation = passage.angle - prior.angle
-    b = corrected(prior, innovation, R)
+    b = update(prior, innovation, R)
     after = AngleSpeed(b.angle - passage.angle, b.speed, b.angle_variance, b.covariance, b.speed_variance)
     return PassageMemory(after, 2.0), Surprise(innovation, prior.angle_variance + R)
 
@@ -145,7 +145,7 @@ class LongestPieces:
         self._pieces = {piece: parts for piece, parts in self._pieces.items() if piece in needed}
         self._sizes = {piece: size for piece, size in self._sizes.items() if piece in needed}
 
-    def passed(self, edge_variance: float) -> Passed | None:
+    def pick(self, edge_variance: float) -> Passed | None:
         """The edges, `MOST_EDGES` at most; None where there are too few. `edge_variance` is taken off their variances:
         what is left is from sampling."""
         found: list[tuple[Array, ...]] = []
@@ -233,7 +233,7 @@ class Likelihood:
         return found
 
     @property
-    def sampled(self) -> float:
+    def sampling_variance(self) -> float:
         """The part of an edge's variance that is from sampling [rad^2]."""
         return float(np.median(self.passed.sampling_variances))
 
@@ -243,8 +243,8 @@ class Likelihood:
         are written, what the rounding of angles makes, and the standard error sqrt(2/n) of the part from sampling."""
         n = self.passed.times.size
         rounding = float(np.spacing(np.max(np.abs(self.passed.angles)))) ** 2
-        if self.sampled > 0.0:
-            return max(self.sampled * float(np.sqrt(2.0 / n)), rounding)
+        if self.sampling_variance > 0.0:
+            return max(self.sampling_variance * float(np.sqrt(2.0 / n)), rounding)
         return max((self.speed * time_resolution(self.passed.times)) ** 2 / 12.0, rounding)
 
     def without(self, offsets: Array) -> "Likelihood":
@@ -294,7 +294,7 @@ def fit(likelihood: Likelihood) -> Fit:
 
     def noise(place: Array) -> Noise:
         change, variance = np.exp(np.clip(place, low, high))
-        return Noise(float(change * (variance + likelihood.sampled) / likelihood.period**3), float(variance))
+        return Noise(float(change * (variance + likelihood.sampling_variance) / likelihood.period**3), float(variance))
 
     def unlikely(place: Array) -> float:
         return -likelihood.logarithm(noise(place)) + float(np.sum((place - np.clip(place, low, high)) ** 2))
@@ -354,8 +354,8 @@ def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
     stated, real = (_after_two(steps[0], sampled[0] + n.edge_variance, n.acceleration_density) for n in (taken, true))
     sums, late = [0.0, 0.0], len(steps) // 4
     for k, (h, R) in enumerate(zip(steps, sampled, strict=True)):
-        stated = propagated(stated, h, taken.acceleration_density)
-        b = propagated(real, h, true.acceleration_density)
+        stated = predict(stated, h, taken.acceleration_density)
+        b = predict(real, h, true.acceleration_density)
         R_taken, R_true = R + taken.edge_variance, R + true.edge_variance
         S = stated.angle_variance + R_taken
         k1, k2, left = stated.angle_variance / S, stated.covariance / S, R_taken / S
@@ -367,7 +367,7 @@ def speed_errors(likelihood: Likelihood, taken: Noise, true: Noise) -> Errors:
             left * (P12 - k2 * P11) + k1 * k2 * R_true,
             b.speed_variance + k2 * (k2 * P11 - 2.0 * P12) + k2 * k2 * R_true,
         )
-        stated = corrected(stated, 0.0, R_taken)
+        stated = update(stated, 0.0, R_taken)
         if k >= late:
             sums[0] += stated.speed_variance
             sums[1] += real.speed_variance
@@ -402,7 +402,7 @@ class Explained:
     likelihood: Likelihood
 
     @property
-    def fitted(self) -> Fit:
+    def fit(self) -> Fit:
         """The likeliest settings, on the wheel that the log speaks for."""
         return self.wheel if self.wheel is not None else self.plain
 
@@ -437,9 +437,9 @@ class Explained:
 
     def period_gain(self, period: int) -> float:
         """By which ln L is higher if edges repeat after `period` instead, the price of its places taken off."""
-        if self.likelihood.sectors % period == 0 or not _told(self.likelihood, period):
+        if self.likelihood.sectors % period == 0 or not _fit_statement(self.likelihood, period):
             return 0.0
-        refitted, _ = _placed(self.likelihood, self.plain, period)
+        refitted, _ = _fit_positions(self.likelihood, self.plain, period)
         return refitted.log_likelihood - self.plain.log_likelihood - _price(self.likelihood, period)
 
 
@@ -454,7 +454,7 @@ def fitted_filter(settings: EventFilter, noise: Noise) -> EventFilter:
     )
 
 
-def explained(passed: Passed, sectors: int, used: Noise, say: Callable[[str], None] = quiet) -> Explained:
+def fit_noise(passed: Passed, sectors: int, used: Noise, say: Callable[[str], None] = quiet) -> Explained:
     """What these edges of a wheel with `sectors` are best explained by: their settings, or where the wheel's edges lie.
 
     Source  ours, docs/logs.md
@@ -462,8 +462,8 @@ def explained(passed: Passed, sectors: int, used: Noise, say: Callable[[str], No
     likelihood = Likelihood(passed, sectors, say)
     plain = fit(likelihood)
     wheel, offsets, own = None, np.zeros(sectors), likelihood
-    if _told(likelihood, sectors):
-        placed, found = _placed(likelihood, plain, sectors)
+    if _fit_statement(likelihood, sectors):
+        placed, found = _fit_positions(likelihood, plain, sectors)
         if placed.log_likelihood - plain.log_likelihood - _price(likelihood, sectors) > CLEAR:
             wheel, offsets, own = placed, found, likelihood.without(found)
     fitted = wheel if wheel is not None else plain
@@ -496,7 +496,7 @@ def _careful_density(likelihood: Likelihood, fitted: Fit, used: Noise) -> float:
     return q
 
 
-def _told(likelihood: Likelihood, period: int) -> bool:
+def _fit_statement(likelihood: Likelihood, period: int) -> bool:
     return 2 <= period <= MOST_PLACES and likelihood.passed.times.size >= TURNS_OF_A_WHEEL * period
 
 
@@ -505,7 +505,7 @@ def _price(likelihood: Likelihood, period: int) -> float:
     return 0.5 * (period - 1) * float(np.log(likelihood.passed.times.size))
 
 
-def _placed(likelihood: Likelihood, plain: Fit, period: int) -> tuple[Fit, Array]:
+def _fit_positions(likelihood: Likelihood, plain: Fit, period: int) -> tuple[Fit, Array]:
     """The likeliest settings where the edges lie as the log has them, with a period; settings and places by turns."""
     found, offsets = plain, np.zeros(period)
     for _ in range(3):

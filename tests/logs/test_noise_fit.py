@@ -5,21 +5,21 @@ import pytest
 from scipy.stats import chi2, multivariate_normal
 
 from vvdp.estimation.event_filter import event_filter
-from vvdp.logs.fitting import (
+from vvdp.logs.noise_fit import (
     Likelihood,
     LongestPieces,
     Noise,
     Passage,
     Passed,
-    explained,
     fit,
+    fit_noise,
     fitted_filter,
     passage_start,
     passage_step,
     speed_errors,
     time_resolution,
 )
-from vvdp.numerics.kalman import AngleSpeed, corrected, propagated
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
 
@@ -127,11 +127,11 @@ def test_the_wheel_is_told_from_the_speed():
     edges, _ = wandering(2000, Noise(50.0, 4e-4), 7)
     numbers = np.arange(2000.0)
     edges = edges._replace(numbers=numbers)
-    none = explained(edges, 8, Noise(50.0, 4e-4))
+    none = fit_noise(edges, 8, Noise(50.0, 4e-4))
     assert none.wheel is None and none.settings_gain < 10.0 and not none.matters
     # an edge that lies further on is measured at an angle that is smaller than where it is
     seen = edges._replace(angles=edges.angles - places[np.mod(numbers, 8).astype(int)])
-    found = explained(seen, 8, Noise(50.0, 4e-4))
+    found = fit_noise(seen, 8, Noise(50.0, 4e-4))
     assert found.wheel is not None and found.wheel_gain > 100.0
     # 250 turns: 2 % of a deviation of 0.02 rad each, and a little more since the speed wanders
     assert np.allclose(found.offsets, places - np.mean(places), atol=0.008)
@@ -149,8 +149,8 @@ def test_the_speed_error_is_what_a_filter_has():
     errors = speed_errors(likelihood, taken, true)
     belief, left = AngleSpeed(edges.angles[0], SPEED, 1.0, 0.0, 1.0), []
     for k, h in enumerate(np.diff(edges.times).tolist()):
-        belief = propagated(belief, h, taken.acceleration_density)
-        belief = corrected(belief, edges.angles[k + 1] - belief.angle, taken.edge_variance)
+        belief = predict(belief, h, taken.acceleration_density)
+        belief = update(belief, edges.angles[k + 1] - belief.angle, taken.edge_variance)
         left.append(belief.speed - speeds[k + 1])
     # the filter remembers (R T/q)^(1/4) = 0.1 s of 26 s: some 250 independent values, 4.5 %; four times that
     assert np.sqrt(np.mean(np.square(left[1000:]))) == pytest.approx(errors.true, rel=0.2)
@@ -170,10 +170,10 @@ def test_the_longest_pieces_are_kept_in_bounded_memory():
             found.add({"time": t, "number": t * 100.0, "angle": t, "variance": 5e-3 * one, "piece": piece * one,
                        "settled": one})  # fmt: skip
             assert sum(found._sizes.values()) <= 3 * 4096
-    edges = found.passed(3e-3)
+    edges = found.pick(3e-3)
     assert edges.times.size == 4096 and set(edges.pieces) == {2.0}
     assert np.allclose(edges.sampling_variances, 2e-3)
-    assert LongestPieces().passed(3e-3) is None
+    assert LongestPieces().pick(3e-3) is None
 
 
 def test_a_manoeuvre_is_no_calmer_than_what_was_fitted():

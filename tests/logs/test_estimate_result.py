@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import WriteError
-from vvdp.logs import kept
-from vvdp.logs.kept import Store
+from vvdp.logs import estimate_result
+from vvdp.logs.estimate_result import Store
 
 NAMED = {"time": ("s", "time"), "speed": ("rad/s", "spool speed")}
 ROWS = 40_000
@@ -32,7 +32,7 @@ def fill(path):
 
 
 def test_rows_come_back_as_they_were_appended(tmp_path, monkeypatch):
-    monkeypatch.setattr(kept, "ROWS_IN_CHUNK", 4096)
+    monkeypatch.setattr(estimate_result, "ROWS_IN_CHUNK", 4096)
     rows = fill(tmp_path / "result.h5")
     with h5py.File(tmp_path / "result.h5") as file:
         assert np.array_equal([file["time"][:], file["speed"][:]], rows)
@@ -42,7 +42,7 @@ def test_rows_come_back_as_they_were_appended(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("size", [0, 90, 2000, 5000, 40_000, 100_000, 300_000, 600_000])
 def test_a_disk_that_fails_after_any_number_of_bytes_is_told(tmp_path, monkeypatch, small_files, size):
-    monkeypatch.setattr(kept, "ROWS_IN_CHUNK", 4096)
+    monkeypatch.setattr(estimate_result, "ROWS_IN_CHUNK", 4096)
     small_files(size)
     with pytest.raises(WriteError, match=r"result\.h5: cannot be written \(File too large\)"):
         fill(tmp_path / "result.h5")

@@ -17,7 +17,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, unusable
-from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, listed, no_such
+from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, list_names, no_such
 from vvdp.logs.clock import ClockChoice, is_time, is_time_name, no_clock, seconds
 
 Reader = Callable[[int, int], Array]
@@ -25,7 +25,7 @@ Reader = Callable[[int, int], Array]
 
 
 @dataclass(frozen=True)
-class Track:
+class ChannelReader:
     """A channel that can be read from anywhere. Its clock: times [s], or why there is none."""
 
     info: ChannelInfo
@@ -34,10 +34,12 @@ class Track:
     times: Reader | ConfigError
 
 
-class TrackLog(Log):
+class ChannelLog(Log):
     """A log of tracks."""
 
-    def __init__(self, path: Path, tracks: Sequence[Track], unreadable: Mapping[str, str], held: Any = None) -> None:
+    def __init__(
+        self, path: Path, tracks: Sequence[ChannelReader], unreadable: Mapping[str, str], held: Any = None
+    ) -> None:
         super().__init__(path, held)
         self._tracks = {track.info.name: track for track in tracks}
         self.unreadable = unreadable
@@ -56,7 +58,7 @@ class TrackLog(Log):
         self.done = 0.0
         return self._portions(chosen, samples)
 
-    def _portions(self, chosen: Mapping[str, Track], samples: int) -> Iterator[Mapping[str, Portion]]:
+    def _portions(self, chosen: Mapping[str, ChannelReader], samples: int) -> Iterator[Mapping[str, Portion]]:
         most = max((track.samples for track in chosen.values()), default=0)
         count = -(-most // samples)
         for k in range(count):
@@ -68,7 +70,7 @@ class TrackLog(Log):
             yield parts
         self.done = 1.0
 
-    def _part(self, track: Track, begin: int, end: int) -> Portion:
+    def _part(self, track: ChannelReader, begin: int, end: int) -> Portion:
         assert not isinstance(track.times, ConfigError)
         where = f"channel {track.info.name!r}, samples {begin} to {end - 1}"
         try:
@@ -76,14 +78,14 @@ class TrackLog(Log):
         except (ConfigError, MemoryError):
             raise
         except Exception as problem:  # the libraries raise many unrelated types on damaged files
-            raise unusable(self.path, f"{where}: cannot be read, the file is damaged ({_said(problem)})") from None
+            raise unusable(self.path, f"{where}: cannot be read, the file is damaged ({_reason(problem)})") from None
         if not times.size == values.size == end - begin:
             found = f"{values.size} values at {times.size} times"
             raise unusable(self.path, f"{where}: the file is damaged or cut off: {found}; expected {end - begin}")
         return Portion(times, values)
 
 
-def _said(problem: Exception) -> str:
+def _reason(problem: Exception) -> str:
     return f"{type(problem).__name__}: {problem}" if str(problem) else type(problem).__name__
 
 
@@ -144,12 +146,12 @@ class Tree:
         return Counter(path[-1] for path in [*self.leaves, *self.unreadable])
 
     @property
-    def _refused(self) -> dict[str, str]:
+    def _refusal(self) -> dict[str, str]:
         return {self.name(path): why for path, why in self.unreadable.items()}
 
-    def log(self, held: Any = None) -> TrackLog:
+    def log(self, held: Any = None) -> ChannelLog:
         """The log of all leaves. Raises ConfigError where the chosen time channel does not exist."""
-        chosen = self._chosen()
+        chosen = self._choose()
         beside: dict[tuple[str, ...], list[Leaf]] = {}
         for leaf in self.leaves.values():
             if is_time_name(leaf.path[-1]) and leaf.clock is None:
@@ -158,18 +160,18 @@ class Tree:
         for leaf in self.leaves.values():
             group = self.separator.join(leaf.path[:-1])
             info = ChannelInfo(self.name(leaf.path), leaf.unit, leaf.samples, group)
-            tracks.append(Track(info, leaf.samples, leaf.values, self._clock(leaf, chosen, beside)))
-        log = TrackLog(self.path, tracks, self._refused, held)
+            tracks.append(ChannelReader(info, leaf.samples, leaf.values, self._clock(leaf, chosen, beside)))
+        log = ChannelLog(self.path, tracks, self._refusal, held)
         log.remarks = tuple(dict.fromkeys(self.remarks))
         return log
 
-    def _chosen(self) -> Leaf | None:
+    def _choose(self) -> Leaf | None:
         if self.choice.time is None:
             return None
         for leaf in self.leaves.values():
             if self.choice.time in (self.name(leaf.path), self.separator.join(leaf.path)):
                 return leaf
-        if why := self._refused.get(self.choice.time):
+        if why := self._refusal.get(self.choice.time):
             raise unusable(self.path, f"time channel {self.choice.time!r} {why}; expected numbers")
         raise no_such(self.path, "time channel", self.choice.time, [self.name(path) for path in self.leaves])
 
@@ -189,12 +191,12 @@ class Tree:
                 if near := beside.get(leaf.path[:depth]):
                     fitting = [time for time in near if time.samples == leaf.samples] or near
                     if len(fitting) > 1 and leaf not in fitting:
-                        names = listed([self.name(time.path) for time in fitting])
+                        names = list_names([self.name(time.path) for time in fitting])
                         raise unusable(self.path, f"channel {name!r} may have several clocks: {names}; name one")
                     return self._times(leaf if leaf in fitting else fitting[0], leaf)
             if self.choice.rate is not None:
                 return at_rate(self.choice.rate)
-            raise no_clock(self.path, f"channel {name!r}", listed([self.name(p) for p in self.leaves]))
+            raise no_clock(self.path, f"channel {name!r}", list_names([self.name(p) for p in self.leaves]))
         except ConfigError as problem:
             return problem
 

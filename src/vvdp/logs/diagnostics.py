@@ -15,9 +15,9 @@ from vvdp.logs.channel import Log
 from vvdp.logs.clock import is_time_name
 from vvdp.logs.config import Counts, Estimation, Stamps, Wave
 from vvdp.logs.edges import GAP, Chosen, CountEdges, StampEdges, WaveEdges
-from vvdp.logs.fitting import CLEAR, Explained, LongestPieces, Noise, explained
 from vvdp.logs.guess import channels_of_edges
-from vvdp.logs.tracking import Tracked, Tracker, bridged_time
+from vvdp.logs.noise_fit import CLEAR, Explained, LongestPieces, Noise, fit_noise
+from vvdp.logs.offline_filter import FilteredRows, OfflineFilter, bridged_time
 from vvdp.results.result import Finding, Grade
 from vvdp.sensing.wheel import TURN
 
@@ -124,7 +124,7 @@ class Sums:
         self._fold_total, self._fold_count = np.zeros(ANGLES), np.zeros(ANGLES)
         self._fold_low, self._fold_high = np.full(ANGLES, np.inf), np.full(ANGLES, -np.inf)
 
-    def add(self, tracked: Tracked) -> None:
+    def add(self, tracked: FilteredRows) -> None:
         """Takes in rows and edges as they come from the filter."""
         rows, settled = tracked.rows, tracked.settled
         self.rows += int(np.count_nonzero(np.isfinite(rows["angle"])))
@@ -161,7 +161,7 @@ class Sums:
         self._pattern[place[inside].astype(int)] = nu[inside]
         self.turned = (float(number[-1]) - self._first_number) / self.sectors
 
-    def taken_from(self, tracker: Tracker) -> None:
+    def taken_from(self, tracker: OfflineFilter) -> None:
         """What the tracker has counted so far."""
         self.pieces, self.missed, self.left_out = tracker.pieces, tracker.missed_edges, tracker.left_out
         self.longest_bridged, self.alignments = tracker.longest_bridged, tracker.alignments
@@ -218,11 +218,11 @@ class Sums:
         found: Array = np.where(self._counts > 1, np.sqrt(spread / counts), np.nan)
         return found
 
-    def explained(self, used: Noise) -> Explained | None:
+    def noise_fit(self, used: Noise) -> Explained | None:
         """What the longest pieces are best explained by, with the settings in use; None where they are too short. To be
         asked when all has gone by: it is worked out once."""
-        if self._explained is None and (passed := self._longest.passed(used.edge_variance)) is not None:
-            self._explained = explained(passed, self.sectors, used)
+        if self._explained is None and (passed := self._longest.pick(used.edge_variance)) is not None:
+            self._explained = fit_noise(passed, self.sectors, used)
         return self._explained
 
     def period_of_pattern(self, hidden_variance: float) -> tuple[int, float, float] | None:
@@ -315,7 +315,7 @@ def _settings(sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """The settings of the filter, and those that would fit better."""
     used = settings_of(wanted)
     found = {"acceleration_density_rad2_s3": used.acceleration_density, "edge_variance_rad2": used.edge_variance}
-    told = sums.explained(used)
+    told = sums.noise_fit(used)
     known = told is not None and not numbers_in_doubt(told, sums, wanted)
     return found | {
         "acceleration_density_fitted_rad2_s3": told.advised.acceleration_density
@@ -343,7 +343,7 @@ def index_found(sums: Sums, wanted: Estimation) -> bool:
     """Whether every piece agrees with the index of the wheel, and it explains the edges better than an even wheel."""
     if not all(a.index_found for a in sums.alignments):
         return False
-    told = sums.explained(settings_of(wanted))
+    told = sums.noise_fit(settings_of(wanted))
     return told is None or told.index_gain > CLEAR
 
 
@@ -394,7 +394,7 @@ def suggested_level(sums: Sums, wanted: Estimation) -> float:
 
 def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) -> tuple[Finding, ...]:
     """What is wrong with the record or in doubt, gravest first."""
-    best = sums.explained(settings_of(wanted))
+    best = sums.noise_fit(settings_of(wanted))
     clock = list(_of_the_clock(best, wanted, log)) if best is not None else []
     told = [
         *clock,
@@ -554,11 +554,11 @@ def _of_the_filter(told: Explained, sums: Sums, wanted: Estimation) -> Iterator[
     if not told.matters or numbers_in_doubt(told, sums, wanted):
         return
     used, advised, now = told.used, told.advised, told.used_errors
-    constant = " (less is as likely: the speed is constant as far as they tell)" if told.fitted.at_floor[0] else ""
-    R_most = "at most " if told.fitted.at_floor[1] else ""
+    constant = " (less is as likely: the speed is constant as far as they tell)" if told.fit.at_floor[0] else ""
+    R_most = "at most " if told.fit.at_floor[1] else ""
     yield _warning(
         "The settings of the filter do not fit this log",
-        f"The {told.fitted.edges} edges looked at are likeliest with an acceleration_density of "
+        f"The {told.fit.edges} edges looked at are likeliest with an acceleration_density of "
         f"{advised.acceleration_density:.3g} rad^2/s^3{constant} and an edge_variance of {R_most}"
         f"{advised.edge_variance:.3g} rad^2, in place of {used.acceleration_density:.3g} and "
         f"{used.edge_variance:.3g} (logarithm of the likelihood "
@@ -612,7 +612,7 @@ def _of_the_wheel(found: dict[str, Any], sums: Sums, wanted: Estimation, best: E
         )
     bias = -sums.alternating.mean if threshold_is_off(sums, wanted) else 0.0
     if bias:
-        yield _biased(sums, wanted, bias)
+        yield _bias_warning(sums, wanted, bias)
     offsets = sums.offsets if not bias else _beside_alternation(sums)
     worst = _worst(sums, offsets)
     if worst is not None and pattern is None:
@@ -668,7 +668,7 @@ def _error(moments: Moments) -> float:
     return moments.deviation / np.sqrt(moments.count) if moments.count else np.inf
 
 
-def _biased(sums: Sums, wanted: Estimation, bias: float) -> Finding:
+def _bias_warning(sums: Sums, wanted: Estimation, bias: float) -> Finding:
     late, early = ("late", "early") if bias > 0.0 else ("early", "late")
     level = suggested_level(sums, wanted)
     remedy = (
