@@ -149,7 +149,8 @@ def _entry(key: str, section: Section, own: Keys, generic: Keys) -> tuple[str, s
         return None
     units = {unit for _, (unit, _) in found}
     labels = {_generic(label, match.groupdict()) for match, (_, label) in found}
-    return units.pop() if len(units) == 1 else "its own", labels.pop() if len(labels) == 1 else ""
+    unit = units.pop() if len(units) == 1 and not key.endswith(">") else "its own"
+    return unit, labels.pop() if len(labels) == 1 else ""
 
 
 def _generic(label: str, names: Mapping[str, str]) -> str:
