@@ -15,7 +15,6 @@ def interrupted_within_a_callback():
     callback()
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_an_interrupt_within_a_callback_comes_afterwards():
     interrupted_within_a_callback()  # without the block it is lost
     with pytest.raises(KeyboardInterrupt), interrupts_afterwards():

@@ -86,7 +86,7 @@ class Peak(Extras):
 
     OVERVIEW = (Line("overshoot", ("overshoot_Pa",), SIGNED_PRESSURE),)
 
-    def simulated(self, run, found):
+    def simulation_numbers(self, run, found):
         return {"overshoot_Pa": found["pressure_max_rail_Pa"] - found["pressure_mean_rail_Pa"]}
 
     def warnings(self, found):

@@ -258,7 +258,7 @@ ANY_NUMBER = (0.2, 0.9)
 OWN_RANGES = {"power_growth": {"ratio": (0.01, 200.0), "exponent": (0.0, 0.5)}}
 FORWARD = {"flow": (1e-4, 1e-3), "duty_ratio": (0.35, 0.65)}  # for formulas that say "> 0"
 ONLY_FORWARD = {
-    "transition_loss", "closed_form_load_flow", "compression_regime", "equilibrium_speed", "friction_area_fitted",
+    "transition_loss", "closed_form_load_flow", "compression_regime", "equilibrium_speed", "fit_friction_area",
     "nozzle_reynolds_number", "spool_time_constant", "stall_torque", "flow_damping", "driven_speed",
 }  # fmt: skip
 # Tables and texts over many angles, searches, and energies under a law that is handed over: not for the loop.
@@ -268,7 +268,7 @@ NOT_IN_THE_LOOP = {
     "modulus.compression_energy_per_volume", "modulus.compression_energy_per_mass",
 }  # fmt: skip
 # Refuse a value with an error, which only plain numbers can.
-REFUSING = {"friction_area_fitted"}
+REFUSING = {"fit_friction_area"}
 
 
 def record(value: Any) -> Any:
