@@ -14,11 +14,11 @@ from benchmarks.measure import ROUNDS, empty_caches, in_new_process, report, run
 UNTIL_IT_STARTS = """
 import json, time
 began = {began!r}
-from vvdp.simulation.run import Stepping, compiled_loop, prepared
+from vvdp.simulation.run import Stepping, compiled_loop, prepare
 from vvdp.systems.system import load_system
 heard = []
 system = load_system("prototype")
-prepared(system.model, system.case, system.stepping, say=heard.append)
+prepare(system.model, system.case, system.stepping, say=heard.append)
 linked = time.time()
 compiled_loop(heard.append)
 print(json.dumps({{"start": time.time() - began, "linked": linked - began, "compiled": len(heard)}}))
@@ -48,11 +48,11 @@ print(json.dumps({"beside": min(beside[1:])}))
 COMPILE_OWN = """
 import json, sys, time
 sys.path.insert(0, {folder!r})
-from vvdp.simulation.run import Stepping, compiled_loop, prepared
+from vvdp.simulation.run import Stepping, compiled_loop, prepare
 import numba
 from own import case, model
 began = time.perf_counter()
-prepared(model, case, Stepping(until=1.0))
+prepare(model, case, Stepping(until=1.0))
 print(json.dumps({{"compile": time.perf_counter() - began}}))
 """
 

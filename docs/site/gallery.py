@@ -10,7 +10,7 @@ from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
-from vvdp.systems.system import System, load_system, shipped
+from vvdp.systems.system import System, load_system, shipped_systems
 
 DOCS = Path(__file__).parents[1]
 PICTURES = Path("images") / "systems"
@@ -135,7 +135,7 @@ def circuit(system: System) -> str:
 
 def main(folder: Path = DOCS) -> None:
     """Writes the page and the pictures below `folder`. Raises KeyError for a shipped system without an entry."""
-    systems = {name: load_system(name) for name in sorted(shipped(), key=list(ENTRIES).index)}
+    systems = {name: load_system(name) for name in sorted(shipped_systems(), key=list(ENTRIES).index)}
     (folder / PICTURES).mkdir(parents=True, exist_ok=True)
     for name, system in systems.items():
         (folder / PICTURES / f"{name}.svg").write_text(circuit(system), "utf-8")

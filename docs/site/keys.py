@@ -19,7 +19,7 @@ from vvdp.base.kinds import FLAG, Kind
 from vvdp.results.result import Result
 from vvdp.results.store import read_result
 from vvdp.systems.quantities import quantities
-from vvdp.systems.system import load_system, shipped
+from vvdp.systems.system import load_system, shipped_systems
 
 PAGE = Path(__file__).parents[1] / "keys.md"
 HEAD = "| key | unit | label | meaning |"
@@ -99,7 +99,7 @@ def keys_of(result: Result) -> dict[str, tuple[str, str]]:
 def run_keys() -> dict[str, tuple[str, str]]:
     """Unit and label of every key of a run, of all shipped systems."""
     found = {}
-    for name in shipped():
+    for name in shipped_systems():
         known = quantities(load_system(name))
         found |= {key: (_unit(kind, kind is FLAG), label) for key, (kind, label) in known.items()}
     return found

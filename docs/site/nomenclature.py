@@ -12,9 +12,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 
-from vvdp.base.books import Books, Stored
-
 import vvdp
+from vvdp.base.conservation import Books, Stored
 from vvdp.base.params import Params, field_kinds, field_types
 
 PAGE = Path(__file__).parents[1] / "nomenclature.md"

@@ -158,7 +158,7 @@ def test_interrupted_claims_keep_what_is_worked_out(vvdp, here, monkeypatch):
     assert set(found.tables) == {"throttling", "actuation"}
     assert not found.finished
     assert "Self-spinning against driven, and ripple: interrupted before." in found.left_out
-    assert "Interrupted: not everything was run" in (here / "r" / "report.html").read_text()
+    assert "Run interrupted: results are partial" in (here / "r" / "report.html").read_text()
 
 
 def test_a_run_that_was_cut_short_is_no_result(monkeypatch):

@@ -37,7 +37,7 @@ def test_the_published_optimum(designing, tmp_path, keys_as_described):
     assert "2.48 bar of wang2017 depend on bounds that it does not state" in page
     assert "This optimum is that value" in page
     assert "System <b>prototype</b>" in page
-    assert "PWM frequency ≥ 72 Hz" in page
+    assert "PWM frequency, fully open ≥ 72 Hz" in page
     assert "pwm_frequency &gt;=" not in page
     for name in ("before-and-after", "between-bounds", "limits"):
         assert (tmp_path / "there" / "figures" / f"{name}.svg").is_file()
@@ -46,7 +46,7 @@ def test_the_published_optimum(designing, tmp_path, keys_as_described):
 def test_what_a_person_sees(designing, tmp_path):
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--no-simulation", "--starts", "3")
     assert code == 0
-    for words in ("spool radius", "22.50", "Held by", "PWM frequency ≥ 72 Hz", "3 of them in this one"):
+    for words in ("spool radius", "22.50", "Held by", "PWM frequency, fully open ≥ 72 Hz", "3 of them in this one"):
         assert words in out
     assert "run it with: vvdp run results/design-prototype-" in out
     assert "4 of 4 starts" in err
@@ -62,7 +62,7 @@ def test_least_loss_keeps_the_frequency_and_holds_in_simulation(designing, tmp_p
     assert found["after_simulated_loss_total_W"] < 0.75 * found["before_simulated_loss_total_W"]
     assert not any("simulat" in text.lower() for text in found["warnings"])
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "PWM frequency ≥ 71.9917 Hz (usual limit)" in page
+    assert "PWM frequency, fully open ≥ 71.9917 Hz (usual limit)" in page
     assert "Simulated, it goes from 1774 W to" in page
     assert "does not bear out" not in page
     assert "that of an analytic map leaves compressibility out" in page

@@ -275,7 +275,7 @@ def test_a_usual_limit_does_not_refuse_the_system_as_it_is():
 
 def test_limits_and_bounds_in_words(prototype):
     asked = problem(prototype, DROP, ["pwm_frequency >= 72 Hz", "efficiency = 0.6"], ["radial_clearance <= 22.5 um"])
-    assert [limit.words for limit in asked.limits] == ["PWM frequency ≥ 72 Hz", "efficiency = 60 %"]
+    assert [limit.words for limit in asked.limits] == ["PWM frequency, fully open ≥ 72 Hz", "efficiency = 60 %"]
     assert [str(limit) for limit in asked.limits] == ["pwm_frequency >= 72 Hz", "efficiency = 0.6"]
     upper, lower = next(b for b in asked.bounds if b.variable.name == "radial_clearance").sides
     assert (upper.words, str(upper)) == ("radial clearance ≤ 22.5 µm", "radial_clearance <= 22.5 um")

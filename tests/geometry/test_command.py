@@ -86,7 +86,7 @@ def test_an_interruption_keeps_what_is_made(command, tmp_path, monkeypatch):
     assert said.code == 130
     assert json.loads(said.out)["finished"] is False
     assert (tmp_path / "made" / "spool.stl").is_file()
-    assert "Interrupted: not everything was run" in (tmp_path / "made" / "report.html").read_text("utf-8")
+    assert "Run interrupted: results are partial" in (tmp_path / "made" / "report.html").read_text("utf-8")
 
 
 def test_the_command_refuses_early(command, tmp_path):

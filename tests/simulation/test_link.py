@@ -386,13 +386,13 @@ def test_time_left_while_compiling_by_hand(tmp_path, monkeypatch):
     names = {"pending_a": (2.0, "the circuit"), "pending_b": (6.0, ""), "pending_c": (12.0, "the program p")}
     parts = [Bulky(name, seconds, Part("", {}, Classes(), title)) for name, (seconds, title) in names.items()]
     pending = linking.Pending(parts, tmp_path)
-    assert pending.words(parts[0]) == "compiling the circuit, once for each: part 1 of 3, about 20 s left"
+    assert pending.words(parts[0]) == "compiling the circuit (first use only): part 1 of 3, about 20 s left"
     now[0] += 5.0
     assert pending.words(parts[1]) == ""
     now[0] += 15.0
-    assert pending.words(parts[2]) == "compiling the program p, once for each: part 3 of 3, about 30 s left"
+    assert pending.words(parts[2]) == "compiling the program p (first use only): part 3 of 3, about 30 s left"
     alone = linking.Pending(parts[:1], tmp_path)
-    assert alone.words(parts[0]) == "compiling the circuit, once for each: about 2 s left"
+    assert alone.words(parts[0]) == "compiling the circuit (first use only): about 2 s left"
 
 
 def test_each_part_with_a_title_is_told_with_its_place_among_all(tmp_path, fresh):
@@ -400,9 +400,9 @@ def test_each_part_with_a_title_is_told_with_its_place_among_all(tmp_path, fresh
     said: list[str] = []
     link(TANK, tank_case(), tmp_path, said.append)
     assert [text.partition(":")[0] for text in said] == [
-        "compiling the circuit tank, once for each",
-        "compiling the program controller, once for each",
-        "compiling the program counter, once for each",
+        "compiling the circuit tank (first use only)",
+        "compiling the program controller (first use only)",
+        "compiling the program counter (first use only)",
     ]
     places = [text.partition(": ")[2].partition(",")[0] for text in said]
     assert places == [f"part {number} of 9" for number in (1, 5, 7)]
@@ -427,7 +427,7 @@ def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_pa
     programs = {**PROGRAMS, "controller": Program(flow_sensor, other_controller, Flow(0.0))}
     link(Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case(), tmp_path, said.append)
     assert len(folders(tmp_path) - before) == 2  # the step, and what joins the programs
-    assert said == ["compiling the program controller, once for each: part 1 of 2, about 1 s left"]
+    assert said == ["compiling the program controller (first use only): part 1 of 2, about 1 s left"]
 
     before = folders(tmp_path)
     link(Model(other_tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark), tank_case(), tmp_path)

@@ -266,7 +266,7 @@ def test_a_second_ctrl_c_does_not_wait(tmp_path: Path) -> None:
     class Interrupting:
         workers = 1
 
-        def completed(self, task, items):
+        def run_all(self, task, items):
             for item in items:
                 asked.append(len(item))
                 signal.raise_signal(signal.SIGINT)

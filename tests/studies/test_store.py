@@ -148,7 +148,7 @@ class Counting:
     def __init__(self, workers: int) -> None:
         self.workers = workers
 
-    def completed(self, task, items) -> Iterator:
+    def run_all(self, task, items) -> Iterator:
         return ThisProcess(1).run_all(task, items)
 
 

@@ -99,7 +99,7 @@ def _are_numbers(case: Case) -> None:
     for what, whole in parts:
         for path, value, kind in leaves(whole):
             if isinstance(value, str):
-                example = f"parsed({value!r}, {kind.name.upper().replace(' ', '_') if kind else 'KIND'})"
+                example = f"parse({value!r}, {kind.name.upper().replace(' ', '_') if kind else 'KIND'})"
                 raise RunError(f"{what} {path!r} = {value!r} is a text; expected one in SI, vvdp.base.units.{example}")
             try:
                 is_number = value is not None and np.asarray(value, float).size > 0

@@ -12,6 +12,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING
 from vvdp.base.errors import RunError
+from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.simulation import places
 from vvdp.simulation.crew import first_call
 from vvdp.simulation.layout import as_memory, memory_parts
@@ -244,7 +245,7 @@ def _carry(
     bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
     while True:
         began, before = time.perf_counter(), clock[places.EVALUATIONS]
-        with turn:
+        with turn, interrupts_afterwards():
             status = loop.run(
                 *ready.linked[:4],
                 *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
