@@ -64,7 +64,7 @@ def test_ctrl_c_keeps_what_was_reached(process, tmp_path):
     assert kept.summary["finished"] is False
     assert kept.summary["trusted"] is True
     assert 0.0 < kept.summary["duration_s"] < 200.0
-    assert kept.times[-1] <= kept.summary["duration_s"]
+    assert kept.record.times[-1] <= kept.summary["duration_s"]
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
 
 
