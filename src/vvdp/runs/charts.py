@@ -36,7 +36,7 @@ def loss_chart(table: Table, caption: str) -> Chart:
     name, words, *values = table.columns
     rows = sorted(range(table.rows), key=lambda row: -table[values[0]][row])
     shown = tuple(row for row in rows if any(table[key][row] > 0.0 for key in values))
-    bars = Bars(names=name, values=tuple(values), texts=words, rows=shown)
+    bars = Bars(names=name, values=tuple(values), texts=words, rows=shown, label="mean power")
     height = 0.9 + 0.24 * len(shown) * len(values)
     return Chart(name=f"losses-{name}", caption=caption, table=f"powers-{name}", panels=(bars,), height=height)
 

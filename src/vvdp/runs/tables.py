@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import key_suffix
+from vvdp.base.display import key_suffix, plain
 from vvdp.base.kinds import (
     COUNT,
     DURATION,
@@ -110,21 +110,21 @@ def loss_listing(run: RecordedRun) -> Listing:
 def computation(run: RecordedRun) -> Listing:
     """How the run was computed, and whether its books balance."""
     n, meta = run.number, run.meta
-    limit = f"limit {LIMIT:.0e}"
+    limit = f"limit {plain(LIMIT)}"
     ends = "stiff" if run.has("stiff_method") else "explicit"
     packages = ", ".join(f"{meta.get(name, '–')}" for name in ("python", "numpy", "numba"))
     rows = [
-        Row("Energy residual, of the throughput", NUMBER, (n("energy_residual"),), note=limit),
-        Row("Oil residual, of the throughput", NUMBER, (n("mass_residual"),), note=limit),
-        Row("Relative tolerance", NUMBER, (float(meta["relative_tolerance"]),)),
-        Row("Steps accepted", COUNT, (n("steps"),)),
-        Row("Steps rejected", COUNT, (n("rejected_steps"),)),
-        Row("Evaluations of the circuit", COUNT, (n("evaluations"),)),
-        Row("Method", None, (run.system.stepping.method.name.lower(),), note=f"{ends} at the end"),
-        Row("Sample period", TIME, (float(meta["sample_period_s"]),)),
-        Row("Simulated time", DURATION, (n("duration_s"),), note=f"of {float(meta['until_s']):g} s"),
-        Row("Wall time", DURATION, (n("wall_time_s"),)),
-        Row("Equations, hash", None, (str(meta["equations"]),)),
+        Row("energy residual, of the throughput", NUMBER, (n("energy_residual"),), note=limit),
+        Row("oil residual, of the throughput", NUMBER, (n("mass_residual"),), note=limit),
+        Row("relative tolerance", NUMBER, (float(meta["relative_tolerance"]),)),
+        Row("steps accepted", COUNT, (n("steps"),)),
+        Row("steps rejected", COUNT, (n("rejected_steps"),)),
+        Row("evaluations of the circuit", COUNT, (n("evaluations"),)),
+        Row("method", None, (run.system.stepping.method.name.lower(),), note=f"{ends} at the end"),
+        Row("sample period", TIME, (float(meta["sample_period_s"]),)),
+        Row("simulated time", DURATION, (n("duration_s"),), note=f"of {float(meta['until_s']):g} s"),
+        Row("wall time", DURATION, (n("wall_time_s"),)),
+        Row("equations, hash", None, (str(meta["equations"]),)),
         Row("Python, NumPy, Numba", None, (packages,)),
     ]
     return Listing(title="", heads=("",), rows=tuple(rows))
