@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 import vvdp
-from vvdp.base.errors import ConfigError, ParameterError
+from vvdp.base.errors import ConfigError
 from vvdp.systems.system import load_system
 
 
@@ -105,13 +105,14 @@ def test_what_is_no_result_is_refused(tmp_path):
 
 
 def test_plots_are_figures_of_charts_or_series(run):
-    lines = run.plot("load_pressure_Pa", "load_flow_m3_s").axes
-    assert [axes.get_ylabel() for axes in lines] == ["load [bar]", "to load [lpm]"]
+    lines = run.plot("load_pressure_Pa", "load_flow").axes
+    assert [axes.get_ylabel() for axes in lines] == ["load pressure [bar]", "load flow [lpm]"]
     assert len(run.plot("speed").axes) == 1
     assert len(run.plot().axes) == 3
-    assert {"speed", "load_pressure_Pa"} <= set(run.names)
-    with pytest.raises(ParameterError, match="load_pressure_Pa"):
-        run.plot("load_presure_Pa")
+    assert {"speed", "load_pressure"} <= set(run.names)
+    assert run.result is run.result
+    with pytest.raises(ConfigError, match="did you mean 'load_pressure'"):
+        run.plot("load_presure")
 
 
 def test_notebooks_see_a_drawing_and_numbers(run):

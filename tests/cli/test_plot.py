@@ -51,7 +51,7 @@ def test_several_names_share_one_axis(two_runs):
     ("words", "told"),
     [
         (["load_presure"], "plot: load_presure: unknown; did you mean 'load_pressure'?"),
-        (["zzz"], "--list shows all names"),
+        (["zzz"], "--list` shows all names"),
         (["run", "losses-cause"], "no time axis in common"),
         (["run", "--out", "a.gif"], "expected a name that ends with .png, .svg or .pdf"),
         (["run", "--from", "3"], "--from: '3' has no unit"),

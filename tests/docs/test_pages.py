@@ -83,5 +83,5 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
     exec(compile(script, "README.md", "exec"), {})
     power, names = capsys.readouterr().out.split(maxsplit=1)
-    assert 1000.0 < float(power) < 3000.0 and "load_pressure_Pa" in names
+    assert 1000.0 < float(power) < 3000.0 and "load_pressure" in names
     assert (tmp_path / "load.png").stat().st_size > 1000

@@ -5,19 +5,9 @@ import shutil
 import subprocess
 
 import pytest
+from tests.report.browser import QUIET
 
 from vvdp.report.report import write_report
-
-QUIET = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-)
 
 
 @pytest.fixture(scope="module")

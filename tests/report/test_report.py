@@ -6,6 +6,7 @@ import re
 import shutil
 import xml.etree.ElementTree as ET
 
+import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
@@ -242,3 +243,11 @@ def test_a_report_at_once_is_that_of_the_directory(whole, tmp_path):
 
 def test_a_page_of_a_run_is_light(orifice):
     assert len(page(orifice).encode()) < 1_000_000
+
+
+def test_a_duty_ratio_that_changes_is_drawn_as_it_was_prescribed():
+    prescribed = 'operation.duty_ratio={sine="0.5", amplitude="0.1", frequency="50 Hz"}'
+    run = run_system(load_system("prototype", [prescribed], "0.03 s"))
+    drawn = run_result(run).tables["series"]["duty_ratio"]
+    assert drawn == pytest.approx(0.5 + 0.1 * np.sin(2.0 * np.pi * 50.0 * run.times), abs=1e-12)
+    assert np.ptp(drawn) > 0.19

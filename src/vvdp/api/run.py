@@ -2,17 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import cached_property
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vvdp.base.display import key_suffix
-from vvdp.base.errors import ParameterError
 from vvdp.base.extras import require
 from vvdp.base.files import result_directory
-from vvdp.base.tables import suggestion
-from vvdp.results.chart import Chart, Line, Lines
 from vvdp.results.result import Result
+from vvdp.runs.findings import badges
 from vvdp.runs.result import run_result
 from vvdp.runs.run import RecordedRun, open_run
 from vvdp.runs.simulate import save_run
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 class Run(RecordedRun):
     """A simulated run: `summary`, `numbers`, recorded series by name, and its result with tables and charts."""
 
-    @property
+    @cached_property
     def result(self) -> Result:
         """Everything that the report shows: listings, tables, charts, findings."""
         return run_result(self)
@@ -36,8 +35,9 @@ class Run(RecordedRun):
     @property
     def names(self) -> tuple[str, ...]:
         """What `plot` takes: names of charts and of series. `to_xarray` has everything that is recorded."""
-        result = self.result
-        return (*result.charts, *result.tables["series"].columns)
+        from vvdp.report.chosen import series_names
+
+        return (*self.result.charts, *series_names(self.result))
 
     def to_xarray(self) -> "xarray.Dataset":
         """All recorded series as a dataset with the dimension `time` [s]; `units` and `long_name` with each.
@@ -72,15 +72,13 @@ class Run(RecordedRun):
     def plot(self, *names: str) -> "Figure":
         """A figure of charts or series by name; the course of the run without names.
 
-        `names` tells all of them. Raises ParameterError for a name that is neither.
+        `names` tells all of them. Raises ConfigError for a name that is neither, or charts without a common axis.
         """
+        from vvdp.report.chosen import chosen_chart
         from vvdp.report.plot import new_figure
 
         result = self.result
-        chosen = next(iter(result.charts)) if not names else names[0]
-        if len(names) < 2 and chosen in result.charts:
-            return new_figure(result.charts[chosen], result.tables)
-        return new_figure(_chart_of(names, result), result.tables)
+        return new_figure(chosen_chart(result, names or tuple(result.charts)[:1]), result.tables)
 
     def save(self, directory: str | Path, *, report: bool = True, force: bool = False) -> Path:
         """Writes the run, with its report, as `vvdp run --out` does; gives the directory.
@@ -103,14 +101,14 @@ class Run(RecordedRun):
     def __repr__(self) -> str:
         place = f" in {self.directory}" if self.directory else ""
         reached = f"{self.number('duration_s'):.4g} s, {self.times.size} rows"
-        return f"<Run of {self.system.name}{place}: {reached}, {', '.join(each.words for each in self.result.badges)}>"
+        return f"<Run of {self.system.name}{place}: {reached}, {', '.join(each.words for each in badges(self))}>"
 
     def _repr_html_(self) -> str:
         from vvdp.report.result_page import listing_html
 
-        badges = " · ".join(escape(badge.words) for badge in self.result.badges)
+        state = " · ".join(escape(badge.words) for badge in badges(self))
         listings = "".join(map(listing_html, screen_listings(self)))
-        return f"<b>{escape(self.system.title)}</b><p>{badges}</p>{listings}"
+        return f"<b>{escape(self.system.title)}</b><p>{state}</p>{listings}"
 
 
 def open_directory(directory: str | Path) -> Run | Result:
@@ -126,18 +124,3 @@ def open_directory(directory: str | Path) -> Run | Result:
 
 def _dimensions(name: str, count: int) -> tuple[str, ...]:
     return ("time", *(f"{name}.{axis}" for axis in range(1, count)))
-
-
-def _chart_of(names: tuple[str, ...], result: Result) -> Chart:
-    """A chart of series by name, a panel for each kind."""
-    columns = result.tables["series"].columns
-    for name in names:
-        if name not in columns:
-            known = [*result.charts, *columns]
-            raise ParameterError(f"{name!r} is neither a chart nor a series{suggestion(name, known)}")
-    kinds = dict.fromkeys(columns[name].kind for name in names)
-    panels = tuple(
-        Lines(lines=tuple(Line(x="time_s", y=n, label=columns[n].label) for n in names if columns[n].kind is kind))
-        for kind in kinds
-    )
-    return Chart(name="series", caption="", table="series", panels=panels, height=0.6 + 1.6 * len(panels))

@@ -76,7 +76,7 @@ def estimate(
     from vvdp.cli.printing import print_result
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RESULT, add_report
-    from vvdp.cli.screen import plain, print_json, say, tell
+    from vvdp.cli.screen import print_json, say, tell
     from vvdp.logs.config import SOURCES, Option, load_estimation
     from vvdp.logs.estimate import estimate as estimated
     from vvdp.logs.estimate import open_for_estimate
@@ -109,9 +109,7 @@ def estimate(
         with result_directory(directory, force=force) as folder:
             what = "both passes over the log" if wanted.smooth else "the log"
             with report_reach(1.0, lambda share: f"{100.0 * share:.0f} % of {what}") as progress:
-                found = estimated(
-                    source, wanted, folder, progress=progress, say=say, more=plain(_origin(config, options))
-                )
+                found = estimated(source, wanted, folder, progress=progress, say=say, more=_origin(config, options))
             if not found.finished:
                 say("interrupted; what was reached is kept")
             reported = not no_report and add_report(RESULT, folder)

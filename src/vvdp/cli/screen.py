@@ -57,24 +57,11 @@ def say(message: str) -> None:
     print(message, file=sys.stderr, flush=True)
 
 
-def plain(content: Mapping[str, Any]) -> dict[str, Any]:
-    """`content` as JSON can hold it: a number that is not finite becomes null."""
-    return {key: _plain(value) for key, value in content.items()}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return plain(value)
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value
-
-
 def print_json(content: Mapping[str, Any]) -> None:
     """Prints one JSON object on stdout."""
-    print(json.dumps(plain(content), indent=1, allow_nan=False))
+    from vvdp.results.store import finite
+
+    print(json.dumps(finite(content), indent=1, allow_nan=False))
 
 
 def amount(value: float, unit: str) -> str:

@@ -87,12 +87,12 @@ def _panels(result: Result, name: str) -> tuple[Panel, ...]:
     if name not in series and name not in by_key:
         return ()
     table, key = series.get(name) or by_key[name]
-    words = name.replace("_", " ").replace(".", ", ")
+    words = next(short for short, place in series.items() if place == (table, key)).replace("_", " ").replace(".", ", ")
     return (replace(quick_panel(table, result.tables[table], key), label=words),)
 
 
 def _suggestion(result: Result, name: str) -> str:
-    return suggestion(name, [*result.charts, *series_names(result)]) or "; --list shows all names"
+    return suggestion(name, [*result.charts, *series_names(result)]) or "; `vvdp plot DIR --list` shows all names"
 
 
 def series_labels(result: Result) -> Iterator[tuple[str, str, str]]:

@@ -1,7 +1,7 @@
 """What a run of a test bench of the rotary valve shows beside what any run does."""
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -158,7 +158,8 @@ def bench_series(run: RecordedRun, bench: RotaryBench) -> Table:
     sections, area = bench.valve.sections, bench.valve.nozzle_area
     marks = run.record.mark_times
     frequency = 1.0 / np.diff(marks) if marks.size > 1 else np.zeros(0)
-    duty = np.array([signal_value(float(t), bench.duty_ratio) for t in run.times])
+    at: Any = run.times  # the formula is written for floats and works on arrays too
+    duty = np.zeros(run.times.size) + signal_value(at, bench.duty_ratio)
     columns = {
         "time_s": Column(run.times, DURATION, "time", "t"),
         **_pressures_and_flows(series, bench, area),

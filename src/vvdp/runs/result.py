@@ -1,10 +1,7 @@
 """The result of a run: what its page, its screen and a comparison show."""
 
-from pathlib import Path
-
 from vvdp.results.chart import Chart
 from vvdp.results.result import Finding, Grade, Listing, Result, Section, Table, sentences
-from vvdp.results.store import is_result, read_result
 from vvdp.runs.bench import (
     analytic_words,
     bench_loss_listings,
@@ -20,7 +17,7 @@ from vvdp.runs.bench import (
 from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts
 from vvdp.runs.charts import SERIES, loss_chart, run_charts
 from vvdp.runs.findings import badges, bench_in_words, bench_warnings, in_words, warnings
-from vvdp.runs.run import RecordedRun, open_run
+from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import (
     bar_table,
     component_listing,
@@ -32,11 +29,6 @@ from vvdp.runs.tables import (
 )
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.overview import loss_lines, power_lines
-
-
-def open_result(directory: Path) -> Result:
-    """The result in a directory, be it of a run or of anything else. Raises ConfigError where there is none."""
-    return read_result(directory) if is_result(directory) else run_result(open_run(directory))
 
 
 def run_result(run: RecordedRun) -> Result:

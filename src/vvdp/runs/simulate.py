@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.files import write_whole
-from vvdp.results.store import finite
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.link import quiet
 from vvdp.simulation.record import record_of
@@ -74,4 +73,4 @@ def save_run(folder: Path, run: RecordedRun) -> None:
         copy = folder / f"{name.replace('.', '/')}.py"
         copy.parent.mkdir(parents=True, exist_ok=True)
         write_whole(copy, system.module.read_bytes())
-    write_results(folder, Results(folder, resolved_text(system), finite(run.summary), finite(run.meta), run.record))
+    write_results(folder, Results(folder, resolved_text(system), run.summary, run.meta, run.record))

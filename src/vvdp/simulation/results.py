@@ -19,6 +19,7 @@ import numpy as np
 import vvdp
 from vvdp.base.errors import unusable
 from vvdp.base.files import write_whole
+from vvdp.results.store import write_json
 from vvdp.simulation.record import Record, read_record, record_bytes
 from vvdp.simulation.run import Run
 
@@ -59,14 +60,10 @@ def origin(run: Run) -> dict[str, Any]:
 def write_results(folder: Path, results: Results) -> None:
     """Writes a run into `folder`; each file is whole or absent. `results.directory` is not looked at."""
     write_whole(folder / "system.toml", results.system)
-    _write_json(folder / "summary.json", results.summary)
-    _write_json(folder / "meta.json", results.meta)
+    write_json(folder / "summary.json", results.summary)
+    write_json(folder / "meta.json", results.meta)
     attributes: dict[str, str | int] = {name: str(results.meta.get(name, "")) for name in ("title", "system", "vvdp")}
     write_whole(folder / "result.h5", record_bytes(results.record, attributes | {"format": FORMAT}))
-
-
-def _write_json(path: Path, content: Mapping[str, Any]) -> None:
-    write_whole(path, json.dumps(dict(content), indent=1) + "\n")
 
 
 def read_results(directory: Path) -> Results:
