@@ -18,6 +18,7 @@ OIL = Oil(
     air_fraction=0.01,
     polytropic_exponent=1.4,
     reference_pressure=101325.0,
+    pressure_viscosity=2e-8,
 )
 VALVE = RotaryValve(
     spool_radius=12.7e-3,
