@@ -15,14 +15,34 @@ from vvdp.valve.losses import closed_form_load_flow
 from vvdp.valve.torque import friction_coefficient
 
 TANK, RELIEF, FLOW, RHO, MU = 101325.0, 121.01325e5, 40e-3 / 60.0, 876.0, 0.0387
+RATED = 30e-3 / 60.0
 
 
-def condition(load):
-    return Condition(flow=FLOW, load_pressure=load, relief_pressure=RELIEF, tank_pressure=TANK, density=RHO)
+def condition(load, override=0.0):
+    return Condition(
+        flow=FLOW,
+        load_pressure=load,
+        relief_pressure=RELIEF,
+        tank_pressure=TANK,
+        density=RHO,
+        relief_override=override,
+        relief_rated_flow=RATED,
+    )
 
 
 def point(duty=0.5, load=101.01325e5, override=0.0, leakage=0.0):
-    return CyclePoint(duty, load, TANK, RELIEF, override, FLOW, leakage, RHO, MU)
+    return CyclePoint(
+        duty_ratio=duty,
+        load_pressure=load,
+        tank_pressure=TANK,
+        relief_pressure=RELIEF,
+        relief_override=override,
+        relief_rated_flow=RATED,
+        flow=FLOW,
+        pump_leakage=leakage,
+        density=RHO,
+        viscosity=MU,
+    )
 
 
 @given(
@@ -38,8 +58,8 @@ def test_same_as_over_whole_arrays(source_stand, duty, load, override, lap):
         patched.setattr(module, "ANGLES", 60)
         patched.setattr(flow_map, "ANGLES", 60)
         found = cycle_means(point(duty, load, override), valve)
-        known = quasi_steady_mean(duty, condition(load), valve, override)
-        speed = averaged_spool_speed(duty, condition(load), MU, valve, override)
+        known = quasi_steady_mean(duty, condition(load, override), valve)
+        speed = averaged_spool_speed(duty, condition(load, override), MU, valve)
     assert found.load_flow == pytest.approx(known.load_flow, abs=1e-9 * FLOW)
     assert found.tank_flow == pytest.approx(known.tank_flow, abs=1e-9 * FLOW)
     assert found.inlet_pressure == pytest.approx(known.inlet_pressure, rel=1e-9)

@@ -17,18 +17,24 @@ BAR, T = 1e5, 101325.0
 Q = 40.0 / 6e4
 
 
-def condition(load=100.0, relief=120.0, flow=Q):
+def condition(load=100.0, relief=120.0, flow=Q, override=0.0):
     return Condition(
-        flow=flow, load_pressure=load * BAR + T, relief_pressure=relief * BAR + T, tank_pressure=T, density=RHO
+        flow=flow,
+        load_pressure=load * BAR + T,
+        relief_pressure=relief * BAR + T,
+        tank_pressure=T,
+        density=RHO,
+        relief_override=override * BAR,
+        relief_rated_flow=Q,
     )
 
 
 def mean(valve, duty, load=100.0, relief=120.0, override=0.0, flow=Q):
-    return quasi_steady_mean(duty, condition(load, relief, flow), valve, override * BAR)
+    return quasi_steady_mean(duty, condition(load, relief, flow, override), valve)
 
 
 def cycle(valve, duty, load=100.0, relief=120.0, override=0.0):
-    return quasi_steady_cycle(duty, condition(load, relief), valve, override * BAR)
+    return quasi_steady_cycle(duty, condition(load, relief, override=override), valve)
 
 
 @pytest.mark.parametrize("duty", [0.35, 0.5, 0.65])

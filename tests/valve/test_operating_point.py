@@ -12,6 +12,7 @@ def point(valve, oil, **changes):
         duty_ratio=0.5,
         load_pressure=100.0 * BAR + T,
         relief_pressure=120.0 * BAR + T,
+        tank_pressure=T,
     )
     return operating_point(usual._replace(**changes), 12.7e-6, oil, valve)
 

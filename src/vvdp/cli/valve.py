@@ -41,7 +41,7 @@ def valve(
 
     loaded = load_system(system, settings or ())
     bench = rotary_bench(loaded, "valve")
-    flows = _flows(flow, FLOW, bench.nominal_flow)
+    flows = _flows(flow, FLOW, bench.set_point(bench.load_pressure).flow)
     temperatures = _values("--temperature", temperature, TEMPERATURE) or [
         float(signal_value(0.0, bench.operation.oil_temperature))
     ]
@@ -90,15 +90,10 @@ def _flows(texts: list[str] | None, kind: "Kind", pump_flow: float) -> list[floa
 def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
     """Everything that docs/keys.md describes for `vvdp valve`."""
     from vvdp.base.errors import ParameterError
-    from vvdp.base.signal import signal_value
-    from vvdp.valve.operating_point import SetPoint, operating_point
+    from vvdp.valve.operating_point import operating_point
 
     reference, load = bench.reference, bench.load_pressure
-    duty_ratio = float(signal_value(0.0, bench.duty_ratio))
-    relief = bench.relief_valve.cracking_pressure
-    set_point = SetPoint(
-        flow=flow, temperature=temperature, duty_ratio=duty_ratio, load_pressure=load, relief_pressure=relief
-    )
+    set_point = bench.set_point(load)._replace(flow=flow, temperature=temperature)
     try:
         point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
@@ -106,9 +101,9 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
     numbers = {
         "flow_m3_s": flow,
         "temperature_K": temperature,
-        "duty_ratio": duty_ratio,
+        "duty_ratio": set_point.duty_ratio,
         "load_pressure_Pa": load - reference,
-        "relief_pressure_Pa": relief - reference,
+        "relief_pressure_Pa": set_point.relief_pressure - reference,
         "pressure_drop_nozzle_Pa": point.nozzle_drop,
         "pressure_drop_centre_section_Pa": point.centre_drop,
         "pressure_drop_outlet_turbine_Pa": point.outlet_drop,
@@ -130,4 +125,4 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
         "nozzle_reynolds_number": point.nozzle_reynolds_number,
         "mean_load_flow_m3_s": point.cycle.load_flow,
     }
-    return {key: float(value) for key, value in numbers.items()} | {"warnings": list(point.warnings)}
+    return {key: float(value) for key, value in numbers.items()} | {"warnings": [*point.warnings, *bench.relief_limits()]}

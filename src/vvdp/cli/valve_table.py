@@ -22,7 +22,7 @@ SHOWN = (
     ("transition fraction", "transition_fraction", kinds.FRACTION),
     ("loss, fully open", "loss_full_open_W", kinds.MEAN_POWER),
     ("loss, transition", "loss_transition_W", kinds.MEAN_POWER),
-    ("loss, compressibility", "loss_compressibility_W", kinds.MEAN_POWER),
+    ("loss, compressibility, at the averaged frequency", "loss_compressibility_W", kinds.MEAN_POWER),
     ("loss, leakage", "loss_leakage_W", kinds.MEAN_POWER),
     ("loss, total", "loss_total_W", kinds.MEAN_POWER),
     ("spool friction, part of fully open", "spool_friction_power_W", kinds.MEAN_POWER),

@@ -21,15 +21,12 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.base.signal import signal_value
-from vvdp.fluid.oil import density
 from vvdp.numerics.spectrum import line_spectrum
 from vvdp.results.result import Column, Finding, Grade, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import without_dust
 from vvdp.systems.bench import BenchSeries, RotaryBench
 from vvdp.systems.spool_encoder import estimate_errors
-from vvdp.valve.condition import Condition
-from vvdp.valve.losses import range_warnings
 
 COMPONENTS = {
     "nozzle": "nozzles",
@@ -76,7 +73,7 @@ def causes(run: RecordedRun) -> tuple[Loss, ...]:
         Loss("fully open valve", run.number("loss_full_open_W"), analytic("full_open")),
         Loss("transition and compression", run.number("loss_transition_W"), both),
         Loss("valve leakage", run.number("loss_valve_leakage_W"), analytic("leakage")),
-        Loss("pump, coupling", other),
+        Loss("pump, coupling", other, analytic("pump")),
     )
 
 
@@ -120,36 +117,24 @@ def _difference(loss: Loss) -> float:
 def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
     """What is to be said of the analytic losses beside the simulated ones."""
     if "analytic_loss_total_W" not in run.summary:
-        yield "There are no analytic losses here: they need a running pump and a load pressure above the tank's."
+        limits = "; ".join(bench.closed_form_limits(run.summary))
+        needed = "they need a running pump, a load pressure above the tank's, nothing that drives the spool but the flow"
+        yield f"There are no analytic losses here: {limits or f'{needed}, and nothing prescribed that changes'}."
         return
     yield (
         "The analytic formulas count volumes (the oil keeps its volume under pressure), with ideal conditions: "
-        "constant load pressure, an ideal relief valve, ports that open at constant speed. Differences of a few per "
+        "constant load pressure, a relief valve without lag, ports that open at constant speed. Differences of a few per "
         "cent are to be expected. Their sum is an upper estimate, because part of the compression happens while flow "
         "would be lost over the relief valve anyway. In the simulation compression shows as throttling, so it is part "
         "of the transition."
     )
-    if run.varies:
-        yield "Something prescribed changes during this run; the analytic values belong to its start."
-    if bench.is_driven:
-        yield "The analytic values are those of a spool that nothing drives but the flow."
 
 
-def range_findings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
-    """What puts the analytic transition loss in doubt at the start of the run."""
-    flow = bench.nominal_flow
-    if flow <= 0.0 or "analytic_loss_total_W" not in run.summary:
-        return
-    condition = Condition(
-        flow=flow,
-        load_pressure=run.number("pressure_mean_load_line_Pa") + bench.reference,
-        relief_pressure=bench.relief_valve.cracking_pressure,
-        tank_pressure=float(signal_value(0.0, bench.operation.tank_pressure)),
-        density=float(density(signal_value(0.0, bench.operation.oil_temperature), bench.oil)),
-    )
-    for note in range_warnings(signal_value(0.0, bench.duty_ratio), condition, bench.valve):
-        text = f"{note[:1].upper()}{note[1:]}."
-        yield Finding(grade=Grade.WARNING, title="The analytic transition loss is in doubt here", text=text)
+def limit_findings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
+    """Why there are no analytic results beside the simulated ones, where one would expect some."""
+    for limit in bench.closed_form_limits(run.summary):
+        text = f"They do not hold here: {limit}."
+        yield Finding(grade=Grade.WARNING, title="No analytic results beside the simulated ones", text=text)
 
 
 def bench_series(run: RecordedRun, bench: RotaryBench) -> Table:

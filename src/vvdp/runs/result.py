@@ -11,7 +11,7 @@ from vvdp.runs.bench import (
     cycle_table,
     harmonic_listing,
     loss_table_columns,
-    range_findings,
+    limit_findings,
     spectrum_table,
 )
 from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts
@@ -75,7 +75,7 @@ def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...
     if bench is None:
         own = () if run.system.extras is None else run.system.extras.warnings(run.summary)
         return (*found, *sentences(tuple(own), Grade.WARNING), Finding(text=in_words(run)))
-    return (*found, *bench_warnings(run, bench), *range_findings(run, bench), Finding(text=bench_in_words(run)))
+    return (*found, *bench_warnings(run, bench), *limit_findings(run, bench), Finding(text=bench_in_words(run)))
 
 
 def _bench_tables(run: RecordedRun, bench: RotaryBench) -> dict[str, Table]:

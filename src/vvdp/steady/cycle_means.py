@@ -24,6 +24,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.select import maximum, minimum
 from vvdp.valve.branch import BranchFlow, BranchLaw, branch_drops, branch_law, law_flow
+from vvdp.valve.flow_map import highest_inlet_pressure, static_relief_flow
 from vvdp.valve.geometry import Openings, PortShape, port_shape, shape_openings
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import spool_inertia, spool_torque
@@ -40,13 +41,17 @@ CLOSE = 1e-12
 
 
 class CyclePoint(NamedTuple):
-    """What a valve works under: pressures absolute, `flow` what the pump displaces."""
+    """What a valve works under: pressures absolute, `flow` what the pump displaces.
+
+    The relief valve passes its rated flow at its override; with an override of 0 it is ideal.
+    """
 
     duty_ratio: DutyRatio
     load_pressure: Pressure
     tank_pressure: Pressure
     relief_pressure: Pressure
     relief_override: PressureDifference
+    relief_rated_flow: Flow
     flow: Flow
     pump_leakage: Conductance
     density: Density
@@ -94,9 +99,9 @@ def taken_flow(pressure: float, openings: Openings, point: CyclePoint, law: Bran
         law_flow(pressure - point.load_pressure, openings.load, law).flow
         + law_flow(pressure - point.tank_pressure, openings.tank, law).flow
     )
-    relief = 0.0
-    if point.relief_override > 0.0:
-        relief = point.flow * maximum(pressure - point.relief_pressure, 0.0) / point.relief_override
+    relief = static_relief_flow(
+        pressure, point.relief_pressure, point.relief_override, point.relief_rated_flow, point.tank_pressure
+    )
     return ports + relief + point.pump_leakage * (pressure - point.tank_pressure)
 
 
@@ -175,7 +180,7 @@ def searched_instant(openings: Openings, point: CyclePoint, law: BranchLaw) -> I
 
     Source  ours, docs/models/rotary-valve.md
     """
-    highest = point.relief_pressure + point.relief_override
+    highest = highest_inlet_pressure(point.flow, point.relief_pressure, point.relief_override, point.relief_rated_flow)
     at_highest = flows_at(highest, openings, point, law)
     if point.relief_override == 0.0 and at_highest.passed >= 0.0:
         return at_highest

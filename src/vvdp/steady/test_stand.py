@@ -166,8 +166,8 @@ class Stand:
             load_pressure=point.load_pressure,
             tank_pressure=self.tank_pressure,
             relief_pressure=relief.cracking_pressure,
-            # The map's override is the rise at the full pump flow; the valve's belongs to its rated flow.
-            relief_override=relief.override_pressure * self.pump_flow(point) / relief.rated_flow,
+            relief_override=relief.override_pressure,
+            relief_rated_flow=relief.rated_flow,
             flow=self.pump_flow(point),
             pump_leakage=self.bench.pump.leakage_conductance,
             density=density(point.oil_temperature, oil),

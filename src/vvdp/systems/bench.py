@@ -9,10 +9,10 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.base.kinds import POSITION
+from vvdp.base.kinds import DURATION, POSITION, PRESSURE_DIFFERENCE
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.fluid.oil import Oil, density
-from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.pump import Pump, pump_friction_power
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
@@ -24,13 +24,17 @@ from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
-from vvdp.valve.losses import full_open_loss
-from vvdp.valve.operating_point import OperatingPoint, SetPoint, operating_point
+from vvdp.valve.flow_map import quasi_steady_mean
+from vvdp.valve.losses import full_open_loss, range_warnings
+from vvdp.valve.operating_point import OperatingPoint, SetPoint, condition, operating_point
 from vvdp.valve.rotary import RotaryValve
 
 if TYPE_CHECKING:
     from vvdp.systems.system import System
 
+LEAKAGE_TRIALS = 50
+CLOSE = 1e-9
+"""Change of the pump's flow, over what it displaces, at which its leakage counts as found."""
 WATCHING = ("encoder", "spool_filter")
 """Tables of a watched spool; a system file has both or neither."""
 
@@ -129,6 +133,11 @@ class RotaryBench(Extras):
     def nominal_flow(self) -> float:
         """What the pump displaces at the start [m^3/s]."""
         return float(self.pump.displacement * signal_value(0.0, self.operation.pump_speed))
+
+    @property
+    def _pump_friction(self) -> float:
+        """Power that the friction of the pump takes at the start [W]."""
+        return float(pump_friction_power(signal_value(0.0, self.operation.pump_speed), self.pump))
 
     @property
     def load_pressure(self) -> float:
@@ -288,15 +297,13 @@ class RotaryBench(Extras):
     def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.
 
-        There are none where they do not describe the run: without flow or load, with anything prescribed that changes
-        over time, or with a driven spool. They take as long to work out as a short run.
+        There are none without flow or load, with anything prescribed that changes over time, with a driven spool, nor
+        where `closed_form_limits` says why. They take as long to work out as a short run.
         """
-        if not self.is_steady or self.is_driven:
+        if not self._is_analytic(found) or any(self.closed_form_limits(found)):
             return {}
-        load_pressure = found["pressure_mean_load_line_Pa"] + self.reference
-        if self.nominal_flow <= 0.0 or load_pressure <= self.reference:
-            return {}
-        point = self.operating_point(load_pressure)
+        point = self.operating_point(float(found["pressure_mean_load_line_Pa"]) + self.reference)
+        pump = self.pump.leakage_conductance * point.cycle.inlet_rise_rms**2 + self._pump_friction
         values = (
             point.averaged_pwm_frequency,
             point.full_open_pwm_frequency,
@@ -304,10 +311,39 @@ class RotaryBench(Extras):
             point.transition_loss,
             point.leakage_loss,
             point.compressibility_loss,
-            point.total_loss,
+            pump,
+            point.total_loss + pump,
             point.cycle.load_flow,
         )
         return {key: float(value) for key, value in zip(ANALYTIC, values, strict=True)}
+
+    def _is_analytic(self, found: Mapping[str, float | bool]) -> bool:
+        """Whether a run is of the kind that closed forms describe: steady, spun by the flow alone, against a load."""
+        loaded = found["pressure_mean_load_line_Pa"] + self.reference > self.tank_pressure
+        return self.is_steady and not self.is_driven and self.nominal_flow > 0.0 and bool(loaded)
+
+    def closed_form_limits(self, found: Mapping[str, float | bool]) -> Iterator[str]:
+        """Why the closed forms do not describe a run of the kind that they could, a sentence each; none where they do.
+
+        found  the numbers of a run
+        """
+        if self._is_analytic(found):
+            point = self.set_point(float(found["pressure_mean_load_line_Pa"]) + self.reference)
+            yield from self.relief_limits()
+            if not point.flow > 0.0:
+                yield "the pump's leakage takes all of its flow"
+            else:
+                yield from range_warnings(point.duty_ratio, condition(point, self.oil), self.valve)
+
+    def relief_limits(self) -> Iterator[str]:
+        """What of the relief valve no quasi-steady average knows, a sentence each."""
+        relief = self.relief_valve
+        if relief.opening_time > 0.0:
+            lag = with_unit(relief.opening_time, DURATION)
+            yield f"the relief valve opens with a lag of {lag}, which is in no quasi-steady average"
+        if relief.reseat_drop > 0.0:
+            drop = with_unit(relief.reseat_drop, PRESSURE_DIFFERENCE)
+            yield f"the relief valve shuts only {drop} below its setting, which is in no quasi-steady average"
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """What is to be known before the numbers of a bench: is the valve settled, and what does the motor take."""
@@ -327,6 +363,8 @@ class RotaryBench(Extras):
         if found["motor_overloaded"]:
             power, rated = found["input_power_W"], found["motor_rated_power_W"]
             yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
+        for limit in self.closed_form_limits(found):
+            yield f"no analytic results: {limit}"
 
     def estimate(self, command: Callable[[str], Array]) -> dict[str, Array]:
         """What is believed of a watched spool, by field of `SpoolEstimate`; `command` gives a series by its path."""
@@ -334,14 +372,29 @@ class RotaryBench(Extras):
 
     def operating_point(self, load_pressure: float) -> OperatingPoint:
         """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""
-        set_point = SetPoint(
-            flow=self.nominal_flow,
+        return operating_point(self.set_point(load_pressure), self.inlet_volume, self.oil, self.valve)
+
+    def set_point(self, load_pressure: float) -> SetPoint:
+        """Where the valve works at the start, against `load_pressure` [Pa, absolute], with the flow that the pump
+        delivers at the mean pressure of its outlet."""
+        displaced, leakage = self.nominal_flow, self.pump.leakage_conductance
+        point = SetPoint(
+            flow=displaced,
             temperature=signal_value(0.0, self.operation.oil_temperature),
             duty_ratio=signal_value(0.0, self.duty_ratio),
             load_pressure=load_pressure,
             relief_pressure=self.relief_valve.cracking_pressure,
+            tank_pressure=self.tank_pressure,
+            relief_override=self.relief_valve.override_pressure,
+            relief_rated_flow=self.relief_valve.rated_flow,
         )
-        return operating_point(set_point, self.inlet_volume, self.oil, self.valve)
+        for _ in range(LEAKAGE_TRIALS if leakage > 0.0 < displaced else 0):
+            mean = quasi_steady_mean(point.duty_ratio, condition(point, self.oil), self.valve)
+            flow = displaced - leakage * (mean.inlet_pressure - self.tank_pressure)
+            if abs(flow - point.flow) <= CLOSE * displaced:
+                break
+            point = point._replace(flow=max(flow, 0.0))
+        return point
 
 
 def rotary_bench(system: "System", verb: str) -> RotaryBench:

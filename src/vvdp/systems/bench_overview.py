@@ -24,6 +24,7 @@ ANALYTIC = (
     "analytic_loss_transition_W",
     "analytic_loss_leakage_W",
     "analytic_loss_compressibility_W",
+    "analytic_loss_pump_W",
     "analytic_loss_total_W",
     "analytic_load_flow_m3_s",
 )
@@ -63,6 +64,7 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "analytic_loss_transition_W": (MEAN_POWER, "loss by transition, analytic"),
     "analytic_loss_leakage_W": (MEAN_POWER, "loss by leakage of the valve, analytic"),
     "analytic_loss_compressibility_W": (MEAN_POWER, "loss by compression, analytic"),
+    "analytic_loss_pump_W": (MEAN_POWER, "loss by leakage and friction of the pump, analytic"),
     "analytic_loss_total_W": (MEAN_POWER, "losses, analytic"),
     "analytic_load_flow_m3_s": (FLOW, "flow to the load, analytic"),
 }

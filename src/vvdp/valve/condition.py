@@ -2,14 +2,20 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Density, Flow, Pressure
+from vvdp.base.kinds import Density, Flow, Pressure, PressureDifference
 
 
 class Condition(NamedTuple):
-    """Pump flow through the valve, absolute pressures of load, relief valve and tank, and density of the oil."""
+    """Pump flow through the valve, absolute pressures of load, relief valve and tank, and density of the oil.
+
+    The relief valve cracks at `relief_pressure` and passes `relief_rated_flow` at `relief_override` above it; with an
+    override of 0 it is ideal, and the rated flow is not read.
+    """
 
     flow: Flow
     load_pressure: Pressure
     relief_pressure: Pressure
     tank_pressure: Pressure
     density: Density
+    relief_override: PressureDifference = 0.0
+    relief_rated_flow: Flow = 0.0

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Flow, Power, Pressure
+from vvdp.base.kinds import Flow, Power, Pressure, PressureDifference
 from vvdp.base.select import maximum, minimum, select
 from vvdp.valve.branch import BranchFlow, branch_flow
 from vvdp.valve.condition import Condition
@@ -34,38 +34,70 @@ class Cycle(NamedTuple):
 
 
 class CycleMean(NamedTuple):
-    """Means over a PWM period: flows to load, tank and over the relief valve, inlet pressure, and power lost."""
+    """Means over a PWM period: flows to load, tank and over the relief valve, inlet pressure, and power lost.
+
+    `inlet_rise_rms` is the root mean square of the inlet pressure above the tank's.
+    """
 
     load_flow: Flow
     tank_flow: Flow
     relief_flow: Flow
     inlet_pressure: Pressure
+    inlet_rise_rms: PressureDifference
     loss: Power
 
 
-def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve, relief_override: float = 0.0) -> Cycle:
+def static_relief_flow(
+    pressure: float, cracking_pressure: float, override: float, rated_flow: float, tank_pressure: float
+) -> float:
+    """Flow over a relief valve without lag at a pressure [m^3/s]; 0 for an ideal one, whose flow no pressure tells.
+
+    Q_r (P - P_cr) / override root((P - P_T) / (P_cr + override - P_T)) above P_cr: it opens in proportion, and passes
+    Q_r at the override. The simulated valve has the same law.
+
+    pressure, cracking_pressure, tank_pressure  absolute [Pa]
+    override                                    0 or more [Pa]
+    rated_flow                                  Q_r [m^3/s]
+    """
+    yields = override > 0.0
+    opening = maximum(pressure - cracking_pressure, 0.0) / select(yields, override, 1.0)
+    root = np.sqrt(maximum(pressure - tank_pressure, 0.0) / (cracking_pressure + override - tank_pressure))
+    flow: float = select(yields, rated_flow * opening * root, 0.0)
+    return flow
+
+
+def highest_inlet_pressure(flow: float, cracking_pressure: float, override: float, rated_flow: float) -> float:
+    """A pressure at which a relief valve without lag passes at least the pump flow, absolute [Pa].
+
+    flow, rated_flow   of pump and relief valve [m^3/s]
+    cracking_pressure  absolute [Pa]
+    override           0 or more [Pa]
+    """
+    yields = override > 0.0
+    share = maximum(flow / select(yields, rated_flow, 1.0), 1.0)
+    return cracking_pressure + select(yields, override * share, 0.0)
+
+
+def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve) -> Cycle:
     """State of the valve at equally spaced angles over half a PWM period.
 
     At each angle the inlet pressure is the one at which both branches and the relief valve together take the pump
     flow.
 
-    duty_ratio       axial position over helix length, any value [1]
-    at               with the relief pressure highest
-    relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
+    duty_ratio  axial position over helix length, any value [1]
+    at          with the relief pressure highest
     """
     angle: Any = np.pi / valve.sections * (np.arange(ANGLES) + 0.5) / ANGLES
     openings = port_openings(angle, duty_ratio * valve.helix_length, valve)
+    relief = at.relief_pressure, at.relief_override, at.relief_rated_flow
     low: Any = np.full(ANGLES, minimum(at.load_pressure, at.tank_pressure))
-    high: Any = np.full(ANGLES, at.relief_pressure + relief_override)
+    high: Any = np.full(ANGLES, highest_inlet_pressure(at.flow, *relief))
     # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
-    yields = relief_override > 0.0
-    relief_conductance = select(yields, at.flow / select(yields, relief_override, 1.0), 0.0)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         load = branch_flow(middle - at.load_pressure, openings.load, at.density, valve)
         tank = branch_flow(middle - at.tank_pressure, openings.tank, at.density, valve)
-        relief = relief_conductance * maximum(middle - at.relief_pressure, 0.0)
-        short = load.flow + tank.flow + relief < at.flow
+        short = load.flow + tank.flow + static_relief_flow(middle, *relief, at.tank_pressure) < at.flow
         low, high = select(short, middle, low), select(short, high, middle)
     load = branch_flow(high - at.load_pressure, openings.load, at.density, valve)
     tank = branch_flow(high - at.tank_pressure, openings.tank, at.density, valve)
@@ -73,40 +105,37 @@ def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve, rel
     return Cycle(openings=openings, inlet_pressure=high, load=load, tank=tank, relief_flow=spilled)
 
 
-def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve, relief_override: float = 0.0) -> CycleMean:
+def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve) -> CycleMean:
     """Mean flows, inlet pressure and power lost over a PWM period [m^3/s, Pa, W].
 
     The loss is the pump's power less the load's, both against the tank.
 
-    duty_ratio       axial position over helix length, any value [1]
-    at               with the relief pressure highest
-    relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
+    duty_ratio  axial position over helix length, any value [1]
+    at          with the relief pressure highest
     """
-    cycle = quasi_steady_cycle(duty_ratio, at, valve, relief_override)
+    cycle = quasi_steady_cycle(duty_ratio, at, valve)
     load_flow, inlet = float(np.mean(cycle.load.flow)), float(np.mean(cycle.inlet_pressure))
     return CycleMean(
         load_flow=load_flow,
         tank_flow=float(np.mean(cycle.tank.flow)),
         relief_flow=float(np.mean(cycle.relief_flow)),
         inlet_pressure=inlet,
+        inlet_rise_rms=float(np.sqrt(np.mean((cycle.inlet_pressure - at.tank_pressure) ** 2))),
         loss=at.flow * (inlet - at.tank_pressure) - load_flow * (at.load_pressure - at.tank_pressure),
     )
 
 
-def averaged_spool_speed(
-    duty_ratio: float, at: Condition, viscosity: float, valve: RotaryValve, relief_override: float = 0.0
-) -> float:
+def averaged_spool_speed(duty_ratio: float, at: Condition, viscosity: float, valve: RotaryValve) -> float:
     """Speed at which the torques balance on average over a PWM period, ports partly open included [rad/s].
 
     The torque is linear in the speed, so its means at two speeds give the balance. The speed's own ripple within a
     period is left out.
 
-    duty_ratio       axial position over helix length, any value [1]
-    at               with the relief pressure highest
-    viscosity        dynamic [Pa s]
-    relief_override  rise of the relief pressure at the full pump flow; 0 is ideal [Pa]
+    duty_ratio  axial position over helix length, any value [1]
+    at          with the relief pressure highest
+    viscosity   dynamic [Pa s]
     """
-    cycle = quasi_steady_cycle(duty_ratio, at, valve, relief_override)
+    cycle = quasi_steady_cycle(duty_ratio, at, valve)
     at_rest = _mean_net_torque(cycle, 0.0, at.density, viscosity, valve)
     turning = _mean_net_torque(cycle, 1.0, at.density, viscosity, valve)
     return at_rest / (at_rest - turning)

@@ -22,7 +22,6 @@ from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import CycleMean, averaged_spool_speed, quasi_steady_mean
 from vvdp.valve.geometry import nozzle_hydraulic_diameter, transition_fraction
 from vvdp.valve.losses import (
-    TransitionLoss,
     compressibility_loss,
     compression_regime,
     friction_loss,
@@ -46,13 +45,17 @@ TURBULENT = 2300.0  # Reynolds number
 
 
 class SetPoint(NamedTuple):
-    """Where the valve works: pump flow, oil temperature, duty ratio, absolute pressures of load and relief valve."""
+    """Where the valve works: pump flow, oil temperature, duty ratio, absolute pressures; the relief valve as in
+    `Condition`."""
 
     flow: Flow
     temperature: Temperature
     duty_ratio: Fraction
     load_pressure: Pressure
     relief_pressure: Pressure
+    tank_pressure: Pressure
+    relief_override: PressureDifference = 0.0
+    relief_rated_flow: Flow = 0.0
 
 
 class OperatingPoint(NamedTuple):
@@ -60,8 +63,9 @@ class OperatingPoint(NamedTuple):
 
     Drops, torques, `spool_speed` and `full_open_pwm_frequency` are those of the fully open valve;
     `averaged_pwm_frequency` is the one that the same valve settles at while it switches. The losses add up to
-    `total_loss`; `friction_loss` is part of the full-open loss and is not added. `transition` and the total hold
-    where `warnings` is empty; `cycle` holds at any duty ratio.
+    `total_loss`; `friction_loss` is part of the full-open loss and is not added. `transition_loss` and the total hold
+    where `warnings` is empty; `cycle` holds at any duty ratio. The transition loss is a closed form for an ideal relief
+    valve, and what `cycle` loses beyond the fully open valve for one with an override.
     """
 
     nozzle_drop: PressureDifference
@@ -83,7 +87,6 @@ class OperatingPoint(NamedTuple):
     friction_loss: Power
     compression_regime: Ratio
     nozzle_reynolds_number: Ratio
-    transition: TransitionLoss
     cycle: CycleMean
     warnings: tuple[str, ...]
 
@@ -98,23 +101,35 @@ def nozzle_reynolds_number(flow: float, density: float, viscosity: float, valve:
     return density * flow / valve.nozzle_area * nozzle_hydraulic_diameter(valve) / viscosity
 
 
+def condition(set_point: SetPoint, oil: Oil) -> Condition:
+    """What the valve switches against at an operating point."""
+    return Condition(
+        flow=set_point.flow,
+        load_pressure=set_point.load_pressure,
+        relief_pressure=set_point.relief_pressure,
+        tank_pressure=set_point.tank_pressure,
+        density=density(set_point.temperature, oil),
+        relief_override=set_point.relief_override,
+        relief_rated_flow=set_point.relief_rated_flow,
+    )
+
+
 def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: RotaryValve) -> OperatingPoint:
-    """Drops, torques, speeds, losses and warnings at one operating point; the tank is at the oil's reference pressure.
+    """Drops, torques, speeds, losses and warnings at one operating point.
 
     set_point     with a flow > 0
     inlet_volume  between pump and ports [m^3]
     """
     Q, T, duty_ratio = set_point.flow, set_point.temperature, set_point.duty_ratio
     rho, mu = density(T, oil), dynamic_viscosity(T, oil)
-    load_pressure, tank = set_point.load_pressure, oil.reference_pressure
-    at = Condition(
-        flow=Q, load_pressure=load_pressure, relief_pressure=set_point.relief_pressure, tank_pressure=tank, density=rho
-    )
+    load_pressure, tank = set_point.load_pressure, set_point.tank_pressure
+    at = condition(set_point, oil)
     drops = full_open_drop(Q, rho, valve)
     omega = equilibrium_speed(Q, rho, mu, valve)
     k_f = friction_coefficient(mu, valve)
     averaged = pwm_frequency(averaged_spool_speed(duty_ratio, at, mu, valve), valve)
-    transition, open_loss = transition_loss(at, valve), full_open_loss(Q, rho, valve)
+    cycle, open_loss = quasi_steady_mean(duty_ratio, at, valve), full_open_loss(Q, rho, valve)
+    transition = transition_loss(at, valve).loss if at.relief_override == 0.0 else cycle.loss - open_loss
     leakage = leakage_loss(load_pressure - tank, mu, valve)
     compression = compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil)
     regime = compression_regime(
@@ -135,14 +150,13 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
         averaged_pwm_frequency=averaged,
         transition_fraction=transition_fraction(valve),
         full_open_loss=open_loss,
-        transition_loss=transition.loss,
+        transition_loss=transition,
         leakage_loss=leakage,
         compressibility_loss=compression,
-        total_loss=open_loss + transition.loss + leakage + compression,
+        total_loss=open_loss + transition + leakage + compression,
         friction_loss=friction_loss(omega, k_f),
         compression_regime=regime,
         nozzle_reynolds_number=reynolds,
-        transition=transition,
-        cycle=quasi_steady_mean(duty_ratio, at, valve),
+        cycle=cycle,
         warnings=warnings,
     )
