@@ -8,7 +8,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.kinds import FractionSignal, Length, PressureSignal, Ratio, SpeedSignal, TemperatureSignal
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
-from vvdp.base.tables import Table, build, describe_signal, parsed_table, read_table, with_settings
+from vvdp.base.tables import Sourced, Table, build, describe_signal, parsed_table, read_table, with_settings
 
 
 class Plate(Params):
@@ -207,3 +207,42 @@ class Shared(Params):
 
     first: Length
     share: FractionSignal
+
+
+def ranged(entry: str) -> tuple[list[Sourced], list[Fault]]:
+    table = parsed_table(f"[plate]\nratio = 2\nlength = {entry}\n", "plate.toml")
+    faults: list[Fault] = []
+    return build(Plate, table.content["plate"], "plate", table, faults)[1], faults
+
+
+def test_a_range_stands_beside_a_value() -> None:
+    rows, faults = ranged('{ value = "5 mm", range = ["4 mm", "0.7 cm"], note = "by the drawing" }')
+    assert not faults
+    (length,) = (row for row in rows if row.key == "length")
+    assert length.range == pytest.approx((0.004, 0.007))
+    assert (length.nominal, length.setting) == (0.005, "plate.length")
+    assert length.remark == "4 mm to 7 mm; by the drawing"
+    assert next(row for row in rows if row.key == "ratio").range is None
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        ('{ value = "5 mm", range = ["6 mm", "7 mm"] }', "5 mm; expected a value inside its range, 6 mm to 7 mm"),
+        ('{ value = "5 mm", range = ["7 mm", "4 mm"] }', "7 mm to 4 mm as range; expected range = ["),
+        ('{ value = "5 mm", range = "4 mm to 6 mm" }', "'4 mm to 6 mm' as range; expected two ends, range = ["),
+        ('{ value = "5 mm", range = ["4 bar", "6 bar"] }', "4 bar"),
+        ('{ value = "5 mm", range = ["-1 mm", "6 mm"] }', "-"),
+    ],
+)
+def test_a_range_that_does_not_hold_its_value_is_refused_with_its_line(entry: str, told: str) -> None:
+    _, faults = ranged(entry)
+    assert [(fault.place, fault.line, fault.key) for fault in faults] == [("plate.toml", 3, "plate.length")]
+    assert told in faults[0].message
+
+
+def test_what_changes_over_time_has_no_range() -> None:
+    entry = {"step": ["0.2", "0.4"], "at": "1 s", "range": ["0.1", "0.5"]}
+    with pytest.raises(ConfigError, match="of a value that changes"):
+        signal("share", entry)
+    assert signal("share", {"value": "0.3", "range": ["0.1", "0.5"]}).base == 0.3

@@ -41,7 +41,7 @@ def test_it_loads_to_the_same_system(name, settings):
 def test_a_setting_is_marked_as_given_and_the_rest_keeps_its_origin():
     text = resolved_text(load_system("prototype", ["pump.friction_torque=0.5 N*m"]))
     assert 'friction_torque = { value = "0.5 N*m", status = "given" }' in text
-    assert 'nozzle_discharge_coefficient = { value = "0.61", status = "published", source = "wang2017"' in text
+    assert 'nozzle_discharge_coefficient = { value = "0.61", range = ["0.58", "0.64"], status = "published"' in text
 
 
 def test_the_method_and_an_axial_position_are_kept():

@@ -3,11 +3,13 @@
     [pump]
     displacement = { value = "22.8 cc/rev", status = "published", source = "wang2017", where = "section 2.2.2" }
     speed = "1800 rpm"                       # a bare value is the user's own: status "given"
+    air_fraction = { value = "1 %", range = ["0.1 %", "5 %"], status = "assumed" }    # where it may lie as well
 
 All faults of a file are collected and reported together, each with its line.
 """
 
 import dataclasses
+import math
 import re
 import stat
 import tomllib
@@ -46,6 +48,25 @@ class Sourced:
     source: str = ""
     where: str = ""
     note: str = ""
+    range: tuple[float, float] | None = None
+    """Between which values [SI] it lies, where the file says so."""
+
+    @property
+    def setting(self) -> str:
+        """Its table and key, as `--set` takes them."""
+        return f"{self.table}.{self.key}"
+
+    @property
+    def nominal(self) -> float:
+        """The value, where it has one that does not change [SI]; nan elsewhere."""
+        value = self.value.base if isinstance(self.value, Signal) and self.value.is_constant else self.value
+        return value if isinstance(value, float | int) else float("nan")
+
+    @property
+    def remark(self) -> str:
+        """The range and the note, for a person."""
+        ends = "" if self.range is None else " to ".join(value_text(end, self.kind) for end in self.range)
+        return "; ".join(filter(None, (ends, self.note)))
 
     @property
     def display_text(self) -> str:
@@ -238,6 +259,7 @@ def _read_entry(name: str, key: str, kind: Kind | None, known: Any, entry: Any) 
         raise TypeError(f"{name}.{key} has no kind")
     fields = dict(entry) if isinstance(entry, Mapping) else {"value": entry}
     text = {word: str(fields.pop(word, "")) for word in ORIGIN}
+    ends = fields.pop("range", None)
     status = text["status"] or "given"
     if status not in STATUSES:
         raise ParameterError(f"status {status!r}; expected one of {', '.join(STATUSES)}")
@@ -251,7 +273,7 @@ def _read_entry(name: str, key: str, kind: Kind | None, known: Any, entry: Any) 
     else:
         other = ", ".join(sorted(set(fields) - {"value"})) or "no value"
         raise ParameterError(f"{other}; expected a value that does not change, for example {kind.example!r}")
-    return Sourced(
+    found = Sourced(
         table=name,
         key=key,
         value=value,
@@ -261,6 +283,22 @@ def _read_entry(name: str, key: str, kind: Kind | None, known: Any, entry: Any) 
         where=text["where"],
         note=text["note"],
     )
+    return found if ends is None else dataclasses.replace(found, range=_range(ends, found))
+
+
+def _range(ends: Any, of: Sourced) -> tuple[float, float]:
+    """The two ends between which a value lies. Raises ParameterError where they are none, or it lies outside."""
+    example = f'range = ["{of.kind.example}", ...], the lower end first'
+    if not isinstance(ends, list) or len(ends) != 2:
+        raise ParameterError(f"{ends!r} as range; expected two ends, {example}")
+    low, high = (parse(end, of.kind) for end in ends)
+    if not low < high:
+        raise ParameterError(f"{ends[0]} to {ends[1]} as range; expected {example}")
+    if math.isnan(of.nominal):
+        raise ParameterError(f"range {ends[0]} to {ends[1]} of a value that changes; expected one of a constant")
+    if not low <= of.nominal <= high:
+        raise ParameterError(f"{of.display_text}; expected a value inside its range, {ends[0]} to {ends[1]}")
+    return low, high
 
 
 def _list(fields: Mapping[str, Any], kind: Kind) -> tuple[float, ...]:

@@ -64,6 +64,7 @@ def _entry(row: "Sourced") -> dict[str, Any]:
         "value": value,
         "low": low,
         "high": high,
+        "range": None if row.range is None else list(row.range),
         "unit": row.kind.unit,
         "kind": row.kind.name,
         "shown": row.display_text,
@@ -88,7 +89,7 @@ def _print(system: "System") -> None:
         for row in system.rows:
             if row.table == name:
                 source = ", ".join(part for part in (row.source, row.where) if part)
-                table.add_row(row.key, row.display_text, row.status, source, row.note)
+                table.add_row(row.key, row.display_text, row.status, source, row.remark)
         out.print(table)
     assumed = system.assumptions
     tell(f"{len(assumed)} of {len(system.rows)} values are assumed:", style="bold")

@@ -314,24 +314,39 @@ def _legend(axes: "Axes", panel: Lines, columns: int) -> None:
 def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
     rows = list(panel.rows) or list(range(table.rows))
     names = [str(table[panel.names][row]) for row in rows][::-1]
-    width = 0.72 / len(panel.values)
+    over = panel.base is not None
+    base = column_unit(table.columns[panel.values[0]]).from_si(panel.base or 0.0)
+    width = 0.72 if over else 0.72 / len(panel.values)
     for place, key in enumerate(panel.values):
         values = shown_values(table, key)[rows][::-1]
-        shift = (0.5 * (len(panel.values) - 1) - place) * width
+        shift = 0.0 if over else (0.5 * (len(panel.values) - 1) - place) * width
         label = panel.labels[place] if panel.labels else table.columns[key].label
         colour = panel.colours[place] if panel.colours else ORDER[place % len(ORDER)]
-        bars = axes.barh(np.arange(len(rows)) + shift, np.nan_to_num(values), 0.9 * width, color=colour, label=label)
-        texts = [plain(value, 3) if np.isfinite(value) else "" for value in values]
+        bars = axes.barh(
+            np.arange(len(rows)) + shift, np.nan_to_num(values - base), 0.9 * width, base, color=colour, label=label
+        )
+        texts = [plain(value, 3) if np.isfinite(value) and value != base else "" for value in values]
         if panel.texts and len(panel.values) == 1:
             texts = [str(table[panel.texts][row]) for row in rows][::-1]
         axes.bar_label(bars, texts, padding=3, fontsize=7.0, color=Colour.INK)
-    axes.set_yticks(range(len(rows)), names)
-    axes.set_xlabel(axis_label([table.columns[key] for key in panel.values], panel.label))
+    if over:
+        axes.axvline(base, color=Colour.INK, linewidth=0.9)
+    _finish_bars(axes, panel, names, axis_label([table.columns[key] for key in panel.values], panel.label))
+
+
+def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) -> None:
+    """Names, ends and legend of a panel of bars."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_xlabel(label)
     axes.grid(axis="y", visible=False)
     axes.tick_params(axis="y", length=0)
     spans = [each.dataLim for each in axes.get_shared_x_axes().get_siblings(axes)]
     low, high = min(span.x0 for span in spans), max(span.x1 for span in spans)
-    axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
+    if panel.base is None:
+        axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
+    else:
+        room = 0.35 * (high - low)
+        axes.set_xlim(low - room, high + room)
     spec = axes.get_subplotspec()
     names_are_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
     if len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):

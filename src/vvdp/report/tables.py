@@ -24,7 +24,7 @@ def assumed_table(system: System) -> str:
             [
                 f'<span class="keys">{_breaking(r.table)}.<wbr>{_breaking(r.key)}</span>',
                 *_value(system, r),
-                text(r.note),
+                text(r.remark),
             ],
             ("", "n", "u", "q"),
         )
@@ -46,7 +46,7 @@ def _parameter_rows(system: System, known: Mapping[str, Reference], columns: int
             status,
             _cite(r.source, known),
             text(r.where),
-            text(r.note),
+            text(r.remark),
         ]
         yield row(cells, ("", "n", "u", "", "", "q", "q"))
 

@@ -129,6 +129,8 @@ class Bars:
     colours: tuple[str, ...] = ()
     title: str = ""
     rows: tuple[int, ...] = ()
+    base: float | None = None
+    """Where all bars of a name begin [SI], one over the other; else they begin at zero, side by side."""
     table: str = ""
     """The table of this panel, where it is not that of the chart."""
     height: float = 1.0

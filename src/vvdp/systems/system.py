@@ -126,6 +126,11 @@ class System:
         return tuple(row for row in self.rows if row.status == "assumed")
 
     @property
+    def ranged(self) -> tuple[Sourced, ...]:
+        """The values for which a range is given."""
+        return tuple(row for row in self.rows if row.range is not None)
+
+    @property
     def table(self) -> Table:
         """What it was read from, settings included."""
         return Table(self.name, self.content, {})

@@ -1,0 +1,123 @@
+"""How far numbers move where a value lies elsewhere in its range: one value at a time, all others as they are."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.display import with_unit
+from vvdp.base.errors import ConfigError
+from vvdp.base.kinds import Kind
+from vvdp.base.tables import Sourced, Table, copy_tables
+from vvdp.systems.system import System
+
+Quantities = Mapping[str, tuple[Kind, str]]
+LEAST = 0.01
+"""A number rests on a value whose range moves it by more than this share of itself."""
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Numbers [SI] at both ends of each value that has a range, all others as they are; nan where there is none.
+
+    Of shape (values, 2) each: at the lower end, at the upper end. `left_out` says of a value why it was not varied.
+    """
+
+    rows: tuple[Sourced, ...]
+    nominal: Mapping[str, float]
+    ends: Mapping[str, Array]
+    left_out: Mapping[str, str]
+
+    def span(self, key: str) -> tuple[float, float]:
+        """The lowest and the highest that a number comes to, with the one of the system as it is."""
+        values = np.append(self.ends[key], self.nominal[key])
+        return float(np.nanmin(values)), float(np.nanmax(values))
+
+    def moves(self, key: str) -> bool:
+        """Whether a number rests on a value that has a range."""
+        low, high = self.span(key)
+        return high - low > LEAST * abs(self.nominal[key])
+
+    def widest(self, key: str) -> list[int]:
+        """Places of the values, that which moves the number furthest first."""
+        with_nominal = np.column_stack([self.ends[key], np.full(len(self.rows), self.nominal[key])])
+        widths = np.nanmax(with_nominal, axis=1) - np.nanmin(with_nominal, axis=1)
+        return [int(place) for place in np.argsort(-widths, kind="stable")]
+
+    @property
+    def flat(self) -> dict[str, dict[str, Any]]:
+        """As JSON has it: `low`, `high`, and `by` with both ends by setting, under the key of each number."""
+        found = {}
+        for key in self.nominal:
+            low, high = self.span(key)
+            by = {row.setting: pair.tolist() for row, pair in zip(self.rows, self.ends[key], strict=True)}
+            found[key] = {"low": low, "high": high, "by": by}
+        return found
+
+
+def read_ranges(system: System, nominal: Mapping[str, Any], flat: Mapping[str, Any]) -> Ranges:
+    """The ranges that `Ranges.flat` has written for a run of `system`, whose numbers are `nominal`."""
+    settings = list(dict.fromkeys(setting for each in flat.values() for setting in each["by"]))
+    known = {row.setting: row for row in system.ranged}
+    rows = tuple(known[setting] for setting in settings if setting in known)
+    ends = {
+        key: np.array([[np.nan if x is None else x for x in each["by"][row.setting]] for row in rows]).reshape(-1, 2)
+        for key, each in flat.items()
+    }
+    return Ranges(rows=rows, nominal={key: float(nominal[key]) for key in flat}, ends=ends, left_out={})
+
+
+def at_ends(system: System) -> Iterator[tuple[System | None, str]]:
+    """The system with each value that has a range at its lower end, then at its upper one, in the order of `ranged`.
+
+    None, and why, where an end contradicts other values.
+    """
+    for row in system.ranged:
+        for place in (0, 1):
+            try:
+                yield at_end(system, row, place), ""
+            except ConfigError as problem:
+                yield None, problem.faults[0].message
+
+
+def at_end(system: System, row: Sourced, place: int) -> System:
+    """The system with one value at the lower end of its range (`place` 0) or the upper one (1).
+
+    Raises ConfigError where that contradicts other values.
+    """
+    content = copy_tables(system.content)
+    inner: dict[str, Any] = content
+    for name in row.table.split("."):
+        inner = inner[name]
+    given = inner[row.key]
+    inner[row.key] = {"value": given["range"][place], "status": row.status}
+    return system.read_from(Table(system.name, content, {}))
+
+
+def ranges_of(
+    system: System, keys: Sequence[str], nominal: Mapping[str, Any], found: Sequence[Mapping[str, Any] | str]
+) -> Ranges:
+    """The ranges of the numbers `keys` from what was `found` for each of `at_ends`: its numbers, or why there are none.
+
+    Numbers of which the system itself has none are left out.
+    """
+    rows = system.ranged
+    known = [key for key in keys if key in nominal and np.isfinite(float(nominal[key]))]
+    none: dict[str, float] = {}
+    values = [none if isinstance(each, str) else each for each in found]
+    left_out = {rows[place // 2].setting: each for place, each in enumerate(found) if isinstance(each, str)}
+    return Ranges(
+        rows=rows,
+        nominal={key: float(nominal[key]) for key in known},
+        ends={key: np.array([float(each.get(key, np.nan)) for each in values]).reshape(-1, 2) for key in known},
+        left_out=left_out,
+    )
+
+
+def range_text(row: Sourced) -> str:
+    """The range of a value in words."""
+    assert row.range is not None
+    low, high = (with_unit(end, row.kind) for end in row.range)
+    return f"{low} to {high}"
