@@ -55,6 +55,26 @@ def test_flows_agree_with_the_closed_form_with_overlap(prototype, lap):
     assert found.loss == pytest.approx(closed.loss + full_open_loss(Q, RHO, valve), rel=2e-4)
 
 
+@pytest.mark.parametrize("override", [0.1, 10.0, 20.0])
+@pytest.mark.parametrize("share", [1.0, 0.8])
+def test_an_override_costs_what_the_closed_form_says(prototype, override, share):
+    # The closed form takes the pressure as linear in what the relief valve passes; its law has a root beside it, which
+    # differs by at most 1 - root(120/140) of 20 bar times a tenth of the flow: 10 W of 1800, and mostly far less.
+    at = condition(override=override)._replace(relief_rated_flow=share * Q)
+    closed = transition_loss(at, prototype)
+    found = quasi_steady_mean(0.5, at, prototype)
+    assert found.loss == pytest.approx(closed.loss + full_open_loss(Q, RHO, prototype), rel=1e-3)
+    assert found.relief_flow == pytest.approx(closed.relief_flow, rel=5e-3)
+    assert closed.loss > transition_loss(condition(), prototype).loss
+
+
+def test_what_an_override_of_10_bar_costs(prototype):
+    # docs/models/rotary-valve.md, "Losses"
+    closed = transition_loss(condition(override=10.0), prototype).loss + full_open_loss(Q, RHO, prototype)
+    assert closed == pytest.approx(1806.0, abs=0.6)
+    assert mean(prototype, 0.5, override=10.0).loss == pytest.approx(closed, rel=2e-4)
+
+
 def test_load_flow_of_the_prototype(prototype):
     assert mean(prototype, 0.5).load_flow / Q == pytest.approx(0.43106, abs=1e-4)
 

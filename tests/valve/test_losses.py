@@ -28,8 +28,16 @@ Q = 40.0 / 6e4
 P_L = 100.0 * BAR + T
 
 
-def condition(relief):
-    return Condition(flow=Q, load_pressure=P_L, relief_pressure=relief * BAR + T, tank_pressure=T, density=RHO)
+def condition(relief, override=0.0):
+    return Condition(
+        flow=Q,
+        load_pressure=P_L,
+        relief_pressure=relief * BAR + T,
+        tank_pressure=T,
+        density=RHO,
+        relief_override=override * BAR,
+        relief_rated_flow=Q,
+    )
 
 
 def at_relief(bar, valve):
@@ -92,7 +100,7 @@ def test_port_ramp_by_quadrature(prototype, port, relief):
         drop = n / a**2 + r if q == 1.0 else H
         return q * drop + (1.0 - q) * P_R - (n + r)
 
-    found = port_ramp(port * BAR + T, relief * BAR + T, T, drops)
+    found = port_ramp(port * BAR + T, condition(relief), drops)
     a = found.relief_opening
     assert port_flow(a) == pytest.approx(1.0, rel=1e-12)
     volume = quad(port_flow, 0.0, a, epsrel=1e-10)[0]

@@ -125,4 +125,6 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
         "nozzle_reynolds_number": point.nozzle_reynolds_number,
         "mean_load_flow_m3_s": point.cycle.load_flow,
     }
-    return {key: float(value) for key, value in numbers.items()} | {"warnings": [*point.warnings, *bench.relief_limits()]}
+    return {key: float(value) for key, value in numbers.items()} | {
+        "warnings": [*point.warnings, *bench.relief_limits()]
+    }

@@ -57,6 +57,8 @@ class Setup(NamedTuple):
     load_pressure: Any
     tank_pressure: Any
     relief_pressure: Any
+    relief_override: Any
+    relief_rated_flow: Any
     inlet_volume: Any
     spool_motor_speed: Any
     coupling: Any
@@ -140,11 +142,26 @@ def setup(system: System) -> Setup:
         load_pressure=bench.load_pressure,
         tank_pressure=bench.tank_pressure,
         relief_pressure=bench.relief_valve.cracking_pressure,
+        relief_override=bench.relief_valve.override_pressure,
+        relief_rated_flow=bench.relief_valve.rated_flow,
         inlet_volume=bench.inlet_volume,
         spool_motor_speed=float(signal_value(0.0, bench.operation.spool_motor_speed)),
         coupling=bench.spool_drive.coupling,
         oil=bench.oil,
         valve=bench.valve,
+    )
+
+
+def switching_condition(at: Setup) -> Condition:
+    """What the valve of a setup switches against."""
+    return Condition(
+        flow=at.flow,
+        load_pressure=at.load_pressure,
+        relief_pressure=at.relief_pressure,
+        tank_pressure=at.tank_pressure,
+        density=density(at.temperature, at.oil),
+        relief_override=at.relief_override,
+        relief_rated_flow=at.relief_rated_flow,
     )
 
 
@@ -169,7 +186,7 @@ def quantities(at: Setup) -> Quantities:
     omega = driven_speed(at.spool_motor_speed, at.coupling, Q, rho, mu, valve)
     f = pwm_frequency(omega, valve)
     drive = at.coupling * (at.spool_motor_speed - omega) * at.spool_motor_speed
-    condition = Condition(flow=Q, load_pressure=P_L, relief_pressure=at.relief_pressure, tank_pressure=P_T, density=rho)
+    condition = switching_condition(at)
     transition = transition_loss(condition, valve).loss
     leakage = leakage_loss(P_L - P_T, mu, valve)
     compression = compressibility_loss(f, at.inlet_volume, P_L, P_T, oil)

@@ -23,12 +23,11 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.design.problem import require_flow
-from vvdp.design.quantities import KINDS, Setup, quantities, setup
+from vvdp.design.quantities import KINDS, Setup, quantities, setup, switching_condition
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.bearing import bearing_eccentricity, bearing_force, radial_jet_force
-from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import averaged_spool_speed
 from vvdp.valve.gap_flow import (
     carried_temperature_rise,
@@ -177,13 +176,7 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
     omega = 2.0 * np.pi * q.pwm_frequency / valve.sections
     averaged = q.pwm_frequency
     if at.coupling == 0.0:
-        condition = Condition(
-            flow=Q,
-            load_pressure=at.load_pressure,
-            relief_pressure=at.relief_pressure,
-            tank_pressure=at.tank_pressure,
-            density=rho,
-        )
+        condition = switching_condition(at)
         averaged = pwm_frequency(averaged_spool_speed(at.duty_ratio, condition, mu, valve), valve)
     behind = q.pressure_drop_centre_section + q.pressure_drop_outlet_turbine
     force = radial_jet_force(Q, limits.excess_share, rho, valve)

@@ -19,10 +19,9 @@ from vvdp.base.params import field_kinds
 from vvdp.base.tables import nearest
 from vvdp.base.units import parse
 from vvdp.design.problem import require_flow
-from vvdp.design.quantities import Quantities, Setup, loose_copy, quantities, setup
-from vvdp.fluid.oil import Oil, density
+from vvdp.design.quantities import Quantities, Setup, loose_copy, quantities, setup, switching_condition
+from vvdp.fluid.oil import Oil
 from vvdp.systems.system import System
-from vvdp.valve.condition import Condition
 from vvdp.valve.losses import range_warnings
 from vvdp.valve.rotary import RotaryValve
 
@@ -166,13 +165,7 @@ class Tolerance:
         """What to know before the numbers are relied on, a sentence each: where the closed form of the losses does not
         hold at the nominal values, and where samples are few."""
         at = setup(self.system)
-        condition = Condition(
-            flow=at.flow,
-            load_pressure=at.load_pressure,
-            relief_pressure=at.relief_pressure,
-            tank_pressure=at.tank_pressure,
-            density=density(at.temperature, at.oil),
-        )
+        condition = switching_condition(at)
         told = list(range_warnings(at.duty_ratio, condition, at.valve))
         worst = max(max(each.whole_error.values()) for each in self.scatter.values())
         if worst > COARSE:

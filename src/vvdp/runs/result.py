@@ -10,8 +10,8 @@ from vvdp.runs.bench import (
     components,
     cycle_table,
     harmonic_listing,
-    loss_table_columns,
     limit_findings,
+    loss_table_columns,
     spectrum_table,
 )
 from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts

@@ -12,7 +12,7 @@ import numpy as np
 
 from vvdp.base.kinds import Flow, Fraction, Power
 from vvdp.base.select import maximum, select
-from vvdp.fluid.mixture import compression_energy_per_volume
+from vvdp.fluid.mixture import NODES, WEIGHTS, compression_energy_per_volume
 from vvdp.fluid.oil import Oil
 from vvdp.valve.branch import BranchDrops, turbulent_drops
 from vvdp.valve.condition import Condition
@@ -71,30 +71,52 @@ def full_open_loss(flow: float, density: float, valve: RotaryValve) -> float:
     return flow * (drops.nozzle + drops.centre_section + drops.outlet_turbine)
 
 
-def port_ramp(port_pressure: float, relief_pressure: float, tank_pressure: float, full_drops: BranchDrops) -> PortRamp:
+def relief_rise(at: Condition) -> float:
+    """How far the relief valve lets the pressure rise above its setting with the whole pump flow over it [Pa].
+
+    o Q / Q_r root((P_R + o - P_T) / (P_R + o Q / Q_r - P_T)): the valve's law, exact at its rated flow Q_r.
+    """
+    yields = at.relief_override > 0.0
+    level = at.relief_pressure - at.tank_pressure
+    rise = at.relief_override * at.flow / select(yields, at.relief_rated_flow, 1.0)
+    settled: float = rise * np.sqrt((level + at.relief_override) / (level + rise))
+    return settled
+
+
+def port_ramp(port_pressure: float, at: Condition, full_drops: BranchDrops) -> PortRamp:
     """Averages over the open fraction while one port opens from 0 to 1 [1, 1, Pa].
 
-    With n the nozzle's and r the other drop at full flow and H = P_R - P_S: the relief valve is open below
-    a* = sqrt(n / (H - r)), until then the port passes int_0^a* q da = sqrt(H) (sqrt(n + r a*^2) - sqrt(n)) / r, and
-    the excess drop is n (1/a* - 2 + a*) + Qv H + (a* - Qv) (P_R - P_T) - a* (n + r). a* is held at 1.
+    With n the nozzle's and r the other drop at full flow, H = P_R - P_S and o the `relief_rise`: the relief valve is
+    open below a* = sqrt(n / (H - r)), held at 1. Until then the inlet is at P_R + o (1 - q), so that the port passes
+    q = a (sqrt(o^2 a^2 + 4 (H + o) (n + r a^2)) - o a) / (2 (n + r a^2)), and the excess drop is n (1/a* - 2 + a*)
+    + int_0^a* (q H + (1 - q) (P_R - P_T) + o (1 - q)) da - a* (n + r). By 16 Gauss points; at o = 0
+    int q da = sqrt(H) (sqrt(n + r a*^2) - sqrt(n)) / r.
 
-    port_pressure, relief_pressure, tank_pressure  P_S, P_R, P_T, absolute [Pa]
+    port_pressure  P_S, absolute [Pa]
+    at             with a flow > 0
     """
     n, r = full_drops.nozzle, full_drops.centre_section + full_drops.outlet_turbine
-    H = maximum(relief_pressure - port_pressure, 0.0)
-    a = np.sqrt(n / maximum(H - r, n))
-    # (sqrt(n + r a^2) - sqrt(n)) / r without the cancellation
-    Qv = np.sqrt(H) * a * a / (np.sqrt(n + r * a * a) + np.sqrt(n))
-    excess = n * (1.0 / a - 2.0 + a) + Qv * H + (a - Qv) * (relief_pressure - tank_pressure) - a * (n + r)
-    return PortRamp(a, Qv, excess)
+    H, o = maximum(at.relief_pressure - port_pressure, 0.0), relief_rise(at)
+    end = np.sqrt(n / maximum(H - r, n))
+    passed = relieved = 0.0
+    for i in range(16):
+        a = (0.5 + NODES[i]) * end
+        c = n + r * a * a
+        # sqrt(o^2 a^2 + 4 (H + o) c) - o a without the cancellation
+        q = 2.0 * a * (H + o) / (o * a + np.sqrt(o * o * a * a + 4.0 * (H + o) * c))
+        passed = passed + WEIGHTS[i] * end * q
+        spilled = (1.0 - q) * (at.relief_pressure - at.tank_pressure + o)
+        relieved = relieved + WEIGHTS[i] * end * (q * H + spilled)
+    excess = n * (1.0 / end - 2.0 + end) + relieved - end * (n + r)
+    return PortRamp(end, passed, excess)
 
 
 def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     """Mean power lost while ports open and close, beyond the loss of the fully open valve, and its flows [W, m^3/s, 1].
 
-    L = (2 d_c / pitch) Q (E_load + E_tank) + 2 max(b - d_c, 0) / pitch Q (P_R - P_T - dP_open), E from `port_ramp`,
-    for an ideal relief valve, constant load pressure and stiff oil. It does not depend on the spool speed, nor on the
-    duty ratio while that lies between kappa and 1 - kappa; `range_warnings` tells where it holds.
+    L = (2 d_c / pitch) Q (E_load + E_tank) + 2 max(b - d_c, 0) / pitch Q (P_R + o - P_T - dP_open), E from `port_ramp`,
+    o from `relief_rise`, for a relief valve without lag, constant load pressure and stiff oil. It does not depend on
+    the spool speed, nor on the duty ratio between kappa and 1 - kappa; `range_warnings` tells where it holds.
 
     at  with a flow > 0
 
@@ -104,17 +126,17 @@ def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     >>> print(round(transition_loss(at, valve).loss, 1))
     959.8
     """
-    Q, P_R, P_T = at.flow, at.relief_pressure, at.tank_pressure
+    Q, P_T, highest = at.flow, at.tank_pressure, at.relief_pressure + relief_rise(at)
     drops = full_open_drop(Q, at.density, valve)
-    load = port_ramp(at.load_pressure, P_R, P_T, drops)
-    tank = port_ramp(P_T, P_R, P_T, drops)
+    load = port_ramp(at.load_pressure, at, drops)
+    tank = port_ramp(P_T, at, drops)
     ramps = 2.0 * nozzle_width(valve) / pitch(valve)
     blocked = 2.0 * maximum(barrier_width(valve) - nozzle_width(valve), 0.0) / pitch(valve)
     open_drop = drops.nozzle + drops.centre_section + drops.outlet_turbine
     load_lost = ramps * (load.relief_opening - load.relieved_port_flow)
     tank_lost = ramps * (tank.relief_opening - tank.relieved_port_flow)
     return TransitionLoss(
-        loss=Q * (ramps * (load.excess_drop + tank.excess_drop) + blocked * (P_R - P_T - open_drop)),
+        loss=Q * (ramps * (load.excess_drop + tank.excess_drop) + blocked * (highest - P_T - open_drop)),
         load_flow_lost=Q * (load_lost + 0.5 * blocked),
         relief_flow=Q * (load_lost + tank_lost + blocked),
         load_relief_opening=load.relief_opening,

@@ -64,8 +64,7 @@ class OperatingPoint(NamedTuple):
     Drops, torques, `spool_speed` and `full_open_pwm_frequency` are those of the fully open valve;
     `averaged_pwm_frequency` is the one that the same valve settles at while it switches. The losses add up to
     `total_loss`; `friction_loss` is part of the full-open loss and is not added. `transition_loss` and the total hold
-    where `warnings` is empty; `cycle` holds at any duty ratio. The transition loss is a closed form for an ideal relief
-    valve, and what `cycle` loses beyond the fully open valve for one with an override.
+    where `warnings` is empty; `cycle` holds at any duty ratio.
     """
 
     nozzle_drop: PressureDifference
@@ -129,7 +128,7 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     k_f = friction_coefficient(mu, valve)
     averaged = pwm_frequency(averaged_spool_speed(duty_ratio, at, mu, valve), valve)
     cycle, open_loss = quasi_steady_mean(duty_ratio, at, valve), full_open_loss(Q, rho, valve)
-    transition = transition_loss(at, valve).loss if at.relief_override == 0.0 else cycle.loss - open_loss
+    transition = transition_loss(at, valve).loss
     leakage = leakage_loss(load_pressure - tank, mu, valve)
     compression = compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil)
     regime = compression_regime(
