@@ -49,7 +49,7 @@ def test_forces_per_volume_have_one_dimension():
 
 
 def test_centre_coefficient_is_in_si(valve, told):
-    """1.45e-6 x 0.0254^3.22 = 1.0421e-11 under (6.6667e-4)^1.91 gives 0.81 bar; 40^1.91 over 1.45e-6 x 25.4^3.22 more."""
+    """1.45e-6 x 0.0254^3.22 = 1.0421e-11 under (6.6667e-4)^1.91 gives 0.81 bar; as printed, 40^1.91 over 25.4^3.22."""
     si = Q**1.91 / (1.45e-6 * 0.0254**3.22)
     assert full_open_drop(Q, RHO, valve).centre_section == pytest.approx(si, rel=1e-12)
     assert f"{si / 1e5:.3f} bar" in told
@@ -102,7 +102,7 @@ def test_volumes_of_the_rail(told):
 
 
 def test_a_thinner_rail_is_not_that_small(told):
-    """A torus has the volume 2 pi^2 R r^2: r less by 30 %, R by 16 % as well, and by how much r would have to be less."""
+    """A torus has the volume 2 pi^2 R r^2: r less by 30 %, R by 16 % as well, and what r would have to be."""
     thinner = 0.7**2 * RAIL
     assert f"{thinner:.1f} cc" in told
     assert f"{0.84 * thinner:.1f} cc" in told
@@ -150,7 +150,7 @@ def test_pump_delivers_more_than_is_said(told):
 
 
 def test_torque_about_an_axis_is_one_component():
-    """The power of forces on a turning body is its speed times e_z . sum(r x F); no other component of the sum works."""
+    """The power of forces on a turning body is its speed times e_z . sum(r x F); no other component works."""
     rng = np.random.default_rng(2)
     r, F, omega = rng.normal(size=(50, 3)), rng.normal(size=(50, 3)), 150.8
     power = np.sum(F * np.cross([0.0, 0.0, omega], r))
