@@ -1,0 +1,49 @@
+"""Every row of the errata names tests, and these exist."""
+
+import ast
+from pathlib import Path
+
+TESTS = Path(__file__).parents[1]
+NOTHING_TO_WORK_OUT = {"abstract"}
+"""Places whose misprint is one of the text alone."""
+ROWS = 43
+
+
+def functions_of_the_tests() -> dict[str, list[str]]:
+    """Files in which each function stands whose name begins with test_."""
+    found: dict[str, list[str]] = {}
+    for path in TESTS.rglob("test_*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+                found.setdefault(node.name, []).append(str(path.relative_to(TESTS)))
+    return found
+
+
+def test_every_row_names_tests_that_exist_once(rows):
+    known = functions_of_the_tests()
+    named = {test for row in rows for test in row.tests}
+    assert {test: known.get(test, []) for test in named if len(known.get(test, [])) != 1} == {}
+    assert {row.place for row in rows if not row.tests} == NOTHING_TO_WORK_OUT
+
+
+def test_rows_are_counted(rows, page):
+    """None is lost to a table that breaks: every line that begins as a row belongs to a table with a head."""
+    assert len(rows) == ROWS
+    assert len({(row.place, row.text) for row in rows}) == ROWS
+    lines = page.splitlines()
+    heads = [i for i, line in enumerate(lines) if i and set(line) <= set("|- ") and line.startswith("|-")]
+    for i, line in enumerate(lines):
+        if line.startswith("|") and not lines[i - 1].startswith("|"):
+            assert i + 1 in heads, line
+
+
+def test_every_misprint_test_is_named(rows):
+    """What stands in this folder about the sources is named by the page."""
+    named = {test for row in rows for test in row.tests}
+    here = {
+        node.name
+        for path in Path(__file__).parent.glob("test_chapter*.py")
+        for node in ast.parse(path.read_text("utf-8")).body
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+    }
+    assert here - named == set()
