@@ -141,8 +141,8 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs, 
 
 def stored(s: State, p: Values) -> Stored:
     """Energy and oil of both volumes."""
-    inlet = closed_volume_contents(s.inlet, p.inlet_volume, p.oil)
-    load = closed_volume_contents(s.load_line, p.load_volume, p.oil)
+    inlet = closed_volume_contents(fluid_state(s.inlet, p.oil), p.inlet_volume, p.oil)
+    load = closed_volume_contents(fluid_state(s.load_line, p.oil), p.load_volume, p.oil)
     return Stored(inlet.energy + load.energy, inlet.volume + load.volume)
 
 

@@ -69,8 +69,8 @@ def test_books_close_through_an_impact_on_the_end_stop(oil):
 
     def store(y):
         x, v, P_a, P_b = y[:4]
-        a = vessel_contents(P_a, oil, vessel_a, wall_a(x, v, RIG).volume)
-        b = vessel_contents(P_b, oil, vessel_b, wall_b(x, v, RIG).volume)
+        a = vessel_contents(fluid_state(P_a, oil), oil, vessel_a, wall_a(x, v, RIG).volume)
+        b = vessel_contents(fluid_state(P_b, oil), oil, vessel_b, wall_b(x, v, RIG).volume)
         return a.energy + b.energy + 0.5 * RIG.moving_mass * v**2 + stop_energy(x, STOP), a.volume + b.volume
 
     y = np.array([0.25, 0.0, 5e5, 5e5, *[0.0] * 6])

@@ -127,7 +127,8 @@ def test_books_of_two_volumes_and_a_line_close(oil):
     )
 
     def store(y):
-        a, b = closed_volume_contents(y[0], V1, oil), closed_volume_contents(y[1], V2, oil)
+        a = closed_volume_contents(fluid_state(y[0], oil), V1, oil)
+        b = closed_volume_contents(fluid_state(y[1], oil), V2, oil)
         return a.energy + b.energy + line_energy(y[2], RHO, LINE), a.volume + b.volume
 
     (energy0, mass0), (energy1, mass1) = store(run.y[:, 0]), store(run.y[:, -1])

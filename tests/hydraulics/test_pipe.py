@@ -100,7 +100,7 @@ def test_default_pieces_hold_the_first_mode_to_a_fifth_of_a_percent(oil, level, 
 def test_pieces_add_up(oil):
     pipe = with_pieces(4, length=2.0)
     assert 2.0 * end_piece(pipe).length + 3.0 * inner_piece(pipe).length == pytest.approx(2.0, rel=1e-14)
-    assert 4.0 * piece_stored(oil.reference_pressure, oil, pipe).volume == pytest.approx(
+    assert 4.0 * piece_stored(fluid_state(oil.reference_pressure, oil), oil, pipe).volume == pytest.approx(
         0.25 * np.pi * 4e-4 * 2.0, rel=1e-14
     )
     assert end_piece(pipe).wall_friction == inner_piece(pipe).wall_friction == 0.0
@@ -119,7 +119,7 @@ def test_a_piece_is_a_vessel_without_gas(oil):
         fluid = fluid_state(pressure, oil)
         expected = pressure_rate(1e-4, 0.0, pressure, fluid, vessel, oil.reference_pressure)
         assert piece_rate(1e-4, fluid, pipe, oil.reference_pressure) == pytest.approx(expected, rel=1e-14)
-        assert piece_stored(pressure, oil, pipe) == pytest.approx(vessel_contents(pressure, oil, vessel), rel=1e-12)
+        assert piece_stored(fluid, oil, pipe) == pytest.approx(vessel_contents(fluid, oil, vessel), rel=1e-12)
 
 
 def test_tube_by_hand():
@@ -178,7 +178,8 @@ def test_books_of_a_line_with_layers_close(oil):
     )  # fmt: skip
 
     def store(y):
-        a, b = closed_volume_contents(y[0], V1, oil), closed_volume_contents(y[1], V2, oil)
+        a = closed_volume_contents(fluid_state(y[0], oil), V1, oil)
+        b = closed_volume_contents(fluid_state(y[1], oil), V2, oil)
         return a.energy + b.energy + layered_energy(LayeredState(*y[2:8]), RHO, line), a.volume + b.volume
 
     (energy0, mass0), (energy1, mass1) = store(run.y[:, 0]), store(run.y[:, -1])

@@ -97,8 +97,9 @@ def test_without_gas_and_hose_a_vessel_is_a_closed_volume(oil):
         assert pressure_rate(1e-4, 2e-5, pressure, fluid, plain, REF) == pytest.approx(
             closed_volume_rate(1e-4, 2e-5, 4e-4, fluid), rel=1e-14
         )
-        assert vessel_contents(pressure, oil, plain) == closed_volume_contents(pressure, 4e-4, oil)
-    nothing = vessel_contents(REF, oil, plain)
+        fluid = fluid_state(pressure, oil)
+        assert vessel_contents(fluid, oil, plain) == closed_volume_contents(fluid, 4e-4, oil)
+    nothing = vessel_contents(fluid_state(REF, oil), oil, plain)
     assert nothing.energy == 0.0 and nothing.volume == pytest.approx(4e-4, rel=1e-15)
 
 
@@ -146,8 +147,8 @@ def test_books_of_a_fill_and_empty_cycle_across_precharge_close(oil):
         max_step=2e-3,
     )
     begin, end = (
-        vessel_contents(run.y[0, 0], oil, tank, wall(0.0)[0]),
-        vessel_contents(run.y[0, -1], oil, tank, wall(1.7)[0]),
+        vessel_contents(fluid_state(run.y[0, 0], oil), oil, tank, wall(0.0)[0]),
+        vessel_contents(fluid_state(run.y[0, -1], oil), oil, tank, wall(1.7)[0]),
     )
     assert run.y[0].min() < tank.precharge_pressure < 1.5 * tank.precharge_pressure < run.y[0].max()
     _, mass, energy, work, moved = run.y[:, -1]

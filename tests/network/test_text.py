@@ -46,7 +46,7 @@ GOLDEN = """
 def circuit(t, s, u, p):
     h = u.held
     tank = state_at(signal_value(t, p.tank_pressure), h.tank, p.oil)
-    line = fluid_state(s.line, p.oil)
+    line = plain_state(s.line, p.oil)
     supply = flow_source(tank, line, signal_value(t, p.supply_flow), p.supply)
     load = orifice(line, tank, signal_value(t, p.load_area), h.medium, p.load)
     into_tank = -supply.flow + load.flow
@@ -88,12 +88,13 @@ def conditions(t, p):
     medium = Medium(density(temperature, p.oil), dynamic_viscosity(temperature, p.oil))
     return Held(
         medium=medium,
-        tank=fluid_state(signal_value(t, p.tank_pressure), p.oil),
+        tank=plain_state(signal_value(t, p.tank_pressure), p.oil),
     )
 
 
 def stored(s, p):
-    in_line = closed_volume_contents(s.line, p.line.volume, p.oil)
+    line = plain_state(s.line, p.oil)
+    in_line = closed_volume_contents(line, p.line.volume, p.oil)
     energy = in_line.energy
     return Stored(energy, in_line.volume)
 
@@ -325,8 +326,8 @@ def hand_circuit(t: float, s: HandState, u: Command, p: HandValues) -> tuple[Han
 
 
 def hand_stored(s: HandState, p: HandValues) -> Stored:
-    inlet = closed_volume_contents(s.inlet, p.inlet_volume, p.oil)
-    load = closed_volume_contents(s.load_line, p.load_volume, p.oil)
+    inlet = closed_volume_contents(fluid_state(s.inlet, p.oil), p.inlet_volume, p.oil)
+    load = closed_volume_contents(fluid_state(s.load_line, p.oil), p.load_volume, p.oil)
     return Stored(inlet.energy + load.energy, inlet.volume + load.volume)
 
 

@@ -168,8 +168,8 @@ def circuit(t: float, s: State, u: Command, p: Values) -> tuple[State, Outputs, 
 
 
 def stored(s: State, p: Values) -> Stored:
-    inlet = closed_volume_contents(s.inlet_pressure, p.inlet_volume, p.oil)
-    load = closed_volume_contents(s.load_pressure, p.load_volume, p.oil)
+    inlet = closed_volume_contents(fluid_state(s.inlet_pressure, p.oil), p.inlet_volume, p.oil)
+    load = closed_volume_contents(fluid_state(s.load_pressure, p.oil), p.load_volume, p.oil)
     return Stored(inlet.energy + load.energy, inlet.volume + load.volume)
 
 

@@ -79,6 +79,7 @@ DENSITY = Kind("density", "kg/m^3", 500.0, 2000.0, "876 kg/m^3")
 KINEMATIC_VISCOSITY = Kind("kinematic viscosity", "m^2/s", 1e-7, 1e-1, "44.2 cSt")
 DYNAMIC_VISCOSITY = Kind("dynamic viscosity", "Pa*s", 1e-4, 1e2, "0.0387 Pa*s")
 THERMAL_EXPANSION = Kind("thermal expansion coefficient", "1/K", 0.0, 1e-2, "7e-4 1/K")
+FALL = Kind("relative fall over temperature", "1/K", 0.0, 0.1, "5.5e-3 1/K")
 # Far above any real oil on purpose: limit studies make the oil stiff to recover volume-counting formulas.
 BULK_MODULUS = Kind("bulk modulus", "Pa", 1e6, 1e13, "1.4 GPa")
 COMPLIANCE = Kind("elastic compliance", "1/Pa", 0.0, 1e-6, "3e-10 1/Pa")
@@ -171,6 +172,7 @@ Density = Annotated[float, DENSITY]
 KinematicViscosity = Annotated[float, KINEMATIC_VISCOSITY]
 DynamicViscosity = Annotated[float, DYNAMIC_VISCOSITY]
 ThermalExpansion = Annotated[float, THERMAL_EXPANSION]
+Fall = Annotated[float, FALL]
 BulkModulus = Annotated[float, BULK_MODULUS]
 Compliance = Annotated[float, COMPLIANCE]
 Conductance = Annotated[float, CONDUCTANCE]

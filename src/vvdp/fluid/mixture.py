@@ -11,12 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import BulkModulus, EnergyDensity, Pressure, Ratio
-from vvdp.base.powers import expm1, power
+from vvdp.base.powers import expm1
 from vvdp.base.select import maximum, select
 from vvdp.fluid.oil import Oil, density
+from vvdp.fluid.parts import RAREFIED, air_part, liquid_enthalpy, liquid_part, power_growth, vapour_part
 
-RAREFIED = 0.01
-"""Share of the reference pressure below which the gas law is not followed."""
 NODES, WEIGHTS = (tuple(map(float, 0.5 * column)) for column in np.polynomial.legendre.leggauss(16))
 
 
@@ -29,42 +28,8 @@ class FluidState(NamedTuple):
     enthalpy: EnergyDensity
 
 
-class PowerGrowth(NamedTuple):
-    """A power of a ratio, and how far it has grown from 1 over its exponent."""
-
-    power: Ratio
-    growth: float
-
-
-def power_growth(ratio: float, exponent: float) -> PowerGrowth:
-    """x^k and (x^k - 1)/k [1], the latter ln x at k = 0 and exact close to it.
-
-    ratio     x, greater than zero [1]
-    exponent  k, 0 or greater [1]
-    """
-    k, L = exponent, np.log(ratio)
-    e = np.expm1(k * L)
-    return PowerGrowth(1.0 + e, select(k > 0.0, e / select(k > 0.0, k, 1.0), L))
-
-
-def power_growth_compiled(ratio: float, exponent: float) -> PowerGrowth:
-    """The same as `power_growth`, which it replaces in compiled code: where k is not small, one power does.
-
-    ratio     x, greater than zero [1]
-    exponent  k, 0 or greater [1]
-    """
-    k = exponent
-    per_k = 1.0 / select(k > 0.0, k, 1.0)  # not where it is used: here all states of an oil share it
-    if k > 0.01:
-        grown = power(ratio, k)
-        return PowerGrowth(grown, (grown - 1.0) * per_k)
-    L = np.log(ratio)
-    e = np.expm1(k * L)
-    return PowerGrowth(1.0 + e, select(k > 0.0, e * per_k, L))
-
-
-def fluid_state(pressure: float, oil: Oil) -> FluidState:
-    """Specific-volume ratio [1], bulk modulus [Pa] and enthalpy per tank volume [J/m3] at one pressure.
+def plain_state(pressure: float, oil: Oil) -> FluidState:
+    """The state of an oil with neither vapour nor a modulus that grows, see `fluid_state`, at one pressure.
 
     With x = P/P0, a = phi x^(-1/n) and l = (1 - phi) e^(-(P - P0)/b):
     nu = a + l,  1/beta = (a/(n P) + l/b)/nu = -nu'/nu,
@@ -95,15 +60,60 @@ def fluid_state(pressure: float, oil: Oil) -> FluidState:
     )
 
 
+def is_plain(oil: Oil) -> bool:
+    """Whether neither vapour nor a modulus that grows over pressure belongs to an oil, so that `plain_state` holds."""
+    return oil.vapour_pressure == 0.0 and oil.bulk_modulus_slope == 0.0
+
+
+def fluid_state(pressure: float, oil: Oil) -> FluidState:
+    """Specific-volume ratio [1], bulk modulus [Pa] and enthalpy per tank volume [J/m3] at one pressure.
+
+    nu = phi a + (1 - phi) l + v, with a, l, v the volumes of `air_part`, `liquid_part` and `vapour_part`, 1/beta =
+    -nu'/nu, and dh = nu dP, h(P0) = 0.  pressure: P, absolute [Pa].
+
+    Source  cho2002, bulk modulus; enthalpy ours, docs/models/fluid.md
+    """
+    return aerated_state(pressure, oil.air_fraction, oil)
+
+
+def fluid_state_compiled(pressure: float, oil: Oil) -> FluidState:
+    """The same as `fluid_state`, which it replaces in compiled code: most oils are plain.
+
+    pressure  absolute [Pa]
+    """
+    if oil.vapour_pressure == 0.0 and oil.bulk_modulus_slope == 0.0:
+        return plain_state(pressure, oil)
+    return aerated_state(pressure, oil.air_fraction, oil)
+
+
+def aerated_state(pressure: float, free_air: float, oil: Oil) -> FluidState:
+    """The state of oil at one pressure, see `fluid_state`, some of whose air has dissolved or come out of solution.
+
+    pressure  absolute [Pa]
+    free_air  volume at the reference pressure, per tank volume [1]
+
+    Source  cho2002, bulk modulus; enthalpy ours, docs/models/fluid.md
+    """
+    air, liquid, vapour = air_part(pressure, oil), liquid_part(pressure, oil), vapour_part(pressure, oil)
+    share = 1.0 - oil.air_fraction
+    nu = free_air * air.volume + share * liquid.volume + vapour.volume
+    return FluidState(
+        pressure=pressure,
+        volume_ratio=nu,
+        bulk_modulus=nu / (free_air * air.yielding + share * liquid.yielding + vapour.yielding),
+        enthalpy=free_air * air.enthalpy + share * liquid.enthalpy + vapour.enthalpy,
+    )
+
+
 def state_at(pressure: float, known: FluidState, oil: Oil) -> FluidState:
-    """The state of oil at a pressure, see `fluid_state`; in compiled code `known` where that is its pressure already.
+    """The state of plain oil at a pressure, see `plain_state`; in compiled code `known` where that is its pressure.
 
     pressure  absolute [Pa]
     known     the state at some pressure
 
     Source  cho2002, bulk modulus; enthalpy ours, docs/models/fluid.md
     """
-    return fluid_state(pressure, oil)
+    return plain_state(pressure, oil)
 
 
 def state_at_compiled(pressure: float, known: FluidState, oil: Oil) -> FluidState:
@@ -116,13 +126,13 @@ def state_at_compiled(pressure: float, known: FluidState, oil: Oil) -> FluidStat
     """
     if pressure == known.pressure:
         return known
-    return fluid_state(pressure, oil)
+    return plain_state(pressure, oil)
 
 
 def specific_volume_ratio(pressure: float, oil: Oil) -> float:
     """Volume of a mass of fluid over its volume at the reference pressure, nu [1].  pressure: absolute [Pa].
 
-    nu = phi (P/P0)^(-1/n) + (1 - phi) e^(-(P - P0)/b)
+    nu = phi (P/P0)^(-1/n) + (1 - phi) e^(-(P - P0)/b) of a plain oil; see `fluid_state`.
 
     Source  cho2002, bulk modulus
     Holds   for air that stays free, at pressures changing too fast for it to dissolve
@@ -199,8 +209,9 @@ def fluid_density(pressure: float, temperature: float, oil: Oil) -> float:
 def compression_energy_per_volume(pressure: float, from_pressure: float, oil: Oil) -> float:
     """Energy stored by going from one pressure to another, per volume at the final one, W_V [J/m3].
 
-    W_V = int_Pd^P (nu(P')/nu(P) - 1) dP'. With d = P - Pd, y = Pd/P, k = 1 - 1/n (-ln y for the fraction at n = 1):
-    nu W_V = l (b (e^(d/b) - 1) - d) + a (P (1 - y^k)/k - d), exact for small d too.
+    W_V = int_Pd^P (nu(P')/nu(P) - 1) dP'. With d = P - Pd, y = Pd/P, k = 1 - 1/n (-ln y for the fraction at n = 1),
+    e the oil's own integral of l(P')/l(P) (b (e^(d/b) - 1) for a constant modulus), v the vapour:
+    nu W_V = l (e - d) + a (P (1 - y^k)/k - d) + int v dP' - v d, exact for small d too.
     pressure: P; from_pressure: Pd, both absolute [Pa], held at P0/100 below it.
 
     Source  wang2017, eq. 5.22; closed form ours, docs/models/fluid.md
@@ -209,15 +220,19 @@ def compression_energy_per_volume(pressure: float, from_pressure: float, oil: Oi
     >>> print(round(compression_energy_per_volume(100e5, 101325.0, oil)))  # oil without air: 35 000
     41062
     """
-    P0, n, phi, b = oil.reference_pressure, oil.polytropic_exponent, oil.air_fraction, oil.liquid_bulk_modulus
+    P0, n, m = oil.reference_pressure, oil.polytropic_exponent, oil.bulk_modulus_slope
     P = maximum(pressure, RAREFIED * P0)
-    d = P - maximum(from_pressure, RAREFIED * P0)
+    Pd = maximum(from_pressure, RAREFIED * P0)
+    d = P - Pd
     k = (n - 1.0) / n
     L = np.log1p(-d / P)
-    a = phi * (P0 / P) ** (1.0 / n)
-    l = (1.0 - phi) * np.exp((P0 - P) / b)
+    a = oil.air_fraction * (P0 / P) ** (1.0 / n)
+    liquid, vapour = liquid_part(P, oil), vapour_part(P, oil)
+    l = (1.0 - oil.air_fraction) * liquid.volume
+    oil_expansion = -liquid_enthalpy(-d, oil.liquid_bulk_modulus + m * (P - P0), m)
     expansion = P * select(k > 0.0, -np.expm1(k * L) / select(k > 0.0, k, 1.0), -L)
-    energy: float = (l * (b * np.expm1(d / b) - d) + a * (expansion - d)) / (a + l)
+    boiled = vapour.enthalpy - vapour_part(Pd, oil).enthalpy - d * vapour.volume
+    energy: float = (l * (oil_expansion - d) + a * (expansion - d) + boiled) / (a + l + vapour.volume)
     return energy
 
 

@@ -13,7 +13,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AirFraction, BulkModulus, Kind, Polytropic, Pressure
 from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum
-from vvdp.fluid.mixture import RAREFIED
+from vvdp.fluid.parts import RAREFIED
 
 DISSOLVING_RATE = Kind("rate at which air dissolves", "1/Pa", 0.0, 1e-5, "1e-8 1/Pa")
 DissolvingRate = Annotated[float, DISSOLVING_RATE]

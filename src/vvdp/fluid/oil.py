@@ -1,8 +1,9 @@
-"""Hydraulic oil: density over temperature, viscosity over temperature and pressure.
+"""Hydraulic oil: density and modulus over temperature, viscosity over temperature and pressure.
 
 Derived in docs/models/fluid.md, "Density and viscosity over temperature" and "Viscosity over pressure".
 """
 
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -12,11 +13,16 @@ from vvdp.base.kinds import (
     AirFraction,
     BulkModulus,
     Density,
+    Fall,
+    Fraction,
     Kind,
     KinematicViscosity,
     Polytropic,
     Pressure,
+    Ratio,
+    Temperature,
     ThermalExpansion,
+    Time,
 )
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
@@ -32,11 +38,14 @@ HOT = 373.15
 class Oil(Params):
     """An oil as its data sheet describes it, with the free air that it carries.
 
-    `density` holds at 40 degC, the two viscosities are kinematic, `air_fraction` is the share of the volume that is
-    free air at `reference_pressure` (absolute), and `liquid_bulk_modulus` is that of the oil without air.
-    `pressure_viscosity` is the relative rise of the viscosity with pressure, `vapour_pressure` is absolute; 0 leaves
-    either out. Raises `ParameterError` where the oil does not thin as it warms, or is too thin for the viscosity law
-    (0.3 mm2/s).
+    `density` holds at `density_temperature`, the two viscosities are kinematic and grow by `pressure_viscosity` per
+    pressure, `air_fraction` is the share of the volume that is free air at `reference_pressure` (absolute), and
+    `liquid_bulk_modulus` is the tangent modulus of the oil without air at that pressure and 40 degC; it grows by
+    `bulk_modulus_slope` over pressure and falls by `bulk_modulus_fall` over temperature. Below `vapour_pressure`
+    (absolute; 0: none) the oil boils. With a `bunsen_coefficient`, the volume of air at the reference pressure that a
+    volume of oil dissolves at it, free air nears its equilibrium within `dissolving_time` or `release_time`; 0 leaves
+    it free. Raises `ParameterError` where the oil does not thin as it warms, or is too thin for the viscosity law
+    (0.3 mm2/s), or where values do not fit.
     """
 
     density: Density
@@ -48,7 +57,13 @@ class Oil(Params):
     polytropic_exponent: Polytropic
     reference_pressure: Pressure
     pressure_viscosity: PressureViscosity = 0.0
+    density_temperature: Temperature = WARM
+    bulk_modulus_slope: Ratio = 0.0
+    bulk_modulus_fall: Fall = 0.0
     vapour_pressure: Pressure = 0.0
+    bunsen_coefficient: Fraction = 0.0
+    dissolving_time: Time = 0.0
+    release_time: Time = 0.0
 
     def check(self) -> None:
         """Refuse viscosities that no straight line of the viscosity chart can join, and a vacuum as reference."""
@@ -65,12 +80,23 @@ class Oil(Params):
             raise ParameterError(
                 f"Oil.reference_pressure: {self.reference_pressure:g} Pa; expected an absolute pressure above zero"
             )
+        if not self.vapour_pressure < self.reference_pressure:
+            raise ParameterError(
+                f"Oil.vapour_pressure: {self.vapour_pressure:g} Pa; at the reference pressure, "
+                f"{self.reference_pressure:g} Pa, the oil would boil"
+            )
+        times = self.dissolving_time, self.release_time
+        if self.bunsen_coefficient > 0.0 and not min(times) > 0.0:
+            raise ParameterError(
+                f"Oil.bunsen_coefficient: {self.bunsen_coefficient:g} with dissolving_time {times[0]:g} s and "
+                f"release_time {times[1]:g} s; expected both times above 0"
+            )
 
 
 def density(temperature: float, oil: Oil) -> float:
     """Density of the oil at its reference pressure [kg/m3].
 
-    rho = rho40 / (1 + alpha (T - 313.15 K)).  temperature: T [K].
+    rho = rho_r / (1 + alpha (T - T_r)), rho_r the data sheet's at T_r.  temperature: T [K].
 
     Source  merritt1967, ch. 2; the volume, not the density, is linear in temperature
     Holds   at the reference pressure; `fluid_density` has that under pressure
@@ -78,7 +104,26 @@ def density(temperature: float, oil: Oil) -> float:
     >>> print(round(density(353.15, oil), 1))
     852.1
     """
-    return oil.density / (1.0 + oil.thermal_expansion * (temperature - WARM))
+    return oil.density / (1.0 + oil.thermal_expansion * (temperature - oil.density_temperature))
+
+
+def oil_at(temperature: float, oil: Oil) -> Oil:
+    """The oil with the bulk modulus that it has at a temperature: K = K40 e^(-c (T - 313.15 K)).
+
+    temperature: T [K].
+
+    Source  hayward1970, fall over temperature
+    Holds   for a run whose temperature changes little: what is stored depends on the modulus, which must not change
+
+    >>> from dataclasses import replace
+    >>> warm = oil_at(333.15, replace(oil, bulk_modulus_fall=5.5e-3))  # at 60 degC
+    >>> print(round(warm.liquid_bulk_modulus / 1e9, 3))  # GPa
+    1.254
+    """
+    if oil.bulk_modulus_fall == 0.0:
+        return oil
+    share = float(np.exp(-oil.bulk_modulus_fall * (temperature - WARM)))
+    return replace(oil, liquid_bulk_modulus=share * oil.liquid_bulk_modulus, bulk_modulus_fall=0.0)
 
 
 def kinematic_viscosity(temperature: float, oil: Oil) -> float:

@@ -79,6 +79,15 @@ def end_piece(pipe: LinePipe) -> PipePiece:
     return PipePiece(0.5 * pipe.length / pipe.pieces, pipe.diameter, pipe.wall_friction)
 
 
+def piece_volume(pressure: float, pipe: LinePipe, reference_pressure: float) -> float:
+    """Volume of oil in one of a pipe's volumes [m^3]: V (1 + (P - ref)/B).
+
+    pressure            absolute [Pa]
+    reference_pressure  at which the hose is unstretched, absolute [Pa]
+    """
+    return line_volume(inner_piece(pipe)) * (1.0 + pipe.hose_compliance * (pressure - reference_pressure))
+
+
 def piece_rate(net_flow: float, fluid: FluidState, pipe: LinePipe, reference_pressure: float) -> float:
     """Rate of the pressure in one of a pipe's volumes [Pa/s]: P' = nu sum(q) / (V (1 + (P - ref)/B)/beta + V/B).
 
@@ -88,20 +97,19 @@ def piece_rate(net_flow: float, fluid: FluidState, pipe: LinePipe, reference_pre
     fluid               oil in the volume
     reference_pressure  at which the hose is unstretched, absolute [Pa]
     """
-    V, compliance = line_volume(inner_piece(pipe)), pipe.hose_compliance
-    oil = V * (1.0 + compliance * (fluid.pressure - reference_pressure))
-    return fluid.volume_ratio * net_flow / (oil / fluid.bulk_modulus + V * compliance)
+    oil = piece_volume(fluid.pressure, pipe, reference_pressure)
+    wall = line_volume(inner_piece(pipe)) * pipe.hose_compliance
+    return fluid.volume_ratio * net_flow / (oil / fluid.bulk_modulus + wall)
 
 
-def piece_stored(pressure: float, oil: Oil, pipe: LinePipe) -> Stored:
+def piece_stored(fluid: FluidState, oil: Oil, pipe: LinePipe) -> Stored:
     """Energy [J] and tank volumes [m^3] in one of a pipe's volumes, its stretched wall's included.
 
-    pressure  absolute [Pa]
+    fluid  oil in the volume
     """
-    V, compliance = line_volume(inner_piece(pipe)), pipe.hose_compliance
-    excess = pressure - oil.reference_pressure
-    inside = closed_volume_contents(pressure, V * (1.0 + compliance * excess), oil)
-    return Stored(inside.energy + 0.5 * V * compliance * excess**2, inside.volume)
+    inside = closed_volume_contents(fluid, piece_volume(fluid.pressure, pipe, oil.reference_pressure), oil)
+    wall = line_volume(inner_piece(pipe)) * pipe.hose_compliance
+    return Stored(inside.energy + 0.5 * wall * (fluid.pressure - oil.reference_pressure) ** 2, inside.volume)
 
 
 def sound_speed(density: float, fluid: FluidState, hose_compliance: float) -> float:

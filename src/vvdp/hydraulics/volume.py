@@ -11,7 +11,7 @@ from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
 from vvdp.base.params import Params
 from vvdp.base.powers import power
 from vvdp.base.select import select
-from vvdp.fluid.mixture import FluidState, fluid_state
+from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 
 SEATING = 0.01
@@ -85,31 +85,29 @@ def closed_volume_rate(net_flow: float, volume_rate: float, volume: float, fluid
     return fluid.bulk_modulus / volume * (fluid.volume_ratio * net_flow - volume_rate)
 
 
-def vessel_contents(pressure: float, oil: Oil, vessel: Vessel, swept_volume: float = 0.0) -> Stored:
+def vessel_contents(fluid: FluidState, oil: Oil, vessel: Vessel, swept_volume: float = 0.0) -> Stored:
     """Energy [J] and tank volumes [m^3] in a vessel: 0 and V0 + swept at the reference pressure without gas.
 
     energy = V w/nu + V0 (P - ref)^2 / (2 B) + gas, volume = V/nu, with w the strain energy per tank volume.
 
-    pressure      absolute [Pa]
+    fluid         oil in the vessel
     swept_volume  what a moving wall adds to the vessel [m^3]
     """
+    pressure = fluid.pressure
     excess = pressure - oil.reference_pressure
-    oil_inside = closed_volume_contents(
-        pressure, oil_held(pressure, vessel, oil.reference_pressure) + swept_volume, oil
-    )
+    oil_inside = closed_volume_contents(fluid, oil_held(pressure, vessel, oil.reference_pressure) + swept_volume, oil)
     hose = 0.5 * vessel.oil_volume * vessel.hose_compliance * excess**2
     return Stored(oil_inside.energy + hose + gas_energy(pressure, vessel, oil.reference_pressure), oil_inside.volume)
 
 
-def closed_volume_contents(pressure: float, volume: float, oil: Oil) -> Stored:
+def closed_volume_contents(fluid: FluidState, volume: float, oil: Oil) -> Stored:
     """Energy [J] and tank volumes [m^3] of the oil in a rigid volume: V w/nu and V/nu.
 
-    pressure  absolute [Pa]
-    volume    of oil, now [m^3]
+    fluid   oil in the volume
+    volume  of oil, now [m^3]
     """
-    fluid = fluid_state(pressure, oil)
     tank_volumes = volume / fluid.volume_ratio
-    strain = fluid.enthalpy - (pressure - oil.reference_pressure) * fluid.volume_ratio
+    strain = fluid.enthalpy - (fluid.pressure - oil.reference_pressure) * fluid.volume_ratio
     return Stored(tank_volumes * strain, tank_volumes)
 
 

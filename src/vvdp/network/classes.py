@@ -24,12 +24,25 @@ from vvdp.base.kinds import (
     PressureTime,
     Speed,
     TankVolume,
+    Volume,
 )
 from vvdp.base.params import Params
+from vvdp.fluid.dissolving import FreeAir
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.network import Part
-from vvdp.network.nodes import DrivenShaft, HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.nodes import (
+    DrivenShaft,
+    HydraulicNode,
+    OilVolume,
+    PressureSource,
+    Rod,
+    Shaft,
+    Tank,
+    can_boil,
+    free_air_name,
+    has_free_air,
+)
 from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, part_outputs, tank_exchanges
 from vvdp.simulation.values import blank, names
 
@@ -67,6 +80,7 @@ class Classes:
         """Energy turned to heat, by part."""
         losses = {p.name: p.component.losses for p in self.network.parts.values() if p.component.losses}
         hints = {n: _energy(kinds[""]) if "" in kinds else self.spent_parts[n] for n, kinds in losses.items()}
+        hints |= {free_air_name(n): ExchangedEnergy for n, node in self.network.nodes.items() if has_free_air(node)}
         return named_tuple("Spent", hints)
 
     @cached_property
@@ -91,6 +105,8 @@ class Classes:
             match node:
                 case OilVolume():
                     hints[name] = Pressure
+                    if has_free_air(node):
+                        hints[free_air_name(name)] = FreeAir
                 case Shaft():
                     hints[name] = ShaftState
                 case Rod():
@@ -115,6 +131,7 @@ class Classes:
                 part.name,
                 {f"{part.name}_{n}": Annotated[float, kind] for n, (_, kind) in part_outputs(part).items()},
             )
+        _join(hints, "the oil", {f"{n}_vapour": Volume for n, node in self.network.nodes.items() if can_boil(node)})
         for path in self.program_reads:
             kind = self.places.quantity(path, path).kind
             _join(hints, path, {path.replace(".", "_"): Annotated[float, kind]})
@@ -159,7 +176,8 @@ class Classes:
         for part in self.network.parts.values():
             found = {f"{part.name}_{n}": Annotated[float, kind] for n, kind in part.component.modes.items()}
             _join(hints, part.name, found)
-        return named_tuple("Modes", hints | dict.fromkeys(tank_exchanges(self.places), Kink))
+        boiling = (f"{n}_vapour" for n, node in self.network.nodes.items() if can_boil(node))
+        return named_tuple("Modes", hints | dict.fromkeys((*tank_exchanges(self.places), *boiling), Kink))
 
     @cached_property
     def command(self) -> type:

@@ -8,7 +8,6 @@ from vvdp.base.errors import NetworkError
 from vvdp.base.params import field_kinds
 from vvdp.base.select import maximum, minimum
 from vvdp.base.signal import Signal, signal_stop, signal_value
-from vvdp.fluid.mixture import fluid_state
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.hydraulics.flow import flow_side
 from vvdp.hydraulics.pipe import LinePipe, piece_rate, piece_stored
@@ -28,7 +27,10 @@ from vvdp.network.nodes import (
     Rod,
     Shaft,
     Tank,
+    free_air_name,
+    has_free_air,
 )
+from vvdp.network.oil_options import aerated_volumes, air_lines, boiling_modes, boiling_outputs
 from vvdp.network.paths import (
     averaged_flows,
     part_outputs,
@@ -70,7 +72,7 @@ class Functions:
                 lines.append(f"surplus_{node} = {self.text.inflow_sum(node, only=done)}")
             lines.append(f"{name} = {self.text.call(part, part.component.law)}")
             done.add(name)
-        lines += [*self._exchange(), "rates = State("]
+        lines += [*self._exchange(), *air_lines(self.text), "rates = State("]
         lines += [f"    {name}={rate}," for name, rate in self._rates()]
         lines += ["    books=Books(", *(f"        {line}" for line in self._books()), "    ),", ")"]
         lines += ["outputs = Outputs(", *(f"    {name}={text}," for name, text in self._outputs()), ")"]
@@ -83,25 +85,27 @@ class Functions:
         for name, node in self.network.nodes.items():
             if rate := self._node_rate(name, node):
                 yield name, rate
+            if has_free_air(node):
+                yield free_air_name(name), f"{free_air_name(name)}.rate"
         for part in self.network.parts.values():
             if part.component.state is not None:
                 yield part.name, f"{part.name}.rates"
 
     def _node_rate(self, name: str, node: Node) -> str:
         swept, rate = self.text.walls(name, "volume"), self.text.walls(name, "rate") or "0.0"
+        inflow = self.text.inflow_sum(name) + (f" + {free_air_name(name)}.room" if has_free_air(node) else "")
         match node:
             case OilVolume(values=Chamber()):
                 volume = f"{self.places.path(node.values)}.volume" + (f" + {swept}" if swept else "")
-                return f"{self.text.use(closed_volume_rate)}({self.text.inflow_sum(name)}, {rate}, {volume}, {name})"
+                return f"{self.text.use(closed_volume_rate)}({inflow}, {rate}, {volume}, {name})"
             case OilVolume(values=LinePipe()):
                 ends = f"{self.places.path(node.values)}, {self.places.path(node.oil)}.reference_pressure"
-                return f"{self.text.use(piece_rate)}({self.text.inflow_sum(name)}, {name}, {ends})"
+                return f"{self.text.use(piece_rate)}({inflow}, {name}, {ends})"
             case OilVolume():
                 reference = f"{self.places.path(node.oil)}.reference_pressure"
                 values = self.places.path(node.values)
                 ends = f"{values}, {reference}" + (f", {swept}" if swept else "")
-                call, inflow = self.text.use(pressure_rate), self.text.inflow_sum(name)
-                return f"{call}({inflow}, {rate}, {name}.pressure, {name}, {ends})"
+                return f"{self.text.use(pressure_rate)}({inflow}, {rate}, {name}.pressure, {name}, {ends})"
             case DrivenShaft() if name in self.places.turning:
                 return f"{name}.speed"
             case Shaft():
@@ -158,7 +162,7 @@ class Functions:
                 cls = self.text.use(self.classes.spent_parts[part.name])
                 inner = ", ".join(f"{part.name}.losses.{loss}" for loss in losses)
                 found[part.name] = f"{cls}({inner})"
-        return found
+        return found | {free_air_name(name): f"{free_air_name(name)}.power" for name in aerated_volumes(self.text)}
 
     def _totals(self) -> dict[str, str]:
         found = {
@@ -180,6 +184,7 @@ class Functions:
                 texts[f"{name}_speed"] = f"{name}.speed"
         for part in self.network.parts.values():
             texts |= {f"{part.name}_{name}": text for name, (text, _) in part_outputs(part).items()}
+        texts |= dict(boiling_outputs(self.text))
         texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}
         yield from texts.items()
 
@@ -188,6 +193,7 @@ class Functions:
             yield from ((f"{part.name}_{name}", f"{part.name}.{name}") for name in part.component.modes)
         for name, flow in tank_exchanges(self.places).items():
             yield name, f"{self.text.use(flow_side)}({flow})"
+        yield from boiling_modes(self.text)
 
     def conditions(self) -> list[str]:
         """The function `conditions`."""
@@ -205,7 +211,7 @@ class Functions:
         for name, node in self.network.nodes.items():
             if isinstance(node, Tank):
                 pressure, oil = self.text.source(node.pressure, name), self.places.path(node.oil)
-                fields[name] = f"{self.text.use(fluid_state)}({pressure}, {oil})"
+                fields[name] = f"{self.text.state_of(node.oil)}({pressure}, {oil})"
             elif isinstance(node, Shaft | Rod):
                 fields[f"{name}_inertia"] = self._inertia(name, node)
         for part in self.network.parts.values():
@@ -252,7 +258,8 @@ class Functions:
         stores = [(p.component, p.component.stored) for p in own if p.component.stored]
         if any(a.role is Role.MEDIUM for component, store in stores for a in component.arguments_of(store)):
             lines.append("h = conditions(0.0, p)")
-        lines += list(self.text.node_lines((n for n in self.network.nodes if n in joined), at_rest=True))
+        seen = (n for n, node in self.network.nodes.items() if n in joined or isinstance(node, OilVolume))
+        lines += list(self.text.node_lines(seen, at_rest=True))
         lines += [f"{p.name}_walls = {self.text.call(p, p.component.walls)}" for p in used if p.component.walls]
         for name, node in self.network.nodes.items():
             if isinstance(node, OilVolume):
@@ -288,17 +295,20 @@ class Functions:
         oil, values, swept = self.places.path(node.oil), self.places.path(node.values), self.text.walls(name, "volume")
         if isinstance(node.values, Chamber):
             volume = f"{values}.volume" + (f" + {swept}" if swept else "")
-            return f"{self.text.use(closed_volume_contents)}(s.{name}, {volume}, {oil})"
+            return f"{self.text.use(closed_volume_contents)}({name}, {volume}, {oil})"
         if isinstance(node.values, LinePipe):
-            return f"{self.text.use(piece_stored)}(s.{name}, {oil}, {values})"
+            return f"{self.text.use(piece_stored)}({name}, {oil}, {values})"
         call = self.text.use(vessel_contents, "vessel_stored")
-        return f"{call}(s.{name}, {oil}, {values}{f', {swept}' if swept else ''})"
+        return f"{call}({name}, {oil}, {values}{f', {swept}' if swept else ''})"
 
     def start(self) -> list[str]:
         """The function `start`."""
-        lines = []
+        aerated, lines = {free_air_name(n): node for n, node in aerated_volumes(self.text).items()}, []
         for name in field_kinds(self.classes.state):
             if name == "books":
+                continue
+            if name in aerated:
+                lines.append(f"    {name}={self.places.path(aerated[name].oil)}.air_fraction,")
                 continue
             lines.append(f"    {name}={self._start(name)},")
         return ["def start(p):", "    return State(", *indent(lines), "        books=EMPTY_BOOKS,", "    )"]

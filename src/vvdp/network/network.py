@@ -10,9 +10,9 @@ from typing import Any
 from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, Kind
 from vvdp.base.params import Params
-from vvdp.base.signal import Signal, constant
+from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.base.tables import nearest
-from vvdp.fluid.oil import Oil
+from vvdp.fluid.oil import Oil, oil_at
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.assembly import Assembly, Group
@@ -96,9 +96,11 @@ class Network:
     def __init__(self, oil: Oil, *, temperature: Signal = ROOM_TEMPERATURE, **values: Params) -> None:
         if reserved := RESERVED & values.keys():
             raise NetworkError(f"{min(reserved)!r} is reserved; call the values otherwise")
-        self.oil = oil
         self.temperature = _check_source("temperature", temperature)
-        self.values: dict[str, Params] = {"oil": oil, **values}
+        self._oils: dict[Oil, Oil] = {}
+        self.oil = self._at_first(oil)
+        own = {name: self._at_first(value) if isinstance(value, Oil) else value for name, value in values.items()}
+        self.values: dict[str, Params] = {"oil": self.oil, **own}
         self.nodes: dict[str, Node] = {}
         self.parts: dict[str, Part] = {}
         self.programs: dict[str, ProgramPart] = {}
@@ -110,11 +112,11 @@ class Network:
         """Add oil under one pressure, at first `start` [Pa, absolute]."""
         _check_values(name, values, Chamber, Vessel)
         _check_pressure(name, "start", self.start_value(start))
-        self._add_node(OilVolume(name, values, start, oil or self.oil))
+        self._add_node(OilVolume(name, values, start, self._at_first(oil or self.oil)))
 
     def tank(self, name: str, pressure: Signal | None = None, oil: Oil | None = None) -> None:
         """Add a tank, at the oil's reference pressure or another [Pa, absolute]."""
-        medium = oil or self.oil
+        medium = self._at_first(oil or self.oil)
         held = constant(medium.reference_pressure) if pressure is None else _check_source(name, pressure)
         _check_pressure(name, "pressure", *held.extremes)
         self._add_node(Tank(name, held, medium))
@@ -124,7 +126,7 @@ class Network:
         source = _signal(name, pressure)
         if isinstance(source, Signal):
             _check_pressure(name, "pressure", *source.extremes)
-        self._add_node(PressureSource(name, source, oil or self.oil))
+        self._add_node(PressureSource(name, source, self._at_first(oil or self.oil)))
 
     def shaft(self, name: str, values: Rotor | None = None, *, angle: Start = 0.0, speed: Start = 0.0) -> None:
         """Add a shaft that turns freely, at first at `angle` [rad] with `speed` [rad/s]."""
@@ -256,6 +258,12 @@ class Network:
                 f"start {start!r} is neither a number in SI nor the path of one among {', '.join(self.values)}"
             )
         return float(found)
+
+    def _at_first(self, oil: Oil) -> Oil:
+        """The oil with the modulus that it has when a run begins, and keeps: the one place where that is set."""
+        if oil.bulk_modulus_fall == 0.0:
+            return oil
+        return self._oils.setdefault(oil, oil_at(signal_value(0.0, self.temperature), oil))
 
     def _add_node(self, node: Node) -> None:
         self._check_name(node.name)

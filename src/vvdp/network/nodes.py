@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 from vvdp.base.kinds import Inertia, Mass, Volume
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
+from vvdp.fluid.dissolving import dissolves
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.volume import Vessel
@@ -102,6 +103,21 @@ class Rod:
 
 HydraulicNode: TypeAlias = OilVolume | Tank | PressureSource
 Node: TypeAlias = HydraulicNode | Shaft | DrivenShaft | Rod
+
+
+def free_air_name(name: str) -> str:
+    """What the free air of a volume is called."""
+    return f"{name}_air"
+
+
+def has_free_air(node: Node) -> bool:
+    """Whether the free air of a node is a state: of volumes of oil whose air dissolves."""
+    return isinstance(node, OilVolume) and dissolves(node.oil)
+
+
+def can_boil(node: Node) -> bool:
+    """Whether vapour may form in a node: in volumes of oil that has a vapour pressure."""
+    return isinstance(node, OilVolume) and node.oil.vapour_pressure > 0.0
 
 
 def kind_of_node(node: Node | type[Node]) -> str:

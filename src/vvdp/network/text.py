@@ -11,7 +11,8 @@ from vvdp.base.errors import NetworkError
 from vvdp.base.kinds import PRESSURE_LEVEL, SPEED, Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, signal_value
-from vvdp.fluid.mixture import fluid_state, state_at
+from vvdp.fluid.mixture import aerated_state, fluid_state, is_plain, plain_state, state_at
+from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.network.classes import Classes
 from vvdp.network.component import Argument, Role
@@ -25,6 +26,8 @@ from vvdp.network.nodes import (
     PressureSource,
     Source,
     Tank,
+    free_air_name,
+    has_free_air,
 )
 from vvdp.network.paths import Places, check_unit
 from vvdp.simulation.values import names
@@ -71,6 +74,8 @@ class Text:
         own = {*net.nodes, *net.parts, *net.programs}
         derived = {f"{word}_{name}" for name in net.nodes for word in ("surplus", "in", "into")}
         derived |= {text for name in net.parts for text in (f"{name}_walls", f"in_{name}")}
+        aerated = {name for name, node in net.nodes.items() if has_free_air(node)}
+        derived |= {free_air_name(name) for name in aerated} | ({f"air_{n}" for n in net.parts} if aerated else set())
         if twice := own & derived:
             raise NetworkError(f"{min(twice)!r} is what another name becomes in the text of the circuit; rename it")
         found = {f"{name}_oil" for name in net.nodes} | {f"medium_{name}" for name in net.values}
@@ -177,20 +182,28 @@ class Text:
                 terms.append(("+", f"{met.part.name}.{met.port}"))
         return signed_sum(terms)
 
+    def state_of(self, oil: Oil) -> str:
+        """The name of the function that says in which state an oil is at a pressure."""
+        return self.use(plain_state if is_plain(oil) else fluid_state)
+
     def node_lines(self, nodes: Iterable[str], *, at_rest: bool = False) -> Iterator[str]:
         """Lines that say what is at nodes; `at_rest` where only angle and position of what moves are asked for."""
         for name in nodes:
             node = self.network.nodes[name]
             match node:
+                case OilVolume() if has_free_air(node):
+                    air, oil = f"s.{free_air_name(name)}", self.places.path(node.oil)
+                    yield f"{name} = {self.use(aerated_state)}(s.{name}, {air}, {oil})"
                 case OilVolume():
-                    yield f"{name} = {self.use(fluid_state)}(s.{name}, {self.places.path(node.oil)})"
+                    yield f"{name} = {self.state_of(node.oil)}(s.{name}, {self.places.path(node.oil)})"
                 case Tank():
                     pressure = self.source(node.pressure, name, PRESSURE_LEVEL)
-                    oil = self.places.path(node.oil)
-                    yield f"{name} = {self.use(state_at)}({pressure}, h.{name}, {oil})"
+                    known = f"{self.use(state_at)}({pressure}, h.{name}, " if is_plain(node.oil) else ""
+                    call = known or f"{self.state_of(node.oil)}({pressure}, "
+                    yield f"{name} = {call}{self.places.path(node.oil)})"
                 case PressureSource():
                     pressure = self.source(node.pressure, name, PRESSURE_LEVEL)
-                    yield f"{name} = {self.use(fluid_state)}({pressure}, {self.places.path(node.oil)})"
+                    yield f"{name} = {self.state_of(node.oil)}({pressure}, {self.places.path(node.oil)})"
                 case DrivenShaft():
                     speed = "0.0" if at_rest else self.source(node.speed, name, SPEED)
                     turning = name in self.places.turning
