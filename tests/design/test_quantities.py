@@ -37,6 +37,9 @@ def test_same_as_the_operating_point(prototype):
         duty_ratio=at.duty_ratio,
         load_pressure=at.load_pressure,
         relief_pressure=at.relief_pressure,
+        tank_pressure=at.tank_pressure,
+        relief_override=at.relief_override,
+        relief_rated_flow=at.relief_rated_flow,
     )
     point = operating_point(set_point, at.inlet_volume, at.oil, at.valve)
     assert q.pressure_drop_total == point.total_drop

@@ -38,6 +38,9 @@ def test_rows_are_the_operating_point(prototype, warmed):
             duty_ratio=at.duty_ratio,
             load_pressure=at.load_pressure,
             relief_pressure=at.relief_pressure,
+            tank_pressure=at.tank_pressure,
+            relief_override=at.relief_override,
+            relief_rated_flow=at.relief_rated_flow,
         )
         point = operating_point(set_point, at.inlet_volume, at.oil, at.valve)
         assert column(warmed, "pwm_frequency", celsius) == pytest.approx(point.full_open_pwm_frequency)

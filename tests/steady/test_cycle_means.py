@@ -18,7 +18,7 @@ TANK, RELIEF, FLOW, RHO, MU = 101325.0, 121.01325e5, 40e-3 / 60.0, 876.0, 0.0387
 RATED = 30e-3 / 60.0
 
 
-def condition(load, override=0.0):
+def condition(load, override=0.0, leakage=0.0):
     return Condition(
         flow=FLOW,
         load_pressure=load,
@@ -27,6 +27,7 @@ def condition(load, override=0.0):
         density=RHO,
         relief_override=override,
         relief_rated_flow=RATED,
+        pump_leakage=leakage,
     )
 
 
@@ -49,17 +50,18 @@ def point(duty=0.5, load=101.01325e5, override=0.0, leakage=0.0):
     duty=st.floats(-0.2, 1.2),
     load=st.floats(1.5e5, 118e5),
     override=st.sampled_from([0.0, 10e5]),
+    leakage=st.sampled_from([0.0, 2.45e-12]),
     lap=st.sampled_from([0.5, 1.0, 1.3]),
 )
-def test_same_as_over_whole_arrays(source_stand, duty, load, override, lap):
+def test_same_as_over_whole_arrays(source_stand, duty, load, override, leakage, lap):
     """At the same angles: bisection over arrays of angles against closed form and regula falsi at each angle."""
     valve = source_stand.with_tables(valve={"lap_ratio": lap}).bench.valve
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(module, "ANGLES", 60)
         patched.setattr(flow_map, "ANGLES", 60)
-        found = cycle_means(point(duty, load, override), valve)
-        known = quasi_steady_mean(duty, condition(load, override), valve)
-        speed = averaged_spool_speed(duty, condition(load, override), MU, valve)
+        found = cycle_means(point(duty, load, override, leakage), valve)
+        known = quasi_steady_mean(duty, condition(load, override, leakage), valve)
+        speed = averaged_spool_speed(duty, condition(load, override, leakage), MU, valve)
     assert found.load_flow == pytest.approx(known.load_flow, abs=1e-9 * FLOW)
     assert found.tank_flow == pytest.approx(known.tank_flow, abs=1e-9 * FLOW)
     assert found.inlet_pressure == pytest.approx(known.inlet_pressure, rel=1e-9)

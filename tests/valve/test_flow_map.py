@@ -5,9 +5,10 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
+from vvdp.hydraulics.relief_valve import ReliefValve, relief_flow
 from vvdp.valve.branch import branch_flow
 from vvdp.valve.condition import Condition
-from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_cycle, quasi_steady_mean
+from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_cycle, quasi_steady_mean, static_relief_flow
 from vvdp.valve.geometry import port_openings
 from vvdp.valve.losses import closed_form_load_flow, full_open_loss, transition_loss
 from vvdp.valve.torque import pwm_frequency, spool_inertia, spool_torque
@@ -184,3 +185,42 @@ def test_averaged_speed_against_the_turning_spool(prototype, s):
     found = averaged_spool_speed(0.5, condition(), MU, valve)
     # the ripple, 3.5 %, enters squared; 0.2 s is not a whole number of periods: 0.2 % of the ripple
     assert found == pytest.approx(speed, rel=3e-3)
+
+
+def test_relief_law_by_hand():
+    """40 lpm at 130 bar, cracking at 120 bar: at 125 bar half open, root(125/130) = 0.98058, so 19.612 lpm."""
+    relief = 120.0 * BAR + T, 10.0 * BAR, Q
+    found = static_relief_flow(125.0 * BAR + T, *relief, T)
+    assert 6e4 * found == pytest.approx(19.6116, rel=1e-5)
+    assert static_relief_flow(119.9 * BAR + T, *relief, T) == 0.0
+    assert static_relief_flow(130.0 * BAR + T, *relief, T) == pytest.approx(Q, rel=1e-12)
+
+
+@pytest.mark.parametrize("bar", [80.0, 120.5, 127.0, 145.0])
+def test_relief_law_is_that_of_the_simulation(bar):
+    """But for the smoothing of its root near zero, a share of 0.01 to the fourth: 2e-5."""
+    valve = ReliefValve(cracking_pressure=120.0 * BAR + T, override_pressure=8.0 * BAR, rated_flow=Q)
+    simulated = relief_flow(bar * BAR + T, T, 0.0, 0.0, float(bar > 120.0), valve)
+    found = static_relief_flow(bar * BAR + T, 120.0 * BAR + T, 8.0 * BAR, Q, T)
+    assert found == pytest.approx(simulated, rel=5e-5)
+
+
+@pytest.mark.parametrize("rated", [0.5 * Q, 2.0 * Q])
+def test_a_relief_valve_takes_the_whole_flow_where_both_ports_are_shut(prototype, rated):
+    """At duty ratio 0.5 with overlap: the pressure there is where the relief valve alone passes the pump flow."""
+    at = condition(override=10.0)._replace(relief_rated_flow=rated)
+    state = quasi_steady_cycle(0.5, at, replace(prototype, lap_ratio=1.5))
+    shut = (state.openings.load == 0.0) & (state.openings.tank == 0.0)
+    assert shut.any()
+    passed = static_relief_flow(state.inlet_pressure[shut], 120.0 * BAR + T, 10.0 * BAR, rated, T)
+    assert passed == pytest.approx(np.full(shut.sum(), Q), rel=1e-9)
+
+
+def test_leakage_of_the_pump_is_in_the_balance(prototype):
+    at = condition(override=5.0)._replace(pump_leakage=2.45e-12)
+    found = quasi_steady_mean(0.5, at, prototype)
+    parts = found.load_flow + found.tank_flow + found.relief_flow + found.pump_leakage_flow
+    assert parts == pytest.approx(Q, rel=1e-9)
+    assert found.pump_leakage_flow == pytest.approx(2.45e-12 * (found.inlet_pressure - T), rel=1e-12)
+    # The mean of squares is at least the square of the mean.
+    assert found.pump_loss > found.pump_leakage_flow * (found.inlet_pressure - T)

@@ -57,3 +57,31 @@ def test_warnings_tell_of_laminar_nozzles_and_of_the_range(prototype, vg46):
 
 def test_warm_oil_spins_faster(prototype, vg46):
     assert point(prototype, vg46, temperature=323.15).full_open_pwm_frequency == pytest.approx(106.3, abs=0.1)
+
+
+def test_an_override_is_carried(prototype, vg46):
+    """What the cycle loses beyond the open valve: with an override that goes to nothing, the closed form; with 10 bar
+    at 40 lpm a higher pressure while both ports are nearly shut, and so a higher loss and a faster spool."""
+    ideal = point(prototype, vg46)
+    stiff, soft = (
+        point(prototype, vg46, relief_override=override, relief_rated_flow=40.0 / 6e4)
+        for override in (10.0, 10.0 * BAR)
+    )
+    assert stiff.transition_loss == pytest.approx(ideal.transition_loss, rel=3e-4)
+    assert stiff.averaged_pwm_frequency == pytest.approx(ideal.averaged_pwm_frequency, rel=1e-5)
+    assert 1.01 < soft.transition_loss / ideal.transition_loss < 10.0 / 120.0 + 1.0
+    assert soft.averaged_pwm_frequency > ideal.averaged_pwm_frequency
+    assert soft.full_open_loss == ideal.full_open_loss
+
+
+def test_the_pump_delivers_less_than_it_displaces(prototype, vg46):
+    """22.8 cc/rev at 1800 rpm displace 41.04 lpm. At a mean of 69.9 bar over the tank 2.45e-12 m3/(s Pa) take
+    1.712e-5 m3/s = 1.027 lpm of it; through the valve go 40.013 lpm."""
+    found = point(prototype, vg46, flow=22.8e-6 * 30.0, pump_leakage=2.45e-12)
+    leakage = 2.45e-12 * (found.cycle.inlet_pressure - T)
+    assert found.flow == pytest.approx(22.8e-6 * 30.0 - leakage, rel=1e-12)
+    assert 6e4 * found.flow == pytest.approx(40.013, abs=0.001)
+    tight = point(prototype, vg46)
+    assert found.total_drop == pytest.approx(tight.total_drop, rel=1e-3)
+    # While the relief valve is open the pump's leakage costs nothing more, so that the transitions lose less by it.
+    assert 0.95 * tight.transition_loss < found.transition_loss < tight.transition_loss

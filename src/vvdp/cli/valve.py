@@ -18,7 +18,7 @@ def valve(
     system: SystemName,
     flow: Annotated[
         list[str] | None,
-        typer.Option("--flow", metavar="FLOW", help='Pump flow, for example "40 lpm" (repeatable).'),
+        typer.Option("--flow", metavar="FLOW", help='Flow that the pump delivers, for example "40 lpm" (repeatable).'),
     ] = None,
     temperature: Annotated[
         list[str] | None,
@@ -41,7 +41,7 @@ def valve(
 
     loaded = load_system(system, settings or ())
     bench = rotary_bench(loaded, "valve")
-    flows = _flows(flow, FLOW, bench.set_point(bench.load_pressure).flow)
+    flows = _flows(flow, FLOW, bench.delivered_flow(bench.load_pressure))
     temperatures = _values("--temperature", temperature, TEMPERATURE) or [
         float(signal_value(0.0, bench.operation.oil_temperature))
     ]
@@ -71,7 +71,8 @@ def _values(option: str, texts: list[str] | None, kind: "Kind") -> list[float]:
     return values
 
 
-def _flows(texts: list[str] | None, kind: "Kind", pump_flow: float) -> list[float]:
+def _flows(texts: list[str] | None, kind: "Kind", delivered: float) -> list[float | None]:
+    """The flows of an option, none for what the pump of the system delivers."""
     from vvdp.base.errors import ConfigError, Fault
 
     flows = _values("--flow", texts, kind)
@@ -80,26 +81,28 @@ def _flows(texts: list[str] | None, kind: "Kind", pump_flow: float) -> list[floa
         for text, value in zip(texts or (), flows, strict=True)
         if not value > 0.0
     ]
-    if not flows and not pump_flow > 0.0:
+    if not flows and not delivered > 0.0:
         faults = [Fault("--flow", 0, "", "the pump delivers nothing at the start of the run; give a flow")]
     if faults:
         raise ConfigError(faults)
-    return flows or [pump_flow]
+    return [*flows] or [None]
 
 
-def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
+def _row(bench: "RotaryBench", flow: float | None, temperature: float) -> Row:
     """Everything that docs/keys.md describes for `vvdp valve`."""
     from vvdp.base.errors import ParameterError
     from vvdp.valve.operating_point import operating_point
 
     reference, load = bench.reference, bench.load_pressure
-    set_point = bench.set_point(load)._replace(flow=flow, temperature=temperature)
+    set_point = bench.set_point(load)._replace(temperature=temperature)
+    if flow is not None:
+        set_point = set_point._replace(flow=flow, pump_leakage=0.0)
     try:
         point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
         raise ParameterError(f"{bench.system.name}: the formulas have no value here ({problem})") from None
     numbers = {
-        "flow_m3_s": flow,
+        "flow_m3_s": point.flow,
         "temperature_K": temperature,
         "duty_ratio": set_point.duty_ratio,
         "load_pressure_Pa": load - reference,
@@ -125,6 +128,5 @@ def _row(bench: "RotaryBench", flow: float, temperature: float) -> Row:
         "nozzle_reynolds_number": point.nozzle_reynolds_number,
         "mean_load_flow_m3_s": point.cycle.load_flow,
     }
-    return {key: float(value) for key, value in numbers.items()} | {
-        "warnings": [*point.warnings, *bench.relief_limits()]
-    }
+    warnings = [*point.warnings, *bench.relief_limits()]
+    return {key: float(value) for key, value in numbers.items()} | {"warnings": warnings}

@@ -117,18 +117,18 @@ def _difference(loss: Loss) -> float:
 def analytic_words(run: RecordedRun, bench: RotaryBench) -> Iterator[str]:
     """What is to be said of the analytic losses beside the simulated ones."""
     if "analytic_loss_total_W" not in run.summary:
-        limits = "; ".join(bench.closed_form_limits(run.summary))
-        needed = (
-            "they need a running pump, a load pressure above the tank's, nothing that drives the spool but the flow"
+        needs = (
+            "they need a running pump, a load pressure above the tank's, a spool that the flow alone turns, and "
+            "nothing prescribed that changes"
         )
-        yield f"There are no analytic losses here: {limits or f'{needed}, and nothing prescribed that changes'}."
+        yield f"There are no analytic losses here: {'; '.join(bench.closed_form_limits(run.summary)) or needs}."
         return
     yield (
         "The analytic formulas count volumes (the oil keeps its volume under pressure), with ideal conditions: "
-        "constant load pressure, a relief valve without lag, ports that open at constant speed. Differences of a "
-        "few per cent are to be expected. Their sum is an upper estimate, because part of the compression happens "
-        "while flow would be lost over the relief valve anyway. In the simulation compression shows as throttling, "
-        "so it is part of the transition."
+        "constant load pressure, a relief valve without lag, ports that open at constant speed. Differences of a few "
+        "per cent are to be expected. Their sum is an upper estimate, because part of the compression happens while "
+        "flow would be lost over the relief valve anyway. In the simulation compression shows as throttling, so it is "
+        "part of the transition."
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.base.kinds import DURATION, POSITION, PRESSURE_DIFFERENCE
+from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TIME
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.pump import Pump, pump_friction_power
@@ -26,15 +26,12 @@ from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
 from vvdp.valve.flow_map import quasi_steady_mean
 from vvdp.valve.losses import full_open_loss, range_warnings
-from vvdp.valve.operating_point import OperatingPoint, SetPoint, condition, operating_point
+from vvdp.valve.operating_point import OperatingPoint, SetPoint, operating_point
 from vvdp.valve.rotary import RotaryValve
 
 if TYPE_CHECKING:
     from vvdp.systems.system import System
 
-LEAKAGE_TRIALS = 50
-CLOSE = 1e-9
-"""Change of the pump's flow, over what it displaces, at which its leakage counts as found."""
 WATCHING = ("encoder", "spool_filter")
 """Tables of a watched spool; a system file has both or neither."""
 
@@ -246,7 +243,8 @@ class RotaryBench(Extras):
         totals, valve, supplied = mean.totals, mean.spent.valve, mean.supplied
         pump_flow = totals.pump_flow + totals.pump_leakage_flow
         rho = density(signal_value(0.0, self.operation.oil_temperature), self.oil)
-        open_loss = full_open_loss(pump_flow, rho, self.valve) if pump_flow > 0.0 else 0.0
+        delivered = totals.pump_flow
+        open_loss = full_open_loss(delivered, rho, self.valve) if delivered > 0.0 else 0.0
         shaft, motor = supplied.pump_shaft, supplied.spool_motor
         load_power = mean.spent.load if self.makes_pressure else -supplied.load_line
         drops = valve.nozzle + valve.centre_section + valve.outlet_turbine
@@ -303,7 +301,7 @@ class RotaryBench(Extras):
         if not self._is_analytic(found) or any(self.closed_form_limits(found)):
             return {}
         point = self.operating_point(float(found["pressure_mean_load_line_Pa"]) + self.reference)
-        pump = self.pump.leakage_conductance * point.cycle.inlet_rise_rms**2 + self._pump_friction
+        pump = point.cycle.pump_loss + self._pump_friction
         values = (
             point.averaged_pwm_frequency,
             point.full_open_pwm_frequency,
@@ -328,18 +326,19 @@ class RotaryBench(Extras):
         found  the numbers of a run
         """
         if self._is_analytic(found):
-            point = self.set_point(float(found["pressure_mean_load_line_Pa"]) + self.reference)
+            load_pressure = float(found["pressure_mean_load_line_Pa"]) + self.reference
+            point = self.set_point(load_pressure)._replace(flow=self.delivered_flow(load_pressure))
             yield from self.relief_limits()
-            if not point.flow > 0.0:
-                yield "the pump's leakage takes all of its flow"
+            if point.flow > 0.0:
+                yield from range_warnings(point.duty_ratio, point.condition(self.oil), self.valve)
             else:
-                yield from range_warnings(point.duty_ratio, condition(point, self.oil), self.valve)
+                yield "the pump's leakage takes all of its flow"
 
     def relief_limits(self) -> Iterator[str]:
         """What of the relief valve no quasi-steady average knows, a sentence each."""
         relief = self.relief_valve
         if relief.opening_time > 0.0:
-            lag = with_unit(relief.opening_time, DURATION)
+            lag = with_unit(relief.opening_time, TIME)
             yield f"the relief valve opens with a lag of {lag}, which is in no quasi-steady average"
         if relief.reseat_drop > 0.0:
             drop = with_unit(relief.reseat_drop, PRESSURE_DIFFERENCE)
@@ -375,11 +374,9 @@ class RotaryBench(Extras):
         return operating_point(self.set_point(load_pressure), self.inlet_volume, self.oil, self.valve)
 
     def set_point(self, load_pressure: float) -> SetPoint:
-        """Where the valve works at the start, against `load_pressure` [Pa, absolute], with the flow that the pump
-        delivers at the mean pressure of its outlet."""
-        displaced, leakage = self.nominal_flow, self.pump.leakage_conductance
-        point = SetPoint(
-            flow=displaced,
+        """Where the valve works at the start, against `load_pressure` [Pa, absolute]."""
+        return SetPoint(
+            flow=self.nominal_flow,
             temperature=signal_value(0.0, self.operation.oil_temperature),
             duty_ratio=signal_value(0.0, self.duty_ratio),
             load_pressure=load_pressure,
@@ -387,14 +384,18 @@ class RotaryBench(Extras):
             tank_pressure=self.tank_pressure,
             relief_override=self.relief_valve.override_pressure,
             relief_rated_flow=self.relief_valve.rated_flow,
+            pump_leakage=self.pump.leakage_conductance,
         )
-        for _ in range(LEAKAGE_TRIALS if leakage > 0.0 < displaced else 0):
-            mean = quasi_steady_mean(point.duty_ratio, condition(point, self.oil), self.valve)
-            flow = displaced - leakage * (mean.inlet_pressure - self.tank_pressure)
-            if abs(flow - point.flow) <= CLOSE * displaced:
-                break
-            point = point._replace(flow=max(flow, 0.0))
-        return point
+
+    def delivered_flow(self, load_pressure: float) -> float:
+        """What the pump delivers at the start at its mean pressure [m^3/s].
+
+        load_pressure  absolute [Pa]
+        """
+        point = self.set_point(load_pressure)
+        if point.flow <= 0.0 or point.pump_leakage == 0.0:
+            return point.flow
+        return point.flow - quasi_steady_mean(point.duty_ratio, point.condition(self.oil), self.valve).pump_leakage_flow
 
 
 def rotary_bench(system: "System", verb: str) -> RotaryBench:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Flow, Power, Pressure, PressureDifference
+from vvdp.base.kinds import Flow, Power, Pressure
 from vvdp.base.select import maximum, minimum, select
 from vvdp.valve.branch import BranchFlow, branch_flow
 from vvdp.valve.condition import Condition
@@ -34,17 +34,16 @@ class Cycle(NamedTuple):
 
 
 class CycleMean(NamedTuple):
-    """Means over a PWM period: flows to load, tank and over the relief valve, inlet pressure, and power lost.
-
-    `inlet_rise_rms` is the root mean square of the inlet pressure above the tank's.
-    """
+    """Means over a PWM period: flows to load, tank, over the relief valve and back through the pump, inlet pressure,
+    and power lost, `pump_loss` of it by the pump's leakage."""
 
     load_flow: Flow
     tank_flow: Flow
     relief_flow: Flow
+    pump_leakage_flow: Flow
     inlet_pressure: Pressure
-    inlet_rise_rms: PressureDifference
     loss: Power
+    pump_loss: Power
 
 
 def static_relief_flow(
@@ -61,7 +60,8 @@ def static_relief_flow(
     """
     yields = override > 0.0
     opening = maximum(pressure - cracking_pressure, 0.0) / select(yields, override, 1.0)
-    root = np.sqrt(maximum(pressure - tank_pressure, 0.0) / (cracking_pressure + override - tank_pressure))
+    design_drop = cracking_pressure + override - tank_pressure
+    root = np.sqrt(maximum(pressure - tank_pressure, 0.0) / select(design_drop > 0.0, design_drop, cracking_pressure))
     flow: float = select(yields, rated_flow * opening * root, 0.0)
     return flow
 
@@ -81,8 +81,8 @@ def highest_inlet_pressure(flow: float, cracking_pressure: float, override: floa
 def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve) -> Cycle:
     """State of the valve at equally spaced angles over half a PWM period.
 
-    At each angle the inlet pressure is the one at which both branches and the relief valve together take the pump
-    flow.
+    At each angle the inlet pressure is the one at which both branches, the relief valve and the pump's leakage together
+    take the pump flow.
 
     duty_ratio  axial position over helix length, any value [1]
     at          with the relief pressure highest
@@ -97,11 +97,13 @@ def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve) -> 
         middle = 0.5 * (low + high)
         load = branch_flow(middle - at.load_pressure, openings.load, at.density, valve)
         tank = branch_flow(middle - at.tank_pressure, openings.tank, at.density, valve)
-        short = load.flow + tank.flow + static_relief_flow(middle, *relief, at.tank_pressure) < at.flow
+        passed = static_relief_flow(middle, *relief, at.tank_pressure) + at.pump_leakage * (middle - at.tank_pressure)
+        short = load.flow + tank.flow + passed < at.flow
         low, high = select(short, middle, low), select(short, high, middle)
     load = branch_flow(high - at.load_pressure, openings.load, at.density, valve)
     tank = branch_flow(high - at.tank_pressure, openings.tank, at.density, valve)
-    spilled = maximum(at.flow - load.flow - tank.flow, 0.0)
+    leakage = at.pump_leakage * (high - at.tank_pressure)
+    spilled = maximum(at.flow - leakage - load.flow - tank.flow, 0.0)
     return Cycle(openings=openings, inlet_pressure=high, load=load, tank=tank, relief_flow=spilled)
 
 
@@ -114,14 +116,16 @@ def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve) -> C
     at          with the relief pressure highest
     """
     cycle = quasi_steady_cycle(duty_ratio, at, valve)
-    load_flow, inlet = float(np.mean(cycle.load.flow)), float(np.mean(cycle.inlet_pressure))
+    load_flow, rise = float(np.mean(cycle.load.flow)), cycle.inlet_pressure - at.tank_pressure
+    mean_rise = float(np.mean(rise))
     return CycleMean(
         load_flow=load_flow,
         tank_flow=float(np.mean(cycle.tank.flow)),
         relief_flow=float(np.mean(cycle.relief_flow)),
-        inlet_pressure=inlet,
-        inlet_rise_rms=float(np.sqrt(np.mean((cycle.inlet_pressure - at.tank_pressure) ** 2))),
-        loss=at.flow * (inlet - at.tank_pressure) - load_flow * (at.load_pressure - at.tank_pressure),
+        pump_leakage_flow=at.pump_leakage * mean_rise,
+        inlet_pressure=mean_rise + at.tank_pressure,
+        loss=at.flow * mean_rise - load_flow * (at.load_pressure - at.tank_pressure),
+        pump_loss=at.pump_leakage * float(np.mean(rise * rise)),
     )
 
 

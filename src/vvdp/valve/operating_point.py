@@ -6,6 +6,7 @@ Source  ours, docs/models/rotary-valve.md, where a function names no other.
 from typing import NamedTuple
 
 from vvdp.base.kinds import (
+    Conductance,
     Flow,
     Fraction,
     Frequency,
@@ -45,7 +46,7 @@ TURBULENT = 2300.0  # Reynolds number
 
 
 class SetPoint(NamedTuple):
-    """Where the valve works: pump flow, oil temperature, duty ratio, absolute pressures; the relief valve as in
+    """Where the valve works: pump flow, oil temperature, duty ratio, absolute pressures; relief valve and pump as in
     `Condition`."""
 
     flow: Flow
@@ -56,17 +57,34 @@ class SetPoint(NamedTuple):
     tank_pressure: Pressure
     relief_override: PressureDifference = 0.0
     relief_rated_flow: Flow = 0.0
+    pump_leakage: Conductance = 0.0
+
+    def condition(self, oil: Oil) -> Condition:
+        """What the valve switches against."""
+        return Condition(
+            flow=self.flow,
+            load_pressure=self.load_pressure,
+            relief_pressure=self.relief_pressure,
+            tank_pressure=self.tank_pressure,
+            density=density(self.temperature, oil),
+            relief_override=self.relief_override,
+            relief_rated_flow=self.relief_rated_flow,
+            pump_leakage=self.pump_leakage,
+        )
 
 
 class OperatingPoint(NamedTuple):
     """The valve at one flow and temperature.
 
-    Drops, torques, `spool_speed` and `full_open_pwm_frequency` are those of the fully open valve;
-    `averaged_pwm_frequency` is the one that the same valve settles at while it switches. The losses add up to
-    `total_loss`; `friction_loss` is part of the full-open loss and is not added. `transition_loss` and the total hold
-    where `warnings` is empty; `cycle` holds at any duty ratio.
+    `flow` is what the pump delivers at its mean pressure, the pump flow less its leakage. Drops, torques, `spool_speed`
+    and `full_open_pwm_frequency` are those of the fully open valve; `averaged_pwm_frequency` is the one that the same
+    valve settles at while it switches. The losses add up to `total_loss`; `friction_loss` is part of the full-open loss
+    and is not added. `transition_loss` and the total hold where `warnings` is empty; `cycle` holds at any duty ratio.
+    The transition loss is a closed form for a pump without leakage, else what `cycle` loses beyond pump and fully open
+    valve.
     """
 
+    flow: Flow
     nozzle_drop: PressureDifference
     centre_drop: PressureDifference
     outlet_drop: PressureDifference
@@ -100,35 +118,26 @@ def nozzle_reynolds_number(flow: float, density: float, viscosity: float, valve:
     return density * flow / valve.nozzle_area * nozzle_hydraulic_diameter(valve) / viscosity
 
 
-def condition(set_point: SetPoint, oil: Oil) -> Condition:
-    """What the valve switches against at an operating point."""
-    return Condition(
-        flow=set_point.flow,
-        load_pressure=set_point.load_pressure,
-        relief_pressure=set_point.relief_pressure,
-        tank_pressure=set_point.tank_pressure,
-        density=density(set_point.temperature, oil),
-        relief_override=set_point.relief_override,
-        relief_rated_flow=set_point.relief_rated_flow,
-    )
-
-
 def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: RotaryValve) -> OperatingPoint:
     """Drops, torques, speeds, losses and warnings at one operating point.
 
-    set_point     with a flow > 0
+    set_point     with a flow > 0, and more than the pump's leakage takes
     inlet_volume  between pump and ports [m^3]
     """
-    Q, T, duty_ratio = set_point.flow, set_point.temperature, set_point.duty_ratio
+    T, duty_ratio = set_point.temperature, set_point.duty_ratio
     rho, mu = density(T, oil), dynamic_viscosity(T, oil)
     load_pressure, tank = set_point.load_pressure, set_point.tank_pressure
-    at = condition(set_point, oil)
+    supplied = set_point.condition(oil)
+    cycle = quasi_steady_mean(duty_ratio, supplied, valve)
+    Q = set_point.flow - cycle.pump_leakage_flow
+    at = supplied._replace(flow=Q, pump_leakage=0.0)
     drops = full_open_drop(Q, rho, valve)
     omega = equilibrium_speed(Q, rho, mu, valve)
     k_f = friction_coefficient(mu, valve)
-    averaged = pwm_frequency(averaged_spool_speed(duty_ratio, at, mu, valve), valve)
-    cycle, open_loss = quasi_steady_mean(duty_ratio, at, valve), full_open_loss(Q, rho, valve)
-    transition = transition_loss(at, valve).loss
+    averaged = pwm_frequency(averaged_spool_speed(duty_ratio, supplied, mu, valve), valve)
+    open_loss = full_open_loss(Q, rho, valve)
+    is_tight = set_point.pump_leakage == 0.0
+    transition = transition_loss(at, valve).loss if is_tight else cycle.loss - cycle.pump_loss - open_loss
     leakage = leakage_loss(load_pressure - tank, mu, valve)
     compression = compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil)
     regime = compression_regime(
@@ -137,6 +146,7 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     reynolds = nozzle_reynolds_number(Q, rho, mu, valve)
     warnings = range_warnings(duty_ratio, at, valve)
     return OperatingPoint(
+        flow=Q,
         nozzle_drop=drops.nozzle,
         centre_drop=drops.centre_section,
         outlet_drop=drops.outlet_turbine,

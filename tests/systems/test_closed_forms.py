@@ -1,0 +1,52 @@
+"""Closed forms beside a run: there where they describe it, left out with a sentence where they do not."""
+
+import pytest
+
+from vvdp.systems.bench import rotary_bench
+from vvdp.systems.bench_overview import ANALYTIC
+from vvdp.systems.system import load_system
+
+BENCH = "prototype-constant-load"
+OVERRIDE = "relief_valve.override_pressure=10 bar"
+LEAKING = ("pump.displacement=22.8 cc/rev", "pump.leakage_conductance=2.45e-12 m^3/(s*Pa)")
+STIFF = ("oil.liquid_bulk_modulus=1e12 Pa", "oil.air_fraction=0")
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ((OVERRIDE, "relief_valve.opening_time=5 ms"), "relief valve opens with a lag of 5 ms"),
+        ((OVERRIDE, "relief_valve.reseat_drop=12 bar"), "relief valve shuts only 12 bar below its setting"),
+        (("valve.lap_ratio=0.5",), "barriers (2 mm) are narrower than the nozzles"),
+        (("operation.duty_ratio=0.25",), "duty ratio 0.25 lies outside 0.3001 to 0.6999"),
+        (("operation.duty_ratio=0.75",), "duty ratio 0.75 lies outside 0.3001 to 0.6999"),
+    ],
+)
+def test_left_out_with_a_sentence(ran, changes, sentence):
+    found, _ = ran(BENCH, changes, "0.1 s")
+    assert not set(ANALYTIC) & set(found)
+    bench = rotary_bench(load_system(BENCH, changes), "run")
+    told = [text for text in bench.warnings(found) if text.startswith("no analytic results")]
+    assert len(told) == 1
+    assert sentence in told[0]
+
+
+def test_nothing_is_said_where_they_hold(ran):
+    found, _ = ran(BENCH, (OVERRIDE, *LEAKING), "0.1 s")
+    assert set(ANALYTIC) <= set(found)
+    bench = rotary_bench(load_system(BENCH, (OVERRIDE, *LEAKING)), "run")
+    assert not any("analytic" in text for text in bench.warnings(found))
+
+
+@pytest.mark.parametrize("changes", [(OVERRIDE,), (OVERRIDE, "relief_valve.rated_flow=60 lpm"), (*LEAKING, OVERRIDE)])
+def test_override_and_leakage_of_the_pump_are_in_them(ran, changes):
+    """Stiff oil without air, the leakage of the valve out of the load's share: what the averages say is what the
+    simulation does, and the shares add up to the power that is put in but not given to the load."""
+    found, _ = ran(BENCH, [*STIFF, *changes], "1 s")
+    assert found["analytic_loss_transition_W"] == pytest.approx(found["loss_transition_W"], rel=5e-3)
+    assert found["analytic_loss_full_open_W"] == pytest.approx(found["loss_full_open_W"], rel=2e-3)
+    assert found["analytic_loss_pump_W"] == pytest.approx(found["loss_pump_leakage_W"], rel=5e-3, abs=1e-9)
+    assert found["analytic_loss_total_W"] == pytest.approx(found["loss_total_W"], rel=5e-3)
+    assert found["analytic_pwm_frequency_Hz"] == pytest.approx(found["pwm_frequency_Hz"], rel=5e-3)
+    through_valve = found["mean_load_flow_m3_s"] + found["mean_leakage_flow_m3_s"]
+    assert found["analytic_load_flow_m3_s"] == pytest.approx(through_valve, rel=3e-3)
