@@ -39,10 +39,13 @@ def test_resolved_system_gives_the_same_run(vvdp, here):
 def test_json_is_one_flat_object_and_the_summary_kept(vvdp, here):
     answer = vvdp("run", "prototype-constant-load", *SHORT, "--json", "--out", "out")
     found = json.loads(answer.out)
+    ranges = found.pop("ranges")
     assert all(isinstance(value, float | int) for key, value in found.items() if key not in ("system", "out"))
+    assert all(each["low"] <= found[key] <= each["high"] for key, each in ranges.items())
     assert found.pop("system") == "prototype-constant-load"
     assert found.pop("out") == "out"
     assert read_results(here / "out").summary == found
+    assert read_results(here / "out").meta["ranges"] == ranges
 
 
 def test_a_number_that_is_none_becomes_null(vvdp, here, monkeypatch):

@@ -68,7 +68,9 @@ def listing_grid(listing: "Listing") -> "Grid":
     """A listing as a table of the screen."""
     from vvdp.results.cells import row_unit, shown_cell
 
-    found = grid("quantity", *listing.heads, "unit", title=listing.title, right=listing.heads, ends=1)
+    words = [all(isinstance(row.values[place], str) for row in listing.rows) for place in range(len(listing.heads))]
+    numeric = [head for head, is_text in zip(listing.heads, words, strict=True) if not is_text]
+    found = grid("quantity", *listing.heads, "unit", title=listing.title, right=numeric, ends=1)
     for row in listing.rows:
         cells = (shown_cell(value, row.kind) for value in row.values)
         found.add_row(("  " if row.is_part else "") + row.label, *cells, row_unit(row))

@@ -31,6 +31,15 @@ def run(
     check: Annotated[
         bool, typer.Option("--check", help="Repeat the run at a tenth of the tolerance and show what changes.")
     ] = False,
+    ranges: Annotated[
+        bool | None,
+        typer.Option(
+            "--ranges/--no-ranges",
+            help="Run again at both ends of each value that has a range, and show how far results move "
+            "(default: where that takes about a second).",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Simulate a system and write its results and a report.
 
@@ -55,15 +64,34 @@ def run(
         if check and done.has("finished"):
             with report_reach(end, lambda now: f"check: t = {now:.4g} s of {end:.4g} s") as progress:
                 changes = check_accuracy(done, progress)
+        done = _with_ranges(done, ranges)
         save_run(folder, done)
         reported = not no_report and add_report(RUN, folder, done)
     if json:
         checked = {"check": {move.key: move.change for move in changes}} if changes else {}
-        print_json({"system": loaded.name, **_with_counts(done), **checked, "out": str(directory)})
+        spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}
+        print_json({"system": loaded.name, **_with_counts(done), **checked, **spans, "out": str(directory)})
     else:
         _print(done, changes)
         typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
     _exit(done)
+
+
+def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
+    """The run with its ranges where they are `wanted` and there are any, or quickly made where nobody says."""
+    from vvdp.cli.screen import say
+    from vvdp.runs.ranges import MOST_EVALUATIONS, expected_evaluations, run_ranges, with_ranges
+
+    count, expected = len(run.system.uncertainties), expected_evaluations(run)
+    if wanted is False or not count or not run.has("finished") or (wanted is None and expected > MOST_EVALUATIONS):
+        return run
+    if expected > MOST_EVALUATIONS:
+        say(f"{2 * count} runs at the ends of {count} values")
+    found = run_ranges(run, say=say)
+    if found is None:
+        say("interrupted; the ranges are left out")
+        return run
+    return with_ranges(run, found)
 
 
 def _with_counts(run: "RecordedRun") -> dict[str, Any]:
@@ -112,6 +140,7 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
         tell(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")
     seconds, assumed = float(run.meta["seconds"]), len(run.system.assumptions)
     tell(f"{found['steps']:.0f} steps in {seconds:.2f} s; {assumed} values of the system are assumed")
+    _print_ranges(run)
     for text in run.meta.get("remarks", ()):
         tell(f"remark: {text}")
     if changes:
@@ -121,3 +150,20 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
         out.print(table)
     for text in warnings(run.system, found):
         warn(text)
+
+
+def _print_ranges(run: "RecordedRun") -> None:
+    from vvdp.cli.printing import listing_grid
+    from vvdp.cli.screen import console, tell
+    from vvdp.runs.ranges import kept_ranges
+    from vvdp.systems.quantities import quantities
+    from vvdp.systems.range_display import range_listing
+
+    ranges = kept_ranges(run)
+    if ranges is not None and ranges.rows:
+        listing = range_listing(ranges, quantities(run.system))
+        console().print(listing_grid(listing))
+        if listing.note:
+            tell(listing.note)
+    elif run.system.uncertainties:
+        tell(f"{len(run.system.uncertainties)} values have a range: --ranges shows how far the results move over them")

@@ -53,7 +53,8 @@ def fill_figure(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> 
         _fill_rows(figure, chart, tables)
         return
     if chart.side_by_side:
-        grid = figure.subplots(1, count, squeeze=False, sharex=chart.share, sharey=chart.share, width_ratios=heights)[0]
+        one_scale = chart.share and all(not isinstance(panel, Bars) or panel.base is None for panel in chart.panels)
+        grid = figure.subplots(1, count, squeeze=False, sharex=one_scale, sharey=chart.share, width_ratios=heights)[0]
     else:
         grid = figure.subplots(count, 1, squeeze=False, sharex=count > 1, height_ratios=heights)[:, 0]
     common = _has_common_legend(chart, tables)
@@ -325,7 +326,9 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
         bars = axes.barh(
             np.arange(len(rows)) + shift, np.nan_to_num(values - base), 0.9 * width, base, color=colour, label=label
         )
-        texts = [plain(value, 3) if np.isfinite(value) and value != base else "" for value in values]
+        least = 0.02 * np.ptp(np.nan_to_num([shown_values(table, each)[rows] for each in panel.values], nan=base))
+        told = np.isfinite(values) & ((not over) | (np.abs(values - base) > least))
+        texts = [plain(value, 3) if is_told else "" for value, is_told in zip(values, told, strict=True)]
         if panel.texts and len(panel.values) == 1:
             texts = [str(table[panel.texts][row]) for row in rows][::-1]
         axes.bar_label(bars, texts, padding=3, fontsize=7.0, color=Colour.INK)
@@ -345,11 +348,14 @@ def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) ->
     if panel.base is None:
         axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
     else:
-        room = 0.35 * (high - low)
+        room = 0.6 * (high - low)
         axes.set_xlim(low - room, high + room)
+        axes.locator_params(axis="x", nbins=3)
     spec = axes.get_subplotspec()
     names_are_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
-    if len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):
+    if panel.base is not None and (spec is None or spec.is_first_col()):
+        axes.figure.legend(loc="outside upper right", ncols=2, handlelength=1.0)
+    elif panel.base is None and len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):
         above = 1.12 if panel.title else 1.0
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
 

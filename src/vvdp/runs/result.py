@@ -17,6 +17,7 @@ from vvdp.runs.bench import (
 from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts
 from vvdp.runs.charts import SERIES, loss_chart, run_charts
 from vvdp.runs.findings import badges, bench_in_words, bench_warnings, in_words, warnings
+from vvdp.runs.ranges import kept_ranges
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import (
     bar_table,
@@ -29,6 +30,8 @@ from vvdp.runs.tables import (
 )
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.overview import loss_lines, power_lines
+from vvdp.systems.quantities import quantities
+from vvdp.systems.range_display import result_with_ranges
 
 
 def run_result(run: RecordedRun) -> Result:
@@ -47,7 +50,7 @@ def run_result(run: RecordedRun) -> Result:
     losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)
     of_losses = {"losses": loss_listing(run)} if bench is None else bench_loss_listings(run)
     harmonics = {"harmonics": harmonic_listing(tables[SPECTRUM])} if SPECTRUM in tables else {}
-    return Result(
+    result = Result(
         verb="run",
         title=run.system.title,
         system=run.system.name,
@@ -62,6 +65,8 @@ def run_result(run: RecordedRun) -> Result:
         seconds=float(run.meta.get("seconds", 0.0)),
         finished=run.has("finished"),
     )
+    ranges = kept_ranges(run)
+    return result if ranges is None else result_with_ranges(result, ranges, quantities(run.system), "Computation")
 
 
 def key_listings(run: RecordedRun) -> dict[str, Listing]:

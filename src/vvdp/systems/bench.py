@@ -64,6 +64,7 @@ class RotaryBench(Extras):
 
     PERIOD = "PWM period"
     OVERVIEW = OVERVIEW
+    HEADLINE = ("efficiency", "pwm_frequency_Hz", "pressure_max_inlet_Pa", "loss_total_W")
     QUANTITIES = QUANTITIES
 
     INLET_TOTAL = "books.totals.inlet_pressure"

@@ -40,6 +40,9 @@ class Extras:
     OVERVIEW: tuple[Line, ...] = ()
     """The lines of the overview; where there are none, nodes and components are shown."""
 
+    HEADLINE: tuple[str, ...] = ()
+    """Keys of the numbers whose ranges are told where values have one; without, pressures and speeds."""
+
     QUANTITIES: Mapping[str, tuple[Kind, str]] = {}
     """Kind and label of the numbers that it adds to a summary, by key."""
 

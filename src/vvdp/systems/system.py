@@ -126,7 +126,7 @@ class System:
         return tuple(row for row in self.rows if row.status == "assumed")
 
     @property
-    def ranged(self) -> tuple[Sourced, ...]:
+    def uncertainties(self) -> tuple[Sourced, ...]:
         """The values for which a range is given."""
         return tuple(row for row in self.rows if row.range is not None)
 

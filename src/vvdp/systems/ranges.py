@@ -40,11 +40,11 @@ class Ranges:
         low, high = self.span(key)
         return high - low > LEAST * abs(self.nominal[key])
 
-    def widest(self, key: str) -> list[int]:
-        """Places of the values, that which moves the number furthest first."""
+    def widths(self, key: str) -> Array:
+        """How far each value moves a number, from the lowest to the highest."""
         with_nominal = np.column_stack([self.ends[key], np.full(len(self.rows), self.nominal[key])])
-        widths = np.nanmax(with_nominal, axis=1) - np.nanmin(with_nominal, axis=1)
-        return [int(place) for place in np.argsort(-widths, kind="stable")]
+        widths: Array = np.nanmax(with_nominal, axis=1) - np.nanmin(with_nominal, axis=1)
+        return widths
 
     @property
     def flat(self) -> dict[str, dict[str, Any]]:
@@ -57,24 +57,26 @@ class Ranges:
         return found
 
 
-def read_ranges(system: System, nominal: Mapping[str, Any], flat: Mapping[str, Any]) -> Ranges:
+def read_ranges(
+    system: System, nominal: Mapping[str, Any], flat: Mapping[str, Any], left_out: Mapping[str, str]
+) -> Ranges:
     """The ranges that `Ranges.flat` has written for a run of `system`, whose numbers are `nominal`."""
     settings = list(dict.fromkeys(setting for each in flat.values() for setting in each["by"]))
-    known = {row.setting: row for row in system.ranged}
+    known = {row.setting: row for row in system.uncertainties}
     rows = tuple(known[setting] for setting in settings if setting in known)
     ends = {
         key: np.array([[np.nan if x is None else x for x in each["by"][row.setting]] for row in rows]).reshape(-1, 2)
         for key, each in flat.items()
     }
-    return Ranges(rows=rows, nominal={key: float(nominal[key]) for key in flat}, ends=ends, left_out={})
+    return Ranges(rows=rows, nominal={key: float(nominal[key]) for key in flat}, ends=ends, left_out=left_out)
 
 
 def at_ends(system: System) -> Iterator[tuple[System | None, str]]:
-    """The system with each value that has a range at its lower end, then at its upper one, in the order of `ranged`.
+    """The system with each value of `uncertainties` at the lower end of its range, then at the upper one.
 
     None, and why, where an end contradicts other values.
     """
-    for row in system.ranged:
+    for row in system.uncertainties:
         for place in (0, 1):
             try:
                 yield at_end(system, row, place), ""
@@ -103,7 +105,7 @@ def ranges_of(
 
     Numbers of which the system itself has none are left out.
     """
-    rows = system.ranged
+    rows = system.uncertainties
     known = [key for key in keys if key in nominal and np.isfinite(float(nominal[key]))]
     none: dict[str, float] = {}
     values = [none if isinstance(each, str) else each for each in found]
@@ -120,4 +122,4 @@ def range_text(row: Sourced) -> str:
     """The range of a value in words."""
     assert row.range is not None
     low, high = (with_unit(end, row.kind) for end in row.range)
-    return f"{low} to {high}"
+    return f"{'0' if row.range[0] == 0.0 else low} to {high}"

@@ -1,0 +1,101 @@
+"""How far the numbers of a run move over the ranges of values: the run again at each end, all of them side by side."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from vvdp.base.errors import ParameterError, RunError
+from vvdp.runs.run import RecordedRun
+from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.crew import never
+from vvdp.simulation.link import quiet
+from vvdp.simulation.outcome import Outcome, outcome
+from vvdp.simulation.run import simulate
+from vvdp.systems.overview import node_lines
+from vvdp.systems.ranges import Ranges, at_ends, ranges_of, read_ranges
+from vvdp.systems.summary import simulated_summary
+from vvdp.systems.system import System
+
+MOST_EVALUATIONS = 1.5e7
+"""Evaluations of a circuit that runs at the ends may take where nobody asks for them: about a second."""
+
+
+def run_ranges(
+    run: RecordedRun, *, stop: Callable[[], bool] = never, say: Callable[[str], None] = quiet
+) -> Ranges | None:
+    """The headline of a run at both ends of each value of its system that has a range; None where it was stopped.
+
+    What cannot be simulated at an end is left out, and the ranges say why.
+    """
+    system = run.system
+    variants = list(at_ends(system))
+    outcomes = _outcomes(system, [each for each, _ in variants if each is not None], stop, say)
+    if outcomes is None:
+        return None
+    ready = iter(outcomes)
+    found = [reason if variant is None else _numbers(variant, next(ready)) for variant, reason in variants]
+    return ranges_of(system, headline(run), run.summary, found)
+
+
+def headline(run: RecordedRun) -> tuple[str, ...]:
+    """The numbers of a run whose ranges are told: those that the system names, else the pressures and speeds."""
+    extras = run.system.extras
+    if extras is not None and extras.HEADLINE:
+        return extras.HEADLINE
+    lines = (line for line in node_lines(run.system, run.summary) if line.low != line.high)
+    wanted = {line.name for line in lines}
+    return tuple(
+        key
+        for key in run.summary
+        for name in wanted
+        if key.startswith(("pressure_m", "speed_m")) and f"_{name}_" in key
+    )
+
+
+def expected_evaluations(run: RecordedRun) -> float:
+    """Evaluations of the circuit that the runs at all ends take, by those of the run itself."""
+    return 2.0 * len(run.system.uncertainties) * run.number("evaluations")
+
+
+def with_ranges(run: RecordedRun, ranges: Ranges) -> RecordedRun:
+    """The run with its ranges, which are then kept and shown with it."""
+    return replace(run, meta={**run.meta, "ranges": ranges.flat, "ranges_left_out": dict(ranges.left_out)})
+
+
+def kept_ranges(run: RecordedRun) -> Ranges | None:
+    """The ranges that a run was given; None where it has none."""
+    flat = run.meta.get("ranges")
+    return read_ranges(run.system, run.summary, flat, run.meta.get("ranges_left_out", {})) if flat else None
+
+
+def _outcomes(
+    system: System, variants: Sequence[System], stop: Callable[[], bool], say: Callable[[str], None]
+) -> list[Outcome | str] | None:
+    """What the runs of all variants come to, or why they do not end; None where they were stopped."""
+    if not variants:
+        return []
+    cases = [variant.case for variant in variants]
+    try:
+        batch = simulate_batch(system.model, cases, system.stepping, system.average_from, stop=stop, say=say)
+    except ParameterError:  # an end has another shape than the system: each by itself
+        return [_alone(variant, stop) for variant in variants]
+    if batch.stopped:
+        return None
+    found: list[Outcome | str] = []
+    for place, variant in enumerate(variants):
+        done = batch.outcome(place)
+        found.append(batch.reasons[place] or (_alone(variant, stop) if done is None else done))
+    return found
+
+
+def _numbers(variant: System, done: Outcome | str) -> Mapping[str, Any] | str:
+    """The summary of a run at an end, or why there is none."""
+    return done if isinstance(done, str) else simulated_summary(done, variant)
+
+
+def _alone(variant: System, stop: Callable[[], bool]) -> Outcome | str:
+    """What one run comes to, means over plain time where no period was passed."""
+    try:
+        return outcome(simulate(variant.model, variant.case, variant.stepping, stop=stop), variant.average_from)
+    except RunError as problem:
+        return str(problem)
