@@ -1,12 +1,13 @@
 """Every row of the errata names tests, and these exist."""
 
 import ast
+import re
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
 NOTHING_TO_WORK_OUT = {"abstract"}
 """Places whose misprint is one of the text alone."""
-ROWS = 43
+ROWS, PARAGRAPHS = 43, 18
 
 
 def functions_of_the_tests() -> dict[str, list[str]]:
@@ -26,6 +27,17 @@ def test_every_row_names_tests_that_exist_once(rows):
     assert {row.place for row in rows if not row.tests} == NOTHING_TO_WORK_OUT
 
 
+def test_every_paragraph_names_tests_that_exist_once(page):
+    """Those of the derived models, below the tables: each of their sections and bold paragraphs."""
+    known = functions_of_the_tests()
+    paragraphs = re.split(r"\n\n(?=\*\*|## )", page[page.index("**Convergence**") :])
+    assert len(paragraphs) == PARAGRAPHS
+    unnamed = [text[:40] for text in paragraphs if "\n" in text and not re.findall(r"`test_\w+`", text)]
+    assert unnamed == []
+    named = {test for text in paragraphs for test in re.findall(r"`(test_\w+)`", text)}
+    assert {test: known.get(test, []) for test in named if len(known.get(test, [])) != 1} == {}
+
+
 def test_rows_are_counted(rows, page):
     """None is lost to a table that breaks: every line that begins as a row belongs to a table with a head."""
     assert len(rows) == ROWS
@@ -37,12 +49,12 @@ def test_rows_are_counted(rows, page):
             assert i + 1 in heads, line
 
 
-def test_every_misprint_test_is_named(rows):
+def test_every_test_of_the_sources_is_named(page):
     """What stands in this folder about the sources is named by the page."""
-    named = {test for row in rows for test in row.tests}
+    named = set(re.findall(r"`(test_\w+)`", page))
     here = {
         node.name
-        for path in Path(__file__).parent.glob("test_chapter*.py")
+        for path in Path(__file__).parent.glob("test_[!p]*.py")
         for node in ast.parse(path.read_text("utf-8")).body
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
     }
