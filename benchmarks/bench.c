@@ -86,24 +86,36 @@ static Branch law_flow(double dp, double opening, const double *u)
     return (Branch){opening * full, full, nozzle * per_total, centre * per_total, outlet * per_total};
 }
 
-static inline double wedge_opening(double distance, double half_width, double ramp)
+typedef struct { double open, skew; } Wedge;
+
+static inline Wedge wedge(double distance, double half_width, double ramp)
 {
     double entered = clip(0.5 + (half_width + distance) / ramp, 0.0, 1.0);
     double remaining = clip(0.5 + (half_width - distance) / ramp, 0.0, 1.0);
     double following = clip(0.5 + (half_width + distance - 1.0) / ramp, 0.0, 1.0);
-    return entered * remaining + following * (1.0 - remaining);
+    double uneven = (entered - remaining) * (entered * remaining - following) * (1.0 - following);
+    return (Wedge){entered * remaining + following * (1.0 - remaining), uneven};
 }
 
-static inline double jet_section(double a, double s)
+static inline double film_thickening(double first, double second, const double *p)
 {
-    return s == 0.0 || a == 0.0 || a == 1.0 ? a * a : pow(a, 2.0 - s);
+    double alpha = P(oil_pressure_viscosity), x = alpha * (first - second);
+    if (alpha == 0.0)
+        return 1.0;
+    double mean = 0.5 * (first + second) - P(oil_reference_pressure);
+    return exp(alpha * mean) / (1.0 + x * x / 24.0 * (1.0 + x * x / 80.0));
 }
 
-static inline double branch_torque(Branch b, double opening, double speed, double rho, const double *p)
+static inline double jet_section(double a, double skew, double s)
+{
+    return (s == 0.0 || a == 0.0 || a == 1.0 ? a : pow(a, 1.0 - s)) * (a + skew);
+}
+
+static inline double branch_torque(Branch b, double opening, double skew, double speed, double rho, const double *p)
 {
     double q = most(b.full, 0.0), out = most(b.flow, 0.0);
     double r_in = P(valve_inlet_radius), r_out = P(valve_outlet_radius), r = b.flow < 0.0 ? r_in : r_out;
-    return rho * r_in / P(valve_nozzle_area) * q * q * jet_section(opening, P(valve_jet_exponent))
+    return rho * r_in / P(valve_nozzle_area) * q * q * jet_section(opening, skew, P(valve_jet_exponent))
          + rho * r_out / P(valve_outlet_effective_area) * out * out - rho * r * r * speed * fabs(b.flow);
 }
 
@@ -159,24 +171,28 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     double ideal = P(pump_displacement) * shaft_speed * ripple;
     Passage pump_leak = passage(P(pump_leakage_conductance) * (inlet_pressure - tank_pressure), inlet, tank);
 
-    double turn = U(valve_ports_sections) * Y(spool_angle) / (2.0 * PI), distance = fabs(turn - floor(turn + 0.5));
+    double turn = U(valve_ports_sections) * Y(spool_angle) / (2.0 * PI), offset = turn - floor(turn + 0.5), distance = fabs(offset);
     double half_duty = 0.5 * P(operation_duty_ratio);
     double half_barrier = 0.5 * U(valve_ports_barrier_width), ramp = U(valve_ports_nozzle_width);
     double load_drop = inlet_pressure - load_pressure, check_time = P(check_valve_opening_time);
     double check = check_opening(load_drop, p), lift = check_time > 0.0 ? Y(valve_check_opening) : check;
-    double load_open = wedge_opening(distance, half_duty - half_barrier, ramp) * lift;
-    double tank_open = 1.0 - wedge_opening(distance, half_duty + half_barrier, ramp);
+    Wedge wide = wedge(distance, half_duty + half_barrier, ramp), narrow = wedge(distance, half_duty - half_barrier, ramp);
+    double load_open = narrow.open * lift, tank_open = 1.0 - wide.open;
+    double closing = P(valve_jet_asymmetry) * (offset < 0.0 ? -1.0 : 1.0);
+    double load_skew = closing * narrow.skew * lift, tank_skew = -closing * wide.skew;
     Branch load_branch = law_flow(load_drop, load_open, u);
     Branch tank_branch = law_flow(inlet_pressure - tank_pressure, tank_open, u);
     Passage to_load = passage(load_branch.flow, inlet, line), to_tank = passage(tank_branch.flow, inlet, tank);
-    Passage leak = passage(U(valve_leakage_conductance) * (load_pressure - tank_pressure), line, tank);
+    double thick = film_thickening(load_pressure, tank_pressure, p);
+    Passage leak = passage(U(valve_leakage_conductance) / thick * (load_pressure - tank_pressure), line, tank);
     double surplus = ideal - pump_leak.flow - to_load.flow - to_tank.flow;
     Passage relief = passage(
         relief_flow(inlet_pressure, tank_pressure, Y(relief_valve_opening), inlet.ratio * surplus, p), inlet, tank);
 
-    double R = P(valve_spool_radius), coupling = P(spool_drive_coupling);
-    double turbine = branch_torque(load_branch, load_open, speed, rho, p) + branch_torque(tank_branch, tank_open, speed, rho, p);
-    double friction = P(valve_friction_area) * U(medium_viscosity) * R * R / P(valve_radial_clearance) * speed;
+    double coupling = P(spool_drive_coupling);
+    double turbine = branch_torque(load_branch, load_open, load_skew, speed, rho, p)
+                   + branch_torque(tank_branch, tank_open, tank_skew, speed, rho, p);
+    double friction = U(valve_friction_coefficient) * thick * speed;
     double drive = coupling * (motor_speed - speed), pump_friction = P(pump_friction_torque) * fabs(shaft_speed);
     double coefficient = P(load_discharge_coefficient) * P(load_area) * sqrt(2.0 / rho);
     double drop = load_pressure - tank_pressure;
@@ -234,13 +250,14 @@ void conditions(const double *p, double *u)
     double width = sqrt(2.0 * P(valve_nozzle_area) / (N * slope)), lap = P(valve_lap_ratio);
     double sin2 = slope * slope / (1.0 + slope * slope), eccentricity = P(valve_eccentricity);
     double barriers = 2.0 * N * L / (lap * width * sin2);
-    double lands = 2.0 * (2.0 * PI * R / P(valve_land_length)) * (1.0 + 1.5 * eccentricity * eccentricity);
+    double lands = 2.0 * (2.0 * PI * R / P(valve_land_length)), off_centre = 1.0 + 1.5 * eccentricity * eccentricity;
     double nozzle = P(valve_nozzle_discharge_coefficient) * P(valve_nozzle_area);
     double outlet = P(valve_outlet_discharge_coefficient) * P(valve_outlet_area);
     Fluid tank = fluid_state(P(operation_tank_pressure), p);
     out[U_medium_density] = rho;
     out[U_medium_viscosity] = mu;
-    out[U_valve_leakage_conductance] = c * c * c / (12.0 * mu) * (barriers + lands);
+    out[U_valve_leakage_conductance] = c * c * c / (12.0 * mu) * (barriers + lands) * off_centre;
+    out[U_valve_friction_coefficient] = P(valve_friction_area) * mu * R * R / c / sqrt(1.0 - eccentricity * eccentricity);
     out[U_spool_inertia] = 0.5 * P(valve_spool_mass) * R * R;
     out[U_tank_pressure] = P(operation_tank_pressure);
     out[U_tank_volume_ratio] = tank.ratio;

@@ -35,6 +35,7 @@ SETTINGS = {
     "as shipped": [],
     "blocked in between": ["valve.lap_ratio=1.3", "relief_valve.override_pressure=10 bar"],
     "underlap": ["valve.lap_ratio=0.5", "valve.jet_exponent=0.4", "valve.eccentricity=0.3"],
+    "uneven jets": ["valve.jet_exponent=0.65", "valve.jet_asymmetry=0.85", "oil.pressure_viscosity=2e-8 1/Pa"],
     "dynamic relief": ["relief_valve.override_pressure=10 bar", "relief_valve.opening_time=2 ms"],
     "check valve": ["check_valve.reverse_opening=0", "check_valve.cracking_pressure=0.05 bar"],
     "driven": ["spool_drive.coupling=0.1 N*m*s", "operation.spool_motor_speed=3000 rpm"],
@@ -423,6 +424,7 @@ def components():
             branch.BranchDrops: lambda: branch.turbulent_drops(float(rng.uniform(2e-4, 1e-3)), 1.0, 870.0, valve),
             branch.BranchLaw: lambda: branch.branch_law(870.0, valve),
             geometry.Openings: lambda: geometry.Openings(*map(float, rng.uniform(0.05, 1.0, 2))),
+            geometry.JetSkews: lambda: geometry.JetSkews(*map(float, rng.uniform(-0.2, 0.2, 2))),
             geometry.PortShape: lambda: geometry.port_shape(valve),
             unsteady_friction.LayeredState: lambda: unsteady_friction.LayeredState(
                 *map(float, rng.uniform(-1e-3, 1e-3, 6))

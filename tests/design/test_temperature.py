@@ -86,7 +86,7 @@ def test_the_prototype_is_warned_of(warmed):
         # at duty ratio 0.2 the load port never opens fully, kappa 0.30
         (["operation.duty_ratio=0.2"], "a port never opens fully at this duty ratio"),
         # two thousandths of the land length bear a billionth of the force
-        (["valve.land_length=0.3 mm"], "lands leak more"),
+        (["valve.land_length=0.3 mm"], "the lands may touch"),
         # 0.5 mm of clearance and 3000 turns per minute: Re = 876*314*0.0127*5e-4/0.0387 = 45, times sqrt(0.04) = 9;
         # hot oil has a quarter of that viscosity
         (

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
 from vvdp.base.errors import ParameterError
-from vvdp.fluid.oil import density, dynamic_viscosity, film_thickening, film_viscosity, kinematic_viscosity
+from vvdp.fluid.oil import density, dynamic_viscosity, film_ratios, film_viscosity, kinematic_viscosity
 
 
 def test_density_by_hand(make_oil):
@@ -93,12 +93,12 @@ P0 = 101325.0
 def test_a_film_between_100_bar_and_the_tank_by_hand(make_oil):
     # alpha dP = 0.2: 0.2/(1 - e^-0.2) = 0.2/0.18126925 = 1.10333111; 0.0387 Pa s * 1.10333111 = 0.0426989
     oil = make_oil(pressure_viscosity=2e-8)
-    assert film_thickening(P0 + 100e5, P0, oil) == pytest.approx(1.10333111, rel=1e-8)
+    assert film_ratios(P0 + 100e5, P0, oil) == pytest.approx((1.10333111, 0.90634623), rel=1e-8)
     assert film_viscosity(313.15, P0 + 100e5, P0, oil) == pytest.approx(876.0 * 44.178e-6 * 1.10333111, rel=1e-8)
 
 
 def test_an_oil_that_pressure_does_not_thicken(make_oil):
-    assert film_thickening(400e5, 1e5, make_oil()) == 1.0
+    assert film_ratios(400e5, 1e5, make_oil()).viscosity == 1.0
     assert film_viscosity(313.15, 400e5, 1e5, make_oil()) == dynamic_viscosity(313.15, make_oil())
 
 
@@ -107,10 +107,10 @@ def test_an_oil_that_pressure_does_not_thicken(make_oil):
 def test_flow_and_shear_of_a_film_are_those_of_one_viscosity(make_oil, first, second, alpha):
     """Flow goes with the mean of 1/mu over the pressure, shear with the mean of mu over the length; numerically."""
     oil = make_oil(pressure_viscosity=alpha)
-    found = film_thickening(first, second, oil)
+    found = film_ratios(first, second, oil).viscosity
     fluidity = quad(lambda share: np.exp(-alpha * (second + share * (first - second) - P0)), 0.0, 1.0, epsrel=1e-11)[0]
     assert found == pytest.approx(1.0 / fluidity, rel=4e-5)  # (1.5)^6/322560 at the outermost
-    assert found == pytest.approx(film_thickening(second, first, oil), rel=1e-14)
+    assert found == pytest.approx(film_ratios(second, first, oil).viscosity, rel=1e-14)
     low, high = sorted((first, second))
     assert np.exp(alpha * (low - P0)) * (1.0 - 4e-5) <= found <= np.exp(alpha * (high - P0)) * (1.0 + 4e-5)
 
@@ -118,7 +118,7 @@ def test_flow_and_shear_of_a_film_are_those_of_one_viscosity(make_oil, first, se
 def test_mean_shear_along_a_film_from_its_pressure(make_oil):
     """The pressure along the slot integrated step by step, dP/ds = -q mu(P), and mu averaged on the way."""
     oil, alpha, first = make_oil(pressure_viscosity=2e-8), 2e-8, 300e5
-    flow = first / film_thickening(P0 + first, P0, oil)  # per slot conductance
+    flow = first / film_ratios(P0 + first, P0, oil).viscosity  # per slot conductance
 
     def along(_, state):
         thick = np.exp(alpha * state[0])
@@ -126,4 +126,4 @@ def test_mean_shear_along_a_film_from_its_pressure(make_oil):
 
     end = solve_ivp(along, (0.0, 1.0), [first, 0.0], rtol=1e-10, atol=[1e-3, 1e-12]).y[:, -1]
     assert end[0] == pytest.approx(0.0, abs=1e-6 * first)
-    assert end[1] == pytest.approx(film_thickening(P0 + first, P0, oil), rel=1e-6)
+    assert end[1] == pytest.approx(film_ratios(P0 + first, P0, oil).viscosity, rel=1e-6)

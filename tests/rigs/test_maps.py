@@ -207,7 +207,7 @@ def test_spool_that_cannot_turn_is_refused_at_once(source_stand, tmp_path):
     assert state.reason is not None
     assert "it stops where both ports are nearly shut" in state.reason
     driven = braked.with_motor(70.0)
-    assert driven.standstill(313.15, driven.means(COARSE.points[5])) is None
+    assert driven.standstill(COARSE.points[5], driven.means(COARSE.points[5])) is None
 
 
 def test_map_without_any_result_is_drawn(orifice_stand, tmp_path):

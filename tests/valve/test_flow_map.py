@@ -9,9 +9,9 @@ from vvdp.hydraulics.relief_valve import ReliefValve, relief_flow
 from vvdp.valve.branch import branch_flow
 from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_cycle, quasi_steady_mean, static_relief_flow
-from vvdp.valve.geometry import port_openings
+from vvdp.valve.geometry import EVEN, port_openings
 from vvdp.valve.losses import closed_form_load_flow, full_open_loss, transition_loss
-from vvdp.valve.torque import pwm_frequency, spool_inertia, spool_torque
+from vvdp.valve.torque import friction_coefficient, pwm_frequency, spool_inertia, spool_torque
 
 RHO, MU = 876.0, 0.0387
 BAR, T = 1e5, 101325.0
@@ -170,7 +170,8 @@ def test_averaged_speed_against_the_turning_spool(prototype, s):
     state = cycle(valve, 0.5)
     turn = (np.arange(1000) + 0.5) / 2000.0
     still, turning = (
-        spool_torque(state.load, state.tank, state.openings, omega, RHO, MU, valve) for omega in (0.0, 1.0)
+        spool_torque(state.load, state.tank, state.openings, EVEN, omega, RHO, friction_coefficient(MU, valve), valve)
+        for omega in (0.0, 1.0)
     )
     drive = still.turbine
     drag = drive - (turning.turbine - turning.friction)

@@ -8,11 +8,13 @@ from hypothesis import strategies as st
 from vvdp.valve.geometry import (
     barrier_width,
     helix_slope,
+    jet_skews,
     nozzle_hydraulic_diameter,
     nozzle_length,
     nozzle_width,
     pitch,
     port_openings,
+    port_shape,
     transition_fraction,
 )
 
@@ -151,3 +153,51 @@ def test_the_ends_of_the_stroke_are_free_of_transitions(prototype):
     at_zero = port_openings(angle, 0.0, prototype)
     assert at_zero.load.max() < 1e-12
     assert at_zero.tank.min() < 1e-12
+
+
+def skew(angle, duty, valve, asymmetry=1.0):
+    return jet_skews(angle, duty * valve.helix_length, asymmetry, port_shape(valve))
+
+
+def test_a_jet_counts_more_while_its_port_closes(prototype):
+    """One edge over the nozzle: a (1 - a) more where the load's barrier closes over it, the same less in the opening
+    tank port. With d_0 = 0.5 and zero lap the load's edge crosses the nozzle's centre at (0.5 - 0.150)/2 = 0.175."""
+    ramp = nozzle_width(prototype) / pitch(prototype)
+    for share in (0.1, 0.25, 0.5, 0.9):
+        angle = 2.0 * np.pi / 3.0 * (0.5 * (0.5 - ramp) + (0.5 - share) * ramp)
+        assert port_openings(angle, 0.5 * prototype.helix_length, prototype) == pytest.approx((share, 0.0), abs=1e-12)
+        assert skew(angle, 0.5, prototype) == pytest.approx((share * (1.0 - share), 0.0), abs=1e-12)
+        assert skew(-angle, 0.5, prototype, 0.85) == pytest.approx((-0.85 * share * (1.0 - share), 0.0), abs=1e-12)
+        behind = angle + 2.0 * np.pi / 3.0 * ramp
+        a = port_openings(behind, 0.5 * prototype.helix_length, prototype).tank
+        assert a == pytest.approx(1.0 - share, abs=1e-12)
+        assert skew(behind, 0.5, prototype) == pytest.approx((0.0, -a * (1.0 - a)), abs=1e-12)
+
+
+@given(angles, duties, laps, st.sampled_from([4e-3, 6e-3, 20.32e-3, 60e-3]))
+def test_skews_are_odd_bounded_and_periodic(prototype, angle, duty, lap, length):
+    valve = replace(prototype, lap_ratio=min(lap, 1.8), helix_length=length)
+    one, openings = skew(angle, duty, valve), port_openings(angle, duty * valve.helix_length, valve)
+    # Not more than the opening, so that a jet's torque never changes its sign, and nothing where it is open or shut.
+    for found, a in zip(one, openings, strict=True):
+        assert abs(found) <= min(a, 1.0 - a) + 1e-12
+    other = skew(-angle, duty, valve)
+    assert other == pytest.approx((-one.load, -one.tank), abs=1e-12)
+    assert skew(angle + 2.0 * np.pi / 3.0, duty, valve) == pytest.approx(one, abs=1e-11)
+
+
+@given(duties, laps)
+def test_a_port_cut_alike_from_both_sides_has_no_skew(prototype, duty, lap):
+    valve = replace(prototype, lap_ratio=lap)
+    for angle in (0.0, np.pi / 3.0):  # the middle of the load's wedge and of the tank's
+        assert skew(angle, duty, valve) == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("duty", [0.1, 0.2, 0.5, 0.9])
+def test_skews_are_continuous(prototype, duty):
+    """Their slope is at most that of three ramps; a jump would be far steeper."""
+    angle = np.linspace(-np.pi / 3.0, np.pi / 3.0, 20001)
+    step = 3.0 * (angle[1] - angle[0]) / (2.0 * np.pi) * pitch(prototype) / nozzle_width(prototype)
+    for found in skew(angle, duty, prototype):
+        assert np.max(np.abs(np.diff(found))) < 3.0 * step
+        assert np.max(np.abs(found)) > 0.01

@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_bvp
 
 from vvdp.base.errors import ParameterError
-from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.fluid.oil import density, dynamic_viscosity, film_viscosity
 from vvdp.valve.branch import BranchFlow, branch_flow
-from vvdp.valve.geometry import Openings
+from vvdp.valve.condition import Condition
+from vvdp.valve.flow_map import averaged_spool_speed, quasi_steady_cycle
+from vvdp.valve.geometry import EVEN, JetSkews, Openings, jet_skews, port_shape
 from vvdp.valve.torque import (
     SpoolSurface,
     equilibrium_speed,
@@ -62,10 +64,41 @@ def test_friction_coefficient_and_inertia(prototype):
     assert spool_time_constant(Q40, RHO, MU, prototype) == pytest.approx(28.2e-3, rel=1e-3)
 
 
+def test_friction_of_a_spool_off_its_centre(prototype):
+    """Shear goes with one over the gap c (1 + eps cos), averaged round the circumference."""
+    angle = 2.0 * np.pi * (np.arange(2000) + 0.5) / 2000
+    centred = friction_coefficient(MU, prototype)
+    for eps in (0.3, 0.9):
+        mean = np.mean(1.0 / (1.0 + eps * np.cos(angle)))
+        valve = replace(prototype, eccentricity=eps)
+        assert friction_coefficient(MU, valve) == pytest.approx(centred * mean, rel=1e-12)
+    # 1/sqrt(1 - 0.81) = 2.29416; 0.215484/(2.29416 * 1.33494e-3 + 9.4188e-5) = 68.260 rad/s = 32.59 Hz
+    assert friction_coefficient(MU, valve) / centred == pytest.approx(2.29416, rel=1e-5)
+    assert full_open_frequency(Q40, valve) == pytest.approx(32.6, abs=0.05)
+    assert fit_friction_area(32.6, Q40, RHO, MU, valve) == pytest.approx(2.716e-3, rel=1e-3)
+
+
+def test_friction_area_with_oil_that_pressure_thickens(prototype, vg46):
+    """The frequency is kept against the load of the system, so what the films thicken by, the area is less."""
+    oil = replace(vg46, pressure_viscosity=2e-8)
+    thick = film_viscosity(313.15, 100e5 + 101325.0, 101325.0, oil)
+    # 0.2/(1 - e^-0.2) = 1.1033311; 2716/1.1033311 = 2461.6 mm2
+    area = fit_friction_area(72.0, Q40, RHO, thick, prototype)
+    assert area == pytest.approx(2.4616e-3, rel=3e-4)
+    assert full_open_frequency(Q40, replace(prototype, friction_area=area), RHO, thick) == pytest.approx(
+        72.0, rel=1e-12
+    )
+    # without a new area: 0.215484/(1.1033311 * 1.33494e-3 + 9.4188e-5) = 137.50 rad/s = 65.65 Hz
+    assert full_open_frequency(Q40, prototype, RHO, thick) == pytest.approx(65.7, abs=0.06)
+
+
 def test_friction_power_is_quadratic_in_speed_and_torque_linear(prototype):
     still = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
     one, two = (
-        spool_torque(still, still, Openings(0.0, 1.0), omega, RHO, MU, prototype).friction for omega in (100.0, 200.0)
+        spool_torque(
+            still, still, Openings(0.0, 1.0), EVEN, omega, RHO, friction_coefficient(MU, prototype), prototype
+        ).friction
+        for omega in (100.0, 200.0)
     )
     assert two == pytest.approx(2.0 * one, rel=1e-15)
 
@@ -100,7 +133,9 @@ def test_torques_balance_at_the_equilibrium_speed(prototype):
     omega = equilibrium_speed(Q40, RHO, MU, prototype)
     load = BranchFlow(Q40, Q40, 0.6, 0.1, 0.3)
     still = BranchFlow(0.0, 1e-3, 1.0, 0.0, 0.0)
-    torque = spool_torque(load, still, Openings(1.0, 0.0), omega, RHO, MU, prototype)
+    torque = spool_torque(
+        load, still, Openings(1.0, 0.0), EVEN, omega, RHO, friction_coefficient(MU, prototype), prototype
+    )
     assert torque.turbine == pytest.approx(torque.friction, rel=1e-14)
 
 
@@ -146,7 +181,7 @@ def test_turbine_power_is_what_the_fluid_loses(prototype, flow, omega):
     moment_in, moment_out = R * v_in, R * (R * omega - v_out)
     load = BranchFlow(flow, flow, 0.6, 0.1, 0.3)
     still = BranchFlow(0.0, 1e-3, 1.0, 0.0, 0.0)
-    torque = spool_torque(load, still, Openings(1.0, 0.0), omega, RHO, MU, prototype)
+    torque = spool_torque(load, still, Openings(1.0, 0.0), EVEN, omega, RHO, 1e-3, prototype)
     assert torque.turbine == pytest.approx(RHO * flow * (moment_in - moment_out), rel=1e-12)
 
 
@@ -154,9 +189,9 @@ def test_both_branches_add(prototype):
     load = branch_flow(2e6, 0.3, RHO, prototype)
     tank = branch_flow(6e6, 0.1, RHO, prototype)
     still = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
-    both = spool_torque(load, tank, Openings(0.3, 0.1), 150.0, RHO, MU, prototype)
-    one = spool_torque(load, still, Openings(0.3, 0.1), 150.0, RHO, MU, prototype)
-    other = spool_torque(still, tank, Openings(0.3, 0.1), 150.0, RHO, MU, prototype)
+    both = spool_torque(load, tank, Openings(0.3, 0.1), EVEN, 150.0, RHO, 1e-3, prototype)
+    one = spool_torque(load, still, Openings(0.3, 0.1), EVEN, 150.0, RHO, 1e-3, prototype)
+    other = spool_torque(still, tank, Openings(0.3, 0.1), EVEN, 150.0, RHO, 1e-3, prototype)
     assert both.turbine == pytest.approx(one.turbine + other.turbine, rel=1e-14)
 
 
@@ -197,3 +232,74 @@ def test_a_closed_pocket_drags_four_times_as_much_as_a_groove():
     y = np.linspace(0.0, 1.0, 11)
     solution = solve_bvp(rates, ends, y, np.zeros((4, y.size)))
     assert solution.y[1, -1] == pytest.approx(4.0, rel=1e-6)
+
+
+def test_torque_of_an_uneven_jet(prototype):
+    # s = 0.65, eps_j = 0.85, a = 0.5 closing: 0.5^0.35 * (0.5 + 0.85 * 0.25) = 0.784584 * 0.7125 = 0.559016;
+    # against 0.5^1.35 = 0.392292: 1 + 0.85 * 0.5 = 1.425 times as much; opening 0.575 times
+    valve = replace(prototype, jet_exponent=0.65, jet_asymmetry=0.85)
+    still = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
+    load, skew = BranchFlow(5e-4, 1e-3, 0.6, 0.1, 0.3), 0.85 * 0.25
+    even, closing, opening = (
+        spool_torque(load, still, Openings(0.5, 0.0), JetSkews(extra, 0.0), 0.0, RHO, 0.0, valve).turbine
+        - outlet_torque(5e-4, 0.0, RHO, valve)
+        for extra in (0.0, skew, -skew)
+    )
+    assert even == pytest.approx(RHO * 0.0127 * 1e-6 / 36.5e-6 * 0.392292, rel=1e-5)
+    assert closing / even == pytest.approx(1.425, rel=1e-12)
+    assert opening / even == pytest.approx(0.575, rel=1e-12)
+
+
+@pytest.mark.parametrize(("load_pressure", "hertz"), [(100.0, 76.1), (50.0, 82.3), (30.0, 83.3), (10.0, 84.1)])
+def test_frequency_of_the_switching_valve_with_the_measured_jet(prototype, load_pressure, hertz):
+    """The table for any asymmetry: over a whole period its torque vanishes at equal flows."""
+    at = Condition(
+        flow=Q40,
+        load_pressure=load_pressure * 1e5 + 101325.0,
+        relief_pressure=120e5 + 101325.0,
+        tank_pressure=101325.0,
+        density=RHO,
+    )
+    for asymmetry in (0.0, 0.85):
+        valve = replace(prototype, jet_exponent=0.65, jet_asymmetry=asymmetry)
+        omega = averaged_spool_speed(0.5, at, MU, valve)
+        assert pwm_frequency(omega, valve) == pytest.approx(hertz, abs=0.06)
+
+
+@pytest.mark.parametrize(("s", "asymmetry", "per_cent"), [(0.0, 0.0, 3.5), (0.65, 0.0, 3.3), (0.65, 0.85, 4.7)])
+def test_ripple_of_the_spool_speed(prototype, s, asymmetry, per_cent):
+    """Quasi-steady flows; the spool's energy J omega^2/2 carried on from angle to angle until it repeats."""
+    valve = replace(prototype, jet_exponent=s, jet_asymmetry=asymmetry)
+    at = Condition(flow=Q40, load_pressure=100e5 + 1e5, relief_pressure=120e5 + 1e5, tank_pressure=1e5, density=RHO)
+    cycle = quasi_steady_cycle(0.5, at, valve)
+    n, J, k_f = cycle.relief_flow.size, spool_inertia(valve), friction_coefficient(MU, valve)
+    step = np.pi / 3.0 / n
+    angle = step * (np.arange(n) + 0.5)
+    before, after = (
+        [
+            spool_torque(
+                cycle.load,
+                cycle.tank,
+                cycle.openings,
+                jet_skews(sign * angle, 0.5 * valve.helix_length, asymmetry, port_shape(valve)),
+                omega,
+                RHO,
+                k_f,
+                valve,
+            )
+            for omega in (0.0, 1.0)
+        ]
+        for sign in (-1.0, 1.0)
+    )
+    drive = np.concatenate([before[0].turbine[::-1], after[0].turbine])
+    turning = np.concatenate([(before[1].turbine - before[1].friction)[::-1], after[1].turbine - after[1].friction])
+    speeds = np.full(2 * n, averaged_spool_speed(0.5, at, MU, valve))
+    for _ in range(30):
+        omega = speeds[-1]
+        for place in range(2 * n):
+            torque = drive[place] + (turning[place] - drive[place]) * omega
+            omega = np.sqrt(omega * omega + 2.0 * torque * step / J)
+            speeds[place] = omega
+    assert 100.0 * np.ptp(speeds) / np.mean(speeds) == pytest.approx(per_cent, abs=0.06)
+    # What the asymmetry adds before the middle of a wedge it takes behind it.
+    assert 1.0 / np.mean(1.0 / speeds) == pytest.approx(averaged_spool_speed(0.5, at, MU, valve), rel=1e-3)

@@ -165,13 +165,13 @@ def contenders(sectors: int = SECTORS, rate: float = RATE) -> tuple[Contender, .
     wheel = equal_wheel(sectors)
     blur = event_filter(wheel).edge_variance * (SECTORS / sectors) ** 2
     events = replace(event_filter(wheel), edge_variance=blur)
-    slope = ramp_width(encoder_of(sectors).spot)
+    slope, torque = ramp_width(encoder_of(sectors).spot), torque_filter(wheel, drive().oil, drive().valve)
     return (
         _alone("event-filter", event_filter_estimator(events)),
         _without_manoeuvres(events),
         _learning_the_offset(events, slope),
         _setting_the_threshold(events, slope, 1.0 / rate),
-        _with_torque(replace(torque_filter(wheel, drive().oil, drive().valve), edge_variance=blur)),
+        _with_torque(replace(torque, edge_variance=blur, film_thickening=drive().thickening)),
         _with_pressure(events),
         _alone("tracking-loop", tracking_loop_estimator(tracking_loop(wheel))),
         _alone("time-stamping", time_stamping_estimator(time_stamping(wheel))),

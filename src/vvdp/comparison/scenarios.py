@@ -11,7 +11,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant, ramp
 from vvdp.comparison.motion import Motion, steady
 from vvdp.comparison.scores import Truth
-from vvdp.fluid.oil import Oil, density, dynamic_viscosity
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_ratios
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, capture_unit
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import TURN, equal_wheel
@@ -113,19 +113,23 @@ def encoder_of(sectors: int) -> Encoder:
 
 
 class Drive(NamedTuple):
-    """What turns the spool of the prototype: its valve, and its oil at 40 degC."""
+    """What turns the spool of the prototype: its valve, and its oil at 40 degC; in the clearance it is thicker, by a
+    ratio, than at the reference pressure."""
 
     valve: RotaryValve
     oil: Oil
     density: float  # [kg/m^3]
-    viscosity: float  # dynamic [Pa s]
+    viscosity: float  # dynamic, in the clearance [Pa s]
+    thickening: float  # [1]
 
 
 @cache
 def drive() -> Drive:
     """The drive of the shipped prototype."""
     bench = rotary_bench(load_system("prototype"), "compare")
-    return Drive(bench.valve, bench.oil, density(WARM_OIL, bench.oil), dynamic_viscosity(WARM_OIL, bench.oil))
+    thickening = film_ratios(bench.load_pressure, bench.tank_pressure, bench.oil).viscosity
+    viscosity = dynamic_viscosity(WARM_OIL, bench.oil) * thickening
+    return Drive(bench.valve, bench.oil, density(WARM_OIL, bench.oil), viscosity, thickening)
 
 
 def flow_step(at: float) -> Motion:
@@ -135,7 +139,7 @@ def flow_step(at: float) -> Motion:
 
     Source  ours, docs/models/rotary-valve.md
     """
-    valve, _, rho, mu = drive()
+    valve, _, rho, mu, _ = drive()
     before, after = (equilibrium_speed(flow, rho, mu, valve) for flow in (SLOW_FLOW, FAST_FLOW))
     return Motion(float(before), float(after), at, float(spool_time_constant(FAST_FLOW, rho, mu, valve)))
 
@@ -147,7 +151,7 @@ def driving_flow(motion: Motion, time: Array) -> Array:
 
     Source  wang2017, eqs. 2.6, 2.7 and 2.9
     """
-    valve, _, rho, mu = drive()
+    valve, _, rho, mu, _ = drive()
     omega = motion.speed(time)
     a, b = stall_torque(1.0, rho, valve), flow_damping(1.0, rho, valve) * omega
     c = friction_coefficient(mu, valve) * omega + spool_inertia(valve) * motion.acceleration(time)

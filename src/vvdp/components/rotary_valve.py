@@ -2,18 +2,31 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Conductance, ExchangedPower, Flow, Fraction, Inertia, Kink, Position, Power, Ratio, Torque
+from vvdp.base.kinds import (
+    Conductance,
+    Coupling,
+    ExchangedPower,
+    Flow,
+    Fraction,
+    Inertia,
+    Kink,
+    Position,
+    Power,
+    Ratio,
+    Torque,
+)
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
+from vvdp.fluid.oil import Oil, film_ratios
 from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_opening_rate, check_side
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.ports import Medium, ShaftState
 from vvdp.network.component import Component
 from vvdp.valve.branch import BranchLaw, branch_law, law_flow
-from vvdp.valve.geometry import Openings, PortShape, port_edges, port_shape, shape_openings
+from vvdp.valve.geometry import JetSkews, Openings, PortShape, jet_skews, port_edges, port_shape, shape_openings
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
-from vvdp.valve.torque import pwm_frequency, spool_inertia, spool_torque
+from vvdp.valve.torque import friction_coefficient, pwm_frequency, spool_inertia, spool_torque
 
 
 class RotaryValveState(NamedTuple):
@@ -23,9 +36,10 @@ class RotaryValveState(NamedTuple):
 
 
 class RotaryValveHeld(NamedTuple):
-    """What depends on the oil's temperature alone."""
+    """What depends on the oil's temperature alone; leakage and friction at its reference pressure."""
 
     leakage_conductance: Conductance
+    friction_coefficient: Coupling
     branch: BranchLaw
     ports: PortShape
 
@@ -65,6 +79,7 @@ def rotary_valve_held(medium: Medium, valve: RotaryValve) -> RotaryValveHeld:
     """What a rotary valve works out once per sample."""
     return RotaryValveHeld(
         leakage_conductance=leakage_conductance(medium.viscosity, valve),
+        friction_coefficient=friction_coefficient(medium.viscosity, valve),
         branch=branch_law(medium.density, valve),
         ports=port_shape(valve),
     )
@@ -89,6 +104,7 @@ def rotary_valve(
     state: RotaryValveState,
     held: RotaryValveHeld,
     medium: Medium,
+    oil: Oil,
     valve: RotaryValve,
     check: CheckPoppet,
 ) -> RotaryValveFlow:
@@ -101,11 +117,15 @@ def rotary_valve(
     load_drop = inlet.pressure - load.pressure
     lift = select(check.opening_time > 0.0, state.check_opening, check_opening(load_drop, check))
     openings = Openings(ports.load * lift, ports.tank)
+    skew = jet_skews(spool.angle, axial_position, valve.jet_asymmetry, held.ports)
     load_branch = law_flow(load_drop, openings.load, held.branch)
     tank_branch = law_flow(inlet.pressure - tank.pressure, openings.tank, held.branch)
     to_load, to_tank = passage(load_branch.flow, inlet, load), passage(tank_branch.flow, inlet, tank)
-    leak = passage(held.leakage_conductance * (load.pressure - tank.pressure), load, tank)
-    torque = spool_torque(load_branch, tank_branch, openings, spool.speed, medium.density, medium.viscosity, valve)
+    film = film_ratios(load.pressure, tank.pressure, oil)
+    leak = passage(held.leakage_conductance * film.fluidity * (load.pressure - tank.pressure), load, tank)
+    k_f = held.friction_coefficient * film.viscosity
+    skews = JetSkews(skew.load * lift, skew.tank)
+    torque = spool_torque(load_branch, tank_branch, openings, skews, spool.speed, medium.density, k_f, valve)
     losses = RotaryValveLosses(
         nozzle=to_load.loss * load_branch.nozzle_share + to_tank.loss * tank_branch.nozzle_share,
         centre_section=to_load.loss * load_branch.centre_share + to_tank.loss * tank_branch.centre_share,

@@ -24,7 +24,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import field_kinds
 from vvdp.base.signal import signal_value
-from vvdp.fluid.oil import Oil, density, dynamic_viscosity
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_viscosity
 from vvdp.simulation.values import names
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
@@ -179,8 +179,8 @@ def quantities(at: Setup) -> Quantities:
     Source  ours, docs/design.md
     """
     oil, valve, Q, d = at.oil, at.valve, at.flow, at.duty_ratio
-    rho, mu = density(at.temperature, oil), dynamic_viscosity(at.temperature, oil)
     P_L, P_T = at.load_pressure, at.tank_pressure
+    rho, mu = density(at.temperature, oil), film_viscosity(at.temperature, P_L, P_T, oil)
     drops = full_open_drop(Q, rho, valve)
     total = drops.nozzle + drops.centre_section + drops.outlet_turbine
     omega = driven_speed(at.spool_motor_speed, at.coupling, Q, rho, mu, valve)
@@ -212,6 +212,6 @@ def quantities(at: Setup) -> Quantities:
         spool_volume=np.pi * valve.spool_radius * valve.spool_radius * (valve.helix_length + 2.0 * valve.land_length),
         relief_margin=at.relief_pressure - P_L - total,
         input_power=passed + open_loss + transition,
-        nozzle_reynolds_number=nozzle_reynolds_number(Q, rho, mu, valve),
+        nozzle_reynolds_number=nozzle_reynolds_number(Q, rho, dynamic_viscosity(at.temperature, oil), valve),
         spool_friction_power=friction_loss(omega, friction_coefficient(mu, valve)),
     )

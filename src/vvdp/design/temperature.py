@@ -24,7 +24,7 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 from vvdp.design.problem import require_flow
 from vvdp.design.quantities import KINDS, Setup, quantities, setup, switching_condition
-from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.fluid.oil import density, dynamic_viscosity, film_viscosity
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import System
 from vvdp.valve.bearing import bearing_eccentricity, bearing_force, radial_jet_force
@@ -64,7 +64,7 @@ ORIGINS: Mapping[str, str] = {
     "cavitation_number": "assumed",
     "taylor_number": "taylor1923",
     "temperature_rise": "assumed; 5 K change the viscosity by about a fifth",
-    "eccentricity": "assumed; the leakage of the lands then grows by 13 %",
+    "eccentricity": "assumed; leakage then grows by 13 %, friction by 5 %",
     "excess_share": "wang2017, section 2.7: the strongest nozzle of the final design has 15.8 % more",
     "specific_heat": "assumed, mineral oil",
     "thermal_conductivity": "assumed, mineral oil",
@@ -171,7 +171,10 @@ FULL = 0.9
 
 def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str, float]:
     valve, Q = at.valve, at.flow
-    rho, mu = density(at.temperature, at.oil), dynamic_viscosity(at.temperature, at.oil)
+    rho, mu = (
+        density(at.temperature, at.oil),
+        film_viscosity(at.temperature, at.load_pressure, at.tank_pressure, at.oil),
+    )
     q = quantities(at)
     omega = 2.0 * np.pi * q.pwm_frequency / valve.sections
     averaged = q.pwm_frequency
@@ -184,7 +187,7 @@ def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str
     return {
         **{name: float(getattr(q, name)) for name in QUANTITIES},
         "pwm_frequency_averaged": float(averaged),
-        "viscosity": mu,
+        "viscosity": dynamic_viscosity(at.temperature, at.oil),
         "input_power": float(q.input_power),
         "nozzle_reynolds_number": float(q.nozzle_reynolds_number),
         "cavitation_number_open": cavitation_number(
@@ -244,7 +247,7 @@ _DEMANDS = {
     ),
     "input_power": _Demand("power of the pump's motor", "the motor is overloaded", POWER),
     "eccentricity": _Demand(
-        "eccentricity of the spool", "the lands leak more than those of a centred spool and may touch"
+        "eccentricity of the spool", "leakage and friction are above those of a centred spool, and the lands may touch"
     ),
     "relief_margin": _Demand(
         "relief setting above load and open drop",

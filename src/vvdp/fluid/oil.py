@@ -4,7 +4,7 @@ Derived in docs/models/fluid.md, "Density and viscosity over temperature" and "V
 """
 
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -153,11 +153,18 @@ def dynamic_viscosity(temperature: float, oil: Oil) -> float:
     return density(temperature, oil) * kinematic_viscosity(temperature, oil)
 
 
-def film_thickening(first_pressure: float, second_pressure: float, oil: Oil) -> float:
-    """Viscosity that a thin film between two pressures shows, over that at the reference pressure [1].
+class FilmRatios(NamedTuple):
+    """What a thin film shows of the oil's viscosity at the reference pressure, and of its fluidity, the inverse."""
+
+    viscosity: Ratio
+    fluidity: Ratio
+
+
+def film_ratios(first_pressure: float, second_pressure: float, oil: Oil) -> FilmRatios:
+    """By how much the pressures on both sides of a thin film thicken its oil [1].
 
     With mu = mu_0 exp(alpha (P - P_0)) both the flow and the mean shear of the film are those of the one viscosity
-    mu_0 alpha (P_1 - P_2)/(exp(-alpha (P_2 - P_0)) - exp(-alpha (P_1 - P_0))), that is exp(alpha (P_m - P_0)) times
+    mu_0 alpha (P_1 - P_2)/(exp(-alpha (P_2 - P_0)) - exp(-alpha (P_1 - P_0))), that is mu_0 exp(alpha (P_m - P_0))
     (x/2)/sinh(x/2), with P_m the mean pressure and x = alpha (P_1 - P_2).
 
     first_pressure, second_pressure  on its two sides, absolute [Pa]
@@ -166,24 +173,26 @@ def film_thickening(first_pressure: float, second_pressure: float, oil: Oil) -> 
     Holds   for laminar films, warmed evenly
     Error   the series of sinh ends with an error of x^6/322560: 2e-10 for 100 bar, 8e-7 for 400 bar at 2e-8 1/Pa
 
-    >>> print(round(film_thickening(100e5 + 101325.0, 101325.0, oil), 4))
+    >>> print(round(film_ratios(100e5 + 101325.0, 101325.0, oil).viscosity, 4))
     1.1033
     """
-    return barus_film(first_pressure - oil.reference_pressure, second_pressure - oil.reference_pressure, oil)
+    return barus_ratios(first_pressure - oil.reference_pressure, second_pressure - oil.reference_pressure, oil)
 
 
-def film_thickening_compiled(first_pressure: float, second_pressure: float, oil: Oil) -> float:
-    """The same as `film_thickening`, which it replaces in compiled code: oil that does not thicken costs nothing.
+def film_ratios_compiled(first_pressure: float, second_pressure: float, oil: Oil) -> FilmRatios:
+    """The same as `film_ratios`, which it replaces in compiled code: oil that does not thicken costs nothing.
 
     first_pressure, second_pressure  on its two sides, absolute [Pa]
+
+    Source  barus1893; the film is ours, docs/models/fluid.md
     """
     if oil.pressure_viscosity == 0.0:
-        return 1.0
-    return barus_film(first_pressure - oil.reference_pressure, second_pressure - oil.reference_pressure, oil)
+        return FilmRatios(1.0, 1.0)
+    return barus_ratios(first_pressure - oil.reference_pressure, second_pressure - oil.reference_pressure, oil)
 
 
-def barus_film(first_rise: float, second_rise: float, oil: Oil) -> float:
-    """The law of `film_thickening` [1].
+def barus_ratios(first_rise: float, second_rise: float, oil: Oil) -> FilmRatios:
+    """The law of `film_ratios` [1].
 
     first_rise, second_rise  pressures above the reference pressure on the film's two sides [Pa]
 
@@ -192,7 +201,8 @@ def barus_film(first_rise: float, second_rise: float, oil: Oil) -> float:
     x = oil.pressure_viscosity * (first_rise - second_rise)
     # 2 sinh(x/2)/x by its power series, which has no quotient of zeros.
     spread = 1.0 + x * x / 24.0 * (1.0 + x * x / 80.0)
-    return (1.0 + expm1(0.5 * oil.pressure_viscosity * (first_rise + second_rise))) / spread
+    viscosity = (1.0 + expm1(0.5 * oil.pressure_viscosity * (first_rise + second_rise))) / spread
+    return FilmRatios(viscosity, 1.0 / viscosity)
 
 
 def film_viscosity(temperature: float, first_pressure: float, second_pressure: float, oil: Oil) -> float:
@@ -203,4 +213,4 @@ def film_viscosity(temperature: float, first_pressure: float, second_pressure: f
 
     Source  barus1893; the film is ours, docs/models/fluid.md
     """
-    return dynamic_viscosity(temperature, oil) * film_thickening(first_pressure, second_pressure, oil)
+    return dynamic_viscosity(temperature, oil) * film_ratios(first_pressure, second_pressure, oil).viscosity

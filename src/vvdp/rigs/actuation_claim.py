@@ -6,7 +6,6 @@ import numpy as np
 
 from vvdp.base.display import number, with_unit
 from vvdp.base.kinds import FREQUENCY, MEAN_POWER, NUMBER
-from vvdp.fluid.oil import dynamic_viscosity
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Table, numbers_of
 from vvdp.rigs.claim import Claim
@@ -88,9 +87,8 @@ def same_ports_stroke(valve: RotaryValve) -> float:
 
 
 def spool_friction(stand: Stand) -> float:
-    """Torque over speed of the spool's viscous friction at the stand's temperature [N m s]."""
-    viscosity = float(dynamic_viscosity(stand.set_point.oil_temperature, stand.bench.oil))
-    return friction_coefficient(viscosity, stand.bench.valve)
+    """Torque over speed of the spool's viscous friction at the stand's set point [N m s]."""
+    return friction_coefficient(float(stand.film_viscosity(stand.set_point)), stand.bench.valve)
 
 
 def actuation_claim(stand: Stand) -> Claim:

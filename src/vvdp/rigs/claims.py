@@ -48,7 +48,7 @@ def claims(
 
     Source  wang2017, chapters 1, 2 and 5
     """
-    if stuck := stand.standstill(stand.set_point.oil_temperature, stand.means(stand.set_point)):
+    if stuck := stand.standstill(stand.set_point, stand.means(stand.set_point)):
         raise ParameterError(f"{stand.name}: {stuck}")
     began = time.perf_counter()
     say("against throttling")
@@ -97,7 +97,7 @@ def _with_load_line(
         RIPPLE: partial(ripple_claim, stand, cores=cores, cache=cache),
     }
     alone, largest = self_spinning(stand), driving_point(stand, stand.pump_flow(stand.set_point))
-    if stuck := alone.standstill(largest.oil_temperature, alone.means(largest)):
+    if stuck := alone.standstill(largest, alone.means(largest)):
         del pending[DRIVING]
         left_out.append(f"{_title([DRIVING])}: left to itself {stuck}.")
     return pending, left_out

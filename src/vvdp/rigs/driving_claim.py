@@ -10,7 +10,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FLOW, FREQUENCY, MEAN_POWER, NUMBER, PRESSURE_DIFFERENCE, RATIO
-from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.fluid.oil import density
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke, shades
 from vvdp.results.result import Column, Table, numbers_of, sentences
 from vvdp.rigs.claim import Claim
@@ -187,7 +187,7 @@ def redesign(stand: Stand, d: Driving) -> tuple[float, Array, Array]:
     """
     here, valve = stand.set_point, stand.bench.valve
     rho = float(density(here.oil_temperature, stand.bench.oil))
-    mu = float(dynamic_viscosity(here.oil_temperature, stand.bench.oil))
+    mu = float(stand.film_viscosity(here))
     scale = float(area_scale(float(d.flows[0]), float(d.best_frequency[0]), rho, mu, valve))
     as_it_is, scaled = (
         np.array([scaled_open_loss(factor, q, rho, valve) for q in d.flows.tolist()]) for factor in (1.0, scale)

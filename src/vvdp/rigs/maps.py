@@ -24,7 +24,7 @@ from vvdp.base.errors import ParameterError, unusable
 from vvdp.base.files import clear_unfinished
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.fluid.mixture import compression_energy_per_volume
-from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.fluid.oil import density, film_viscosity
 from vvdp.hydraulics.spool_drive import drive_power
 from vvdp.results.store import DESCRIPTION, read_result
 from vvdp.rigs.map_axes import Axes
@@ -163,7 +163,7 @@ def _averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]
     speed: Any = stand.guessed_speed(means)
     motor: Any = drive_power(bench.operation.spool_motor_speed.base, speed, bench.spool_drive)
     frequency: Any = pwm_frequency(speed, valve)
-    leakage = leakage_conductance(dynamic_viscosity(t, oil), valve) * (p - tank)
+    leakage = leakage_conductance(film_viscosity(t, p, tank, oil), valve) * (p - tank)
     delivered = means.load_flow - leakage
     shaft = flow * (means.inlet_pressure - tank) + pump.friction_torque * n
     return {
@@ -206,7 +206,7 @@ def _standstills(stand: Stand, points: Sequence[SetPoint], means: CycleMeans) ->
 
     Raises ParameterError where it turns at none.
     """
-    found = [stand.standstill(point.oil_temperature, means_at(means, row)) for row, point in enumerate(points)]
+    found = [stand.standstill(point, means_at(means, row)) for row, point in enumerate(points)]
     if found and all(found):
         raise ParameterError(f"{stand.name}: {found[0]}, at each of {len(found)} points")
     return found

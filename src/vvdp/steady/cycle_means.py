@@ -25,9 +25,9 @@ from vvdp.base.kinds import (
 from vvdp.base.select import maximum, minimum
 from vvdp.valve.branch import BranchFlow, BranchLaw, branch_drops, branch_law, law_flow
 from vvdp.valve.flow_map import highest_inlet_pressure, static_relief_flow
-from vvdp.valve.geometry import Openings, PortShape, port_shape, shape_openings
+from vvdp.valve.geometry import EVEN, Openings, PortShape, port_shape, shape_openings
 from vvdp.valve.rotary import RotaryValve
-from vvdp.valve.torque import spool_inertia, spool_torque
+from vvdp.valve.torque import friction_coefficient, spool_inertia, spool_torque
 
 ANGLES = 500
 """Equally spaced over half a PWM period, the other half being its mirror image."""
@@ -212,6 +212,7 @@ def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
     Source  ours, docs/models/rotary-valve.md
     """
     law, shape = branch_law(point.density, valve), port_shape(valve)
+    k_f = friction_coefficient(point.viscosity, valve)
     load_flow, tank_flow, relief_flow, inlet = 0.0, 0.0, 0.0, 0.0
     at_rest, slowed = 0.0, 0.0
     torque, resistance = np.zeros(ANGLES), np.zeros(ANGLES)
@@ -223,8 +224,8 @@ def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
             alike += 1.0
             continue
         now = instant(openings, point, law, valve)
-        still = spool_torque(now.load, now.tank, openings, 0.0, point.density, point.viscosity, valve)
-        moving = spool_torque(now.load, now.tank, openings, 1.0, point.density, point.viscosity, valve)
+        still = spool_torque(now.load, now.tank, openings, EVEN, 0.0, point.density, k_f, valve)
+        moving = spool_torque(now.load, now.tank, openings, EVEN, 1.0, point.density, k_f, valve)
         load_flow += alike * now.load.flow
         tank_flow += alike * now.tank.flow
         relief_flow += alike * now.passed

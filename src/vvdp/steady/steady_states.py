@@ -128,7 +128,7 @@ def _first_sizing(stand: Stand, point: SetPoint, means: CycleMeans, area: float 
     speed = stand.guessed_speed(means)
     if opened is None:
         return "delivers nothing that could hold this load pressure"
-    if stuck := stand.standstill(point.oil_temperature, means):
+    if stuck := stand.standstill(point, means):
         return stuck
     if not speed > 0.0:
         return "the spool does not turn"

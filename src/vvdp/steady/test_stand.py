@@ -9,7 +9,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import DutyRatio, Pressure, Speed, Temperature
 from vvdp.base.signal import constant
-from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.fluid.oil import density, film_viscosity
 from vvdp.hydraulics.orifice import Orifice, orifice_area_for
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Stepping
@@ -141,18 +141,18 @@ class Stand:
         speed: float = (k * self.bench.operation.spool_motor_speed.base + b * means.spool_speed) / (k + b)
         return speed
 
-    def standstill(self, temperature: float, means: CycleMeans) -> str | None:
-        """Why the spool has no speed at which it goes on turning, with the numbers; None where it has one.
+    def film_viscosity(self, point: SetPoint) -> float:
+        """Viscosity of the oil in the spool's clearance [Pa s]; arrays of many points pass through as well."""
+        return film_viscosity(point.oil_temperature, point.load_pressure, self.tank_pressure, self.bench.oil)
 
-        temperature  of the oil [K]
-        means        the quasi-steady averages
-        """
+    def standstill(self, point: SetPoint, means: CycleMeans) -> str | None:
+        """Why the spool has no speed at which it goes on turning, with the numbers; None where it has one."""
         if self.is_driven or (means.spool_speed > 0.0 and means.slowness <= SLOWEST):
             return None
         if not means.spool_speed > 0.0:
             return "the spool does not turn: the flow drives it backwards or not at all"
         valve = self.bench.valve
-        friction = friction_coefficient(float(dynamic_viscosity(temperature, self.bench.oil)), valve)
+        friction = friction_coefficient(float(self.film_viscosity(point)), valve)
         return (
             f"the spool does not turn: with a friction of {friction:.3g} N*m*s (valve.friction_area "
             f"{valve.friction_area:.3g} m^2) it stops where both ports are nearly shut"
@@ -171,7 +171,7 @@ class Stand:
             flow=self.pump_flow(point),
             pump_leakage=self.bench.pump.leakage_conductance,
             density=density(point.oil_temperature, oil),
-            viscosity=dynamic_viscosity(point.oil_temperature, oil),
+            viscosity=self.film_viscosity(point),
         )
 
     def means(self, point: SetPoint) -> CycleMeans:
@@ -180,7 +180,7 @@ class Stand:
 
     def leakage(self, point: SetPoint) -> float:
         """What the load region loses to the tank [m^3/s]."""
-        viscosity = float(dynamic_viscosity(point.oil_temperature, self.bench.oil))
+        viscosity = float(self.film_viscosity(point))
         return float(leakage_conductance(viscosity, self.bench.valve) * (point.load_pressure - self.tank_pressure))
 
     def load_area(self, point: SetPoint, means: CycleMeans) -> float | None:

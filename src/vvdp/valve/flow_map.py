@@ -15,9 +15,9 @@ from vvdp.base.kinds import Flow, Power, Pressure
 from vvdp.base.select import maximum, minimum, select
 from vvdp.valve.branch import BranchFlow, branch_flow
 from vvdp.valve.condition import Condition
-from vvdp.valve.geometry import Openings, port_openings
+from vvdp.valve.geometry import EVEN, Openings, port_openings
 from vvdp.valve.rotary import RotaryValve
-from vvdp.valve.torque import spool_torque
+from vvdp.valve.torque import friction_coefficient, spool_torque
 
 ANGLES = 1000
 BISECTIONS = 50
@@ -137,14 +137,15 @@ def averaged_spool_speed(duty_ratio: float, at: Condition, viscosity: float, val
 
     duty_ratio  axial position over helix length, any value [1]
     at          with the relief pressure highest
-    viscosity   dynamic [Pa s]
+    viscosity   dynamic, in the films between load and tank [Pa s]
     """
     cycle = quasi_steady_cycle(duty_ratio, at, valve)
-    at_rest = _mean_net_torque(cycle, 0.0, at.density, viscosity, valve)
-    turning = _mean_net_torque(cycle, 1.0, at.density, viscosity, valve)
+    k_f = friction_coefficient(viscosity, valve)
+    at_rest = _mean_net_torque(cycle, 0.0, at.density, k_f, valve)
+    turning = _mean_net_torque(cycle, 1.0, at.density, k_f, valve)
     return at_rest / (at_rest - turning)
 
 
-def _mean_net_torque(cycle: Cycle, spool_speed: float, density: float, viscosity: float, valve: RotaryValve) -> float:
-    torque = spool_torque(cycle.load, cycle.tank, cycle.openings, spool_speed, density, viscosity, valve)
+def _mean_net_torque(cycle: Cycle, spool_speed: float, density: float, k_f: float, valve: RotaryValve) -> float:
+    torque = spool_torque(cycle.load, cycle.tank, cycle.openings, EVEN, spool_speed, density, k_f, valve)
     return float(np.mean(torque.turbine - torque.friction))

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Count, Fraction, Kink, Length
+from vvdp.base.kinds import Count, Fraction, Kink, Length, SignedFraction
 from vvdp.base.modes import side
-from vvdp.base.select import clip, minimum
+from vvdp.base.select import clip, minimum, select
 from vvdp.valve.rotary import RotaryValve
 
 
@@ -87,11 +87,98 @@ def wedge_opening(distance: float, half_width: float, ramp: float) -> float:
     half_width  of a wedge at the height of the nozzle's centre, may be negative [pitches]
     ramp        nozzle width [pitches]
     """
+    u, d, n = passed_edges(distance, half_width, ramp)
+    return u * d + n * (1.0 - d)
+
+
+class PassedEdges(NamedTuple):
+    """Fractions of a nozzle past the near wedge's first edge, before its second, and past the next wedge's first."""
+
+    entered: Fraction
+    remaining: Fraction
+    following: Fraction
+
+
+def passed_edges(distance: float, half_width: float, ramp: float) -> PassedEdges:
+    """The three fractions that decide how far a nozzle looks into a row of wedges [1].
+
+    distance    of the nozzle's centre from the middle of the nearest wedge, 0 to 1/2 [pitches]
+    half_width  of a wedge at the height of the nozzle's centre, may be negative [pitches]
+    ramp        nozzle width [pitches]
+    """
     slope = 1.0 / ramp  # one division, which both ports share in compiled code
-    entered: float = clip(0.5 + slope * (half_width + distance), 0.0, 1.0)
-    remaining: float = clip(0.5 + slope * (half_width - distance), 0.0, 1.0)
-    following: float = clip(0.5 + slope * (half_width + distance - 1.0), 0.0, 1.0)
-    return entered * remaining + following * (1.0 - remaining)
+    return PassedEdges(
+        entered=clip(0.5 + slope * (half_width + distance), 0.0, 1.0),
+        remaining=clip(0.5 + slope * (half_width - distance), 0.0, 1.0),
+        following=clip(0.5 + slope * (half_width + distance - 1.0), 0.0, 1.0),
+    )
+
+
+class JetSkews(NamedTuple):
+    """How much more than its opening a jet counts, load and tank, because the barrier covers its nozzle from one side
+    more than from the other."""
+
+    load: SignedFraction
+    tank: SignedFraction
+
+
+EVEN = JetSkews(0.0, 0.0)
+"""Jets that do not mind from which side their nozzles are covered; also the mean over a whole period."""
+
+
+def jet_skews(spool_angle: float, axial_position: float, asymmetry: float, shape: PortShape) -> JetSkews:
+    """What the asymmetry of the jets adds to the openings [1]; an odd function about the middle of each wedge.
+
+    eps_j a (1 - a) while the load's barrier closes over the nozzle, - eps_j a (1 - a) while it opens, nothing where it
+    covers both sides alike.
+
+    spool_angle     any number of turns [rad]
+    axial_position  any value [m]
+    asymmetry       eps_j, 0 to 1 [1]
+    """
+    return uneven_skews(spool_angle, axial_position, asymmetry, shape)
+
+
+def jet_skews_compiled(spool_angle: float, axial_position: float, asymmetry: float, shape: PortShape) -> JetSkews:
+    """The same as `jet_skews`, which it replaces in compiled code: without asymmetry it costs nothing.
+
+    spool_angle     any number of turns [rad]
+    axial_position  any value [m]
+    asymmetry       eps_j, 0 to 1 [1]
+    """
+    if asymmetry == 0.0:
+        return JetSkews(0.0, 0.0)
+    return uneven_skews(spool_angle, axial_position, asymmetry, shape)
+
+
+def uneven_skews(spool_angle: float, axial_position: float, asymmetry: float, shape: PortShape) -> JetSkews:
+    """The law of `jet_skews` [1].
+
+    spool_angle     any number of turns [rad]
+    axial_position  any value [m]
+    asymmetry       eps_j, 0 to 1 [1]
+    """
+    turn = shape.sections * spool_angle / (2.0 * np.pi)
+    offset = turn - np.floor(turn + 0.5)
+    half_duty, half_barrier = 0.5 * axial_position / shape.helix_length, 0.5 * shape.barrier_width
+    closing = asymmetry * select(offset < 0.0, -1.0, 1.0)
+    load = wedge_skew(abs(offset), half_duty - half_barrier, shape.nozzle_width)
+    tank = wedge_skew(abs(offset), half_duty + half_barrier, shape.nozzle_width)
+    return JetSkews(closing * load, -closing * tank)
+
+
+def wedge_skew(distance: float, half_width: float, ramp: float) -> float:
+    """Opening towards a row of wedges, or of what is not wedge, times how unevenly its two sides cover a nozzle [1].
+
+    S = (u - d)(u d - n)(1 - n), with u, d and n as in `wedge_opening`: a (1 - a) where one edge lies over the nozzle,
+    0 where two cover it alike, and never more than the opening a, nor than 1 - a.
+
+    distance    of the nozzle's centre from the middle of the nearest wedge, 0 to 1/2 [pitches]
+    half_width  of a wedge at the height of the nozzle's centre, may be negative [pitches]
+    ramp        nozzle width [pitches]
+    """
+    u, d, n = passed_edges(distance, half_width, ramp)
+    return (u - d) * (u * d - n) * (1.0 - n)
 
 
 class PortEdges(NamedTuple):

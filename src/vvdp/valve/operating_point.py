@@ -18,7 +18,7 @@ from vvdp.base.kinds import (
     Temperature,
 )
 from vvdp.fluid.mixture import mean_bulk_modulus
-from vvdp.fluid.oil import Oil, density, dynamic_viscosity
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_viscosity
 from vvdp.valve.condition import Condition
 from vvdp.valve.flow_map import CycleMean, averaged_spool_speed, quasi_steady_mean
 from vvdp.valve.geometry import nozzle_hydraulic_diameter, transition_fraction
@@ -125,8 +125,8 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     inlet_volume  between pump and ports [m^3]
     """
     T, duty_ratio = set_point.temperature, set_point.duty_ratio
-    rho, mu = density(T, oil), dynamic_viscosity(T, oil)
     load_pressure, tank = set_point.load_pressure, set_point.tank_pressure
+    rho, mu = density(T, oil), film_viscosity(T, load_pressure, tank, oil)
     supplied = set_point.condition(oil)
     cycle = quasi_steady_mean(duty_ratio, supplied, valve)
     Q = set_point.flow - cycle.pump_leakage_flow
@@ -143,7 +143,7 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     regime = compression_regime(
         averaged, inlet_volume, load_pressure - tank, mean_bulk_modulus(load_pressure, oil), Q, valve
     )
-    reynolds = nozzle_reynolds_number(Q, rho, mu, valve)
+    reynolds = nozzle_reynolds_number(Q, rho, dynamic_viscosity(T, oil), valve)
     warnings = range_warnings(duty_ratio, at, valve)
     return OperatingPoint(
         flow=Q,

@@ -33,7 +33,8 @@ class RotaryValve(Params):
     `nozzle_area` is the area of all nozzles together and `outlet_area` that of one whole outlet turbine;
     `outlet_effective_area` is the one that gives its torque. `centre_coefficient` goes with flow in m^3/s, diameter
     in m and drop in Pa. `lap_ratio` is barrier width over nozzle width: 1 is zero lap, more is overlap.
-    `jet_exponent` says how far a closing port concentrates the jet: 0 not at all, 1 as the opening.
+    `jet_exponent` says how far a partly open port concentrates the jet: 0 not at all, 1 as the opening; and
+    `jet_asymmetry` by how much more torque it gives while the port closes than while it opens, 0 none.
     `helix_length` is the axial travel that takes the duty ratio from 0 to 1. `rail_coefficient` is the drop of the
     outlet rail over flow squared. Below about `transition_pressure` the drop goes over from quadratic to linear.
     """
@@ -60,6 +61,7 @@ class RotaryValve(Params):
     land_length: Length
     eccentricity: Fraction
     transition_pressure: PressureDifference
+    jet_asymmetry: Fraction = 0.0
 
     def check(self) -> None:
         """Refuse a valve that cannot be made."""
@@ -78,6 +80,11 @@ class RotaryValve(Params):
         ):
             if not getattr(self, name) > 0.0:
                 raise ParameterError(f"RotaryValve.{name} must be greater than zero")
+        if not self.eccentricity < 1.0:
+            raise ParameterError(
+                "RotaryValve.eccentricity = 1: the spool touches the sleeve, where no film is left to carry it and its "
+                "viscous friction has no bound; expected less than 1"
+            )
         if self.sections != round(self.sections):
             raise ParameterError(f"RotaryValve.sections = {self.sections:g}; expected a whole number")
         if self.radial_clearance > 0.1 * self.spool_radius:

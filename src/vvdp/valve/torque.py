@@ -15,7 +15,7 @@ from vvdp.base.params import Params
 from vvdp.base.powers import power
 from vvdp.base.select import maximum, select
 from vvdp.valve.branch import BranchFlow
-from vvdp.valve.geometry import Openings
+from vvdp.valve.geometry import JetSkews, Openings
 from vvdp.valve.rotary import RotaryValve
 
 Torque = Annotated[float, Kind("torque", "N*m", -1e6, 1e6, "0.2 N*m", scale=1e-3)]
@@ -29,56 +29,64 @@ class SpoolTorque(NamedTuple):
 
 
 def friction_coefficient(viscosity: float, valve: RotaryValve) -> float:
-    """Viscous friction torque over spool speed, k_f = A_surf mu R^2 / c [N m s].
+    """Viscous friction torque over spool speed, k_f = A_surf mu R^2 / (c sqrt(1 - eps^2)) [N m s].
 
-    viscosity  dynamic [Pa s]
+    eps is the spool's eccentricity: the mean of 1/(1 + eps cos) round the circumference is 1/sqrt(1 - eps^2).
 
-    Source  wang2017, eq. 2.9
-    Holds   for laminar flow (`taylor_number` below 41.2) about a centred spool
-    Error   too low by the factor sqrt(1 - eps^2) for a spool that is off its centre by eps clearances
+    viscosity  dynamic, in the film [Pa s]; `fluid.oil.film_viscosity`
+
+    Source  wang2017, eq. 2.9; eccentricity: sommerfeld1904
+    Holds   for laminar flow (`taylor_number` below 41.2) through films that are short in the direction of the axis
 
     >>> print(f"{friction_coefficient(0.03, valve):.3g}")
     0.00103
     """
-    R = valve.spool_radius
-    return valve.friction_area * viscosity * R * R / valve.radial_clearance
+    R, e = valve.spool_radius, valve.eccentricity
+    off_centre: float = 1.0 / np.sqrt(1.0 - e * e)
+    return valve.friction_area * viscosity * R * R / valve.radial_clearance * off_centre
 
 
-def jet_section(opening: float, exponent: float) -> float:
-    """Opening to the power 2 - s [1]: how the torque of a jet at a given drop falls as its port closes.
+def jet_section(opening: float, skew: float, exponent: float) -> float:
+    """a^(1 - s) (a + skew) [1]: how the torque of a jet at a given drop falls as its port closes.
 
     opening   open fraction a, 0 to 1 [1]
+    skew      what the jet's asymmetry adds to it, `geometry.JetSkews` [1]
     exponent  s, 0 to 1 [1]
     """
-    section: float = power(opening, 2.0 - exponent)
-    return section
+    concentration: float = power(opening, 1.0 - exponent)
+    return concentration * (opening + skew)
 
 
-def jet_section_compiled(opening: float, exponent: float) -> float:
+def jet_section_compiled(opening: float, skew: float, exponent: float) -> float:
     """The same as `jet_section`, which it replaces in compiled code: most of the time a port is shut or open.
 
     opening   open fraction a, 0 to 1 [1]
+    skew      what the jet's asymmetry adds to it [1]
     exponent  s, 0 to 1 [1]
     """
     if exponent == 0.0 or opening == 0.0 or opening == 1.0:
-        return opening * opening
-    section: float = power(opening, 2.0 - exponent)
-    return section
+        return opening * (opening + skew)
+    concentration: float = power(opening, 1.0 - exponent)
+    return concentration * (opening + skew)
 
 
-def inlet_torque(full_section_flow: float, opening: float, density: float, valve: RotaryValve) -> float:
-    """Torque of the nozzle jets of one branch on a spool [N m]: rho R_in Q^2 / (A_in a^s), zero for reversed flow.
+def inlet_torque(
+    full_section_flow: float, opening: float, density: float, valve: RotaryValve, skew: float = 0.0
+) -> float:
+    """Torque of the nozzle jets of one branch on a spool [N m]: rho R_in Q^2 / (A_in a^s) (1 + skew / a).
 
-    Written with the flow per open fraction, Q = a Q_f, so that it stays finite when the port shuts.
+    Zero for reversed flow. Written with the flow per open fraction, Q = a Q_f, so that it stays finite when the port
+    shuts.
 
     full_section_flow  flow over open fraction [m^3/s]
     opening            open fraction a, 0 to 1 [1]
     density            [kg/m^3]
+    skew               what the jet's asymmetry adds to the opening, `geometry.JetSkews` [1]
 
-    Source  wang2017, eq. 2.6, with the area of all nozzles; the exponent s is ours, docs/models/rotary-valve.md
+    Source  wang2017, eq. 2.6, with the area of all nozzles; exponent s and skew are ours, docs/models/rotary-valve.md
     """
     Q = maximum(full_section_flow, 0.0)
-    return density * valve.inlet_radius / valve.nozzle_area * Q * Q * jet_section(opening, valve.jet_exponent)
+    return density * valve.inlet_radius / valve.nozzle_area * Q * Q * jet_section(opening, skew, valve.jet_exponent)
 
 
 def outlet_torque(flow: float, spool_speed: float, density: float, valve: RotaryValve) -> float:
@@ -103,26 +111,30 @@ def spool_torque(
     load: BranchFlow,
     tank: BranchFlow,
     openings: Openings,
+    skews: JetSkews,
     spool_speed: float,
     density: float,
-    viscosity: float,
+    friction_coefficient: float,
     valve: RotaryValve,
 ) -> SpoolTorque:
     """Turbine torque of both branches and friction torque [N m]; the spool accelerates by their difference.
 
-    spool_speed  [rad/s]
-    density      [kg/m^3]
-    viscosity    dynamic [Pa s]
+    With the skews `geometry.EVEN` it is the mean over two angles at which the ports open alike, one before and one
+    behind the middle of a wedge, as far as their flows are alike.
+
+    spool_speed           [rad/s]
+    density               [kg/m^3]
+    friction_coefficient  friction torque over spool speed [N m s]
 
     Source  wang2017, eqs. 2.6, 2.7 and 2.9; partly open ports are ours, docs/models/rotary-valve.md
     """
     turbine = (
-        inlet_torque(load.full_section_flow, openings.load, density, valve)
+        inlet_torque(load.full_section_flow, openings.load, density, valve, skews.load)
         + outlet_torque(load.flow, spool_speed, density, valve)
-        + inlet_torque(tank.full_section_flow, openings.tank, density, valve)
+        + inlet_torque(tank.full_section_flow, openings.tank, density, valve, skews.tank)
         + outlet_torque(tank.flow, spool_speed, density, valve)
     )
-    return SpoolTorque(turbine, friction_coefficient(viscosity, valve) * spool_speed)
+    return SpoolTorque(turbine, friction_coefficient * spool_speed)
 
 
 def spool_inertia(valve: RotaryValve) -> float:
@@ -222,7 +234,7 @@ def fit_friction_area(pwm_frequency: float, flow: float, density: float, viscosi
     pwm_frequency  [Hz]
     flow           [m^3/s]
     density        [kg/m^3]
-    viscosity      dynamic [Pa s]
+    viscosity      dynamic, in the films between load and tank [Pa s]; `fluid.oil.film_viscosity`
 
     Raises  ParameterError when the valve would not reach that frequency even without friction.
     Source  wang2017, eqs. 2.6, 2.7 and 2.9 in balance
@@ -235,8 +247,7 @@ def fit_friction_area(pwm_frequency: float, flow: float, density: float, viscosi
             f"a PWM frequency of {pwm_frequency:g} Hz cannot be reached: without any friction the valve spins at "
             f"{ceiling / flow_damping(flow, density, valve):.4g} Hz"
         )
-    R = valve.spool_radius
-    return friction * valve.radial_clearance / (viscosity * R * R)
+    return friction / friction_coefficient(viscosity, valve) * valve.friction_area
 
 
 class SpoolSurface(Params):

@@ -27,7 +27,7 @@ from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
 from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
 from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, Tally, edge_angle_variance, event_filter
-from vvdp.fluid.oil import Oil, density, kinematic_viscosity
+from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
@@ -42,7 +42,8 @@ class TorqueFilter(Params):
 
     `excess_density` is how fast the variance of the torque's excess over the model grows, `excess_variance` what it is
     at the start. When the sum of innovations exceeds `manoeuvre_gate`, the torque is taken to have changed suddenly, by
-    a share of it with the variance `change_variance`. The other words are those of the event filter.
+    a share of it with the variance `change_variance`. `film_thickening` is by how much the pressures at load and tank
+    thicken the oil in the clearance, see `fluid.oil.film_ratios`. The other words are those of the event filter.
     """
 
     acceleration_density: AccelerationDensity
@@ -58,6 +59,7 @@ class TorqueFilter(Params):
     wheel: CodeWheel
     oil: Oil
     valve: RotaryValve
+    film_thickening: Ratio = 1.0
 
     def check(self) -> None:
         """Refuse edges without any error: the covariance would become singular."""
@@ -172,17 +174,18 @@ def pump_delivery(pump_speed: float, displacement: float, volumetric_efficiency:
     return volumetric_efficiency * displacement * pump_speed
 
 
-def spool_spin(flow: float, temperature: float, oil: Oil, valve: RotaryValve) -> Spin:
+def spool_spin(flow: float, temperature: float, oil: Oil, valve: RotaryValve, thickening: float = 1.0) -> Spin:
     """Drive and damping of the spool of the fully open valve: b = stall torque / J, a = (k_f + rho R_out^2 Q) / J.
 
     flow         [m^3/s]
     temperature  of the oil [K]
+    thickening   viscosity in the clearance over that at the oil's reference pressure [1]
 
     Source  wang2017, eqs. 2.6, 2.7 and 2.9
     """
     J, Q = spool_inertia(valve), maximum(flow, 0.0)
     rho = density(temperature, oil)
-    friction = friction_coefficient(rho * kinematic_viscosity(temperature, oil), valve)
+    friction = friction_coefficient(dynamic_viscosity(temperature, oil) * thickening, valve)
     return Spin(stall_torque(Q, rho, valve) / J, (friction + flow_damping(Q, rho, valve)) / J)
 
 
@@ -363,7 +366,7 @@ def torque_filter_step(
     Source  ours, docs/models/torque-filter.md, as wang2017 suggests in section 3.6
     """
     now = reading.reading.time
-    spin = spool_spin(reading.flow, reading.temperature, settings.oil, settings.valve)
+    spin = spool_spin(reading.flow, reading.temperature, settings.oil, settings.valve, settings.film_thickening)
     innovation, deviation = 0.0, 0.0
     if reading.reading.edges > 0.0:
         memory, innovation, deviation = _after_edge(memory, reading.reading, spin, settings)
