@@ -375,10 +375,10 @@ class RotaryBench(Extras):
         """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""
         return operating_point(self.set_point(load_pressure), self.inlet_volume, self.oil, self.valve)
 
-    def set_point(self, load_pressure: float) -> SetPoint:
-        """Where the valve works at the start, against `load_pressure` [Pa, absolute], with the flow that the pump
-        delivers at the mean pressure of its outlet."""
-        displaced, leakage = self.nominal_flow, self.pump.leakage_conductance
+    def set_point(self, load_pressure: float, flow: float | None = None) -> SetPoint:
+        """Where the valve works at the start, against `load_pressure` [Pa, absolute], with `flow` [m^3/s] or the one
+        that the pump delivers at the mean pressure of its outlet."""
+        displaced, leakage = (self.nominal_flow, self.pump.leakage_conductance) if flow is None else (flow, 0.0)
         point = SetPoint(
             flow=displaced,
             temperature=signal_value(0.0, self.operation.oil_temperature),

@@ -113,7 +113,14 @@ def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve) -> C
     duty_ratio  axial position over helix length, any value [1]
     at          with the relief pressure highest
     """
-    cycle = quasi_steady_cycle(duty_ratio, at, valve)
+    return mean_of_cycle(quasi_steady_cycle(duty_ratio, at, valve), at)
+
+
+def mean_of_cycle(cycle: Cycle, at: Condition) -> CycleMean:
+    """Mean flows, inlet pressure and power lost of a cycle [m^3/s, Pa, W]; see `quasi_steady_mean`.
+
+    at  what the cycle was found for
+    """
     load_flow, inlet = float(np.mean(cycle.load.flow)), float(np.mean(cycle.inlet_pressure))
     return CycleMean(
         load_flow=load_flow,
@@ -135,9 +142,17 @@ def averaged_spool_speed(duty_ratio: float, at: Condition, viscosity: float, val
     at          with the relief pressure highest
     viscosity   dynamic [Pa s]
     """
-    cycle = quasi_steady_cycle(duty_ratio, at, valve)
-    at_rest = _mean_net_torque(cycle, 0.0, at.density, viscosity, valve)
-    turning = _mean_net_torque(cycle, 1.0, at.density, viscosity, valve)
+    return speed_of_cycle(quasi_steady_cycle(duty_ratio, at, valve), at.density, viscosity, valve)
+
+
+def speed_of_cycle(cycle: Cycle, density: float, viscosity: float, valve: RotaryValve) -> float:
+    """Speed at which the torques of a cycle balance on average [rad/s]; see `averaged_spool_speed`.
+
+    density    [kg/m^3]
+    viscosity  dynamic [Pa s]
+    """
+    at_rest = _mean_net_torque(cycle, 0.0, density, viscosity, valve)
+    turning = _mean_net_torque(cycle, 1.0, density, viscosity, valve)
     return at_rest / (at_rest - turning)
 
 

@@ -19,7 +19,7 @@ from vvdp.base.kinds import (
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.valve.condition import Condition
-from vvdp.valve.flow_map import CycleMean, averaged_spool_speed, quasi_steady_mean
+from vvdp.valve.flow_map import CycleMean, mean_of_cycle, quasi_steady_cycle, speed_of_cycle
 from vvdp.valve.geometry import nozzle_hydraulic_diameter, transition_fraction
 from vvdp.valve.losses import (
     compressibility_loss,
@@ -126,8 +126,9 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     drops = full_open_drop(Q, rho, valve)
     omega = equilibrium_speed(Q, rho, mu, valve)
     k_f = friction_coefficient(mu, valve)
-    averaged = pwm_frequency(averaged_spool_speed(duty_ratio, at, mu, valve), valve)
-    cycle, open_loss = quasi_steady_mean(duty_ratio, at, valve), full_open_loss(Q, rho, valve)
+    course = quasi_steady_cycle(duty_ratio, at, valve)
+    averaged = pwm_frequency(speed_of_cycle(course, rho, mu, valve), valve)
+    cycle, open_loss = mean_of_cycle(course, at), full_open_loss(Q, rho, valve)
     transition = transition_loss(at, valve).loss
     leakage = leakage_loss(load_pressure - tank, mu, valve)
     compression = compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil)
@@ -159,3 +160,13 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
         cycle=cycle,
         warnings=warnings,
     )
+
+
+def average_transition(point: OperatingPoint) -> OperatingPoint:
+    """The same with the transition loss from the mean over a PWM period, which holds where its closed form does not.
+
+    It is what the mean loses beyond the fully open valve.
+    """
+    transition = point.cycle.loss - point.full_open_loss
+    total = point.total_loss - point.transition_loss + transition
+    return point._replace(transition_loss=transition, total_loss=total)
