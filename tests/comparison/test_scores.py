@@ -118,7 +118,7 @@ def test_quantiles_take_what_never_settles_as_long():
 
 
 def test_the_mean_of_95_per_cent_may_lie_below_the_rms_and_is_called_a_mean():
-    """Two runs whose angle is off by 0.01 and by 0.05 rad throughout: the mean is 0.03, the rms sqrt(1.3e-3) = 0.0361."""
+    """Two runs whose angle is off by 0.01 and by 0.05 rad throughout: mean 0.03, rms sqrt(1.3e-3) = 0.0361."""
     runs = [Score(*[0.0] * len(Score._fields))._replace(angle_mean_square=e * e, angle_tail=e) for e in (0.01, 0.05)]
     found = summary(np.array(runs))
     assert found["angle_error_95_rad"].value == pytest.approx(0.03)

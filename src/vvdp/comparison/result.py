@@ -36,11 +36,12 @@ MANNER = (
     "same edges."
 )
 DEFINITIONS = (
-    "Errors are estimate less truth, from 0.5 s on. Mean 95 %: exceeded in 5 % of a run, mean over the "
-    "runs, so it may lie below the rms, which is taken over all runs; worst: of all runs; mean: the bias. The angle counts modulo a turn, relative to the unknown index. Settling: from the step on "
-    "until the speed stays within 5 % of the step of its final value, median over the runs; a dash where it does not. "
-    "Delay: the shift of the true speed that comes closest to the estimate. Lost: sectors gained or lost in a run, on "
-    "average. NIS: mean normalised innovation squared, 1 where the stated uncertainty is right."
+    "Errors are estimate less truth, from 0.5 s on. Mean 95 %: exceeded in 5 % of a run, mean over the runs, so it may "
+    "lie below the rms, which is taken over all runs; worst: of all runs; mean: the bias. The angle counts modulo a "
+    "turn, relative to the unknown index. Settling: from the step on until the speed stays within 5 % of the step of "
+    "its final value, median over the runs; a dash where it does not. Delay: the shift of the true speed that comes "
+    "closest to the estimate. Lost: sectors gained or lost in a run, on average. NIS: mean normalised innovation "
+    "squared, 1 where the stated uncertainty is right."
 )
 FIGURES: Mapping[str, tuple[Kind, str]] = {
     "speed_error_rms_rad_s": (SPEED_ERROR, "speed rms"),
