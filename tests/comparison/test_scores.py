@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from vvdp.comparison.motion import Motion, steady
+from vvdp.comparison.result import FIGURES
 from vvdp.comparison.scores import (
     Score,
     Traces,
@@ -114,6 +115,17 @@ def test_quantiles_take_what_never_settles_as_long():
     assert quantile(values, 0.5).value == 3.0
     assert quantile(values, 0.9).value == np.inf
     assert np.isnan(quantile(np.array([1.0, np.nan]), 0.5).value)
+
+
+def test_the_mean_of_95_per_cent_may_lie_below_the_rms_and_is_called_a_mean():
+    """Two runs whose angle is off by 0.01 and by 0.05 rad throughout: mean 0.03, rms sqrt(1.3e-3) = 0.0361."""
+    runs = [Score(*[0.0] * len(Score._fields))._replace(angle_mean_square=e * e, angle_tail=e) for e in (0.01, 0.05)]
+    found = summary(np.array(runs))
+    assert found["angle_error_95_rad"].value == pytest.approx(0.03)
+    assert found["angle_error_rms_rad"].value == pytest.approx(0.03606, abs=1e-5)
+    assert all(
+        "mean 95 %" in FIGURES[f"{name}_error_95_{unit}"][1] for name, unit in (("angle", "rad"), ("speed", "rad_s"))
+    )
 
 
 def test_standard_errors_are_those_of_repeated_studies():

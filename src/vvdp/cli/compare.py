@@ -158,4 +158,7 @@ def _print_scenarios(found: "Comparison", result: "Result") -> None:
 
     for table in scenario_tables(found, result).values():
         console().print(table_grid("comparison", table))
-    tell("errors are estimate less truth, rms over all runs; lost in sectors, settling as the median\n")
+    tell(
+        "errors are estimate less truth, rms over all runs, 95 % of each run and then their mean; "
+        "lost in sectors, settling as the median\n"
+    )

@@ -36,23 +36,24 @@ MANNER = (
     "same edges."
 )
 DEFINITIONS = (
-    "Errors are estimate less truth, from 0.5 s on. 95 %: exceeded in 5 % of a run, mean over the runs; worst: of all "
-    "runs; mean: the bias. The angle counts modulo a turn, relative to the unknown index. Settling: from the step on "
-    "until the speed stays within 5 % of the step of its final value, median over the runs; a dash where it does not. "
-    "Delay: the shift of the true speed that comes closest to the estimate. Lost: sectors gained or lost in a run, on "
-    "average. NIS: mean normalised innovation squared, 1 where the stated uncertainty is right."
+    "Errors are estimate less truth, from 0.5 s on. Mean 95 %: exceeded in 5 % of a run, mean over the runs, so it may "
+    "lie below the rms, which is taken over all runs; worst: of all runs; mean: the bias. The angle counts modulo a "
+    "turn, relative to the unknown index. Settling: from the step on until the speed stays within 5 % of the step of "
+    "its final value, median over the runs; a dash where it does not. Delay: the shift of the true speed that comes "
+    "closest to the estimate. Lost: sectors gained or lost in a run, on average. NIS: mean normalised innovation "
+    "squared, 1 where the stated uncertainty is right."
 )
 FIGURES: Mapping[str, tuple[Kind, str]] = {
     "speed_error_rms_rad_s": (SPEED_ERROR, "speed rms"),
     "speed_error_rms_low_rad_s": (SPEED_ERROR, "speed rms, exceeded by 95 % of the runs"),
     "speed_error_rms_high_rad_s": (SPEED_ERROR, "speed rms, exceeded by 5 % of the runs"),
-    "speed_error_95_rad_s": (SPEED_ERROR, "speed 95 %"),
+    "speed_error_95_rad_s": (SPEED_ERROR, "speed, mean 95 %"),
     "speed_error_worst_rad_s": (SPEED_ERROR, "worst"),
     "speed_error_mean_rad_s": (SPEED_ERROR, "mean"),
     "angle_error_rms_rad": (ANGLE_ERROR, "angle rms"),
     "angle_error_rms_low_rad": (ANGLE_ERROR, "angle rms, exceeded by 95 % of the runs"),
     "angle_error_rms_high_rad": (ANGLE_ERROR, "angle rms, exceeded by 5 % of the runs"),
-    "angle_error_95_rad": (ANGLE_ERROR, "angle 95 %"),
+    "angle_error_95_rad": (ANGLE_ERROR, "angle, mean 95 %"),
     "angle_error_worst_rad": (ANGLE_ERROR, "worst"),
     "angle_error_mean_rad": (ANGLE_ERROR, "mean"),
     "settling_median_s": (TIME, "settles"),
