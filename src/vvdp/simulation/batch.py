@@ -35,8 +35,8 @@ MOST_ROWS = 512
 class BatchRun:
     """What a batch has left: a row for every case, columns in the order of the state.
 
-    Marks are those from `marks_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says why a
-    case could not be carried to the end, None where it was; the row of such a case holds what it had reached. `stopped`
+    Marks are those from `marks_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says why
+    a case could not be carried to the end, None where it was; the row of such a case holds what it had reached. `stopped`
     says whether somebody stopped the batch; cases that had ended by then are as they would be anyway.
     """
 
@@ -250,8 +250,8 @@ def _carry_out(
     _run_alone(loop, ready, stepping, marks_from, begun, params, kept, alone, crew)
     clocks = begun.clock
     marks = clocks[:, places.STORED].astype(np.int64)
-    row, kept = np.arange(count)[:, np.newaxis], np.array([kept_marks(min(int(each), rows)) for each in marks])
-    mark_times, mark_states = times[row, kept], states[row, kept]
+    row, chosen = np.arange(count)[:, np.newaxis], np.array([kept_marks(min(int(each), rows)) for each in marks])
+    mark_times, mark_states = times[row, chosen], states[row, chosen]
     mark_times[marks == 0], mark_states[marks == 0] = np.nan, np.nan
     return _Carried(
         start=start,

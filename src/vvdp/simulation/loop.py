@@ -274,8 +274,9 @@ def run(
         clock[STEP_BEFORE] = step
         t = t_new
         copy(y, trial)
-        if (culprit := below(y, floor, active)) >= 0:
-            clock[TIME], clock[CULPRIT] = t, culprit
+        fallen = below(y, floor, active)
+        if fallen >= 0:
+            clock[TIME], clock[CULPRIT] = t, fallen
             return BELOW_ZERO
         landed = last or event
         cut = landed or step < h

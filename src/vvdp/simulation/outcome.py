@@ -132,7 +132,7 @@ def is_settled(case: Case, times: Array, states: Array) -> bool:
     means = np.diff(states[:, kept], axis=0) / spans[:, np.newaxis]
     size, of = np.abs(means.mean(axis=0)), np.array([units[place] for place in kept])
     for unit in set(of):
-        size[of == unit] = np.maximum(size[of == unit], SMALL * size[of == unit].max())
+        size[of == unit] = size[of == unit].clip(min=SMALL * size[of == unit].max())
     drift, steady = remaining_change(means), SETTLED * size
     paced = remaining_change(1.0 / spans[:, np.newaxis]) <= SETTLED / spans.mean()
     return bool((drift <= steady).all() and paced.all())
