@@ -24,7 +24,7 @@ SHORT = {
     "hydrostatic-transmission": "0.5 s",
     "long-hose": "0.3 s",
 }
-FIELDS = ("final", "final_commands", "final_memories", "low", "high", "mark_times", "first_marks", "last_marks")
+FIELDS = ("final", "final_commands", "final_memories", "low", "high", "mark_times", "mark_states")
 COUNTS = ("marks", "steps", "rejected", "evaluations", "samples", "end")
 
 

@@ -15,6 +15,7 @@ from vvdp.base.kinds import Kind
 from vvdp.base.tables import with_settings
 from vvdp.runs.simulate import run_system
 from vvdp.systems import system as systems
+from vvdp.systems.options import lasting, without_other_position
 
 Value = float | str | list[float] | Mapping[str, Any]
 """A number [SI, pressures absolute], a text with its unit, a list of numbers, or a signal as in a file."""
@@ -38,7 +39,7 @@ class System(systems.System):
             for key, value in values.items()
         ]
         try:
-            table = with_settings(systems.without_other_position(self.table, settings), settings)
+            table = with_settings(without_other_position(self.table, settings), settings)
             return _public(self.read_from(table))
         except ConfigError as problem:
             named = (replace(each, place=self.name) if each.place == "--set" else each for each in problem.faults)
@@ -59,7 +60,7 @@ class System(systems.System):
         system = self
         if until is not None:
             text = until if isinstance(until, str) else f"{until!r} s"
-            system = _public(self.read_from(systems.lasting(self.table, text)))
+            system = _public(self.read_from(lasting(self.table, text)))
         done = run_system(system, progress=progress, stop=stop, say=lambda message: print(message, file=sys.stderr))
         return Run(**{each.name: getattr(done, each.name) for each in fields(done)})
 

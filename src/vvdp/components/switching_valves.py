@@ -17,6 +17,7 @@ from vvdp.hydraulics.switching_valve import (
     port_areas,
     port_sides,
     pulse_edge,
+    pulse_periods,
     pulse_stop,
     pulse_train,
     pulse_value,
@@ -217,6 +218,26 @@ def modulated_two_way_stop(t: float, duty_ratio: Fraction, values: ModulatedTwoW
     return pulse_edge(t, duty_ratio, values.frequency)
 
 
+def pulsed_switching_periods(t: float, values: PulsedThreeWayValve) -> float:
+    """Periods of the pulses of a three-way valve since t = 0 [1]."""
+    return pulse_periods(t, values)
+
+
+def modulated_switching_periods(t: float, values: ModulatedThreeWayValve) -> float:
+    """Periods of the pulses of a three-way valve since t = 0 [1]."""
+    return pulse_periods(t, values)
+
+
+def pulsed_two_way_periods(t: float, values: PulsedTwoWayValve) -> float:
+    """Periods of the pulses of a two-way valve since t = 0 [1]."""
+    return pulse_periods(t, values)
+
+
+def modulated_two_way_periods(t: float, values: ModulatedTwoWayValve) -> float:
+    """Periods of the pulses of a two-way valve since t = 0 [1]."""
+    return pulse_periods(t, values)
+
+
 def _three_way(
     pressure: FluidState,
     first: FluidState,
@@ -272,10 +293,22 @@ def _two_way(
 
 
 SWITCHING_VALVE = Component(switching_valve, symbol="switching_valve_3_2")
-PULSED_SWITCHING_VALVE = Component(pulsed_switching_valve, symbol="switching_valve_3_2", stop=pulsed_switching_stop)
+PULSED_SWITCHING_VALVE = Component(
+    pulsed_switching_valve,
+    symbol="switching_valve_3_2",
+    stop=pulsed_switching_stop,
+    mark=pulsed_switching_periods,
+)
 MODULATED_SWITCHING_VALVE = Component(
-    modulated_switching_valve, symbol="switching_valve_3_2", stop=modulated_switching_stop
+    modulated_switching_valve,
+    symbol="switching_valve_3_2",
+    stop=modulated_switching_stop,
+    mark=modulated_switching_periods,
 )
 TWO_WAY_VALVE = Component(two_way_valve, symbol="switching_valve_2_2")
-PULSED_TWO_WAY_VALVE = Component(pulsed_two_way_valve, symbol="switching_valve_2_2", stop=pulsed_two_way_stop)
-MODULATED_TWO_WAY_VALVE = Component(modulated_two_way_valve, symbol="switching_valve_2_2", stop=modulated_two_way_stop)
+PULSED_TWO_WAY_VALVE = Component(
+    pulsed_two_way_valve, symbol="switching_valve_2_2", stop=pulsed_two_way_stop, mark=pulsed_two_way_periods
+)
+MODULATED_TWO_WAY_VALVE = Component(
+    modulated_two_way_valve, symbol="switching_valve_2_2", stop=modulated_two_way_stop, mark=modulated_two_way_periods
+)

@@ -191,6 +191,15 @@ def pulse_edge(t: float, duty_ratio: float, frequency: float) -> float:
     return edge
 
 
+def pulse_periods(t: float, clock: PulseClock) -> float:
+    """Periods of pulses since t = 0 [1]; its floor changes at k/f, as `pulse_edge` has it.
+
+    t  time [s]
+    """
+    k = _cycle(t, clock.frequency)
+    return k + clip(t * clock.frequency - k, 0.0, 0.9999999999)
+
+
 def _cycle(t: float, f: float) -> float:
     """Number k of the cycle with k/f <= t < (k + 1)/f, where t f alone may round over an edge."""
     k = np.floor(t * f)

@@ -77,7 +77,7 @@ class Component:
     walls    walls(...) -> NamedTuple of Wall for ports whose volume it moves, of mechanical ports and Params
     inertia  inertia(...) -> moment of inertia or mass that it adds to its one mechanical port, of Params
     stop     stop(t, ...) -> next time at which its law jumps, of Params and inputs
-    mark     mark(...) -> a period ends wherever its floor changes, of state, angles, positions and Params
+    mark     mark(...) -> a period ends wherever its floor changes, of t, state, angles, positions and Params
     averages names of outputs that are averaged over a run beside the flows
     """
 
@@ -221,7 +221,7 @@ ALLOWED = {
     "walls": {Role.SHAFT, Role.ROD, Role.PARAMS},
     "inertia": {Role.PARAMS},
     "stop": {Role.TIME, Role.INPUT, Role.PARAMS},
-    "mark": {Role.STATE, Role.SHAFT, Role.ROD, Role.PARAMS},
+    "mark": {Role.TIME, Role.STATE, Role.SHAFT, Role.ROD, Role.PARAMS},
 }
 """What the functions of a component beside its law are given."""
 GIVEN_UNITS = {Role.PORT: "m^3/s", Role.SHAFT: "N*m", Role.SHAFT_SPEED: "N*m", Role.ROD: "N"}

@@ -5,11 +5,14 @@ from dataclasses import dataclass
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import EXCHANGED_ENERGY
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.run import Run, below_vacuum
+from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 
 LIMIT = 1e-6
 """A residual above this share of the throughput marks a run as not to be trusted; a sink that gives more as well."""
+
+SLACK = 1e-3
+"""Share of the scale of a state by which it may leave its range: the tolerance of a coarse run."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +20,7 @@ class Balance:
     """Energy [J] and oil [m^3 at tank conditions] in, out, and into store over a run.
 
     `falling` names the entries of `spent` that gave energy back (flow that runs up the pressure, a friction that
-    drives), but for those of the kind `EXCHANGED_ENERGY`; `below_vacuum` the pressures that fell below 0 Pa absolute.
+    drives), but for those of the kind `EXCHANGED_ENERGY`; `outside` the states that left the range of their kind.
     """
 
     energy_in: float
@@ -29,7 +32,7 @@ class Balance:
     volume_stored: float
     volume_throughput: float
     falling: tuple[str, ...] = ()
-    below_vacuum: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
 
     @property
     def energy_residual(self) -> float:
@@ -42,10 +45,19 @@ class Balance:
         return _share(self.volume_in - self.volume_out - self.volume_stored, self.volume_throughput)
 
     @property
+    def is_closed(self) -> bool:
+        """Whether both residuals are below the limit."""
+        return abs(self.energy_residual) <= LIMIT and abs(self.mass_residual) <= LIMIT
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether the second law holds: no sink gave energy back, and every state is one that can be."""
+        return not self.falling and not self.outside
+
+    @property
     def is_trusted(self) -> bool:
-        """Whether both residuals are below the limit, no sink gave energy back and no pressure fell below 0 Pa."""
-        closed = abs(self.energy_residual) <= LIMIT and abs(self.mass_residual) <= LIMIT
-        return closed and not self.falling and not self.below_vacuum
+        """Whether the books close and what they hold is possible."""
+        return self.is_closed and self.is_possible
 
 
 def _share(missing: float, throughput: float) -> float:
@@ -54,13 +66,15 @@ def _share(missing: float, throughput: float) -> float:
 
 def balance(run: Run) -> Balance | None:
     """The balance of a whole run; None when the model keeps no books."""
-    return balance_between(run.model, run.case, run.initial, run.final, run.low)
+    return balance_between(run.model, run.case, run.initial, run.final, (run.low, run.high))
 
 
-def balance_between(model: Model, case: Case, start: Array, end: Array, low: Array | None = None) -> Balance | None:
+def balance_between(
+    model: Model, case: Case, start: Array, end: Array, extremes: tuple[Array, Array] | None = None
+) -> Balance | None:
     """The balance between two states, shape (n,) each; None when the model keeps no books.
 
-    `low` holds the lowest states in between, where they are known, shape (n,).
+    `extremes` are the lowest and the highest states in between, where they are known, shape (n,) each.
     """
     if model.stored is None:
         return None
@@ -87,5 +101,19 @@ def balance_between(model: Model, case: Case, start: Array, end: Array, low: Arr
             for (path, _, kind), change in zip(leaves(after.books.spent), spent, strict=True)
             if change < -LIMIT * throughput and kind != EXCHANGED_ENERGY
         ),
-        below_vacuum=() if low is None else tuple(path for path, _ in below_vacuum(case, low)),
+        outside=() if extremes is None else states_outside(case, *extremes),
+    )
+
+
+def states_outside(case: Case, low: Array, high: Array) -> tuple[str, ...]:
+    """The states that left the range of their kind, by more than `SLACK` of its scale, from their extremes, (n,) each.
+
+    What grows without bound, as an angle does, has no range.
+    """
+    return tuple(
+        path
+        for (path, _, kind), lowest, highest in zip(leaves(case.state), low, high, strict=True)
+        if kind
+        and not kind.accumulates
+        and (lowest < kind.low - SLACK * kind.scale or highest > kind.high + SLACK * kind.scale)
     )

@@ -19,7 +19,7 @@ from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
-from vvdp.simulation.outcome import Outcome, marked_window
+from vvdp.simulation.outcome import Outcome, kept_marks, marked_window
 from vvdp.simulation.prepare import Prepared, Reached, compiled_loop, prepare, start_run
 from vvdp.simulation.run import failure, remarks
 from vvdp.simulation.start import check_start, start_bounds
@@ -35,8 +35,8 @@ MOST_ROWS = 512
 class BatchRun:
     """What a batch has left: a row for every case, columns in the order of the state.
 
-    Marks are those from `marks_from` on; a case without any has NaN for their times and states. `reasons` says why a
-    case could not be carried to the end, None where it was; the row of such a case holds what it had reached. `stopped`
+    Marks are those from `marks_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says why
+    a case could not be carried to the end, None where it was; the row of such a case holds what it had reached. `stopped`
     says whether somebody stopped the batch; cases that had ended by then are as they would be anyway.
     """
 
@@ -49,9 +49,8 @@ class BatchRun:
     low: Array  # (cases, n) over every step, the books left out
     high: Array  # (cases, n)
     marks: npt.NDArray[np.int64]  # (cases,)
-    mark_times: Array  # (cases, 3) of the first, the middle and the last mark
-    first_marks: Array  # (cases, n) states at the first mark
-    last_marks: Array  # (cases, n)
+    mark_times: Array  # (cases, 5) of `kept_marks`
+    mark_states: Array  # (cases, 5, n)
     end: Array  # (cases,)
     steps: npt.NDArray[np.int64]  # (cases,) and so are the counts below
     rejected: npt.NDArray[np.int64]
@@ -74,12 +73,11 @@ class BatchRun:
         """
         if self.reasons[case] or self.marks[case] < 2:
             return None
-        begin, middle, end = (float(t) for t in self.mark_times[case])
         return Outcome(
             model=self.model,
             case=self.cases[case],
             window=marked_window(
-                (begin, middle, end), self.first_marks[case], self.last_marks[case], int(self.marks[case])
+                self.cases[case], self.mark_times[case], self.mark_states[case], int(self.marks[case])
             ),
             final=self.final[case],
             low=self.low[case],
@@ -129,7 +127,7 @@ def simulate_batch(
         code = side_by_side(model, cases[0], ready.linked.digest, cache, say)
     rows = int(np.clip(_places(ready, len(cases)), 16, MOST_ROWS))
     part = _carry_out(loop, ready, code, cases, stepping, marks_from, rows, crew)
-    crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # their middle mark has been written over
+    crowded = np.flatnonzero(part.clocks[:, places.STORED] >= rows)  # marks on the way have been written over
     if crowded.size:
         room = int(part.clocks[crowded, places.MARKS].max()) + 1
         at_once = max(1, _places(ready, room))
@@ -154,12 +152,11 @@ def simulate_batch(
         low=part.low,
         high=part.high,
         mark_times=part.mark_times,
-        first_marks=part.first_marks,
-        last_marks=part.last_marks,
+        mark_states=part.mark_states,
         end=np.where(part.status == places.DONE, stepping.until, clocks[:, places.TIME]),
         stiff=clocks[:, places.METHOD] == places.STIFF,
         reasons=reasons,
-        remarks=tuple(remarks(case, low, clock) for case, low, clock in zip(cases, part.low, clocks, strict=True)),
+        remarks=tuple(remarks(clock) for clock in clocks),
         seconds=time.perf_counter() - began,
         digest=ready.linked.digest,
         lanes=tuple(part.lanes.tolist()),
@@ -220,8 +217,7 @@ class _Carried(NamedTuple):
     status: npt.NDArray[np.int64]
     samples: npt.NDArray[np.int64]
     mark_times: Array
-    first_marks: Array
-    last_marks: Array
+    mark_states: Array
     lanes: npt.NDArray[np.bool_]
 
 
@@ -254,11 +250,9 @@ def _carry_out(
     _run_alone(loop, ready, stepping, marks_from, begun, params, kept, alone, crew)
     clocks = begun.clock
     marks = clocks[:, places.STORED].astype(np.int64)
-    row, last = np.arange(count), np.clip(marks - 1, 0, rows - 1)
-    mark_times = np.stack([times[:, 0], times[row, last // 2], times[row, last]], axis=1)
-    first, latest = states[:, 0].copy(), states[row, last]
-    for found in (mark_times, first, latest):
-        found[marks == 0] = np.nan
+    row, chosen = np.arange(count)[:, np.newaxis], np.array([kept_marks(min(int(each), rows)) for each in marks])
+    mark_times, mark_states = times[row, chosen], states[row, chosen]
+    mark_times[marks == 0], mark_states[marks == 0] = np.nan, np.nan
     return _Carried(
         start=start,
         final=begun.state,
@@ -270,8 +264,7 @@ def _carry_out(
         status=status,
         samples=begun.agenda[:, 0, places.CALLS].astype(np.int64),
         mark_times=mark_times,
-        first_marks=first,
-        last_marks=latest,
+        mark_states=mark_states,
         lanes=beside,
     )
 
@@ -295,7 +288,7 @@ def _run_alone(
         loop.batch(
             *ready.linked[:4],
             *(*begun[:3], params, ready.plan, *begun[3:]),
-            *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, bench),
+            *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
             *(stepping.until, stepping.longest_step, marks_from, stepping.method.value),
             *(np.zeros(0), *nothing, *kept, order, queue),
         )

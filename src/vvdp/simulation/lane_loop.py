@@ -78,7 +78,7 @@ from vvdp.simulation.places import (
 )
 from vvdp.simulation.queue import take
 from vvdp.simulation.schedule import begin, instant, next_due
-from vvdp.simulation.steps import copy, turning_value
+from vvdp.simulation.steps import below, copy, turning_value
 
 # A case that is at the edge of stability for so many steps, less those that are not, is stiff for good.
 STIFF_FOR_GOOD = 2000.0
@@ -90,7 +90,7 @@ QUICK = 6.0
 CASES = types.NamedTuple(
     [MATRIX] * 4 + [CUBE, float64[:, :, :, ::1], MATRIX, CUBE, MATRIX, CUBE, MATRIX, MATRIX, INTS, INTS], Cases
 )
-RULES = types.NamedTuple([MATRIX] + [VECTOR] * 4 + [float64] * 3 + [INTS, float64], Rules)
+RULES = types.NamedTuple([MATRIX] + [VECTOR] * 5 + [float64] * 3 + [INTS, float64], Rules)
 LANES = types.NamedTuple([VECTOR] * 8 + [MATRIX] + [VECTOR] * 10 + [MATRIX] * 5 + [INTS], Lanes)
 SIGNALS = types.FunctionType(types.void(float64, VECTOR, VECTOR))
 
@@ -253,6 +253,8 @@ def land(rates, sample, events, stop, cases, rules, lanes, bench, lane):
     y, u, m, p = cases.y[case], cases.command[case], cases.memory[case], cases.params[case]
     clock, agenda, course = cases.clocks[case], cases.agenda[case], cases.course[case]
     t, g, held, same = clock[TIME], bench.g, lanes.held[lane], False
+    if below(y, rules.floor, rules.floor.size) >= 0:
+        return LOST
     if clock[BEGUN] == 0.0:
         clock[BEGUN], clock[LANDED] = 1.0, 1.0
         settle(rates, t, y, u, p, rules.plan, bench.k[0])
@@ -316,21 +318,22 @@ def load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue
 
 
 @njit(**BARE, inline="always")
-def unload(cases, lanes, status, lane):
-    """Keeps what a case has come to, its state in its row already."""
+def unload(cases, rules, lanes, status, lane):
+    """Keeps what a case has come to, its state in its row already; one that fell below a floor is handed over."""
     case, active = lanes.case[lane], lanes.low.size // WIDTH
     gather(cases.low[case, :active], lanes.low, lane)
     gather(cases.high[case, :active], lanes.high, lane)
-    cases.status[case] = status
+    fell = below(cases.low[case], rules.floor, rules.floor.size) >= 0
+    cases.status[case] = HANDED if fell and status == DONE else status
 
 
 @njit(**BARE)
-def put_down(cases, lanes, y):
+def put_down(cases, rules, lanes, y):
     """Keeps what all lanes have reached by now."""
     for lane in range(WIDTH):
         if lanes.case[lane] >= 0:
             gather(cases.y[lanes.case[lane]], y, lane)
-            unload(cases, lanes, PAUSED, lane)
+            unload(cases, rules, lanes, PAUSED, lane)
 
 
 @njit(**BARE, inline="always")
@@ -362,7 +365,7 @@ def run_lanes(all_rates, all_events, signals, rates, sample, events, stop, cases
         live += load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue, y, first, lane)
     while live > 0:
         if queue[HALT] != 0:
-            put_down(cases, lanes, y)
+            put_down(cases, rules, lanes, y)
             break
         aim(cases, rules, lanes)
         sweep(all_rates, signals, cases, lanes, y, trial, first, last)
@@ -401,6 +404,6 @@ def run_lanes(all_rates, all_events, signals, rates, sample, events, stop, cases
                 if lanes.own[lane, EDGE] > rules.stiff_from:
                     verdict = LOST
             if ended or verdict == LOST:
-                unload(cases, lanes, HANDED if verdict == LOST else DONE, lane)
+                unload(cases, rules, lanes, HANDED if verdict == LOST else DONE, lane)
                 live -= 1
                 live += load(rates, sample, events, stop, signals, cases, rules, lanes, bench, queue, y, first, lane)

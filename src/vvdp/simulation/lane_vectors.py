@@ -56,6 +56,7 @@ class Rules(NamedTuple):
     rtol: Any  # (active * WIDTH,)
     width: Any
     grain: Any
+    floor: Any
     t_end: Any
     longest: Any
     marks_from: Any

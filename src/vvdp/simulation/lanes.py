@@ -119,6 +119,7 @@ def run_lanes(
         rtol=np.repeat(ready.rtol[:active], width),
         width=ready.width,
         grain=grain,
+        floor=ready.floor[:active],
         t_end=stepping.until,
         longest=stepping.longest_step,
         marks_from=marks_from,

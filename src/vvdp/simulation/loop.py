@@ -30,6 +30,7 @@ from vvdp.simulation.places import (
     AUTOMATIC,
     BARE,
     BEGUN,
+    BELOW_ZERO,
     CULPRIT,
     DONE,
     EVALUATIONS,
@@ -61,7 +62,7 @@ from vvdp.simulation.places import (
 )
 from vvdp.simulation.queue import take
 from vvdp.simulation.schedule import begin, instant, next_due
-from vvdp.simulation.steps import between, copy, explicit_step, fill, widen
+from vvdp.simulation.steps import below, between, copy, explicit_step, fill, widen
 from vvdp.simulation.stiff import stiff_step
 
 VECTOR = float64[::1]
@@ -144,7 +145,7 @@ def first_change(rates, events, t, step, y, u, p, near, bench):
 
 RUN = int64(
     RATES, SAMPLE, EVENT_LIST, STOP,
-    VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, CUBE, VECTOR, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR,
+    VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, CUBE, VECTOR, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR,
     PATTERN, BENCH, float64, float64, float64, int64, float64, int64,
     VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR, VECTOR,
 )  # fmt: skip
@@ -153,7 +154,7 @@ RUN = int64(
 @njit(RUN, **BARE, nogil=True)
 def run(
     rates, sample, events, stop,
-    y, command, memory, params, plan, agenda, waiting, clock, course, atol, rtol, scale, width,
+    y, command, memory, params, plan, agenda, waiting, clock, course, atol, rtol, scale, floor, width,
     pattern, bench, t_end, longest, marks_from, method, budget, overwrite,
     record_times, record, record_command, record_memory, mark_times, mark_states, low, high,
 ):  # fmt: skip
@@ -164,7 +165,7 @@ def run(
     mode or a kink changes is taken again until it ends there, by less than the share `width` of a step behind it.
     States at `record_times` go to `record`, with the command and the memory that hold until then; at each change of
     the floor of the mark (from `marks_from` on) they go to `mark_states`; when that is full the run is handed back, or
-    with `overwrite` the last row is kept up to date.
+    with `overwrite` the last row is kept up to date. A state that has fallen below its `floor` ends the run.
     """
     period, active = plan[0, PERIOD], pattern.group.size
     modes = int(plan[0, LAST]) - int(plan[0, FIRST])
@@ -273,6 +274,10 @@ def run(
         clock[STEP_BEFORE] = step
         t = t_new
         copy(y, trial)
+        fallen = below(y, floor, active)
+        if fallen >= 0:
+            clock[TIME], clock[CULPRIT] = t, fallen
+            return BELOW_ZERO
         landed = last or event
         cut = landed or step < h
         h = grow(clock, size, step, h, exponent, cut, longest)
@@ -335,8 +340,9 @@ PORTION = 2000.0
 
 BATCH = types.void(
     RATES, SAMPLE, EVENT_LIST, STOP,
-    MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, float64[:, :, :, ::1], MATRIX, CUBE, VECTOR, VECTOR, VECTOR, VECTOR,
-    PATTERN, BENCH, float64, float64, float64, int64, VECTOR, MATRIX, MATRIX, MATRIX,
+    MATRIX, MATRIX, MATRIX, MATRIX, MATRIX, CUBE, float64[:, :, :, ::1], MATRIX, CUBE,
+    VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, PATTERN, BENCH, float64, float64, float64, int64,
+    VECTOR, MATRIX, MATRIX, MATRIX,
     MATRIX, CUBE, MATRIX, MATRIX, INTS, INTS, INTS,
 )  # fmt: skip
 
@@ -344,7 +350,7 @@ BATCH = types.void(
 @njit(BATCH, **BARE, nogil=True)
 def batch(
     rates, sample, events, stop,
-    y, command, memory, params, plan, agenda, waiting, clocks, course, atol, rtol, scale, width,
+    y, command, memory, params, plan, agenda, waiting, clocks, course, atol, rtol, scale, floor, width,
     pattern, bench, t_end, longest, marks_from, method, record_times, record, record_command, record_memory,
     mark_times, mark_states, low, high, status, order, queue,
 ):  # fmt: skip
@@ -365,7 +371,7 @@ def batch(
             status[case] = run(
                 rates, sample, events, stop,
                 y[case], command[case], memory[case], params[case], plan, agenda[case], waiting[case], clocks[case],
-                course[case], atol, rtol, scale, width,
+                course[case], atol, rtol, scale, floor, width,
                 pattern, bench, t_end, longest, marks_from, method, PORTION, 1,
                 record_times, record, record_command, record_memory,
                 mark_times[case], mark_states[case], low[case], high[case],

@@ -3,13 +3,19 @@
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from vvdp.base.arrays import Array
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Run
+from vvdp.simulation.values import leaves
 
 SETTLED = 1e-3
-"""Change of the mean rate of marks between the halves of the averaging window above which a run is not settled."""
+"""Share of a mean that may still be missing from it in a settled run."""
+SMALL = 0.1
+"""A mean below this share of the largest of its unit is judged as if it were as large as that."""
+SLOWEST = 0.9
+"""Ratio of two changes from third to third from which on what is still to come is judged as if it were this."""
 
 
 @dataclass(frozen=True)
@@ -71,21 +77,77 @@ def averaging_window(run: Run, average_from: float) -> Window:
     """
     begin = average_from if run.end > average_from else 0.5 * (run.stepping.begin + run.end)
     inside = np.flatnonzero(run.mark_times >= begin)
-    if inside.size < 2:
-        row = min(int(np.searchsorted(run.times, begin)), run.times.size - 1)
-        return Window(
-            begin=float(run.times[row]), end=run.end, first=run.states[row], last=run.final, periods=0, settled=False
-        )
-    first, middle, last = (int(inside[place]) for place in (0, (inside.size - 1) // 2, inside.size - 1))
-    times = float(run.mark_times[first]), float(run.mark_times[middle]), float(run.mark_times[last])
-    return marked_window(times, run.mark_states[first], run.mark_states[last], inside.size)
+    if inside.size >= 2:
+        kept = inside[kept_marks(inside.size)]
+        return marked_window(run.case, run.mark_times[kept], run.mark_states[kept], inside.size)
+    row = min(int(np.searchsorted(run.times, begin)), run.times.size - 1)
+    rows = np.searchsorted(run.times, run.times[row] + (run.end - run.times[row]) * np.array([0.0, 1.0, 2.0]) / 3.0)
+    times, states = np.append(run.times[rows], run.end), np.vstack([run.states[rows], run.final])
+    return Window(
+        begin=float(times[0]),
+        end=run.end,
+        first=states[0],
+        last=run.final,
+        periods=0,
+        settled=is_settled(run.case, times, states),
+    )
 
 
-def marked_window(times: tuple[float, float, float], first: Array, last: Array, marks: int) -> Window:
-    """The window between the first and the last of at least two `marks`, at `times` of first, middle and last [s]."""
-    begin, middle, end = times
-    early_periods = (marks - 1) // 2
-    early = early_periods / (middle - begin) if early_periods else np.nan
-    late = (marks - 1 - early_periods) / (end - middle)
-    settled = bool(abs(late / early - 1.0) < SETTLED)
-    return Window(begin=begin, end=end, first=first, last=last, periods=marks - 1, settled=settled)
+def kept_marks(marks: int) -> npt.NDArray[np.int64]:
+    """Which of `marks` in a window are kept, shape (5,): the first, and three spans of whole periods to the last."""
+    last = max(marks - 1, 0)
+    third = last // 3
+    return np.array([0, last - 3 * third, last - 2 * third, last - third, last])
+
+
+def marked_window(case: Case, times: Array, states: Array, marks: int) -> Window:
+    """The window between the first and the last of at least two `marks`, of which those of `kept_marks` are given.
+
+    times, states  at these, shape (5,) [s] and (5, n)
+    """
+    return Window(
+        begin=float(times[0]),
+        end=float(times[-1]),
+        first=states[0],
+        last=states[-1],
+        periods=marks - 1,
+        settled=marks > 3 and is_settled(case, times[1:], states[1:]),
+    )
+
+
+def is_settled(case: Case, times: Array, states: Array) -> bool:
+    """Whether what the means over three spans of equal length still change by is below `SETTLED` of each mean.
+
+    Means are those of every state that accumulates: pressures, flows, powers, speeds; and the rate of the spans.
+    What is left to come is extrapolated as that of a first-order lag, docs/keys.md.
+
+    times, states  at the ends of the spans, shape (4,) [s] and (4, n)
+    """
+    spans = np.diff(times)
+    if not (spans > 0.0).all():
+        return False
+    kinds = [kind for _, _, kind in leaves(case.state)]
+    units = [kind.unit if kind is not None and kind.accumulates else "" for kind in kinds]
+    kept = [place for place, unit in enumerate(units) if unit]
+    means = np.diff(states[:, kept], axis=0) / spans[:, np.newaxis]
+    size, of = np.abs(means.mean(axis=0)), np.array([units[place] for place in kept])
+    for unit in set(of):
+        size[of == unit] = size[of == unit].clip(min=SMALL * size[of == unit].max())
+    drift, steady = remaining_change(means), SETTLED * size
+    paced = remaining_change(1.0 / spans[:, np.newaxis]) <= SETTLED / spans.mean()
+    return bool((drift <= steady).all() and paced.all())
+
+
+def remaining_change(means: Array) -> Array:
+    """By how much a mean over three spans would still change if it were taken for ever, shape (n,).
+
+    Of a first-order lag the means of spans of equal length make a geometric series: their changes d_1 and d_2 have the
+    ratio r of the decay over a span, and d_2 r/(1 - r) is still to come behind the last span.
+
+    means  of the three spans, shape (3, n)
+    """
+    first, second = np.diff(means, axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.clip(np.where(first != 0.0, second / first, SLOWEST), 0.0, SLOWEST)
+    left: Array = means[2] + second * ratio / (1.0 - ratio) - means.mean(axis=0)
+    return np.abs(left)

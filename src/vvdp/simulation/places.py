@@ -6,8 +6,8 @@ BARE: Any = {"cache": True, "error_model": "numpy", "_nrt": False}
 """How the loop is compiled: without counting who uses an array, so that it makes none; that took a sixth of a run."""
 
 # What `run` returns.
-DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING, RESTLESS = range(8)
-HANDED = 8  # a case that the loop for many at once leaves to the one for one case
+DONE, PAUSED, MARKS_FULL, NOT_FINITE, STEP_TOO_SMALL, STOP_BEHIND, TOO_MANY_WAITING, RESTLESS, BELOW_ZERO = range(9)
+HANDED = 9  # a case that the loop for many at once leaves to the one for one case
 
 # Places in `clock`.
 TIME, STEP, BEGUN, STEPS, REJECTED, EVALUATIONS, RECORDS, MARKS, STORED, METHOD = range(10)

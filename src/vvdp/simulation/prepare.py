@@ -13,7 +13,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING
 from vvdp.base.interrupts import interrupts_afterwards
-from vvdp.base.kinds import KINK
+from vvdp.base.kinds import KINK, PRESSURE_LEVEL
 from vvdp.numerics.sparse import Pattern, pattern
 from vvdp.simulation import places
 from vvdp.simulation.cache import one_at_a_time
@@ -48,6 +48,7 @@ class Prepared:
     atol: Array
     rtol: Array
     scale: Array
+    floor: Array  # below which a state cannot be: 0 Pa absolute, minus infinity where there is no such bound
     width: Array  # of the mark, the triggers and the modes: how far behind an event a step may end, as a share of it
     pattern: Pattern
 
@@ -70,6 +71,7 @@ def prepare(
         atol=stepping.relative_tolerance * scale,
         rtol=stepping.relative_tolerance * bounded,
         scale=scale,
+        floor=np.array([0.0 if kind and kind.name == PRESSURE_LEVEL.name else -np.inf for _, kind in kinds]),
         width=_width(model, case),
         pattern=_jacobian(model, case, linked.digest, (len(kinds), active)),
     )

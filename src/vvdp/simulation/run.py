@@ -212,7 +212,7 @@ def simulate(
         seconds=time.perf_counter() - began,
         digest=ready.linked.digest,
         finished=finished,
-        remarks=remarks(case, rows.low, reached.clock),
+        remarks=remarks(reached.clock),
         reached=reached,
         **counts,
     )
@@ -249,7 +249,7 @@ def _carry(
             status = loop.run(
                 *ready.linked[:4],
                 *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-                *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, bench),
+                *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, bench),
                 *(stepping.until, stepping.longest_step, stepping.begin, stepping.method.value, budget, 0),
                 *(rows.times, rows.states, rows.commands, rows.memories, rows.mark_times, rows.mark_states),
                 *(rows.low, rows.high),
@@ -305,12 +305,9 @@ def _counts(before: Reached, reached: Reached) -> dict[str, Any]:
     }
 
 
-def remarks(case: Case, low: Array, clock: Array) -> tuple[str, ...]:
-    """What a person should know of a run that went to its end, from its lowest state, shape (n,)."""
-    found = [
-        f"{path} fell to {value:.4g} Pa absolute, below a vacuum: nothing there can be trusted"
-        for path, value in below_vacuum(case, low)
-    ]
+def remarks(clock: Array) -> tuple[str, ...]:
+    """What a person should know of a run that went to its end."""
+    found = []
     if (jumps := int(clock[places.JUMPS])) >= MANY_JUMPS:
         first = clock[places.JUMP_TIME]
         found.append(
@@ -320,28 +317,28 @@ def remarks(case: Case, low: Array, clock: Array) -> tuple[str, ...]:
     return tuple(found)
 
 
-def below_vacuum(case: Case, low: Array) -> list[tuple[str, float]]:
-    """The pressures among the states that fell below 0 Pa absolute, from their lowest values, shape (n,)."""
-    return [
-        (path, float(value))
-        for (path, _, kind), value in zip(leaves(case.state), low, strict=True)
-        if kind and kind.name == "pressure level" and value < 0.0
-    ]
-
-
 def failure(case: Case, clock: Array, state: Array, status: int) -> str:
     """Why a case could not be carried past the time of its `clock` [s], with its state there, shape (n,)."""
     reached = clock[places.TIME]
     found = ((path, x) for (path, _, _), x in zip(leaves(case.state), state, strict=False))
     values = ", ".join(f"{path} = {x:.4g}" for path, x in found if not path.startswith("books."))
+    culprit = int(clock[places.CULPRIT])
     why = {
         places.NOT_FINITE: "a rate is no longer finite (a pressure at absolute zero?)",
         places.STEP_TOO_SMALL: "the step has become too small",
         places.STOP_BEHIND: "`stop` names no later time; expected the next one at which the rates jump",
-        places.RESTLESS: _restless(case, int(clock[places.CULPRIT])),
         places.TOO_MANY_WAITING: f"more than {places.DEPTH} commands of a program wait; has it a long latency?",
-    }[status]
+    }.get(status) or (_below_zero(case, culprit) if status == places.BELOW_ZERO else _restless(case, culprit))
     return f"the run cannot go on at t = {reached:.6g} s: {why}; state: {values}"
+
+
+def _below_zero(case: Case, place: int) -> str:
+    """Names the pressure of this place among the states that has fallen below absolute zero."""
+    path = [path for path, _, _ in leaves(case.state)][place]
+    return (
+        f"{path} has fallen below 0 Pa absolute, where no oil is: more is drawn from it than flows in, as by a pump "
+        "that turns backwards or a cylinder that moves faster than it is filled"
+    )
 
 
 def _restless(case: Case, mode: int) -> str:

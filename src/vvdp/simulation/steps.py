@@ -12,6 +12,15 @@ TSIT5_ERROR = tuple(float(x) for x in TSIT5_E)
 
 
 @njit(**BARE)
+def below(y, floor, count):
+    """The first of `count` states that lies below its floor; -1 where none does."""
+    for m in range(count):
+        if y[m] < floor[m]:
+            return m
+    return -1
+
+
+@njit(**BARE)
 def copy(target, source):
     """Writes the numbers of `source` to `target`."""
     for m in range(target.size):

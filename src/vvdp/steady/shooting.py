@@ -276,7 +276,7 @@ class _Runner:
         reasons = [reason for reason in run.reasons[row : row + n + 1] if reason]
         if run.marks[row : row + n + 1].min() < 1 or not run.mark_times[row, 0] > SOONEST * run.stepping.until:
             return reasons[0] if reasons else None
-        images = run.first_marks[row : row + n + 1][:, self.unknown]
+        images = run.mark_states[row : row + n + 1, 0][:, self.unknown]
         case = run.cases[row]
         outcome = Outcome(
             model=self.model,
@@ -285,11 +285,11 @@ class _Runner:
                 begin=0.0,
                 end=float(run.mark_times[row, 0]),
                 first=flat(case.state),
-                last=run.first_marks[row],
+                last=run.mark_states[row, 0],
                 periods=1,
                 settled=True,
             ),
-            final=run.first_marks[row],
+            final=run.mark_states[row, 0],
             low=run.low[row],
             high=run.high[row],
             end=float(run.mark_times[row, 0]),

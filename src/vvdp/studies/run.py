@@ -32,10 +32,11 @@ from vvdp.studies.results import Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
 from vvdp.studies.work import Batching, check_same, kept_batches
+from vvdp.systems.options import lasting
 from vvdp.systems.quantities import quantities
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import simulated_summary
-from vvdp.systems.system import System, lasting, load_system
+from vvdp.systems.system import System, load_system
 
 
 def silent(done: int, total: int) -> None:
@@ -112,7 +113,7 @@ def _base(study: Study) -> System:
     if not study.settings and study.until is None:
         return study.system
     table = with_settings(study.system.table, list(study.settings))
-    return study.system.read_from(table if study.until is None else lasting(table, study.until))
+    return study.system.read_from(table if study.until is None else lasting(table, study.until, study.settings))
 
 
 def _build_system(base: System, settings: Settings) -> System:

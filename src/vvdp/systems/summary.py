@@ -154,7 +154,7 @@ def _losses(name: str, means: dict[str, float]) -> Iterator[tuple[str, float]]:
 
 
 def _balances(run: Outcome) -> Summary:
-    books = balance_between(run.model, run.case, flat(run.case.state), run.final)
+    books = balance_between(run.model, run.case, flat(run.case.state), run.final, (run.low, run.high))
     window = run.window
     over_window = balance_between(run.model, run.case, window.first, window.last)
     if books is None or over_window is None:

@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
-from vvdp.base.kinds import TIME, Ratio, Time
+from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, build, parsed_table, read_table, suggestion, with_settings
-from vvdp.base.units import parse
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
 from vvdp.network.network import Network
@@ -31,6 +30,7 @@ from vvdp.systems.circuits import (
 )
 from vvdp.systems.drawing import draw_network
 from vvdp.systems.extras import Extras
+from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 
 HEADINGS = ("title", "circuit")
 DRAWN = ("nodes", "components")
@@ -189,44 +189,25 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
 
     Raises ConfigError naming every fault at once: file, line, key, value, and what was expected.
     """
-    table = system_table(name)
-    if settings:
-        table = with_settings(without_other_position(table, settings), list(settings))
+    plain = system_table(name)
+    place = Path(name).stem, Path(name).parent
+    table = with_settings(without_other_position(plain, settings), list(settings)) if settings else plain
     if until is not None:
-        table = lasting(table, until)
-    return built_system(table, Path(name).stem, Path(name).parent)
+        table = lasting(table, until, settings)
+    system = built_system(table, *place)
+    if table is not plain:
+        _check_overridden(plain, place, {*option_keys(settings), *(("run.until",) if until is not None else ())})
+    return system
 
 
-def without_other_position(table: Table, settings: Sequence[str]) -> Table:
-    """`table` without the duty ratio where a setting gives the axial position instead, and the other way round."""
-    operation = table.content.get("operation")
-    if not isinstance(operation, Mapping):
-        return table
-    given = {setting.partition("=")[0].strip() for setting in settings}
-    kept = dict(operation)
-    for one, other in (("axial_position", "duty_ratio"), ("duty_ratio", "axial_position")):
-        if f"operation.{one}" in given and f"operation.{other}" not in given:
-            kept.pop(other, None)
-    return Table(table.place, {**table.content, "operation": kept}, table.lines)
-
-
-def lasting(table: Table, until: str) -> Table:
-    """`table` with a run of `until`; means are then taken from the same share of the run as before."""
+def _check_overridden(plain: Table, place: tuple[str, Path], overridden: set[str]) -> None:
+    """Raises ConfigError where a value of a file that an option stands in for is none: it would hide there."""
     try:
-        seconds = parse(until, TIME)
-    except ParameterError as problem:
-        raise ConfigError([Fault("--until", 0, "", str(problem))]) from None
-    if not seconds > 0.0:
-        raise ConfigError([Fault("--until", 0, "", f"{until!r}; expected more than 0 s")])
-    run = table.content.get("run", {})
-    if not isinstance(run, Mapping):
-        return table
-    try:
-        share = _duration(run.get("average_from")) / _duration(run.get("until"))
-    except (ParameterError, ZeroDivisionError):
-        share = 0.5
-    lasting = {**run, "until": f"{seconds!r} s", "average_from": f"{share * seconds!r} s"}
-    return Table(table.place, {**table.content, "run": lasting}, table.lines)
+        built_system(plain, *place)
+    except ConfigError as problem:
+        hidden = [fault for fault in problem.faults if fault.key in overridden and fault.key in plain.lines]
+        if hidden:
+            raise ConfigError(hidden) from None
 
 
 def built_system(table: Table, name: str, folder: Path = Path()) -> System:
@@ -301,11 +282,6 @@ def _function(table: Table, folder: Path, faults: list[Fault]) -> NetworkFunctio
     return function
 
 
-def _duration(entry: Any) -> float:
-    """The time of an entry of [run], with its origin or without [s]. Raises ParameterError."""
-    return parse(entry.get("value") if isinstance(entry, Mapping) else entry, TIME)
-
-
 def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[RunTable, list[Sourced]] | None, Method]:
     """The [run] table and its method."""
     if not isinstance(given, Mapping):
@@ -316,7 +292,7 @@ def _run_table(given: Any, table: Table, faults: list[Fault]) -> tuple[tuple[Run
     method = _method(content.pop("method", "automatic"), table, faults)
     if "average_from" not in content and "until" in content:
         with suppress(ParameterError):  # `build` says what is wrong with it
-            content["average_from"] = f"{0.5 * _duration(content['until'])!r} s"
+            content["average_from"] = f"{0.5 * duration_of(content['until'])!r} s"
     found, rows = build(RunTable, content, "run", table, faults)
     rows = [replace(row, status="given") if row.note == "default" else row for row in rows]  # not on the circuit
     return (None if found is None else (found, rows)), method
