@@ -19,14 +19,14 @@ from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil, film_ratios
 from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_opening_rate, check_side
-from vvdp.hydraulics.flow import passage
+from vvdp.hydraulics.flow import Passage, passage
 from vvdp.hydraulics.ports import Medium, ShaftState
 from vvdp.network.component import Component
-from vvdp.valve.branch import BranchLaw, branch_law, law_flow
+from vvdp.valve.branch import BranchFlow, BranchLaw, branch_law, law_flow
 from vvdp.valve.geometry import JetSkews, Openings, PortShape, jet_skews, port_edges, port_shape, shape_openings
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
-from vvdp.valve.torque import friction_coefficient, pwm_frequency, spool_inertia, spool_torque
+from vvdp.valve.torque import SpoolTorque, friction_coefficient, pwm_frequency, spool_inertia, spool_torque
 
 
 class RotaryValveState(NamedTuple):
@@ -95,6 +95,44 @@ def duty_position(duty_ratio: float, valve: RotaryValve) -> float:
     return duty_ratio * valve.helix_length
 
 
+class Branch(NamedTuple):
+    """One branch at an instant: its flow at the pressure it comes from, and what passes in tank volumes."""
+
+    law: BranchFlow
+    passage: Passage
+
+
+def branch(inlet: FluidState, outlet: FluidState, opening: float, law: BranchLaw) -> Branch:
+    """What one branch does between two volumes.
+
+    opening  open fraction of its ports [1]
+
+    Source  wang2017, eqs. 2.3 to 2.5; derived in docs/models/rotary-valve.md
+    """
+    flow = law_flow(inlet.pressure - outlet.pressure, opening, law)
+    return Branch(flow, passage(flow.flow, inlet, outlet))
+
+
+def valve_losses(
+    load: Branch, tank: Branch, leak: Passage, torque: SpoolTorque, spool_speed: float
+) -> RotaryValveLosses:
+    """The power that each part of the valve turns to heat [W].
+
+    spool_speed  [rad/s]
+
+    Source  ours, docs/models/rotary-valve.md
+    """
+    to_load, to_tank = load.passage.loss, tank.passage.loss
+    return RotaryValveLosses(
+        nozzle=to_load * load.law.nozzle_share + to_tank * tank.law.nozzle_share,
+        centre_section=to_load * load.law.centre_share + to_tank * tank.law.centre_share,
+        outlet_turbine=to_load * load.law.outlet_share + to_tank * tank.law.outlet_share,
+        leakage=leak.loss,
+        spool_friction=torque.friction * spool_speed,
+        to_spool=-torque.turbine * spool_speed,
+    )
+
+
 def rotary_valve(
     inlet: FluidState,
     load: FluidState,
@@ -118,28 +156,19 @@ def rotary_valve(
     lift = select(check.opening_time > 0.0, state.check_opening, check_opening(load_drop, check))
     openings = Openings(ports.load * lift, ports.tank)
     skew = jet_skews(spool.angle, axial_position, valve.jet_asymmetry, held.ports)
-    load_branch = law_flow(load_drop, openings.load, held.branch)
-    tank_branch = law_flow(inlet.pressure - tank.pressure, openings.tank, held.branch)
-    to_load, to_tank = passage(load_branch.flow, inlet, load), passage(tank_branch.flow, inlet, tank)
+    to_load = branch(inlet, load, openings.load, held.branch)
+    to_tank = branch(inlet, tank, openings.tank, held.branch)
     film = film_ratios(load.pressure, tank.pressure, oil)
     leak = passage(held.leakage_conductance * film.fluidity * (load.pressure - tank.pressure), load, tank)
     k_f = held.friction_coefficient * film.viscosity
     skews = JetSkews(skew.load * lift, skew.tank)
-    torque = spool_torque(load_branch, tank_branch, openings, skews, spool.speed, medium.density, k_f, valve)
-    losses = RotaryValveLosses(
-        nozzle=to_load.loss * load_branch.nozzle_share + to_tank.loss * tank_branch.nozzle_share,
-        centre_section=to_load.loss * load_branch.centre_share + to_tank.loss * tank_branch.centre_share,
-        outlet_turbine=to_load.loss * load_branch.outlet_share + to_tank.loss * tank_branch.outlet_share,
-        leakage=leak.loss,
-        spool_friction=torque.friction * spool.speed,
-        to_spool=-torque.turbine * spool.speed,
-    )
+    torque = spool_torque(to_load.law, to_tank.law, openings, skews, spool.speed, medium.density, k_f, valve)
     return RotaryValveFlow(
-        inlet=-to_load.flow - to_tank.flow,
-        load=to_load.flow - leak.flow,
-        tank=to_tank.flow + leak.flow,
+        inlet=-to_load.passage.flow - to_tank.passage.flow,
+        load=to_load.passage.flow - leak.flow,
+        tank=to_tank.passage.flow + leak.flow,
         spool=torque.turbine - torque.friction,
-        losses=losses,
+        losses=valve_losses(to_load, to_tank, leak, torque, spool.speed),
         rates=RotaryValveState(check_opening_rate(load_drop, state.check_opening, check)),
         leakage=leak.flow,
         load_opening=openings.load,

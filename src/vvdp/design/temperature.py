@@ -170,11 +170,8 @@ FULL = 0.9
 
 
 def _row(at: Setup, limits: RangeLimits, cavitation_pressure: float) -> dict[str, float]:
-    valve, Q = at.valve, at.flow
-    rho, mu = (
-        density(at.temperature, at.oil),
-        film_viscosity(at.temperature, at.load_pressure, at.tank_pressure, at.oil),
-    )
+    valve, Q, rho = at.valve, at.flow, density(at.temperature, at.oil)
+    mu = film_viscosity(at.temperature, at.load_pressure, at.tank_pressure, at.oil)
     q = quantities(at)
     omega = 2.0 * np.pi * q.pwm_frequency / valve.sections
     averaged = q.pwm_frequency
