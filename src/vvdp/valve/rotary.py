@@ -98,6 +98,9 @@ class RotaryValve(Params):
                     f"RotaryValve.{name} = {1e3 * getattr(self, name):g} mm is larger than the spool radius, "
                     f"{1e3 * self.spool_radius:g} mm"
                 )
+        self._check_circumference()
+
+    def _check_circumference(self) -> None:
         pitch = 2.0 * np.pi * self.spool_radius / self.sections
         # One nozzle is the rhombus of area d_c d_a / 2 whose sides follow the helices, d_a / d_c = 2 L / pitch.
         width = np.sqrt(self.nozzle_area * pitch / (self.sections * self.helix_length))
