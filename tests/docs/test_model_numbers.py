@@ -1,0 +1,136 @@
+"""Numbers that docs/models/rotary-valve.md and docs/design.md spell out, worked out for `prototype-constant-load`."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from vvdp.design.optimise import optimise
+from vvdp.design.problem import problem
+from vvdp.design.quantities import quantities, setup
+from vvdp.design.temperature import over_temperature
+from vvdp.systems.system import load_system
+from vvdp.valve.branch import branch_drops, branch_flow
+from vvdp.valve.condition import Condition
+from vvdp.valve.flow_map import averaged_spool_speed
+from vvdp.valve.geometry import nozzle_width, pitch
+from vvdp.valve.losses import compressibility_loss, full_open_drop, transition_loss
+from vvdp.valve.torque import equilibrium_speed, pwm_frequency
+
+DOCS = Path(__file__).parents[2] / "docs"
+VALVE_PAGE, DESIGN_PAGE = (
+    " ".join((DOCS / name).read_text("utf-8").split()) for name in ("models/rotary-valve.md", "design.md")
+)
+SYSTEM = load_system("prototype-constant-load")
+VALVE, OIL = SYSTEM.tables["valve"], SYSTEM.tables["oil"]
+Q, RHO, MU, TANK = 4e-2 / 60.0, 876.0, 0.0387, 101325.0
+AT = Condition(flow=Q, load_pressure=1e7 + TANK, relief_pressure=1.2e7 + TANK, tank_pressure=TANK, density=RHO)
+
+
+@pytest.mark.parametrize(("m", "words"), [(1.91, "1e-15 for $m = 1.91$"), (1.75, "below 1e-12"), (1.7, "1e-10 for")])
+def test_the_branch_law_is_inverted_to_rounding(m, words):
+    """30 000 random points, with k so that the drop at 40 lpm stays."""
+    assert words in VALVE_PAGE
+    rng = np.random.default_rng(0)
+    valve = replace(VALVE, centre_flow_exponent=m, centre_coefficient=VALVE.centre_coefficient * Q ** (m - 1.91))
+    flow = 10.0 ** rng.uniform(-7.0, np.log10(2e-3), 30_000) * rng.choice([-1.0, 1.0], 30_000)
+    opening = 10.0 ** rng.uniform(-4.0, 0.0, 30_000)
+    back = branch_flow(sum(branch_drops(flow, opening, RHO, valve)), opening, RHO, valve).flow
+    assert np.max(np.abs(back / flow - 1.0)) < float(re.search(r"1e-\d+", words)[0]) * 1.1
+
+
+def test_frequencies_of_the_valve():
+    averaged = [
+        pwm_frequency(averaged_spool_speed(0.5, AT, MU, valve), valve)
+        for valve in (replace(VALVE, jet_exponent=0.0), replace(VALVE, jet_exponent=1.0))
+    ]
+    assert f"{averaged[0]:.1f} Hz $(s = 0)$ or {averaged[1]:.1f} Hz $(s = 1)$" in VALVE_PAGE
+    assert f"against {pwm_frequency(equilibrium_speed(Q, RHO, MU, VALVE), VALVE):.1f} Hz fully open" in VALVE_PAGE
+
+
+def test_reynolds_number_in_a_pocket():
+    """rho R omega h/mu, for pockets of 2.5 to 4.5 mm."""
+    ends = [RHO * VALVE.spool_radius * 150.8 * h / MU for h in (2.5e-3, 4.5e-3)]
+    assert "is 100 to 200" in VALVE_PAGE
+    assert 100.0 < ends[0] < ends[1] < 200.0
+
+
+def test_the_centre_section_as_quadratic_changes_the_loss_little():
+    """The loss of both ports' ramps with the centre section's own exponent, opening by opening."""
+    drops = full_open_drop(Q, RHO, VALVE)
+    n, c, o = drops.nozzle, drops.centre_section, drops.outlet_turbine
+
+    def ramp(pressure):
+        H = AT.relief_pressure - pressure
+
+        def drop(share, a):
+            return n * (share / a) ** 2 + c * share**1.91 + o * share * share
+
+        def lost(a):
+            if drop(1.0, a) <= H:
+                return n * (1.0 / a**2 - 1.0)
+            share = brentq(lambda x: drop(x, a) - H, 0.0, 1.0)
+            return share * H + (1.0 - share) * (AT.relief_pressure - TANK) - (n + c + o)
+
+        edge = np.sqrt(n / (H - c - o))
+        return sum(quad(lost, low, high, epsrel=1e-9)[0] for low, high in ((1e-9, edge), (edge, 1.0)))
+
+    loss = 2.0 * nozzle_width(VALVE) / pitch(VALVE) * Q * (ramp(AT.load_pressure) + ramp(TANK))
+    assert "changes the total by less than 1e-4" in VALVE_PAGE
+    assert 0.0 < abs(loss - transition_loss(AT, VALVE).loss) < 1e-4 * (loss + Q * (n + c + o))
+
+
+def test_two_ways_of_counting():
+    found = quantities(setup(SYSTEM))
+    slower = pwm_frequency(averaged_spool_speed(0.5, AT, MU, VALVE), VALVE)
+    lower = compressibility_loss(slower, 12.7e-6, AT.load_pressure, TANK, OIL)
+    assert f"the fully open valve, {found.loss_compressibility:.1f} W" in DESIGN_PAGE
+    assert f"the switching valve settles, {lower:.1f} W" in DESIGN_PAGE
+    without = found.efficiency + found.loss_compressibility / found.input_power
+    assert f"counts compressibility as lost ({found.efficiency:.3f})" in DESIGN_PAGE
+    assert f"an analytic map leaves it out ({without:.3f})" in DESIGN_PAGE
+
+
+def test_checks_over_temperature():
+    columns = over_temperature(SYSTEM, coldest=313.15, hottest=315.15).columns
+    assert f"it is {columns['eccentricity'][0]:.4f} at 40 degC" in DESIGN_PAGE
+    assert f"{columns['radial_force'][0]:.2f} N at 40 lpm" in DESIGN_PAGE
+    assert f"{columns['sheared_temperature_rise'][0]:.2f} K" in DESIGN_PAGE
+    assert f"{columns['carried_temperature_rise'][0]:.0f} K; the truth lies between" in DESIGN_PAGE
+    leakage, friction = 1.5 * 0.3**2, 1.0 / np.sqrt(1.0 - 0.3**2) - 1.0
+    assert f"{100.0 * leakage:.1f} % more leakage, {100.0 * friction:.0f} % more friction" in DESIGN_PAGE
+
+
+FAST, FREE = "pwm_frequency >= 72 Hz", "radial_clearance <= 22.5 um"
+OPTIMA = {
+    "radius and clearance of the prototype": ([FAST], ["spool_radius = 12.7 mm", "radial_clearance = 12.7 um"]),
+    "clearance at most 12.7 um": ([FAST], ["radial_clearance <= 12.7 um"]),
+    "clearance at most 22.5 um": ([FAST], [FREE]),
+    "the same, transition fraction at most 0.3, clearance at most 25 um": (
+        [FAST, "transition_fraction <= 0.3"], ["radial_clearance <= 25 um"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("bounds", OPTIMA)
+def test_published_optimum(bounds):
+    """Drop, radius, nozzles, outlet and transition fraction, to the digits of the page."""
+    page = (DOCS / "design.md").read_text("utf-8")
+    cells = re.search(rf"^\| {bounds} \|(.*)\|$", page, re.MULTILINE)[1].replace("*", "").split("|")
+    limits, sides = OPTIMA[bounds]
+    found = optimise(problem(SYSTEM, "pressure_drop_total", limits, sides), starts=3, globally=False)
+    values, kappa = found.values, found.after[0].transition_fraction
+    numbers = (
+        1e-5 * found.objective,
+        1e3 * values["spool_radius"],
+        1e6 * values["nozzle_area"],
+        1e6 * values["outlet_area"],
+        kappa,
+    )
+    for cell, value in zip(cells, numbers, strict=True):
+        last = 10.0 ** -len(cell.strip().partition(".")[2])
+        assert float(cell) == pytest.approx(value, abs=0.51 * last)
