@@ -93,6 +93,7 @@ def test_several_points_give_one_list_per_key(vvdp):
     rows = {key: value for key, value in found.items() if key not in whole}
     assert all(isinstance(value, list) and len(value) == 4 for value in rows.values())
     assert rows["warnings"] == [[], [], [], []]
+    whole = (*whole, "ranges")
     single = asked(vvdp, "--flow", "40 lpm", "--temperature", "30 degC")
     assert {key: value[2] for key, value in rows.items()} == {k: v for k, v in single.items() if k not in whole}
 
@@ -101,6 +102,7 @@ def test_one_point_gives_plain_numbers(vvdp):
     found = asked(vvdp, "--flow", "40 lpm")
     assert (found.pop("verb"), found.pop("system"), found.pop("finished")) == ("valve", "prototype", True)
     assert found.pop("warnings") == []
+    assert found.pop("ranges").keys() == found.keys()
     assert all(isinstance(value, float) for value in found.values())
 
 
@@ -159,3 +161,64 @@ def test_bad_points_are_refused(vvdp, arguments, said):
 def test_all_bad_flows_are_told_at_once(vvdp):
     answer = vvdp("valve", "prototype", "--flow", "40", "--flow", "3 bar")
     assert len(answer.err.splitlines()) == 2
+
+
+def ranges_of(vvdp, *arguments):
+    answer = vvdp("valve", "prototype-constant-load", "--json", *arguments)
+    assert answer.code == 0, answer.err
+    return json.loads(answer.out)
+
+
+@pytest.fixture
+def constant_load(vvdp):
+    return ranges_of(vvdp)
+
+
+def test_ranges_hold_each_number_and_each_other(constant_load):
+    """Nothing that one value does alone lies outside of what all do together."""
+    ranges = constant_load["ranges"]
+    assert set(ranges) == {key for key, value in constant_load.items() if isinstance(value, float)}
+    for key, each in ranges.items():
+        least, most = each["together"]
+        assert least <= each["low"] * (1 + 1e-12) and each["high"] <= most * (1 + 1e-12), key
+        assert each["low"] <= constant_load[key] <= each["high"], key
+
+
+def test_the_length_of_the_helix_sets_the_transition_loss(vvdp, constant_load):
+    """By an independent program: 1416, 1333, 1245 and 1179 W at 18, 20.32, 23.3 and 26 mm."""
+    found = (
+        constant_load["loss_transition_W"],
+        *constant_load["ranges"]["loss_transition_W"]["by"]["valve.helix_length"],
+    )
+    assert found == pytest.approx((1333.0, 1416.0, 1179.0), abs=1.0)
+    between = ranges_of(vvdp, "--set", 'valve.helix_length={value="23.3 mm", range=["20.32 mm", "26 mm"]}')
+    assert between["loss_transition_W"] == pytest.approx(1245.0, abs=1.0)
+    at_ends = between["ranges"]["loss_transition_W"]["by"]["valve.helix_length"]
+    assert at_ends == pytest.approx([found[0], found[2]], rel=1e-9)
+
+
+def test_where_its_closed_form_does_not_hold_the_mean_gives_the_transition_loss(constant_load):
+    """A lap of 0.5 joins load and tank for a moment: the closed form stays at 1333 W, the mean over a period falls. A
+    lap of 1.2 blocks both for a tenth of the ramps longer, 2 (b - d_c)/pitch Q (P_R - P_T - dP)."""
+    joined, blocked = constant_load["ranges"]["loss_transition_W"]["by"]["valve.lap_ratio"]
+    assert joined == pytest.approx(800.5, abs=0.5)
+    flow, kappa = constant_load["flow_m3_s"], constant_load["transition_fraction"]
+    more = 0.2 * kappa * flow * (constant_load["relief_pressure_Pa"] - constant_load["pressure_drop_total_Pa"])
+    assert blocked == pytest.approx(constant_load["loss_transition_W"] + more, rel=1e-3)
+
+
+def test_what_rests_on_no_value_with_a_range_stands_alone(vvdp):
+    """Without lap and helix none moves the transition fraction. The drop of the nozzles goes with 1/C^2: 3.927 bar at
+    0.61 are 3.568 at 0.64 and 4.344 at 0.58."""
+    settings = [f"valve.{name}={value}" for name, value in (("lap_ratio", "1"), ("helix_length", "20.32 mm"))]
+    answer = vvdp("valve", "prototype-constant-load", *(word for each in settings for word in ("--set", each)))
+    lines = {line.split("  ")[1]: line.split() for line in answer.out.splitlines() if line.startswith("  ")}
+    assert lines["transition fraction"][2:] == ["0.3001"]
+    assert lines["pressure drop, nozzles"][3:] == ["3.927", "3.567", "4.344", "3.567", "4.344", "bar"]
+    assert "each of 10 values alone at both ends of its range" in answer.out
+
+
+def test_a_range_that_does_not_hold_its_value_is_refused(vvdp):
+    answer = vvdp("valve", "prototype", "--set", 'valve.lap_ratio={value="1", range=["1.1", "1.2"]}')
+    assert answer.code == 2
+    assert "valve.lap_ratio: 1; expected a value inside its range, 1.1 to 1.2" in answer.err

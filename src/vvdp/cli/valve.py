@@ -10,6 +10,8 @@ from vvdp.cli.options import AsJson, Settings, SystemName
 if TYPE_CHECKING:
     from vvdp.base.kinds import Kind
     from vvdp.systems.bench import RotaryBench
+    from vvdp.systems.ranges import Ranges
+    from vvdp.systems.system import System
 
 Row = dict[str, Any]
 
@@ -31,6 +33,7 @@ def valve(
 
     They are analytic, without a simulation. Flow and temperature default to those at the start of the run; several
     values give one row per pair. The load pressure is the prescribed one, or the initial one if the load makes its own.
+    Numbers that a value with a range moves by more than 1 % are shown with how far.
     """
     from vvdp.base.kinds import FLOW, TEMPERATURE
     from vvdp.base.signal import signal_value
@@ -46,11 +49,13 @@ def valve(
         float(signal_value(0.0, bench.operation.oil_temperature))
     ]
     rows = [_row(bench, q, t) for q, t in product(flows, temperatures)]
+    ranges = _ranges(bench, rows[0], flows[0]) if len(rows) == 1 and loaded.uncertainties else None
     if json:
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
-        print_json({"verb": "valve", "system": loaded.name, "finished": True, **columns})
+        spans = {"ranges": ranges.flat} if ranges else {}
+        print_json({"verb": "valve", "system": loaded.name, "finished": True, **columns, **spans})
     elif len(rows) == 1:
-        print_point(bench, rows[0])
+        print_point(bench, rows[0], ranges)
     else:
         print_points(bench, rows)
 
@@ -88,10 +93,29 @@ def _flows(texts: list[str] | None, kind: "Kind", delivered: float) -> list[floa
     return [*flows] or [None]
 
 
-def _row(bench: "RotaryBench", flow: float | None, temperature: float) -> Row:
-    """Everything that docs/keys.md describes for `vvdp valve`."""
+def _ranges(bench: "RotaryBench", row: Row, flow: float | None) -> "Ranges":
+    """The numbers of a row over the ranges of values, at the same temperature and `flow`, that of the pump if None."""
+    from dataclasses import replace
+
+    from vvdp.systems.bench import rotary_bench
+    from vvdp.systems.ranges import at_ends, ranges_of, spans_together
+
+    def numbers(system: "System") -> Row:
+        return _row(rotary_bench(system, "valve"), flow, row["temperature_K"], averaged=True)
+
+    found = [reason if each is None else numbers(each) for each, reason in at_ends(bench.system)]
+    keys = [key for key, value in row.items() if isinstance(value, float)]
+    alone = ranges_of(bench.system, keys, row, found)
+    return replace(alone, together=spans_together(bench.system, alone, numbers))
+
+
+def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averaged: bool = False) -> Row:
+    """Everything that docs/keys.md describes for `vvdp valve`.
+
+    `averaged` is whether the quasi-steady average gives the transition loss where its closed form does not hold.
+    """
     from vvdp.base.errors import ParameterError
-    from vvdp.valve.operating_point import operating_point
+    from vvdp.valve.operating_point import average_transition, operating_point
 
     reference, load = bench.reference, bench.load_pressure
     set_point = bench.set_point(load)._replace(temperature=temperature)
@@ -101,6 +125,8 @@ def _row(bench: "RotaryBench", flow: float | None, temperature: float) -> Row:
         point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:
         raise ParameterError(f"{bench.system.name}: the formulas have no value here ({problem})") from None
+    if averaged and point.warnings:
+        point = average_transition(point)
     numbers = {
         "flow_m3_s": point.flow,
         "temperature_K": temperature,

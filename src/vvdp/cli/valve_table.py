@@ -7,6 +7,7 @@ from vvdp.base import kinds
 from vvdp.base.display import display_unit, number, plain, with_unit
 from vvdp.cli.screen import console, grid, tell, warn
 from vvdp.systems.bench import RotaryBench
+from vvdp.systems.ranges import Ranges
 
 SHOWN = (
     ("pressure drop, nozzles", "pressure_drop_nozzle_Pa", kinds.PRESSURE_DIFFERENCE),
@@ -30,6 +31,12 @@ SHOWN = (
     ("mean flow to the load", "mean_load_flow_m3_s", kinds.FLOW),
 )
 """Lines for one point: label, key, kind."""
+SPANS = ("lowest", "highest", "all low", "all high")
+"""Heads of what ranges of values do to a number: each alone, all together."""
+RANGES = (
+    "lowest, highest: each of {count} values alone at both ends of its range; all low, all high: all at once at the "
+    "ends that move the number so. Lag and reseat of the relief valve are in no formula: `vvdp run` has them."
+)
 COLUMNS = (
     ("flow", "flow_m3_s", kinds.FLOW),
     ("oil", "temperature_K", kinds.TEMPERATURE),
@@ -61,15 +68,24 @@ def _point(row: Mapping[str, Any]) -> str:
     return f"{with_unit(row['flow_m3_s'], kinds.FLOW)}, {with_unit(row['temperature_K'], kinds.TEMPERATURE)}"
 
 
-def print_point(bench: RotaryBench, row: Mapping[str, Any]) -> None:
-    """Prints the valve at one flow and temperature, a line for each quantity."""
+def print_point(bench: RotaryBench, row: Mapping[str, Any], ranges: Ranges | None) -> None:
+    """Prints the valve at one flow and temperature, a line for each quantity, with how far `ranges` of values move it.
+
+    A number that they move by no more than 1 % stands alone.
+    """
     _print_head(bench, row)
     tell(f"flow and oil: {_point(row)}")
-    table = grid("quantity", "value", "unit", right=("value",))
+    heads = ("value",) if ranges is None else ("value", *SPANS)
+    table = grid("quantity", *heads, "unit", right=heads, ends=1)
     for label, key, kind in SHOWN:
         unit = display_unit(kind)
-        table.add_row(label, number(unit.from_si(row[key])), unit.symbol)
+        moved = ranges is not None and ranges.moves(key)
+        spans = (*ranges.span(key), *ranges.together[key]) if ranges is not None and moved else ()
+        cells = [number(unit.from_si(value)) for value in spans] or [""] * (len(heads) - 1)
+        table.add_row(label, number(unit.from_si(row[key])), *cells, unit.symbol)
     console().print(table)
+    if ranges is not None:
+        tell(RANGES.format(count=len(ranges.rows)))
     for text in row["warnings"]:
         warn(text)
 

@@ -1,14 +1,14 @@
 """How far numbers move where a value lies elsewhere in its range: one value at a time, all others as they are."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
-from vvdp.base.errors import ConfigError
+from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import Sourced, Table, copy_tables
 from vvdp.systems.system import System
@@ -29,6 +29,8 @@ class Ranges:
     nominal: Mapping[str, float]
     ends: Mapping[str, Array]
     left_out: Mapping[str, str]
+    together: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Lowest and highest with all values at once, where that was asked for; see `spans_together`."""
 
     def span(self, key: str) -> tuple[float, float]:
         """The lowest and the highest that a number comes to, with the one of the system as it is."""
@@ -48,12 +50,15 @@ class Ranges:
 
     @property
     def flat(self) -> dict[str, dict[str, Any]]:
-        """As JSON has it: `low`, `high`, and `by` with both ends by setting, under the key of each number."""
-        found = {}
+        """As JSON has it, under the key of each number: `low`, `high`, `by` with both ends by setting, and where it is
+        known `together` with the lowest and the highest of all values at once."""
+        found: dict[str, dict[str, Any]] = {}
         for key in self.nominal:
             low, high = self.span(key)
             by = {row.setting: pair.tolist() for row, pair in zip(self.rows, self.ends[key], strict=True)}
             found[key] = {"low": low, "high": high, "by": by}
+            if key in self.together:
+                found[key]["together"] = list(self.together[key])
         return found
 
 
@@ -89,13 +94,54 @@ def at_end(system: System, row: Sourced, place: int) -> System:
 
     Raises ConfigError where that contradicts other values.
     """
+    return with_ends(system, {row: place})
+
+
+def with_ends(system: System, places: Mapping[Sourced, int]) -> System:
+    """The system with several values at the lower (0) or the upper end (1) of their ranges, in one.
+
+    Raises ConfigError where these contradict each other.
+    """
     content = copy_tables(system.content)
-    inner: dict[str, Any] = content
-    for name in row.table.split("."):
-        inner = inner[name]
-    given = inner[row.key]
-    inner[row.key] = {"value": given["range"][place], "status": row.status}
+    for row, place in places.items():
+        inner: dict[str, Any] = content
+        for name in row.table.split("."):
+            inner = inner[name]
+        inner[row.key] = {"value": inner[row.key]["range"][place], "status": row.status}
     return system.read_from(Table(system.name, content, {}))
+
+
+def corners(ranges: Ranges, key: str) -> tuple[tuple[int | None, ...], tuple[int | None, ...]]:
+    """For each value the end that makes a number lowest, and the one that makes it highest, by the ends alone; None
+    where that is the value as it is."""
+    whole = np.column_stack([ranges.ends[key], np.full(len(ranges.rows), ranges.nominal[key])])
+    ends: tuple[int | None, ...] = (0, 1, None)
+    least, most = np.nanargmin(whole, axis=1), np.nanargmax(whole, axis=1)
+    return tuple(ends[place] for place in least), tuple(ends[place] for place in most)
+
+
+def spans_together(
+    system: System, ranges: Ranges, work: Callable[[System], Mapping[str, Any]]
+) -> dict[str, tuple[float, float]]:
+    """The lowest and highest of each number with all values at the ends that move it that way, `work` giving numbers.
+
+    Where a number rises or falls with each value, whatever the others are, it lies nowhere outside. nan where these
+    ends contradict each other.
+    """
+    known: dict[tuple[int | None, ...], Mapping[str, Any]] = {}
+    found = {}
+    for key in ranges.nominal:
+        values = []
+        for corner in corners(ranges, key):
+            if corner not in known:
+                places = {row: place for row, place in zip(ranges.rows, corner, strict=True) if place is not None}
+                try:
+                    known[corner] = work(with_ends(system, places))
+                except (ConfigError, ParameterError):
+                    known[corner] = {}
+            values.append(float(known[corner].get(key, np.nan)))
+        found[key] = (values[0], values[1])
+    return found
 
 
 def ranges_of(

@@ -115,7 +115,14 @@ def quasi_steady_mean(duty_ratio: float, at: Condition, valve: RotaryValve) -> C
     duty_ratio  axial position over helix length, any value [1]
     at          with the relief pressure highest
     """
-    cycle = quasi_steady_cycle(duty_ratio, at, valve)
+    return mean_of_cycle(quasi_steady_cycle(duty_ratio, at, valve), at)
+
+
+def mean_of_cycle(cycle: Cycle, at: Condition) -> CycleMean:
+    """Mean flows, inlet pressure and power lost of a cycle [m^3/s, Pa, W]; see `quasi_steady_mean`.
+
+    at  what the cycle was found for
+    """
     load_flow, rise = float(np.mean(cycle.load.flow)), cycle.inlet_pressure - at.tank_pressure
     mean_rise = float(np.mean(rise))
     return CycleMean(
@@ -139,10 +146,18 @@ def averaged_spool_speed(duty_ratio: float, at: Condition, viscosity: float, val
     at          with the relief pressure highest
     viscosity   dynamic, in the films between load and tank [Pa s]
     """
-    cycle = quasi_steady_cycle(duty_ratio, at, valve)
+    return speed_of_cycle(quasi_steady_cycle(duty_ratio, at, valve), at.density, viscosity, valve)
+
+
+def speed_of_cycle(cycle: Cycle, density: float, viscosity: float, valve: RotaryValve) -> float:
+    """Speed at which the torques of a cycle balance on average [rad/s]; see `averaged_spool_speed`.
+
+    density    [kg/m^3]
+    viscosity  dynamic [Pa s]
+    """
     k_f = friction_coefficient(viscosity, valve)
-    at_rest = _mean_net_torque(cycle, 0.0, at.density, k_f, valve)
-    turning = _mean_net_torque(cycle, 1.0, at.density, k_f, valve)
+    at_rest = _mean_net_torque(cycle, 0.0, density, k_f, valve)
+    turning = _mean_net_torque(cycle, 1.0, density, k_f, valve)
     return at_rest / (at_rest - turning)
 
 

@@ -20,7 +20,7 @@ from vvdp.base.kinds import (
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_viscosity
 from vvdp.valve.condition import Condition
-from vvdp.valve.flow_map import CycleMean, averaged_spool_speed, quasi_steady_mean
+from vvdp.valve.flow_map import CycleMean, mean_of_cycle, quasi_steady_cycle, speed_of_cycle
 from vvdp.valve.geometry import nozzle_hydraulic_diameter, transition_fraction
 from vvdp.valve.losses import (
     compressibility_loss,
@@ -128,13 +128,14 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     load_pressure, tank = set_point.load_pressure, set_point.tank_pressure
     rho, mu = density(T, oil), film_viscosity(T, load_pressure, tank, oil)
     supplied = set_point.condition(oil)
-    cycle = quasi_steady_mean(duty_ratio, supplied, valve)
+    course = quasi_steady_cycle(duty_ratio, supplied, valve)
+    cycle = mean_of_cycle(course, supplied)
     Q = set_point.flow - cycle.pump_leakage_flow
     at = supplied._replace(flow=Q, pump_leakage=0.0)
     drops = full_open_drop(Q, rho, valve)
     omega = equilibrium_speed(Q, rho, mu, valve)
     k_f = friction_coefficient(mu, valve)
-    averaged = pwm_frequency(averaged_spool_speed(duty_ratio, supplied, mu, valve), valve)
+    averaged = pwm_frequency(speed_of_cycle(course, rho, mu, valve), valve)
     open_loss = full_open_loss(Q, rho, valve)
     is_tight = set_point.pump_leakage == 0.0
     transition = transition_loss(at, valve).loss if is_tight else cycle.loss - cycle.pump_loss - open_loss
@@ -169,3 +170,13 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
         cycle=cycle,
         warnings=warnings,
     )
+
+
+def average_transition(point: OperatingPoint) -> OperatingPoint:
+    """The same with the transition loss from the mean over a PWM period, which holds where its closed form does not.
+
+    It is what the mean loses beyond the fully open valve.
+    """
+    transition = point.cycle.loss - point.cycle.pump_loss - point.full_open_loss
+    total = point.total_loss - point.transition_loss + transition
+    return point._replace(transition_loss=transition, total_loss=total)
