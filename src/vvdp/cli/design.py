@@ -245,6 +245,10 @@ def tolerance(
     samples: Annotated[
         int, typer.Option("--samples", metavar="N", min=1, help="Number of base samples, a power of two.")
     ] = 1024,
+    runs: Annotated[
+        int, typer.Option("--runs", metavar="N", min=16, help="Number of simulated draws, a power of two.")
+    ] = 256,
+    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Use closed forms alone.")] = False,
     seed: Seed = 1,
     settings: Settings = None,
     out: Annotated[Path | None, out_option("results/tolerance-SYSTEM-DATE-TIME")] = None,
@@ -252,20 +256,22 @@ def tolerance(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Show how results scatter with tolerances.
+    """Show how results scatter with tolerances and assumed values.
 
-    The scatter of drop, PWM frequency and efficiency is split into the shares of valve and oil parameters.
+    The scatter of drop, PWM frequency, efficiency and peak pressure is split into the shares of the inputs: valve and
+    oil parameters, and every value that has a range in the system file.
     """
     from vvdp.base.files import write_whole
     from vvdp.design import tolerance as study
+    from vvdp.design.spreads import spreads
     from vvdp.design.tolerance_result import draws, tolerance_result
     from vvdp.results.store import table_text
 
     loaded = _bench_system("tolerance", system, settings)
-    taken = study.spreads(loaded, spread or ())
+    taken = spreads(loaded, spread or ())
 
     def work(folder: Path) -> "Result":
-        found = study.tolerance(loaded, taken, samples=samples, seed=seed)
+        found = study.tolerance(loaded, taken, samples=samples, runs=0 if no_simulation else runs, seed=seed)
         write_whole(folder / "draws.csv", table_text(draws(found)))
         return tolerance_result(found)
 

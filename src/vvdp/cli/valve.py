@@ -49,7 +49,7 @@ def valve(
         float(signal_value(0.0, bench.operation.oil_temperature))
     ]
     rows = [_row(bench, q, t) for q, t in product(flows, temperatures)]
-    ranges = _ranges(bench, rows[0]) if len(rows) == 1 and loaded.uncertainties else None
+    ranges = _ranges(bench, rows[0], flows[0]) if len(rows) == 1 and loaded.uncertainties else None
     if json:
         columns = rows[0] if len(rows) == 1 else {key: [row[key] for row in rows] for key in rows[0]}
         spans = {"ranges": ranges.flat} if ranges else {}
@@ -93,15 +93,15 @@ def _flows(texts: list[str] | None, kind: "Kind", delivered: float) -> list[floa
     return [*flows] or [None]
 
 
-def _ranges(bench: "RotaryBench", row: Row) -> "Ranges":
-    """The numbers of a row over the ranges of values, at the same flow and temperature."""
+def _ranges(bench: "RotaryBench", row: Row, flow: float | None) -> "Ranges":
+    """The numbers of a row over the ranges of values, at the same temperature and `flow`, that of the pump if None."""
     from dataclasses import replace
 
     from vvdp.systems.bench import rotary_bench
     from vvdp.systems.ranges import at_ends, ranges_of, spans_together
 
     def numbers(system: "System") -> Row:
-        return _row(rotary_bench(system, "valve"), row["flow_m3_s"], row["temperature_K"], averaged=True)
+        return _row(rotary_bench(system, "valve"), flow, row["temperature_K"], averaged=True)
 
     found = [reason if each is None else numbers(each) for each, reason in at_ends(bench.system)]
     keys = [key for key, value in row.items() if isinstance(value, float)]

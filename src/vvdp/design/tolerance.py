@@ -1,136 +1,50 @@
-"""What scatter of parts and oil does to drop, frequency and efficiency, and which of it matters.
+"""What scatter of parts and oil, and what is assumed, does to drop, frequency and efficiency, and which of it matters.
 
-Distributions come from evenly spread draws, the shares of the variance from Saltelli's scheme for Sobol's indices.
+The drop and the frequency of the fully open valve are closed forms. Efficiency, running frequency and highest pressure
+rest on lag, lap and jet, which these do not hold for: they are simulated at evenly spread draws, and a smooth curve
+through these runs is drawn from. Distributions come from evenly spread draws, the shares of the variance from
+Saltelli's scheme for Sobol's indices.
 """
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import percent, with_unit
+from vvdp.base.display import percent
 from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.extras import require
-from vvdp.base.kinds import Kind
-from vvdp.base.params import field_kinds
-from vvdp.base.tables import nearest
-from vvdp.base.units import parse
+from vvdp.base.kinds import EFFICIENCY, FREQUENCY, GAUGE_PRESSURE, Kind
 from vvdp.design.problem import require_flow
-from vvdp.design.quantities import Quantities, Setup, loose_copy, quantities, setup, switching_condition
-from vvdp.fluid.oil import Oil
+from vvdp.design.quantities import KINDS, LABELS, Quantities, Setup, key, quantities, setup, switching_condition
+from vvdp.design.spreads import Spread, with_inputs
+from vvdp.design.tolerance_runs import SimulatedDraws, as_rows, simulated_draws
+from vvdp.numerics.gaussian_process import Surrogate, fit_surrogate
+from vvdp.systems.ranges import Ranges
 from vvdp.systems.system import System
 from vvdp.valve.losses import range_warnings
-from vvdp.valve.rotary import RotaryValve
 
-OUTPUTS = ("pressure_drop_total", "pwm_frequency", "efficiency")
-SAMPLES = 1024
+CLOSED = ("pressure_drop_total", "pwm_frequency", "efficiency")
+"""Outputs by closed forms; the last one only where nothing is simulated."""
+SIMULATED = {
+    "efficiency": "efficiency",
+    "running_pwm_frequency": "pwm_frequency_Hz",
+    "highest_inlet_pressure": "pressure_max_inlet_Pa",
+}
+"""Outputs that are simulated, and their keys in the summary of a run."""
+WORDS: Mapping[str, tuple[Kind, str]] = {name: (KINDS[name], LABELS[name]) for name in CLOSED} | {
+    "efficiency": (EFFICIENCY, "efficiency"),
+    "running_pwm_frequency": (FREQUENCY, "PWM frequency, switching"),
+    "highest_inlet_pressure": (GAUGE_PRESSURE, "inlet pressure, highest"),
+}
+"""Kind and label of each output."""
+SAMPLES, RUNS = 1024, 256
 COARSE = 0.15
 """Half width of the 95 % confidence of a share of the variance from which on it is told that samples are few."""
-_STATEMENT = re.compile(r"\s*(\w+)\s*:\s*(.+?)\s+to\s+(.+?)\s*\Z")
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Between which values [SI] an input lies, evenly (or evenly in its logarithm), and who says so."""
-
-    name: str
-    label: str
-    kind: Kind
-    low: float
-    high: float
-    logarithmic: bool
-    status: str
-    source: str
-    note: str
-
-    def quantile(self, share: Any) -> Any:
-        """The value below which the share `share` of all draws lies."""
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** share
-        return self.low + share * (self.high - self.low)
-
-    def __str__(self) -> str:
-        return f"{with_unit(self.low, self.kind)} to {with_unit(self.high, self.kind)}"
-
-
-def usual_spreads(at: Setup) -> tuple[Spread, ...]:
-    """The spreads around a setup that are taken where nobody gives others."""
-    valve, oil = at.valve, at.oil
-    of_valve, of_oil = field_kinds(RotaryValve), field_kinds(Oil)
-
-    def around(name: str, label: str, share: float, status: str, source: str, note: str) -> Spread:
-        value, kind = getattr(valve, name), of_valve[name]
-        assert kind
-        return Spread(
-            name=name, label=label, kind=kind, low=(1.0 - share) * value, high=(1.0 + share) * value,
-            logarithmic=False, status=status, source=source, note=note,
-        )  # fmt: skip
-
-    clearance, viscosity, air = of_valve["radial_clearance"], of_oil["viscosity_40"], of_oil["air_fraction"]
-    assert clearance and viscosity and air
-    c, nu = valve.radial_clearance, oil.viscosity_40
-    half = min(3e-6, 0.5 * c)
-    return (
-        Spread(
-            name="radial_clearance", label="radial clearance", kind=clearance, low=c - half, high=c + half,
-            logarithmic=False, status="derived", source="iso286",
-            note="spool and sleeve each within grade IT4, 6 µm on 18 to 30 mm of diameter",
-        ),
-        Spread(
-            name="viscosity", label="viscosity of the oil", kind=viscosity, low=0.9 * nu, high=1.1 * nu,
-            logarithmic=False, status="published", source="iso3448",
-            note="a viscosity grade is 10 % to either side at 40 °C; the same part at 100 °C",
-        ),
-        Spread(
-            name="air_fraction", label="free air in the oil", kind=air, low=1e-3, high=5e-2,
-            logarithmic=True, status="assumed", source="", note="0.1 to 5 %, evenly in the logarithm",
-        ),
-        around(
-            "nozzle_discharge_coefficient", "discharge coefficient, nozzles", 0.05, "assumed", "",
-            "5 % to either side; the edges of the nozzles are not specified",
-        ),
-        around(
-            "outlet_discharge_coefficient", "discharge coefficient, outlet", 0.05, "assumed", "", "5 % to either side",
-        ),
-        around(
-            "centre_coefficient", "coefficient, centre section", 0.06, "derived", "wang2017",
-            "its fit leaves 0.05 bar of 0.81 bar",
-        ),
-    )  # fmt: skip
-
-
-def spreads(system: System, texts: Iterable[str] = ()) -> tuple[Spread, ...]:
-    """The usual spreads, replaced by those of `texts`, such as "radial_clearance: 10 um to 16 um".
-
-    Raises ConfigError with all that is wrong.
-    """
-    found = {each.name: each for each in usual_spreads(setup(system))}
-    option, faults = "--spread", []
-    for text in texts:
-        match = _STATEMENT.match(text)
-        if not match:
-            faults.append(Fault(option, 0, text, 'expected for example "radial_clearance: 10 um to 16 um"'))
-            continue
-        name = match[1]
-        if name not in found:
-            faults.append(Fault(option, 0, name, f"unknown input{nearest(name, list(found))}"))
-            continue
-        try:
-            low, high = (parse(word, found[name].kind) for word in match.groups()[1:])
-        except ParameterError as problem:
-            faults.append(Fault(option, 0, name, str(problem)))
-            continue
-        if not low < high:
-            faults.append(Fault(option, 0, name, f"{match[2]} to {match[3]}; expected the lower one first"))
-            continue
-        old = found[name]
-        found[name] = replace(old, low=low, high=high, logarithmic=False, status="given", source="", note="")
-    if faults:
-        raise ConfigError(faults)
-    return tuple(found.values())
+ROUGH = 0.05
+"""Share of the variance that a curve through runs misses, from which on it is told that runs are few."""
 
 
 @dataclass(frozen=True)
@@ -150,23 +64,43 @@ class Scatter:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """A tolerance study: its spreads, the scatter of every output, and the draws of the distributions."""
+    """A tolerance study: its spreads, the scatter of every output, and the draws of the distributions.
+
+    `unexplained` is the part of the variance that the curve through the `runs` misses, of each simulated output;
+    `failed` says why runs gave no result. `ranges` has every output at both ends of each input alone.
+    """
 
     system: System
     spreads: tuple[Spread, ...]
     scatter: Mapping[str, Scatter]
     inputs: Mapping[str, Array]
     outputs: Mapping[str, Array]
+    ranges: Ranges
     evaluations: int
     samples: int
+    runs: int = 0
+    unexplained: Mapping[str, float] = field(default_factory=dict)
+    failed: tuple[str, ...] = ()
+
+    @property
+    def left_out(self) -> tuple[Spread, ...]:
+        """The spreads that no closed form knows or holds over, where nothing is simulated."""
+        return tuple(each for each in self.spreads if not (self.runs or each.in_closed_forms))
 
     @property
     def warnings(self) -> list[str]:
         """What to know before the numbers are relied on, a sentence each: where the closed form of the losses does not
-        hold at the nominal values, and where samples are few."""
+        hold at the nominal values, where runs failed, and where runs or samples are few."""
         at = setup(self.system)
-        condition = switching_condition(at)
-        told = list(range_warnings(at.duty_ratio, condition, at.valve))
+        told = [] if self.runs else list(range_warnings(at.duty_ratio, switching_condition(at), at.valve))
+        if self.failed:
+            told.append(f"{len(self.failed)} of {self.runs} runs gave no result, the first because: {self.failed[0]}")
+        rough = {name: share for name, share in self.unexplained.items() if share > ROUGH}
+        told += [
+            f"the curve through {self.runs} runs misses {percent(share, 0)} of the variance of the {WORDS[name][1]}; "
+            f"give more --runs"
+            for name, share in rough.items()
+        ]
         worst = max(max(each.whole_error.values()) for each in self.scatter.values())
         if worst > COARSE:
             told.append(
@@ -179,44 +113,120 @@ class Tolerance:
 PERCENTILES = ("2.5", "16", "50", "84", "97.5")
 
 
-def tolerance(system: System, taken: Sequence[Spread], *, samples: int = SAMPLES, seed: int = 1) -> Tolerance:
-    """The study of a system with the spreads `taken`; `samples` is a power of two.
+class Outputs(NamedTuple):
+    """What gives the outputs for rows of shares, each between 0 and 1, in the order of the spreads."""
 
-    Raises ParameterError where the number of samples is none, ConfigError where nothing flows through the valve or to
-    the load.
+    at: Setup
+    spreads: tuple[Spread, ...]
+    closed: tuple[str, ...]
+    curves: Mapping[str, Surrogate]
+
+    def __call__(self, shares: Array) -> dict[str, Array]:
+        """The outputs of each row."""
+        values = {each.setting: each.quantile(shares[:, k]) for k, each in enumerate(self.spreads)}
+        known = {each.setting: values[each.setting] for each in self.spreads if each.in_closed_forms}
+        found = quantities(with_inputs(self.at, known))
+        closed = {name: np.broadcast_to(np.asarray(getattr(found, name)), len(shares)).copy() for name in self.closed}
+        return closed | {name: curve(shares) for name, curve in self.curves.items()}
+
+
+def tolerance(
+    system: System, taken: Sequence[Spread], *, samples: int = SAMPLES, runs: int = RUNS, seed: int = 1
+) -> Tolerance:
+    """The study of a system with the spreads `taken`; `samples` and `runs` are powers of two, `runs` or 0 for closed
+    forms alone.
+
+    Raises ParameterError where a number is none of these, ConfigError where nothing flows through the valve or to the
+    load, and KeyboardInterrupt where the runs are stopped.
     """
     require("SALib", "opt", "a tolerance study")
     require_flow(system)
-    if samples < 8 or samples & (samples - 1):
-        raise ParameterError(f"{samples} samples; expected a power of two from 8 on, for example {SAMPLES}")
-    from SALib.analyze import sobol as analysis
-    from SALib.sample import sobol as sampling
-    from scipy.stats import qmc
-
-    at, names = setup(system), [each.name for each in taken]
+    _check_count("samples", samples, 8, SAMPLES)
+    if runs:
+        _check_count("runs", runs, 16, RUNS)
+    at = setup(system)
     nominal = quantities(at)
     if not nominal.efficiency > 0.0:
         raise ConfigError([Fault(system.name, 0, "operation.duty_ratio", _nothing_left(at, nominal))])
-    cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
-    shares = sampling.sample(cube, samples, calc_second_order=False, seed=seed)
-    drawn = _evaluate(at, taken, shares)
-    even = qmc.Sobol(len(names), seed=seed).random(max(4096, 2 * samples))
-    spread_out = _evaluate(at, taken, even)
-    scatter = {}
-    for name in OUTPUTS:
-        # Sobol's estimators lose digits where the mean is large against the scatter.
-        centred = (drawn[name] - np.mean(drawn[name])) / (np.std(drawn[name]) or 1.0)
-        found = analysis.analyze(cube, centred, calc_second_order=False, seed=seed)
-        indices = [dict(zip(names, map(float, found[each]), strict=True)) for each in INDICES]
-        scatter[name] = _scatter(float(getattr(nominal, name)), spread_out[name], indices)
+    drawn = simulated_draws(system, taken, tuple(SIMULATED.values()), runs, seed) if runs else None
+    curves = {} if drawn is None else _curves(system, drawn)
+    closed = CLOSED if drawn is None else tuple(name for name in CLOSED if name not in SIMULATED)
+    outputs = Outputs(at, tuple(taken), closed, curves)
+    first = {name: float(getattr(nominal, name)) for name in closed}
+    if drawn is not None:
+        first |= {name: drawn.nominal[each] for name, each in SIMULATED.items()}
+    scatter, even, values, evaluations = _scatters(outputs, first, samples, seed)
     return Tolerance(
         system=system,
         spreads=tuple(taken),
         scatter=scatter,
         inputs={each.name: each.quantile(even[:, k]) for k, each in enumerate(taken)},
-        outputs=spread_out,
-        evaluations=shares.shape[0] + even.shape[0],
+        outputs=values,
+        ranges=_ranges(outputs, first, drawn),
+        evaluations=evaluations,
         samples=samples,
+        runs=runs,
+        unexplained={name: curve.unexplained for name, curve in curves.items()},
+        failed=() if drawn is None else drawn.failed,
+    )
+
+
+def _check_count(word: str, count: int, least: int, example: int) -> None:
+    if count < least or count & (count - 1):
+        raise ParameterError(f"{count} {word}; expected a power of two from {least} on, for example {example}")
+
+
+def _curves(system: System, drawn: SimulatedDraws) -> dict[str, Surrogate]:
+    """A curve through each simulated output. Raises ConfigError where one does not scatter."""
+    try:
+        return {name: fit_surrogate(drawn.points, drawn.outputs[each]) for name, each in SIMULATED.items()}
+    except ValueError as problem:
+        raise ConfigError([Fault(system.name, 0, "", f"nothing to scatter: {problem}")]) from None
+
+
+def _scatters(
+    outputs: Outputs, nominal: Mapping[str, float], samples: int, seed: int
+) -> tuple[dict[str, Scatter], Array, dict[str, Array], int]:
+    """The scatter of each output, the evenly spread shares it comes from, the outputs there, and how many were made."""
+    from SALib.analyze import sobol as analysis
+    from SALib.sample import sobol as sampling
+    from scipy.stats import qmc
+
+    names = [each.name for each in outputs.spreads]
+    cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+    shares = sampling.sample(cube, samples, calc_second_order=False, seed=seed)
+    drawn = outputs(shares)
+    even: Array = qmc.Sobol(len(names), seed=seed).random(max(4096, 2 * samples))
+    values = outputs(even)
+    scatter = {}
+    for name, column in drawn.items():
+        # Sobol's estimators lose digits where the mean is large against the scatter.
+        centred = (column - np.mean(column)) / (np.std(column) or 1.0)
+        found = analysis.analyze(cube, centred, calc_second_order=False, seed=seed)
+        indices = [dict(zip(names, map(float, found[each]), strict=True)) for each in INDICES]
+        scatter[name] = _scatter(nominal[name], values[name], indices)
+    return scatter, even, values, shares.shape[0] + even.shape[0]
+
+
+def _ranges(outputs: Outputs, nominal: Mapping[str, float], drawn: SimulatedDraws | None) -> Ranges:
+    """Every output at both ends of each input alone."""
+    spreads = outputs.spreads
+    ends = {}
+    for name in outputs.closed:
+        pairs = [
+            [getattr(quantities(with_inputs(outputs.at, {each.setting: end})), name) for end in (each.low, each.high)]
+            if each.in_closed_forms
+            else [nominal[name]] * 2
+            for each in spreads
+        ]
+        ends[name] = np.array(pairs, float)
+    if drawn is not None:
+        ends |= {name: drawn.ends[each] for name, each in SIMULATED.items()}
+    return Ranges(
+        rows=as_rows(spreads),
+        nominal={key(name, WORDS[name][0]): nominal[name] for name in ends},
+        ends={key(name, WORDS[name][0]): pairs for name, pairs in ends.items()},
+        left_out={},
     )
 
 
@@ -247,21 +257,3 @@ def _nothing_left(at: Setup, nominal: Quantities) -> str:
         f"{at.duty_ratio:g}: analytically, transitions, leakage and compression take all that the load would get, "
         f"so there is no efficiency to scatter; expected more than {lost:.4g}"
     )
-
-
-def _evaluate(at: Setup, taken: Sequence[Spread], shares: Array) -> dict[str, Array]:
-    """The outputs for rows of `shares`, each between 0 and 1, in the order of the spreads."""
-    found = quantities(with_inputs(at, {each.name: each.quantile(shares[:, k]) for k, each in enumerate(taken)}))
-    return {name: np.broadcast_to(np.asarray(getattr(found, name)), len(shares)).copy() for name in OUTPUTS}
-
-
-def with_inputs(at: Setup, values: Mapping[str, Any]) -> Setup:
-    """`at` with inputs at `values` [SI], which may be arrays; a viscosity is that at 40 degC and carries the one at
-    100 degC along."""
-    valve, oil = loose_copy(at.valve), loose_copy(at.oil)
-    for name, value in values.items():
-        if name == "viscosity":
-            oil.viscosity_40, oil.viscosity_100 = value, value / at.oil.viscosity_40 * at.oil.viscosity_100
-        else:
-            setattr(oil if name == "air_fraction" else valve, name, value)
-    return at._replace(valve=valve, oil=oil)

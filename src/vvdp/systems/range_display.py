@@ -22,8 +22,8 @@ ALONE = "one value at a time, all others as they are"
 MOST_BARS, LEAST_BAR, WIDEST_WORDS = 14, 0.05, 16
 """Values in the picture at most; the least share of the longest bar of a panel; letters in a line below it."""
 WORDS = (
-    "The system file says between which ends these values lie. Each was put to both ends, alone; two values that lie "
-    "elsewhere at once may move a number further."
+    "Each value was put to both ends of its range, alone; two values that lie elsewhere at once may move a number "
+    "further."
 )
 CAPTION = (
     "What the results rest on: how far each number moves where one value lies at either end of its range, all others "
@@ -56,8 +56,8 @@ def range_table(ranges: Ranges, known: Known) -> Table:
         "status": Column(np.array([row.status for row in ranges.rows]), None, "status"),
         "bar": Column(np.array([f"{value_words(row)}\n{range_text(row)}" for row in ranges.rows]), None, "value"),
     }
-    for key, ends in ranges.ends.items():
-        kind, label = known[key]
+    for key in ranges.nominal:
+        ends, (kind, label) = ranges.ends[key], known[key]
         for place, end in enumerate(("low", "high")):
             columns[_column(key, kind, end)] = Column(ends[:, place], kind, f"{label}, {end} end")
     shown = tuple(name for name in columns if name not in ("setting", "bar"))
@@ -107,7 +107,7 @@ def _left_out(ranges: Ranges) -> str:
 
 def value_words(row: Sourced) -> str:
     """What a person calls a value: its key, and the table that it stands in."""
-    return f"{row.key}, {row.table.rpartition('.')[2]}".replace("_", " ")
+    return f"{row.key} of the {row.table.rpartition('.')[2]}".replace("_", " ")
 
 
 def _column(key: str, kind: Kind, end: str) -> str:
