@@ -44,10 +44,9 @@ def test_the_branch_law_is_inverted_to_rounding(m, words):
 
 
 def test_frequencies_of_the_valve():
-    told = [
-        f"{pwm_frequency(averaged_spool_speed(0.5, AT, MU, replace(VALVE, jet_exponent=s)), VALVE):.1f} Hz $(s = {s:g})$"
-        for s in (0.0, 0.65, 1.0)
-    ]
+    jets = [replace(VALVE, jet_exponent=s) for s in (0.0, 0.65, 1.0)]
+    averaged = [pwm_frequency(averaged_spool_speed(0.5, AT, MU, valve), valve) for valve in jets]
+    told = [f"{f:.1f} Hz $(s = {valve.jet_exponent:g})$" for f, valve in zip(averaged, jets, strict=True)]
     assert f"{told[0]}, {told[1]} or {told[2]}" in VALVE_PAGE
     assert f"against {pwm_frequency(equilibrium_speed(Q, RHO, MU, VALVE), VALVE):.1f} Hz fully open" in VALVE_PAGE
 
