@@ -13,6 +13,7 @@ from vvdp.design.optimise import optimise
 from vvdp.design.problem import problem
 from vvdp.design.quantities import quantities, setup
 from vvdp.design.temperature import over_temperature
+from vvdp.geometry.shape import nozzle_reach, perpendicular_area, valve_shape
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import branch_drops, branch_flow
 from vvdp.valve.condition import Condition
@@ -44,11 +45,10 @@ def test_the_branch_law_is_inverted_to_rounding(m, words):
 
 
 def test_frequencies_of_the_valve():
-    averaged = [
-        pwm_frequency(averaged_spool_speed(0.5, AT, MU, valve), valve)
-        for valve in (replace(VALVE, jet_exponent=0.0), replace(VALVE, jet_exponent=1.0))
-    ]
-    assert f"{averaged[0]:.1f} Hz $(s = 0)$ or {averaged[1]:.1f} Hz $(s = 1)$" in VALVE_PAGE
+    jets = [replace(VALVE, jet_exponent=s) for s in (0.0, 0.65, 1.0)]
+    averaged = [pwm_frequency(averaged_spool_speed(0.5, AT, MU, valve), valve) for valve in jets]
+    told = [f"{f:.1f} Hz $(s = {valve.jet_exponent:g})$" for f, valve in zip(averaged, jets, strict=True)]
+    assert f"{told[0]}, {told[1]} or {told[2]}" in VALVE_PAGE
     assert f"against {pwm_frequency(equilibrium_speed(Q, RHO, MU, VALVE), VALVE):.1f} Hz fully open" in VALVE_PAGE
 
 
@@ -134,3 +134,46 @@ def test_published_optimum(bounds):
     for cell, value in zip(cells, numbers, strict=True):
         last = 10.0 ** -len(cell.strip().partition(".")[2])
         assert float(cell) == pytest.approx(value, abs=0.51 * last)
+
+
+def test_inertia_of_the_oil():
+    """The table of passages from the lengths of the solids, and what follows from its sum."""
+    shape = valve_shape(VALVE)[0]
+    R, N = VALVE.spool_radius, VALVE.sections
+    chamber = shape.chamber_outer_radius**2 - shape.chamber_inner_radius**2
+    arm = shape.outlet_arm
+    passages = {
+        "nozzles, across the jet": (
+            nozzle_reach(shape, VALVE) - 0.5 * shape.rail_diameter, perpendicular_area(shape, VALVE),
+        ),
+        "pockets, half of the annulus": (VALVE.helix_length, 0.5 * np.pi * (R**2 - shape.hub_radius**2)),
+        "windows": (shape.window_length, N * shape.window_half_angle * chamber),
+        "turbine's chamber": (shape.ring_length + shape.outlet_height, np.pi * chamber),
+        "turbine's channels": (
+            np.sqrt(R**2 - arm**2) - np.sqrt(shape.chamber_outer_radius**2 - arm**2), VALVE.outlet_area,
+        ),
+        "outlet rail, a quarter of its ring": (
+            0.5 * np.pi * shape.collector_radius, 0.25 * np.pi * shape.collector_diameter**2,
+        ),
+        "port": (shape.port_length, 0.25 * np.pi * shape.collector_port_diameter**2),
+    }  # fmt: skip
+    page = (DOCS / "models" / "rotary-valve.md").read_text("utf-8")
+    for name, (length, area) in passages.items():
+        row = f"| {name} | {1e3 * length:.1f} | {1e6 * area:.1f} | {length / area:.0f} |"
+        assert row in page
+    inertance = RHO * sum(length / area for length, area in passages.values())
+    assert f"Together {inertance / RHO:.0f} /m" in VALVE_PAGE
+    assert f"{inertance / 1e5:.1f} \\cdot 10^5$ kg/m⁴" in VALVE_PAGE
+    drops = full_open_drop(Q, RHO, VALVE)
+    slope = (2.0 * (drops.nozzle + drops.outlet_turbine) + 1.91 * drops.centre_section) / Q
+    ramp, energy = nozzle_width(VALVE) / pitch(VALVE) / 70.0, 0.5 * inertance * Q * Q
+    loss = transition_loss(AT, VALVE).loss + Q * (drops.nozzle + drops.centre_section + drops.outlet_turbine)
+    for words in (
+        f"in {1e3 * ramp:.2f} ms",
+        f"takes {1e-5 * inertance * Q / ramp:.1f} bar",
+        f"{1e3 * inertance / slope:.2f} ms in the open valve",
+        f"$I Q^2/2 = {energy:.2f}$ J",
+        f"it would be {140.0 * energy:.0f} W at 70 Hz, {100.0 * 140.0 * energy / loss:.1f} % of the {loss:.0f} W",
+        f"200 Hz it would be {400.0 * energy:.0f} W, and a ramp of {1e3 * ramp * 70.0 / 200.0:.2f} ms",
+    ):
+        assert words in VALVE_PAGE, words

@@ -18,7 +18,7 @@ from vvdp.base.errors import ParameterError
         ({"radial_clearance": 1e-3, "spool_radius": 9e-3, "inlet_radius": 9e-3, "outlet_radius": 9e-3}, "1000 um"),
         ({"lap_ratio": 0.0}, "lap_ratio must be greater than zero"),
         ({"transition_pressure": 0.0}, "transition_pressure must be greater than zero"),
-        ({"centre_flow_exponent": 1.2}, "outside 1.7 to 2"),
+        ({"centre_flow_exponent": 1.2}, "outside 1.7 to 2 for a flow exponent with which the branch law is inverted"),
         ({"jet_exponent": 1.1}, "outside 0 to 1"),
     ],
 )

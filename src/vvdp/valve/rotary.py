@@ -20,8 +20,9 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 
 CentreCoefficient = Annotated[float, Kind("centre section coefficient", "SI", 1e-12, 1.0, "1.45e-6 SI", units=("SI",))]
-# Flows lean towards orifices here; `branch_flow` is accurate in this range only.
-FlowExponent = Annotated[float, Kind("flow exponent", "1", 1.7, 2.0, "1.91")]
+FlowExponent = Annotated[
+    float, Kind("flow exponent with which the branch law is inverted to rounding", "1", 1.7, 2.0, "1.91")
+]
 DiameterExponent = Annotated[float, Kind("diameter exponent", "1", 2.0, 4.0, "3.22")]
 PowerResistance = Annotated[float, Kind("drop over a power of the flow", "SI", 0.0, 1e30, "1e9 SI", units=("SI",))]
 QuadraticResistance = Annotated[float, Kind("quadratic flow resistance", "Pa*s^2/m^6", 0.0, 1e18, "2e10 Pa*s^2/m^6")]
