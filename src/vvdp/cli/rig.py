@@ -47,10 +47,14 @@ def pressure_drop(
     temperature: Temperatures = None,
     out: Out = None,
     force: Force = False,
+    cores: Cores = None,  # noqa: ARG001 - taken as its sisters take it; the drops are worked out at once
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Measure pressure drop against flow, based on ISO 4411."""
+    """Measure pressure drop against flow, based on ISO 4411.
+
+    It is worked out at once, on one core whatever --cores says.
+    """
     from vvdp.rigs.pressure_drop import pressure_drop as measured
 
     def work(held: "Stand") -> "Result":
@@ -58,6 +62,36 @@ def pressure_drop(
         return measured(held, temperatures=chosen)
 
     _run("pressure-drop", system, settings, work, out, force, json, no_report)
+
+
+@app.command("derived-capacity", cls=Verb)
+def derived_capacity(
+    system: SystemName,
+    settings: Settings = None,
+    duty: Span = None,
+    out: Out = None,
+    force: Force = False,
+    cores: Cores = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Derive the capacity at each duty ratio, based on ISO 8426.
+
+    It is the flow per angle, extrapolated to no pressure difference: what ISO efficiencies are measured against.
+    """
+    from dataclasses import replace
+
+    from vvdp.cli.screen import say
+    from vvdp.rigs.derived_capacity import DUTY_RATIOS
+    from vvdp.rigs.derived_capacity import derived_capacity as measured
+    from vvdp.rigs.map_axes import default_axes
+
+    def work(held: "Stand") -> "Result":
+        usual = replace(default_axes(held), duty_ratios=DUTY_RATIOS)
+        chosen = chosen_axes(held, duty, None, None, None, usual).duty_ratios
+        return measured(held, chosen, cores=cores, say=say)
+
+    _run("derived-capacity", system, settings, work, out, force, json, no_report)
 
 
 @app.command(cls=Verb)

@@ -1,10 +1,11 @@
 """What a test was made under, in words: fluid, temperature, set points."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from vvdp.base import kinds
 from vvdp.base.display import plain, with_unit
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.results.result import Finding, Grade
 from vvdp.steady.test_stand import Stand
 
 
@@ -44,6 +45,17 @@ def fluid(stand: Stand) -> str:
     nu = float(dynamic_viscosity(temperature, oil)) / rho
     words = f"{with_unit(nu, kinds.KINEMATIC_VISCOSITY)} and {with_unit(rho, kinds.DENSITY)}"
     return f"{words} at {with_unit(temperature, kinds.TEMPERATURE)}"
+
+
+def limit_findings(stand: Stand) -> Iterator[Finding]:
+    """What of the system no quasi-steady average knows, a warning each."""
+    for limit in stand.bench.relief_limits():
+        yield Finding(
+            text=f"The averages do not hold: {limit}.",
+            grade=Grade.WARNING,
+            title="Not what the system does",
+            remedy="Simulate it.",
+        )
 
 
 def axis_words(values: Sequence[float], kind: kinds.Kind) -> str:

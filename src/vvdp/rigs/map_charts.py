@@ -1,12 +1,14 @@
 """The figures of a map, as data."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import FLOW, PRESSURE_LEVEL, SPEED, TEMPERATURE
 from vvdp.results.chart import Chart, Colour, Field, Level, Line, Lines, Stroke, shades
+from vvdp.rigs.efficiencies import EFFICIENCIES
 from vvdp.rigs.maps import PumpMap
 
 MOST_MAPS = 6
@@ -15,8 +17,25 @@ MOST_LINES = 6
 SHOWN_BACKWARDS = 0.1
 """Of the pump flow: no more is shown of a flow that comes back from the load."""
 STEPS = tuple(0.1 * place for place in range(11))
-EFFICIENCIES = ("volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency")
 STROKES = (Stroke.SOLID, Stroke.DASHED, Stroke.DOTTED)
+
+
+class Family(NamedTuple):
+    """Efficiencies that belong together: the name of their figure, their columns, and what a caption says of them."""
+
+    name: str
+    columns: tuple[str, ...]
+    words: str
+
+
+FAMILIES = (
+    Family("efficiency", EFFICIENCIES[:3], "Efficiencies against the commanded flow"),
+    Family(
+        "efficiency-iso",
+        EFFICIENCIES[3:],
+        "Efficiencies by ISO 4409, with the flow at the outlet's pressure and the derived capacity of each setting",
+    ),
+)
 
 
 def chosen_places(count: int, most: int = MOST_LINES) -> list[int]:
@@ -32,10 +51,9 @@ def map_charts(found: PumpMap, table: str) -> Iterator[Chart]:
         ending = f"-{count}" if len(chosen) > 1 else ""
         words = f" At {_where(found, i, k)}." if len(pairs) > 1 else ""
         yield _flow_chart(found, table, (i, k), ending, words)
-        if min(found.axes.shape[2:]) > 1:
-            yield _field_chart(found, table, _rows(found, i, k), ending, words)
-        else:
-            yield _line_chart(found, table, _rows(found, i, k), ending, words)
+        draw = _field_chart if min(found.axes.shape[2:]) > 1 else _line_chart
+        for family in FAMILIES:
+            yield draw(found, table, _rows(found, i, k), family._replace(name=f"{family.name}{ending}"), words)
     if len(pairs) > 1:
         yield _condition_chart(found, table)
 
@@ -68,10 +86,10 @@ def _flow_chart(found: PumpMap, table: str, pair: tuple[int, int], ending: str, 
             for place, colour in zip(places, shades(len(places)), strict=True)
         )
 
-    derived = Line(
+    commanded = Line(
         x="duty_ratio",
-        y="derived_flow_m3_s",
-        label="derived flow",
+        y="commanded_flow_m3_s",
+        label="commanded flow",
         rows=_rows(found, *pair, 0),
         colour=Colour.INK,
         stroke=Stroke.DOTTED,
@@ -83,11 +101,11 @@ def _flow_chart(found: PumpMap, table: str, pair: tuple[int, int], ending: str, 
     return Chart(
         name=f"flow{ending}",
         caption="Delivered flow and input power over the duty ratio, a line for each load pressure. Dotted: the "
-        "derived flow, duty ratio times pump flow; dashed: the rated power of the motor, where it lies in the "
+        "commanded flow, duty ratio times pump flow; dashed: the rated power of the motor, where it lies in the "
         f"picture.{backwards}{words}",
         table=table,
         panels=(
-            Lines(lines=(*lines("delivered_flow_m3_s"), derived), label="delivered flow", low=low, legend="load"),
+            Lines(lines=(*lines("delivered_flow_m3_s"), commanded), label="delivered flow", low=low, legend="load"),
             Lines(lines=lines("input_power_W"), levels=levels, low=0.0, legend="load"),
         ),
         side_by_side=True,
@@ -105,14 +123,14 @@ def _backwards(found: PumpMap, pair: tuple[int, int]) -> tuple[float | None, str
     return -SHOWN_BACKWARDS * float(np.nanmax(pump_flow)), words
 
 
-def _field_chart(found: PumpMap, table: str, rows: tuple[int, ...], ending: str, words: str) -> Chart:
+def _field_chart(found: PumpMap, table: str, rows: tuple[int, ...], family: Family, words: str) -> Chart:
     flags = found.columns.get("ripple_reaches_relief", np.zeros(found.axes.count))
     marks = "ripple_reaches_relief" if np.any(flags[list(rows)] > 0.0) else ""
     crosses = "; crosses: the ripple of the load pressure reaches the relief valve" if marks else ""
     return Chart(
-        name=f"efficiency{ending}",
-        caption="Efficiencies over duty ratio and load pressure [%]. Hatched: the input power exceeds the rated power "
-        f"of the motor; grey: no result{crosses}.{words}",
+        name=family.name,
+        caption=f"{family.words}, over duty ratio and load pressure [%]. Hatched: the input power exceeds the rated "
+        f"power of the motor; grey: no result{crosses}.{words}",
         table=table,
         panels=tuple(
             Field(
@@ -125,7 +143,7 @@ def _field_chart(found: PumpMap, table: str, rows: tuple[int, ...], ending: str,
                 title=name.partition("_")[0],
                 steps=STEPS,
             )
-            for name in EFFICIENCIES
+            for name in family.columns
         ),
         side_by_side=True,
         share=True,
@@ -133,13 +151,13 @@ def _field_chart(found: PumpMap, table: str, rows: tuple[int, ...], ending: str,
     )
 
 
-def _line_chart(found: PumpMap, table: str, rows: tuple[int, ...], ending: str, words: str) -> Chart:
+def _line_chart(found: PumpMap, table: str, rows: tuple[int, ...], family: Family, words: str) -> Chart:
     """Of a map with one duty ratio or one load pressure."""
     x = "duty_ratio" if len(found.axes.duty_ratios) > 1 else "load_pressure_Pa"
     colours = (Colour.LOAD, Colour.TANK, Colour.GREEN)
     lines = [
         Line(x=x, y=name, label=name.partition("_")[0], rows=rows, colour=colour, stroke=Stroke.MARKED)
-        for name, colour in zip(EFFICIENCIES, colours, strict=True)
+        for name, colour in zip(family.columns, colours, strict=True)
     ]
     for flag, label, colour in (
         ("motor_overloaded", "above the motor's rated power", Colour.INLET),
@@ -147,11 +165,11 @@ def _line_chart(found: PumpMap, table: str, rows: tuple[int, ...], ending: str, 
     ):
         marked = tuple(row for row in rows if flag in found.columns and found.columns[flag][row] > 0.0)
         if marked:
-            points = Line(x=x, y="overall_efficiency", label=label, rows=marked, colour=colour, stroke=Stroke.POINTS)
+            points = Line(x=x, y=family.columns[-1], label=label, rows=marked, colour=colour, stroke=Stroke.POINTS)
             lines.append(points)
     return Chart(
-        name=f"efficiency{ending}",
-        caption=f"Efficiencies; points of the overall one that are in doubt or too much for the motor.{words}",
+        name=family.name,
+        caption=f"{family.words}; points of the overall one that are in doubt or too much for the motor.{words}",
         table=table,
         panels=(Lines(lines=tuple(lines), label="efficiency", low=0.0),),
         height=2.75,

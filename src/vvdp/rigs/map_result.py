@@ -7,26 +7,31 @@ import numpy as np
 from vvdp.base import kinds
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Table, numbers_of
-from vvdp.rigs.conditions import axis_words, conditions
+from vvdp.rigs.conditions import axis_words, conditions, limit_findings
 from vvdp.rigs.map_charts import map_charts
 from vvdp.rigs.maps import NOT_RUN, PumpMap, usable
 from vvdp.steady.shooting import DISTANCE, LIMIT
 from vvdp.steady.steady_states import HELD
 
 MANNER = (
-    "Steady characteristics, based on ISO 17559 and ISO 4409: delivered flow and efficiencies over the "
-    "electrical control signal, here the duty ratio, and the load pressure. The derived flow at duty ratio d is d "
-    "times displacement times speed; volumetric efficiency is delivered over derived flow, overall efficiency load "
-    "power over the power of pump shaft and spool motor, hydromechanical efficiency the second over the first."
+    "Steady characteristics, based on ISO 17559, ISO 4409 and ISO 8426: delivered flow and efficiencies over the "
+    "electrical control signal, here the duty ratio, and the load pressure. Against the commanded flow, at duty ratio "
+    "d that is d times displacement times speed: volumetric efficiency is delivered over commanded flow, overall "
+    "efficiency the power that the load takes over that of pump shaft and spool motor. By ISO: the derived flow is "
+    "speed times the derived capacity of the setting, its flow per angle extrapolated to no pressure difference; "
+    "volumetric efficiency is the flow, as a volume under the outlet's pressure, over the derived flow, overall "
+    "efficiency that volume flow times the pressure difference over the same power. Hydromechanical efficiency is "
+    "overall over volumetric efficiency in both."
 )
 SIMULATED = (
     "Every point is the periodic steady state of the PWM-resolved circuit, found by shooting over one period, with a "
     f"relative residual of at most {plain(LIMIT)} and a distance of at most {plain(DISTANCE)}; means are over that "
-    "period."
+    "period. Derived capacities come from simulated points as well."
 )
 ANALYTIC = (
     "Every point is a quasi-steady average over a PWM period: constant load pressure, stiff oil, a relief valve "
-    "without lag. The compressibility loss is nominal and not part of the efficiencies."
+    "without lag. The compressibility loss is nominal and not part of the efficiencies, and the flow at the outlet is "
+    "the delivered one."
 )
 LEFT_OUT = (
     "The test stand itself: flow meters, hoses and their drops, uncertainty of instruments, thermal settling.",
@@ -41,10 +46,15 @@ COLUMNS: Mapping[str, tuple[kinds.Kind, str]] = {
     "pump_speed_rad_s": (kinds.SPEED, "pump speed"),
     "oil_temperature_K": (kinds.TEMPERATURE, "oil temperature"),
     "delivered_flow_m3_s": (kinds.FLOW, "delivered flow"),
-    "derived_flow_m3_s": (kinds.FLOW, "derived flow"),
-    "volumetric_efficiency": (kinds.EFFICIENCY, "volumetric efficiency"),
-    "hydromechanical_efficiency": (kinds.EFFICIENCY, "hydromechanical efficiency"),
+    "outlet_flow_m3_s": (kinds.FLOW, "delivered flow at the outlet's pressure"),
+    "commanded_flow_m3_s": (kinds.FLOW, "commanded flow"),
+    "derived_capacity_m3_rad": (kinds.DISPLACEMENT, "derived capacity of the setting"),
+    "volumetric_efficiency_commanded": (kinds.EFFICIENCY, "volumetric efficiency, commanded"),
+    "hydromechanical_efficiency_commanded": (kinds.EFFICIENCY, "hydromechanical efficiency, commanded"),
     "overall_efficiency": (kinds.EFFICIENCY, "overall efficiency"),
+    "volumetric_efficiency_iso": (kinds.EFFICIENCY, "volumetric efficiency, ISO"),
+    "hydromechanical_efficiency_iso": (kinds.EFFICIENCY, "hydromechanical efficiency, ISO"),
+    "overall_efficiency_iso": (kinds.EFFICIENCY, "overall efficiency, ISO"),
     "input_power_W": (kinds.MEAN_POWER, "input power"),
     "spool_motor_power_W": (kinds.MEAN_POWER, "power of the spool motor"),
     "load_power_W": (kinds.MEAN_POWER, "load power"),
@@ -76,9 +86,12 @@ SHOWN = (
     "load_pressure_Pa",
     "duty_ratio",
     "delivered_flow_m3_s",
-    "volumetric_efficiency",
-    "hydromechanical_efficiency",
+    "volumetric_efficiency_commanded",
+    "volumetric_efficiency_iso",
+    "hydromechanical_efficiency_commanded",
+    "hydromechanical_efficiency_iso",
     "overall_efficiency",
+    "overall_efficiency_iso",
     "input_power_W",
     "pwm_frequency_Hz",
     "ripple_reaches_relief",
@@ -124,7 +137,7 @@ def map_result(found: PumpMap, table: str = "map") -> Result:
         title=f"Map of the pump, {'simulated' if found.simulated else 'analytic'}",
         system=stand.name,
         manner=f"{MANNER} {SIMULATED if found.simulated else ANALYTIC}",
-        references=("iso17559", "iso4409"),
+        references=("iso17559", "iso4409", "iso8426"),
         conditions=said,
         left_out=LEFT_OUT if found.simulated else (*LEFT_OUT, LEFT_OUT_ANALYTIC),
         tables={table: whole},
@@ -215,6 +228,14 @@ def _where(found: PumpMap, numbers: Mapping[str, float]) -> str:
     return words
 
 
+def _marked_words(found: PumpMap) -> str:
+    """Over which duty ratios and load pressures the points lie whose ripple reaches the relief valve."""
+    marked = found.columns["ripple_reaches_relief"] > 0.0
+    duty, pressure = (np.unique(found.columns[name][marked]) for name in ("duty_ratio", "load_pressure_Pa"))
+    at = axis_words(pressure.tolist(), kinds.GAUGE_PRESSURE)
+    return f"duty ratio {axis_words(duty.tolist(), kinds.DUTY_RATIO)}; load pressure {at}"
+
+
 def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]:
     if "best_efficiency" in numbers:
         pressure = with_unit(numbers["best_efficiency_load_pressure_Pa"], kinds.GAUGE_PRESSURE)
@@ -228,13 +249,15 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
         yield Finding(text=f"{over} of {count} points need more than the motor's rated power; they are marked.")
     if ripples := int(numbers.get("points_with_ripple_at_relief", 0.0)):
         yield Finding(
-            text=f"At {ripples} of {count} points the ripple of the load pressure reaches the relief valve, so that "
-            "more oil goes over it than the averages say: the efficiencies there, which are marked, may be ten points "
-            "and more too high.",
+            text=f"At {ripples} of {count} points ({_marked_words(found)}) the ripple of the load pressure reaches "
+            "the relief valve, so that more oil goes over it than the averages say: the efficiencies there, which are "
+            "marked, may be ten points and more too high.",
             grade=Grade.WARNING,
             title="Too high near the relief setting",
             remedy="Simulate the map: the same command without --analytic.",
         )
+    if not found.simulated:
+        yield from limit_findings(found.stand)
     for reason in dict.fromkeys(r for r in found.reasons if r and r != NOT_RUN):
         alike = sum(r == reason for r in found.reasons)
         yield Finding(text=f"{alike} point{'s' if alike > 1 else ''} without an efficiency: {reason}.")

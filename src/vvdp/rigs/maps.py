@@ -9,7 +9,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,10 +23,12 @@ from vvdp.base.display import with_unit
 from vvdp.base.errors import ParameterError, unusable
 from vvdp.base.files import clear_unfinished
 from vvdp.base.kinds import PRESSURE_LEVEL
-from vvdp.fluid.mixture import compression_energy_per_volume
-from vvdp.fluid.oil import density, film_viscosity
+from vvdp.fluid.mixture import compression_energy_per_volume, specific_volume_ratio
+from vvdp.fluid.oil import density
 from vvdp.hydraulics.spool_drive import drive_power
 from vvdp.results.store import DESCRIPTION, read_result
+from vvdp.rigs.capacity import averaged_flows, capacity_points, derived_capacities
+from vvdp.rigs.efficiencies import EFFICIENCIES, SET, with_efficiencies
 from vvdp.rigs.map_axes import Axes
 from vvdp.rigs.ripple import estimated_ripple, line_capacity
 from vvdp.simulation.link import link, quiet
@@ -41,7 +43,6 @@ from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import hold_interrupts, silent
 from vvdp.studies.store import Finished, opened_store
 from vvdp.studies.work import Batching, check_same, kept_batches
-from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.losses import full_open_drop
 from vvdp.valve.torque import pwm_frequency
 
@@ -50,13 +51,12 @@ STORE = "points"
 BATCHING = Batching(least=4, seconds=0.5)
 """A point is worth more than a case of a study: a killed map loses half a second of work, or four points."""
 
-SET = ("duty_ratio", "load_pressure_Pa", "pump_speed_rad_s", "oil_temperature_K")
 FOUND = (
     "delivered_flow_m3_s",
-    "derived_flow_m3_s",
-    "volumetric_efficiency",
-    "hydromechanical_efficiency",
-    "overall_efficiency",
+    "outlet_flow_m3_s",
+    "commanded_flow_m3_s",
+    "derived_capacity_m3_rad",
+    *EFFICIENCIES,
     "input_power_W",
     "spool_motor_power_W",
     "load_power_W",
@@ -88,7 +88,8 @@ SIMULATED_ONLY = (
 class PumpMap:
     """A map: a column [SI] for every quantity, a row for every point in the order of `axes.points`.
 
-    Pressures in columns are gauge, flows counted in tank volumes where simulated, in actual volumes where analytic.
+    Pressures in columns are gauge, flows counted in tank volumes where simulated, in actual volumes where analytic; but
+    `outlet_flow_m3_s`, which is the volume that the delivered flow has under the load pressure.
     `reasons` says why a point has no result, or not all of it; None where it has all.
     """
 
@@ -141,7 +142,14 @@ def analytic_map(
     if stand.makes_pressure:
         columns |= _ripple_columns(stand, points, columns)
     turns = np.array([reason is None for reason in stuck])
-    columns = _with_losses(stand, axes, {name: np.where(turns, values, np.nan) for name, values in columns.items()})
+    settings = capacity_points(stand, axes.duty_ratios, axes.pump_speeds, axes.temperatures)
+    flows = averaged_flows(stand, settings, cores=cores, cache=cache, say=say)
+    columns = _judge(
+        stand,
+        axes,
+        {name: np.where(turns, values, np.nan) for name, values in columns.items()},
+        derived_capacities(stand, settings, flows),
+    )
     reasons = _reasons(stand, columns, stuck)
     return PumpMap(
         stand=stand,
@@ -156,18 +164,19 @@ def analytic_map(
 
 def _averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
     """What quasi-steady averages give at many set points at once."""
-    d, p, n, t = points
+    d, p, n, _ = points
     bench, tank = stand.bench, stand.tank_pressure
     pump, oil, valve = bench.pump, bench.oil, bench.valve
     flow = stand.pump_flow(points)
     speed: Any = stand.guessed_speed(means)
     motor: Any = drive_power(bench.operation.spool_motor_speed.base, speed, bench.spool_drive)
     frequency: Any = pwm_frequency(speed, valve)
-    leakage = leakage_conductance(film_viscosity(t, p, tank, oil), valve) * (p - tank)
+    leakage = stand.leakage(points)
     delivered = means.load_flow - leakage
     shaft = flow * (means.inlet_pressure - tank) + pump.friction_torque * n
     return {
         "delivered_flow_m3_s": delivered,
+        "outlet_flow_m3_s": delivered,
         "input_power_W": shaft,
         "spool_motor_power_W": motor if stand.is_driven else np.zeros_like(d),
         "load_power_W": delivered * (p - tank),
@@ -217,29 +226,14 @@ def _columns(values: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def _with_losses(stand: Stand, axes: Axes, columns: Mapping[str, Array]) -> dict[str, Array]:
-    """`columns` with the set points before them and the efficiencies and losses that follow from them.
+def _judge(stand: Stand, axes: Axes, columns: Mapping[str, Array], capacities: Array) -> dict[str, Array]:
+    """`columns` with set points, efficiencies and losses, in their order.
 
-    The derived flow of a pump at duty ratio d is d D omega. An efficiency is nan where nothing is delivered.
+    capacities  of all settings, over temperature, pump speed and duty ratio [m^3/rad]
     """
-    set_ = dict(zip(SET, (np.array(column, float) for column in zip(*axes.points, strict=True)), strict=True))
-    set_["load_pressure_Pa"] = set_["load_pressure_Pa"] - stand.reference
-    motor = np.nan_to_num(columns["spool_motor_power_W"])
-    power_in = columns["input_power_W"] + motor
-    derived = set_["duty_ratio"] * stand.bench.pump.displacement * set_["pump_speed_rad_s"]
-    with np.errstate(all="ignore"):
-        delivers = columns["delivered_flow_m3_s"] > 0.0
-        volumetric = np.where(delivers & (derived > 0.0), columns["delivered_flow_m3_s"] / derived, np.nan)
-        overall = np.where(delivers & (columns["load_power_W"] > 0.0), columns["load_power_W"] / power_in, np.nan)
-        found = {
-            **set_,
-            **columns,
-            "derived_flow_m3_s": derived,
-            "volumetric_efficiency": volumetric,
-            "hydromechanical_efficiency": overall / volumetric,
-            "overall_efficiency": overall,
-            "loss_total_W": power_in - columns["load_power_W"],
-        }
+    t, n, p, d = axes.shape
+    capacity = np.broadcast_to(capacities.reshape(t, n, 1, d), (t, n, p, d)).ravel()
+    found = with_efficiencies(stand, axes, columns, capacity)
     order = [name for name in (*SET, *FOUND, *ANALYTIC_ONLY, *SIMULATED_ONLY) if name in found]
     return {name: np.asarray(found[name], float) for name in order}
 
@@ -274,8 +268,9 @@ def simulated_map(
 ) -> PumpMap:
     """The map as the PWM-resolved circuit gives it, every point in its periodic steady state.
 
-    Points that `directory` already has are not run again; they are known by every number that they depend on. `engine`
-    says where the others are run. Each batch is kept when it is done and `progress` hears of it (points done, of all).
+    The derived capacities are simulated before the map, `PRESSURES` points for each setting. Points that `directory`
+    already has are not run again; they are known by every number that they depend on. `engine` says where the others
+    are run. Each batch is kept when it is done and `progress` hears of it (points done, of all).
     Ctrl-C ends the map after the current batches, and running it again resumes it. Raises ConfigError where the
     directory cannot be used, ParameterError where the spool turns at no point, RunError where a worker has another
     vvdp, or none is left.
@@ -285,13 +280,14 @@ def simulated_map(
     _standstills(stand, axes.points, averages(rows, stand.bench.valve, cache=cache, say=say))
     store = directory / STORE
     finished = opened_store(store, {"vvdp": vvdp.__version__, "system": stand.name})
-    points = axes.points
+    settings = capacity_points(stand, axes.duty_ratios, axes.pump_speeds, axes.temperatures)
     digest = link(stand.model, stand.bench.case, cache, say).digest
-    wanted = [_Wanted(_key(stand, point, digest), point) for point in points]
-    pending = [each for each in wanted if each.key not in finished]
-    if len(pending) < len(points):
-        say(f"{len(points) - len(pending)} of {len(points)} points are finished already")
-    progress(len(points) - len(pending), len(points))
+    wanted = {point: _key(stand, point, digest) for point in (*settings, *axes.points)}
+    pending = [_Wanted(key, point) for point, key in wanted.items() if key not in finished]
+    count = len(wanted)
+    if len(pending) < count:
+        say(f"{count - len(pending)} of {count} points are finished already")
+    progress(count - len(pending), count)
     if pending:
         compiled_loop(say)  # here, so that workers find it compiled
     ran = 0
@@ -299,8 +295,10 @@ def simulated_map(
         for done in kept_batches(partial(_points_done, stand, cache), pending, store, engine, interrupted, BATCHING):
             finished |= {each.key: each for each in done}
             ran += len(done)
-            progress(len(points) - len(pending) + ran, len(points))
-    return _collect(stand, axes, [finished.get(each.key) for each in wanted], ran, time.perf_counter() - began)
+            progress(count - len(pending) + ran, count)
+    lowest, mapped = ([finished.get(wanted[point]) for point in points] for points in (settings, axes.points))
+    found = _collect(stand, axes, mapped, derived_capacities(stand, settings, _delivered(lowest)))
+    return replace(found, ran=ran, seconds=time.perf_counter() - began)
 
 
 class _Wanted(NamedTuple):
@@ -375,7 +373,12 @@ def _finish_point(key: str, state: Steady) -> Finished:
     return Finished(key, dict(zip(SetPoint._fields, state.point, strict=True)), state.reason, summary)
 
 
-def _collect(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: int, seconds: float) -> PumpMap:
+def _delivered(done: Sequence[Finished | None]) -> Array:
+    """Mean flow to the load of points, leakage taken off; nan without one [m^3/s]."""
+    return np.array([float(each.summary.get("mean_load_flow_m3_s", np.nan)) if each else np.nan for each in done])
+
+
+def _collect(stand: Stand, axes: Axes, done: Sequence[Finished | None], capacities: Array) -> PumpMap:
     rows: list[Mapping[str, float | bool]] = [each.summary if each else {} for each in done]
 
     def column(name: str) -> Array:
@@ -383,17 +386,19 @@ def _collect(stand: Stand, axes: Axes, done: Sequence[Finished | None], ran: int
 
     some = [name for name in SIMULATED_ONLY if any(name in row for row in rows)]
     columns = {name: column(name) for name in (*FOUND, *some)}
-    columns["delivered_flow_m3_s"] = column("mean_load_flow_m3_s")  # leakage taken off
+    delivered, pressure = _delivered(done), _columns([column("pressure_mean_load_line_Pa") + stand.reference])[0]
+    shrunk = specific_volume_ratio(pressure, stand.bench.oil)
+    columns |= {"delivered_flow_m3_s": delivered, "outlet_flow_m3_s": delivered * shrunk}
     reasons = [each.failure if each else NOT_RUN for each in done]
-    judged = _with_losses(stand, axes, columns)
+    judged = _judge(stand, axes, columns, capacities)
     return PumpMap(
         stand=stand,
         axes=axes,
         simulated=True,
         columns=judged,
         reasons=_reasons(stand, judged, reasons),
-        ran=ran,
-        seconds=seconds,
+        ran=0,
+        seconds=0.0,
     )
 
 
