@@ -14,7 +14,7 @@ def test_analytic_map_leaves_table_pictures_and_page(vvdp, here):
     }  # fmt: skip
     assert {path.name for path in (folder / "figures").iterdir()} >= {"efficiency.svg", "flow.svg"}
     page = (folder / "report.html").read_text()
-    for words in ("based on ISO 17559 and ISO 4409", "Left out", "44.18 cSt", "1500 rpm", "40 to 80 bar"):
+    for words in ("based on ISO 17559, ISO 4409 and ISO 8426", "Left out", "44.18 cSt", "1500 rpm", "40 to 80 bar"):
         assert words in page
     assert "Overall efficiency over load pressure and duty ratio" in answer.out
     assert "80 bar" in answer.out
@@ -31,7 +31,7 @@ def test_simulated_map_in_si(vvdp, here, keys_as_described):
     assert all(0.3 < value < 0.9 for value in found["overall_efficiency"])
     again = vvdp("map", "prototype-constant-load", *SMALL, "--json", "--no-report", "--out", "m")
     assert json.loads(again.out)["overall_efficiency"] == found["overall_efficiency"]
-    assert "4 of 4 points are finished already" in again.err
+    assert "14 of 14 points are finished already" in again.err
     assert not (here / "m" / "report.html").exists()
 
 

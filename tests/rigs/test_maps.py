@@ -18,6 +18,7 @@ from vvdp.results.cells import shown_columns, table_cell, thinned_rows
 from vvdp.results.result import Grade
 from vvdp.results.store import read_result, write_result
 from vvdp.rigs import maps
+from vvdp.rigs.efficiencies import EFFICIENCIES
 from vvdp.rigs.map_axes import Axes, default_axes
 from vvdp.rigs.map_result import map_result
 from vvdp.rigs.maps import analytic_map, map_directory, simulated_map, usable
@@ -59,14 +60,15 @@ def test_monotone_and_limited(request, name):
     assert np.all(np.diff(delivered, axis=3) > 0.0)
     assert np.all(np.diff(delivered, axis=2) < 0.0)
     assert np.all(delivered < found.grid("duty_ratio") * found.grid("mean_pump_flow_m3_s"))
-    for key in ("volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency"):
+    for key in EFFICIENCIES:
         values = found.columns[key]
         known = values[np.isfinite(values)]
         assert known.size > 0.9 * values.size
         assert known.min() >= 0.0
         assert known.max() <= 1.0
-    product = found.columns["volumetric_efficiency"] * found.columns["hydromechanical_efficiency"]
-    np.testing.assert_allclose(product, found.columns["overall_efficiency"], rtol=1e-12)
+    for volumetric, hydromechanical, overall in (EFFICIENCIES[:3], EFFICIENCIES[3:]):
+        product = found.columns[volumetric] * found.columns[hydromechanical]
+        np.testing.assert_allclose(product, found.columns[overall], rtol=1e-12)
     loss = found.columns["input_power_W"] + found.columns["spool_motor_power_W"] - found.columns["load_power_W"]
     np.testing.assert_allclose(found.columns["loss_total_W"], loss)
     assert np.all(loss > 0.0)
@@ -217,7 +219,7 @@ def test_map_without_any_result_is_drawn(orifice_stand, tmp_path):
     assert np.all(np.isnan(found.columns["mean_pump_flow_m3_s"]))
     result = map_result(found)
     drawn = [draw_chart(chart, result.tables) for chart in result.charts.values()]
-    assert [each.name for each in drawn] == ["flow", "efficiency"]
+    assert [each.name for each in drawn] == ["flow", "efficiency", "efficiency-iso"]
 
 
 def test_why_a_point_has_no_efficiency(source_stand):
@@ -270,15 +272,16 @@ def test_result_comes_back_from_disk(simulated, tmp_path):
 
 
 def test_finished_points_are_not_run_again(source_stand, simulated, tmp_path, monkeypatch):
+    """Three pressures and five of the capacity at each duty ratio, the 20 bar of both once."""
     first = simulated_map(source_stand, replace(COARSE, duty_ratios=(0.4, 0.7)), tmp_path)
-    assert first.ran == 6
+    assert first.ran == 14
     grown = simulated_map(source_stand, COARSE, tmp_path)
-    assert grown.ran == 6
+    assert grown.ran == 14
     np.testing.assert_allclose(
         grown.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9, equal_nan=True
     )
     other = simulated_map(source_stand.with_tables(relief_valve={"cracking_pressure": 130e5}), COARSE, tmp_path)
-    assert other.ran == 12
+    assert other.ran == 32
 
 
 def test_points_are_known_by_the_tolerance_they_were_stepped_with(source_stand, tmp_path):
@@ -290,22 +293,22 @@ def test_points_are_known_by_the_tolerance_they_were_stepped_with(source_stand, 
                       tmp_path).ran
         for tolerance in ("1e-8", "1e-11")
     ]  # fmt: skip
-    assert ran == [0, 1]
+    assert ran == [0, 6]
 
 
 def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch):
     monkeypatch.setattr(work, "LARGEST_BATCH", 4)
 
     def interrupting(done: int, total: int) -> None:
-        if done == 4:
+        if done == 24:
             os.kill(os.getpid(), signal.SIGINT)
 
     part = simulated_map(source_stand, COARSE, tmp_path, progress=interrupting)
-    assert part.ran == 4
+    assert part.ran == 24
     assert not part.is_finished
-    assert "Interrupted: 8 of 12 points were not run yet." in [each.text for each in map_result(part).findings]
+    assert "Interrupted: 4 of 12 points were not run yet." in [each.text for each in map_result(part).findings]
     whole = simulated_map(source_stand, COARSE, tmp_path)
-    assert whole.ran == 8
+    assert whole.ran == 4
     np.testing.assert_allclose(whole.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9)
 
 
@@ -313,7 +316,7 @@ def test_a_map_on_dask_is_the_map_here(source_stand, simulated, tmp_path):
     """Bit for bit, in other batches; what was finished here is not run again there."""
     simulated_map(source_stand, replace(COARSE, duty_ratios=(0.4,)), tmp_path)
     found = simulated_map(source_stand, COARSE, tmp_path, engine=LocalDask(2))
-    assert found.ran == 9
+    assert found.ran == 21
     for name, column in simulated.columns.items():
         np.testing.assert_array_equal(found.columns[name], column)
 
@@ -357,10 +360,10 @@ def test_killed_map_loses_no_finished_point(source_stand, tmp_path):
     process.wait()
     process.stdout.close()
     axes = default_axes(source_stand, 12, 5)
-    heard: list[int] = []
-    found = simulated_map(source_stand, axes, folder, progress=lambda done, total: heard.append(done))
-    assert heard[0] >= done
-    assert found.ran == 60 - heard[0]
+    heard: list[tuple[int, int]] = []
+    found = simulated_map(source_stand, axes, folder, progress=lambda *counts: heard.append(counts))
+    assert heard[0][0] >= done
+    assert found.ran == heard[0][1] - heard[0][0]
     assert found.is_finished
 
 

@@ -47,7 +47,7 @@ def pressure_drop(
     temperature: Temperatures = None,
     out: Out = None,
     force: Force = False,
-    cores: Cores = None,  # noqa: ARG001 - taken as its sisters take it; the drops are worked out at once
+    cores: Cores = None,
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:

@@ -170,6 +170,7 @@ def _speed_table(stand: Stand, flows: Flows) -> Table:
             "derived_over_commanded": Column(_over(simulated, commanded), *CAPACITIES["derived_over_commanded"]),
         },
         axes=("duty_ratio", "pump_speed_rad_s"),
+        is_data=True,
     )
 
 
@@ -189,40 +190,57 @@ def _flow_table(stand: Stand, flows: Flows) -> Table:
             "remark": Column(remarks, None, "remark"),
         },
         axes=("pressure_difference_Pa", "duty_ratio"),
+        is_data=True,
     )
 
 
 def _capacity_chart(table: Table) -> Chart:
+    """The capacities themselves, and what share of the commanded one they are; `table` is that by pump speed."""
     speeds = np.unique(table["pump_speed_rad_s"])
-    averaged = [
+    by_speed = (
         Line(
             x="duty_ratio",
             y="averaged_over_commanded",
-            label=f"averages, {with_unit(float(speed), kinds.SPEED, 4)}",
+            label=with_unit(float(speed), kinds.SPEED, 4),
             rows=tuple(int(row) for row in np.flatnonzero(table["pump_speed_rad_s"] == speed)),
             colour=colour,
         )
         for speed, colour in zip(speeds, shades(speeds.size), strict=True)
-    ]
+    )
     own = tuple(int(row) for row in np.flatnonzero(table["pump_speed_rad_s"] == speeds[-1]))
     simulated = Line(
         x="duty_ratio",
         y="derived_over_commanded",
-        label="simulated",
+        label=f"{with_unit(float(speeds[-1]), kinds.SPEED, 4)}, simulated",
         rows=own,
         colour=Colour.INLET,
         stroke=Stroke.POINTS,
     )
+    capacities = (
+        ("commanded", "commanded", Colour.INK, Stroke.DOTTED),
+        ("averaged", "averages", Colour.LOAD, Stroke.SOLID),
+        ("derived", "simulated", Colour.INLET, Stroke.POINTS),
+    )
+    lines = tuple(
+        Line(x="duty_ratio", y=f"{key}_capacity_m3_rad", label=label, colour=colour, stroke=stroke)
+        for key, label, colour, stroke in capacities
+    )
     return Chart(
         name="derived-capacity",
-        caption="Derived over commanded capacity. What is missing goes over the relief valve in the transitions, "
-        "without any load.",
+        caption="Left: commanded and derived capacity. Right: the second over the first, averages by pump speed and "
+        "the simulated one. What is missing goes over the relief valve in the transitions, without any load.",
         table="speeds",
         panels=(
+            Lines(table="capacity", lines=lines, label="capacity", low=0.0, left=0.0),
             Lines(
-                lines=(*averaged, simulated), label="derived over commanded capacity", high=1.0, left=0.0, legend="flow"
+                lines=(*by_speed, simulated),
+                label="derived over commanded capacity",
+                high=1.0,
+                left=0.0,
+                legend="pump speed",
             ),
         ),
+        side_by_side=True,
         height=2.9,
     )
 

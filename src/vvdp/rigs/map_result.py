@@ -88,7 +88,6 @@ SHOWN = (
     "delivered_flow_m3_s",
     "volumetric_efficiency_commanded",
     "volumetric_efficiency_iso",
-    "hydromechanical_efficiency_commanded",
     "hydromechanical_efficiency_iso",
     "overall_efficiency",
     "overall_efficiency_iso",
