@@ -3,7 +3,7 @@
 import pytest
 
 VERBS = [
-    "map", "rig pressure-drop", "rig ripple", "rig step", "rig pump", "rig claims", "design optimum", "design pareto",
+    "map", "rig pressure-drop", "rig derived-capacity", "rig ripple", "rig step", "rig pump", "rig claims", "design optimum", "design pareto",
     "design tolerance", "design temperature", "geometry", "valve",
 ]  # fmt: skip
 DRAWN = """
