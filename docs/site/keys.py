@@ -37,6 +37,7 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
 """What is run for the keys of a verb, small, beside a log; `--out` and `--json` are added."""
 LONG_COMMANDS: Mapping[str, tuple[str, ...]] = {
     "map": ('map prototype --duty 0.3 0.9 2 --pressure "60 bar" "60 bar" 1',),
+    "rig derived-capacity": ("rig derived-capacity prototype",),
     "rig ripple": ("rig ripple prototype",),
     "rig step": ("rig step prototype",),
     "rig pump": ('rig pump prototype --duty 0.3 0.9 3 --pressure "60 bar" "60 bar" 1 --speed "1800 rpm"',),

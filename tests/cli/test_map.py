@@ -62,7 +62,7 @@ def test_a_map_on_dask_is_the_map_here(vvdp, here):
     done = vvdp("map", *small, "--no-report", "--out", "two", "--on", "dask", "--workers", "1")
     assert done.code == 0, done.err
     assert json.loads(done.out) == at_home | {"out": "two"}
-    assert "0 of 2 points\n" in done.err and "2 of 2 points\n" in done.err
+    assert "0 of 12 points\n" in done.err and "12 of 12 points\n" in done.err
 
 
 def test_levels_that_go_down_are_refused(vvdp, here):

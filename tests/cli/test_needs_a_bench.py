@@ -3,8 +3,8 @@
 import pytest
 
 VERBS = [
-    "map", "rig pressure-drop", "rig ripple", "rig step", "rig pump", "rig claims", "design optimum", "design pareto",
-    "design tolerance", "design temperature", "geometry", "valve",
+    "map", "rig pressure-drop", "rig derived-capacity", "rig ripple", "rig step", "rig pump", "rig claims",
+    "design optimum", "design pareto", "design tolerance", "design temperature", "geometry", "valve",
 ]  # fmt: skip
 DRAWN = """
 nodes.line = { type = "volume", volume = "1 l", start = "50 bar" }

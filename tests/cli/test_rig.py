@@ -20,6 +20,13 @@ FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml"}
     [
         ("pressure-drop", "prototype", {"pressure-drop.csv"}, {"drop-over-flow"}, "ISO 4411"),
         (
+            "derived-capacity",
+            "prototype",
+            {"capacity.csv", "speeds.csv", "flows.csv"},
+            {"derived-capacity", "low-pressure-flow"},
+            "ISO 8426",
+        ),
+        (
             "ripple",
             "prototype",
             {"duty.csv", "frequency.csv", "accumulator.csv", "spectrum.csv", "waveform.csv"},
@@ -87,6 +94,25 @@ def test_what_has_no_load_line_does_not_ripple(vvdp, here):
     assert answer.code == 2
     assert "expected a system with a load line" in answer.err
     assert not list((here / "results").iterdir())
+
+
+def test_every_rig_takes_cores(vvdp, here):
+    """Those that are worked out at once as well, so that one command line fits all."""
+    answer = vvdp("rig", "pressure-drop", "prototype", "--cores", "1", "--no-report")
+    assert answer.code == 0, answer.err
+
+
+def test_derived_capacity_in_si(vvdp, here):
+    """Half of 22.22 cc/rev, 1.76839e-6 m3/rad, of which 95.3 % are left without load; as many duty ratios as asked for,
+    and the system's own."""
+    asked = ("--duty", "0.25", "1", "4", "--json", "--no-report", "--cores", "1")
+    found = json.loads(vvdp("rig", "derived-capacity", "prototype-constant-load", *asked).out)
+    assert found["derived_capacity_m3_rad"] == pytest.approx(0.9535 * 1.76839e-6, rel=1e-3)
+    assert found["averaged_capacity_m3_rad"] == pytest.approx(0.9456 * 1.76839e-6, rel=1e-3)
+    assert found["capacity_duty_ratio"] == [0.25, 0.5, 0.75, 1.0]
+    assert found["capacity_derived_capacity_m3_rad"][1] == found["derived_capacity_m3_rad"]
+    assert len(found["flows_simulated_flow_m3_s"]) == 20
+    assert found["warnings"] == []
 
 
 def test_bad_temperature(vvdp, here):

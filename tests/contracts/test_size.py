@@ -122,6 +122,7 @@ ALLOWED = {
     "cli.plot.plot": VERB,
     "cli.rig._run": VERB,
     "cli.rig.claims": VERB,
+    "cli.rig.derived_capacity": VERB,
     "cli.rig.pressure_drop": VERB,
     "cli.rig.pump": VERB,
     "cli.rig.ripple": VERB,

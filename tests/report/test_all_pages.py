@@ -15,6 +15,7 @@ PAGES = {
     "run of another circuit": "run buck-converter --until 0.1s",
     "map": "map prototype --analytic",
     "rig pressure-drop": "rig pressure-drop prototype",
+    "rig derived-capacity": "rig derived-capacity prototype-constant-load --duty 0.4 1 2",
     "design optimum": "design optimum prototype --starts 1 --no-simulation",
     "design temperature": "design temperature prototype",
     "design tolerance": "design tolerance prototype --samples 16",

@@ -44,7 +44,7 @@ def test_whole_test_and_going_on(source_stand, tmp_path):
     assert n["linearity_error"] < 0.005
     assert n["flow_gain_lowest_m3_s"] == pytest.approx(40e-3 / 60.0, rel=0.02)
     assert 0.0 < n["flow_loss_per_pressure_m3_s_Pa"] * 40e5 < 0.03 * 40e-3 / 60.0
-    assert {"iso17559", "iso4409"} == set(found.references)
+    assert {"iso17559", "iso4409", "iso8426"} == set(found.references)
     assert "ISO 17559" in found.manner
     again = pump(source_stand, tmp_path, axes)
     np.testing.assert_array_equal(again.tables["steady"]["delivered_flow_m3_s"],

@@ -63,7 +63,7 @@ class Flows(NamedTuple):
     averaged: Array
 
     @property
-    def simulated(self) -> Array:
+    def simulated_flow(self) -> Array:
         """Mean flow to the load at each point, leakage taken off; nan without a state [m^3/s]."""
         return np.array([float(state.summary.get("mean_load_flow_m3_s", np.nan)) for state in self.states])
 
@@ -87,22 +87,11 @@ def derived_capacity(
     Source  ours, docs/rigs.md, based on iso8426
     """
     began = time.perf_counter()
-    here = stand.set_point
-    duty_ratios = tuple(sorted({*duty_ratios, here.duty_ratio}))
-    speeds = tuple(share * here.pump_speed for share in SPEED_SHARES)
-    points = capacity_points(stand, duty_ratios, (here.pump_speed,), (here.oil_temperature,))
-    averaged_points = capacity_points(stand, duty_ratios, speeds, (here.oil_temperature,))
-    flows = Flows(
-        duty_ratios=duty_ratios,
-        speeds=speeds,
-        points=points,
-        states=steady_states([(stand, point) for point in points], cores=cores, cache=cache, say=say),
-        averaged_points=averaged_points,
-        averaged=averaged_flows(stand, averaged_points, cores=cores, cache=cache, say=say),
-    )
+    own = stand.set_point.duty_ratio
+    duty_ratios = tuple(sorted({*duty_ratios, own}))
+    flows = _measure(stand, duty_ratios, cores=cores, cache=cache, say=say)
     capacity = _capacity_table(stand, flows)
-    own = duty_ratios.index(here.duty_ratio)
-    numbers = {key: float(capacity[key][own]) for key in QUANTITIES}
+    numbers = {key: float(capacity[key][duty_ratios.index(own)]) for key in QUANTITIES}
     tables = {"capacity": capacity, "speeds": _speed_table(stand, flows), "flows": _flow_table(stand, flows)}
     return Result(
         verb="rig derived-capacity",
@@ -124,11 +113,29 @@ def derived_capacity(
     )
 
 
+def _measure(
+    stand: Stand, duty_ratios: tuple[float, ...], *, cores: int | None, cache: Path | None, say: Callable[[str], None]
+) -> Flows:
+    """The flows at all points of the capacities."""
+    here = stand.set_point
+    speeds = tuple(share * here.pump_speed for share in SPEED_SHARES)
+    points = capacity_points(stand, duty_ratios, (here.pump_speed,), (here.oil_temperature,))
+    averaged_points = capacity_points(stand, duty_ratios, speeds, (here.oil_temperature,))
+    return Flows(
+        duty_ratios=duty_ratios,
+        speeds=speeds,
+        points=points,
+        states=steady_states([(stand, point) for point in points], cores=cores, cache=cache, say=say),
+        averaged_points=averaged_points,
+        averaged=averaged_flows(stand, averaged_points, cores=cores, cache=cache, say=say),
+    )
+
+
 def _capacity_table(stand: Stand, flows: Flows) -> Table:
     """A row for each duty ratio, at the system's own speed."""
     d, speeds = np.array(flows.duty_ratios), np.array(flows.speeds)
     commanded = d * stand.bench.pump.displacement
-    derived = derived_capacities(stand, flows.points, flows.simulated)
+    derived = derived_capacities(stand, flows.points, flows.simulated_flow)
     averaged = derived_capacities(stand, flows.points, flows.at_own_speed)
     by_speed = flows.averaged.reshape(speeds.size, -1)
     apart = speeds - speeds.mean()
@@ -160,7 +167,7 @@ def _speed_table(stand: Stand, flows: Flows) -> Table:
     commanded = d * stand.bench.pump.displacement
     averaged = derived_capacities(stand, flows.averaged_points, flows.averaged)
     simulated = np.full(d.size, np.nan)
-    simulated[-len(flows.duty_ratios) :] = derived_capacities(stand, flows.points, flows.simulated)
+    simulated[-len(flows.duty_ratios) :] = derived_capacities(stand, flows.points, flows.simulated_flow)
     return Table(
         title="Derived over commanded capacity by pump speed",
         columns={
@@ -185,7 +192,7 @@ def _flow_table(stand: Stand, flows: Flows) -> Table:
             "pressure_difference_Pa": Column(
                 pressure - stand.tank_pressure, kinds.PRESSURE_DIFFERENCE, "pressure difference"
             ),
-            "simulated_flow_m3_s": Column(flows.simulated, kinds.FLOW, "delivered flow, simulated"),
+            "simulated_flow_m3_s": Column(flows.simulated_flow, kinds.FLOW, "delivered flow, simulated"),
             "averaged_flow_m3_s": Column(flows.at_own_speed, kinds.FLOW, "delivered flow, averages"),
             "remark": Column(remarks, None, "remark"),
         },
@@ -194,28 +201,8 @@ def _flow_table(stand: Stand, flows: Flows) -> Table:
     )
 
 
-def _capacity_chart(table: Table) -> Chart:
-    """The capacities themselves, and what share of the commanded one they are; `table` is that by pump speed."""
-    speeds = np.unique(table["pump_speed_rad_s"])
-    by_speed = (
-        Line(
-            x="duty_ratio",
-            y="averaged_over_commanded",
-            label=with_unit(float(speed), kinds.SPEED, 4),
-            rows=tuple(int(row) for row in np.flatnonzero(table["pump_speed_rad_s"] == speed)),
-            colour=colour,
-        )
-        for speed, colour in zip(speeds, shades(speeds.size), strict=True)
-    )
-    own = tuple(int(row) for row in np.flatnonzero(table["pump_speed_rad_s"] == speeds[-1]))
-    simulated = Line(
-        x="duty_ratio",
-        y="derived_over_commanded",
-        label=f"{with_unit(float(speeds[-1]), kinds.SPEED, 4)}, simulated",
-        rows=own,
-        colour=Colour.INLET,
-        stroke=Stroke.POINTS,
-    )
+def _capacity_chart(by_speed: Table) -> Chart:
+    """The capacities themselves, and what share of the commanded one they are."""
     capacities = (
         ("commanded", "commanded", Colour.INK, Stroke.DOTTED),
         ("averaged", "averages", Colour.LOAD, Stroke.SOLID),
@@ -232,17 +219,32 @@ def _capacity_chart(table: Table) -> Chart:
         table="speeds",
         panels=(
             Lines(table="capacity", lines=lines, label="capacity", low=0.0, left=0.0),
-            Lines(
-                lines=(*by_speed, simulated),
-                label="derived over commanded capacity",
-                high=1.0,
-                left=0.0,
-                legend="pump speed",
-            ),
+            _share_panel(by_speed),
         ),
         side_by_side=True,
         height=2.9,
     )
+
+
+def _share_panel(table: Table) -> Lines:
+    """Derived over commanded capacity, a line for each pump speed."""
+    speeds = np.unique(table["pump_speed_rad_s"])
+    rows = [tuple(int(row) for row in np.flatnonzero(table["pump_speed_rad_s"] == speed)) for speed in speeds]
+    words = [with_unit(float(speed), kinds.SPEED, 4) for speed in speeds]
+    averaged = (
+        Line(x="duty_ratio", y="averaged_over_commanded", label=label, rows=those, colour=colour)
+        for label, those, colour in zip(words, rows, shades(speeds.size), strict=True)
+    )
+    simulated = Line(
+        x="duty_ratio",
+        y="derived_over_commanded",
+        label=f"{words[-1]}, simulated",
+        rows=rows[-1],
+        colour=Colour.INLET,
+        stroke=Stroke.POINTS,
+    )
+    label = "derived over commanded capacity"
+    return Lines(lines=(*averaged, simulated), label=label, high=1.0, left=0.0, legend="pump speed")
 
 
 def _flow_chart(table: Table) -> Chart:

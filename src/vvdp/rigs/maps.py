@@ -297,7 +297,7 @@ def simulated_map(
             ran += len(done)
             progress(count - len(pending) + ran, count)
     lowest, mapped = ([finished.get(wanted[point]) for point in points] for points in (settings, axes.points))
-    found = _collect(stand, axes, mapped, derived_capacities(stand, settings, _delivered(lowest)))
+    found = _collect(stand, axes, mapped, derived_capacities(stand, settings, _delivered_flow(lowest)))
     return replace(found, ran=ran, seconds=time.perf_counter() - began)
 
 
@@ -373,7 +373,7 @@ def _finish_point(key: str, state: Steady) -> Finished:
     return Finished(key, dict(zip(SetPoint._fields, state.point, strict=True)), state.reason, summary)
 
 
-def _delivered(done: Sequence[Finished | None]) -> Array:
+def _delivered_flow(done: Sequence[Finished | None]) -> Array:
     """Mean flow to the load of points, leakage taken off; nan without one [m^3/s]."""
     return np.array([float(each.summary.get("mean_load_flow_m3_s", np.nan)) if each else np.nan for each in done])
 
@@ -386,7 +386,7 @@ def _collect(stand: Stand, axes: Axes, done: Sequence[Finished | None], capaciti
 
     some = [name for name in SIMULATED_ONLY if any(name in row for row in rows)]
     columns = {name: column(name) for name in (*FOUND, *some)}
-    delivered, pressure = _delivered(done), _columns([column("pressure_mean_load_line_Pa") + stand.reference])[0]
+    delivered, pressure = _delivered_flow(done), _columns([column("pressure_mean_load_line_Pa") + stand.reference])[0]
     shrunk = specific_volume_ratio(pressure, stand.bench.oil)
     columns |= {"delivered_flow_m3_s": delivered, "outlet_flow_m3_s": delivered * shrunk}
     reasons = [each.failure if each else NOT_RUN for each in done]

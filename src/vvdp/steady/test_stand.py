@@ -180,8 +180,8 @@ class Stand:
 
     def leakage(self, point: SetPoint) -> float:
         """What the load region loses to the tank [m^3/s]; arrays of many points pass through as well."""
-        viscosity = self.film_viscosity(point)
-        return leakage_conductance(viscosity, self.bench.valve) * (point.load_pressure - self.tank_pressure)
+        conductance = leakage_conductance(self.film_viscosity(point), self.bench.valve)
+        return conductance * (point.load_pressure - self.tank_pressure)
 
     def load_area(self, point: SetPoint, means: CycleMeans) -> float | None:
         """Area of an orifice that would hold the load pressure [m^2]; None where nothing is left to hold it with."""
