@@ -6,7 +6,7 @@ simulation's absolute tolerance is the relative one times it.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Annotated, TypeAlias
 
@@ -54,6 +54,8 @@ class Kind:
 SPEED_UNITS = ("rpm", "rev/s", "rad/s", "deg/s")
 
 PRESSURE_LEVEL = Kind("pressure level", "Pa", 0.0, 1e9, "100 bar", scale=1e5)
+FINE_PRESSURE = replace(PRESSURE_LEVEL, scale=100.0)
+"""Of oil that may boil: at its vapour pressure, little pressure is much vapour."""
 PRESSURE_DIFFERENCE = Kind("pressure difference", "Pa", 0.0, 1e9, "5 bar", scale=1e5)
 FLOW = Kind("volume flow", "m^3/s", -1.0, 1.0, "40 lpm", scale=1e-5)
 VOLUME = Kind("volume", "m^3", 0.0, 1.0, "12.7 cc", scale=1e-5)
@@ -147,6 +149,7 @@ Scalar: TypeAlias = float
 """A float in formulas. Arrays of one shape and CasADi symbols pass through the same text."""
 
 Pressure = Annotated[float, PRESSURE_LEVEL]
+FinePressure = Annotated[float, FINE_PRESSURE]
 PressureDifference = Annotated[float, PRESSURE_DIFFERENCE]
 Flow = Annotated[float, FLOW]
 Volume = Annotated[float, VOLUME]
@@ -219,7 +222,7 @@ DutySignal = Annotated[Signal, DUTY_RATIO]
 
 @cache
 def _kinds_by_name() -> dict[str, Kind]:
-    return {kind.name: kind for kind in globals().values() if isinstance(kind, Kind)}
+    return {kind.name: kind for kind in reversed(globals().values()) if isinstance(kind, Kind)}
 
 
 def kind_named(name: str) -> Kind | None:

@@ -16,6 +16,7 @@ from vvdp.base.kinds import (
     Duration,
     Energy,
     ExchangedEnergy,
+    FinePressure,
     Inertia,
     Kind,
     Kink,
@@ -104,7 +105,7 @@ class Classes:
         for name, node in self.network.nodes.items():
             match node:
                 case OilVolume():
-                    hints[name] = Pressure
+                    hints[name] = FinePressure if can_boil(node) else Pressure
                     if has_free_air(node):
                         hints[free_air_name(name)] = FreeAir
                 case Shaft():
