@@ -19,7 +19,7 @@ def dissolves(oil: Oil) -> bool:
 
 
 def equilibrium_air(pressure: float, oil: Oil) -> float:
-    """Free air at which no more dissolves, per tank volume [1]: phi + (1 - phi) B (1 - P/P0), from none to all there is.
+    """Free air at which no more dissolves, per tank volume [1]: phi + (1 - phi) B (1 - P/P0), none to all.
 
     The oil is saturated at the reference pressure, where phi of it is free air.  pressure: P, absolute [Pa].
 

@@ -5,7 +5,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.kinds import Conductance, Count, Displacement, Fraction, Torque
+from vvdp.base.kinds import Conductance, Count, Displacement, Fraction, FrictionTorque
 from vvdp.base.params import Params
 from vvdp.base.select import minimum, select
 from vvdp.fluid.mixture import FluidState
@@ -24,7 +24,7 @@ class Pump(Params):
     leakage_conductance: Conductance
     ripple_amplitude: Fraction = 0.0
     ripple_count: Count = 9.0
-    friction_torque: Torque
+    friction_torque: FrictionTorque
     dead_volume: Displacement = 0.0
     precompression: Fraction = 1.0
 

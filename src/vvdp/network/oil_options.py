@@ -82,16 +82,20 @@ def oil_volume(text: Text, name: str, node: OilVolume) -> str:
     return f"{own} + {swept}" if swept else own
 
 
-def boiling_outputs(text: Text) -> Iterator[tuple[str, str]]:
+def boiling_outputs(text: Text) -> dict[str, str]:
     """Names and texts of the volumes of vapour."""
+    found = {}
     for name, node in text.network.nodes.items():
         if isinstance(node, OilVolume) and can_boil(node):
             volume, oil = oil_volume(text, name, node), text.places.path(node.oil)
-            yield f"{name}_vapour", f"{text.use(vapour_volume)}({volume}, {name}, {oil})"
+            found[f"{name}_vapour"] = f"{text.use(vapour_volume)}({volume}, {name}, {oil})"
+    return found
 
 
-def boiling_modes(text: Text) -> Iterator[tuple[str, str]]:
+def boiling_modes(text: Text) -> dict[str, str]:
     """Names and texts of the kinks at which oil begins and ends to boil."""
-    for name, node in text.network.nodes.items():
-        if can_boil(node) and isinstance(node, OilVolume):
-            yield f"{name}_vapour", f"{text.use(vapour_side)}({name}.pressure, {text.places.path(node.oil)})"
+    return {
+        f"{name}_vapour": f"{text.use(vapour_side)}({name}.pressure, {text.places.path(node.oil)})"
+        for name, node in text.network.nodes.items()
+        if isinstance(node, OilVolume) and can_boil(node)
+    }
