@@ -1,4 +1,6 @@
-"""Oil that stiffens under pressure and in the cold, and oil that boils: numbers by hand, and one law behind them all."""
+"""Oil that stiffens under pressure and in the cold, and oil that boils: numbers by hand, and one law behind all."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -47,7 +49,7 @@ def test_enthalpy_and_modulus_are_those_of_the_volume(make_oil, slope, vapour, o
     joints = sorted({p for p in (vapour, 0.01 * vapour, 0.01 * P0) if low < p < high} | {low, high})
 
     def over(value):
-        parts = zip(joints, joints[1:], strict=False)
+        parts = pairwise(joints)
         return sum(
             quad(lambda u: value(np.exp(u)) * np.exp(u), np.log(a), np.log(b), epsabs=0.0, epsrel=1e-11, limit=300)[0]
             for a, b in parts

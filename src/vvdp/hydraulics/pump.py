@@ -77,11 +77,12 @@ def unused_torque(displacement: float, shaft_angle: float, inlet: FluidState, ou
     inlet         oil where the pump fills
     outlet        oil where it delivers
 
+    >>> from vvdp.fluid.mixture import fluid_state
     >>> inlet, outlet = fluid_state(1e5, oil), fluid_state(100e5, oil)
     >>> pump = Pump(displacement=3.63e-6, leakage_conductance=0.0, friction_torque=0.0, precompression=0.0)
     >>> d = tank_displacement(0.0, inlet, outlet, pump)
-    >>> print(round(unused_torque(d, 0.0, inlet, outlet, pump) / (3.63e-6 * 99e5), 4))  # of all: P/(2 beta) and air
-    0.0085
+    >>> print(round(unused_torque(d, 0.0, inlet, outlet, pump) / (3.63e-6 * 99e5), 4))  # of the work
+    0.0126
     """
     swept = pump.displacement * (1.0 + flow_ripple(shaft_angle, pump))
     work = swept * (outlet.pressure - inlet.pressure) - displacement * (outlet.enthalpy - inlet.enthalpy)

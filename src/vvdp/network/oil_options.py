@@ -25,7 +25,7 @@ def air_lines(text: Text) -> Iterator[str]:
     volumes = aerated_volumes(text)
     for part in text.network.parts.values():
         if volumes.keys() & _flows(part).keys():
-            yield f"air_{part.name} = {_mixed(text, part)}"
+            yield f"air_{part.name} = {_mean_of_drawn(text, part)}"
     for name, node in volumes.items():
         own = f"s.{free_air_name(name)}"
         terms = [
@@ -54,7 +54,7 @@ def _flows(part: Part) -> dict[str, str]:
     return found
 
 
-def _mixed(text: Text, part: Part) -> str:
+def _mean_of_drawn(text: Text, part: Part) -> str:
     """The free air of what a part gives."""
     drawn = {
         node: f"{text.use(maximum)}({negative(flow) if ' ' not in flow else f'-({flow})'}, 0.0)"
