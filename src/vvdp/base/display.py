@@ -51,7 +51,7 @@ class DisplayUnit(NamedTuple):
 @cache
 def display_unit(kind: Kind) -> DisplayUnit:
     """The unit in which a column, an axis or a number of a kind is shown. A pressure level is gauge."""
-    if kind is kinds.PRESSURE_LEVEL:
+    if kind.name == kinds.PRESSURE_LEVEL.name:
         return DisplayUnit("bar", _BAR, ATMOSPHERE)
     if kind.display_unit == "%":
         return DisplayUnit("%", 0.01, 0.0)
@@ -99,7 +99,7 @@ def plain(value: float, digits: int = 6) -> str:
 
 def value_and_unit(value: float, kind: Kind, *, digits: int = 6, absolute: bool = False) -> tuple[str, str]:
     """A value [SI] as number and unit; a pressure level is gauge unless `absolute`, a time in s, ms or µs."""
-    if kind is kinds.PRESSURE_LEVEL and absolute:
+    if kind.name == kinds.PRESSURE_LEVEL.name and absolute:
         return plain(round(value / _BAR, 9), digits), "bar abs."
     if kind is kinds.TIME and value != 0.0 and value < 1.0:
         return (plain(1e3 * value, digits), "ms") if value >= 1e-3 else (plain(1e6 * value, digits), "µs")
@@ -124,7 +124,7 @@ def signal_with_unit(value: Signal, kind: Kind, digits: int = 4) -> str:
 
 def value_text(value: float, kind: Kind) -> str:
     """A value [SI] with its unit as in a message; a pressure level both gauge and absolute."""
-    if kind is kinds.PRESSURE_LEVEL:
+    if kind.name == kinds.PRESSURE_LEVEL.name:
         return f"{(value - ATMOSPHERE) / _BAR:.6g} bar ({value / _BAR:.6g} bara)"
     if kind.unit in ("1", "SI"):
         return f"{value:.6g}" + (" SI" if kind.unit == "SI" else "")

@@ -6,7 +6,7 @@ simulation's absolute tolerance is the relative one times it.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Annotated, TypeAlias
 
@@ -54,6 +54,8 @@ class Kind:
 SPEED_UNITS = ("rpm", "rev/s", "rad/s", "deg/s")
 
 PRESSURE_LEVEL = Kind("pressure level", "Pa", 0.0, 1e9, "100 bar", scale=1e5)
+FINE_PRESSURE = replace(PRESSURE_LEVEL, scale=100.0)
+"""Of oil that may boil: at its vapour pressure, little pressure is much vapour."""
 PRESSURE_DIFFERENCE = Kind("pressure difference", "Pa", 0.0, 1e9, "5 bar", scale=1e5)
 FLOW = Kind("volume flow", "m^3/s", -1.0, 1.0, "40 lpm", scale=1e-5)
 VOLUME = Kind("volume", "m^3", 0.0, 1.0, "12.7 cc", scale=1e-5)
@@ -102,6 +104,7 @@ EXCHANGED_ENERGY = Kind("energy handed on", "J", -1e12, 1e12, "10 J", scale=1.0,
 EXCHANGED_POWER = Kind("power handed on", "W", -1e9, 1e9, "10 W")
 TANK_VOLUME = Kind("volume at tank conditions", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)
 TORQUE = Kind("torque", "N*m", -1e6, 1e6, "1.5 N*m")
+FRICTION_TORQUE = Kind("friction torque", "N*m", 0.0, 1e6, "1.5 N*m")
 FLOW_COEFFICIENT = Kind("flow coefficient", "m^3/(s*Pa^0.5)", 0.0, 1e-2, "1.2e-7 m^3/(s*Pa^0.5)")
 ENERGY_DENSITY = Kind("energy per volume", "J/m^3", -1e12, 1e12, "10 MJ/m^3", scale=1e5)
 PRESSURE_TIME = Kind("pressure over time", "Pa*s", -1e15, 1e15, "1 bar*s", accumulates=True)
@@ -147,6 +150,7 @@ Scalar: TypeAlias = float
 """A float in formulas. Arrays of one shape and CasADi symbols pass through the same text."""
 
 Pressure = Annotated[float, PRESSURE_LEVEL]
+FinePressure = Annotated[float, FINE_PRESSURE]
 PressureDifference = Annotated[float, PRESSURE_DIFFERENCE]
 Flow = Annotated[float, FLOW]
 Volume = Annotated[float, VOLUME]
@@ -191,6 +195,7 @@ ExchangedEnergy = Annotated[float, EXCHANGED_ENERGY]
 ExchangedPower = Annotated[float, EXCHANGED_POWER]
 TankVolume = Annotated[float, TANK_VOLUME]
 Torque = Annotated[float, TORQUE]
+FrictionTorque = Annotated[float, FRICTION_TORQUE]
 FlowCoefficient = Annotated[float, FLOW_COEFFICIENT]
 EnergyDensity = Annotated[float, ENERGY_DENSITY]
 PressureTime = Annotated[float, PRESSURE_TIME]
@@ -219,7 +224,7 @@ DutySignal = Annotated[Signal, DUTY_RATIO]
 
 @cache
 def _kinds_by_name() -> dict[str, Kind]:
-    return {kind.name: kind for kind in globals().values() if isinstance(kind, Kind)}
+    return {kind.name: kind for kind in reversed(globals().values()) if isinstance(kind, Kind)}
 
 
 def kind_named(name: str) -> Kind | None:

@@ -8,15 +8,16 @@ from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.friction import shaft_friction_torque
 from vvdp.hydraulics.motor import Motor, motor_compression_loss, motor_flow, motor_torque
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
-from vvdp.hydraulics.pump import Pump, pump_friction_power, pump_friction_torque, tank_displacement
+from vvdp.hydraulics.pump import Pump, against, pump_friction_power, tank_displacement, unused_torque
 from vvdp.network.component import Component
 
 
 class PumpLosses(NamedTuple):
-    """Powers that a pump turns to heat: its leakage's and its friction's."""
+    """Powers that a pump turns to heat: its leakage's, its friction's, and where chambers meet another pressure."""
 
     leakage: Power
     friction: Power
+    compression: Power
 
 
 class PumpEffect(NamedTuple):
@@ -50,17 +51,20 @@ class MotorEffect(NamedTuple):
 def pump(inlet: FluidState, outlet: FluidState, shaft: ShaftState, values: Pump) -> PumpEffect:
     """A pump that fills at its inlet's pressure, gives all it displaces to its outlet, and leaks back to its inlet.
 
-    It displaces D omega (1 + r sin(z theta)), counted at the inlet: over nu there, in tank volumes.
+    It displaces D omega (1 + r sin(z theta)), counted at the inlet: over nu there, in tank volumes; less what its dead
+    volume takes. What fills chambers from the outlet that were not compressed before is lost.
     """
-    displacement = tank_displacement(shaft.angle, inlet, values)
+    displacement = tank_displacement(shaft.angle, inlet, outlet, values)
+    unused = unused_torque(displacement, shaft.angle, inlet, outlet, values)
     q = displacement * shaft.speed
     leak = passage(values.leakage_conductance * (outlet.pressure - inlet.pressure), outlet, inlet)
-    torque = displacement * (outlet.enthalpy - inlet.enthalpy) + pump_friction_torque(shaft.speed, values)
+    hindrance = against(values.friction_torque + unused, shaft.speed)
+    torque = displacement * (outlet.enthalpy - inlet.enthalpy) + hindrance
     return PumpEffect(
         inlet=leak.flow - q,
         outlet=q - leak.flow,
         shaft=-torque,
-        losses=PumpLosses(leak.loss, pump_friction_power(shaft.speed, values)),
+        losses=PumpLosses(leak.loss, pump_friction_power(shaft.speed, values), unused * abs(shaft.speed)),
         leakage_flow=leak.flow,
     )
 

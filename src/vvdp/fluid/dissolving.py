@@ -19,7 +19,7 @@ def dissolves(oil: Oil) -> bool:
 
 
 def equilibrium_air(pressure: float, oil: Oil) -> float:
-    """Free air at which no more dissolves, per tank volume [1]: phi + (1 - phi) B (1 - P/P0), from none to all there is.
+    """Free air at which no more dissolves, per tank volume [1]: phi + (1 - phi) B (1 - P/P0), none to all.
 
     The oil is saturated at the reference pressure, where phi of it is free air.  pressure: P, absolute [Pa].
 
@@ -36,7 +36,9 @@ def equilibrium_air(pressure: float, oil: Oil) -> float:
 
 
 def free_air_rate(pressure: float, free_air: float, oil: Oil) -> float:
-    """Rate at which the free air of oil at rest changes [1/s]: (phi_eq - phi_f)/tau, tau of release or of dissolving.
+    """Rate at which the free air of oil at rest changes [1/s]: (phi_eq - phi_f)/tau; none at tau 0.
+
+    The time constant is that of release or of dissolving.
 
     pressure  absolute [Pa]
     free_air  phi_f, volume at the reference pressure per tank volume [1]
@@ -44,4 +46,5 @@ def free_air_rate(pressure: float, free_air: float, oil: Oil) -> float:
     Source  pan2025, first-order release; the same law for dissolving ours, docs/models/fluid.md
     """
     missing = equilibrium_air(pressure, oil) - free_air
-    return missing / select(missing > 0.0, oil.release_time, oil.dissolving_time)
+    tau = select(missing > 0.0, oil.release_time, oil.dissolving_time)
+    return select(tau > 0.0, missing / select(tau > 0.0, tau, 1.0), 0.0)

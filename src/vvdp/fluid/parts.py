@@ -15,8 +15,8 @@ from vvdp.fluid.oil import Oil
 
 RAREFIED = 0.01
 """Share of the reference pressure below which the gas law is not followed."""
-VAPOUR_GROWTH = 10.0
-"""Volume of vapour, per tank volume of oil, that a pressure of 1/e of the vapour pressure gives."""
+VAPOUR_GROWTH = 4.0
+"""Volume of vapour, per tank volume of oil, at 1/e of the vapour pressure."""
 
 
 class FluidPart(NamedTuple):
@@ -118,23 +118,22 @@ def _density_growth(rise: float, modulus: float, slope: float) -> float:
 
 
 def vapour_part(pressure: float, oil: Oil) -> FluidPart:
-    """Vapour, per tank volume: v = C ln(Pv/P) below the vapour pressure, none above; C is `VAPOUR_GROWTH`.
+    """Vapour, per tank volume: v = C L^2, L = ln(Pv/P), below the vapour pressure, none above; C is `VAPOUR_GROWTH`.
 
-    int v dP = C (P ln(Pv/P) + P - Pv). Below Pv/100 it grows along its tangent.  pressure: P, absolute [Pa].
+    int v dP = C (P (L^2 + 2 L + 2) - 2 Pv). Below Pv/100 it grows along its tangent.  pressure: P, absolute [Pa].
 
     Source  ours, docs/models/fluid.md
-    Holds   for a pressure near the vapour pressure whatever the volume: 10 % below it, there is as much vapour as oil
+    Holds   for a pressure near the vapour pressure, not at it: there is as much vapour as oil at 0.61 of it
     """
     Pv = oil.vapour_pressure
     unit, C = select(Pv > 0.0, Pv, 1.0), select(Pv > 0.0, VAPOUR_GROWTH, 0.0)
     Pr = unit * clip(pressure / unit, RAREFIED, 1.0)
-    below = Pr - minimum(pressure, Pr)
-    grown = C * np.log(unit / Pr)
-    slope = select(pressure < unit, C / Pr, 0.0)
+    below, L = Pr - minimum(pressure, Pr), np.log(unit / Pr)
+    grown, slope = C * L * L, 2.0 * C * L / Pr
     return FluidPart(
         volume=grown + slope * below,
         yielding=slope,
-        enthalpy=Pr * grown + C * (Pr - unit) - below * (grown + 0.5 * slope * below),
+        enthalpy=Pr * (grown + 2.0 * C * (L + 1.0)) - 2.0 * C * unit - below * (grown + 0.5 * slope * below),
     )
 
 

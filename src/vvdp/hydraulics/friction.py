@@ -6,7 +6,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Coupling, Force, Speed, Torque, Velocity, ViscousFriction
+from vvdp.base.kinds import Coupling, Force, FrictionTorque, Speed, Velocity, ViscousFriction
 from vvdp.base.params import Params
 
 
@@ -46,7 +46,7 @@ class ShaftFriction(Params):
     """Friction on a shaft: `shaft_damping` times the speed, and `coulomb_torque`, 71 % of it at `coulomb_speed`."""
 
     shaft_damping: Coupling
-    coulomb_torque: Torque
+    coulomb_torque: FrictionTorque
     coulomb_speed: Speed
 
     def check(self) -> None:

@@ -5,35 +5,105 @@ Source  ours, docs/models/components.md, where a function names no other.
 
 import numpy as np
 
-from vvdp.base.kinds import Conductance, Count, Displacement, Fraction, Torque
+from vvdp.base.kinds import Conductance, Count, Displacement, Fraction, FrictionTorque
 from vvdp.base.params import Params
-from vvdp.base.select import select
+from vvdp.base.select import minimum, select
 from vvdp.fluid.mixture import FluidState
 
 
 class Pump(Params):
-    """A pump; its flow swings by `ripple_amplitude` of the mean, `ripple_count` times per revolution.
+    """A pump; its flow swings by `ripple_amplitude` of the mean, `ripple_count` (vanes, pistons) times per revolution.
 
     `friction_torque` is what the shaft takes beyond the hydraulic torque, whatever the pressure and speed.
+    `dead_volume` is the oil that stays behind in all chambers in one revolution, and expands before they fill.
+    `precompression` is the share of the compression in closed chambers: at 1 they meet the pressure that they have, at
+    0 a chamber at one pressure is joined with the other, and what flows in to fill it is lost.
     """
 
     displacement: Displacement
     leakage_conductance: Conductance
     ripple_amplitude: Fraction = 0.0
     ripple_count: Count = 9.0
-    friction_torque: Torque
+    friction_torque: FrictionTorque
+    dead_volume: Displacement = 0.0
+    precompression: Fraction = 1.0
 
 
-def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> float:
-    """What a pump displaces per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in.
+def tank_displacement(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
+    """What a pump displaces per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in - V_d (1/nu_out - 1/nu_in).
 
-    It fills at its inlet's pressure, so what it displaces is counted there and does not depend on the pressure it is
-    pushed against. Times the speed it is the flow, times h_out - h_in the hydraulic torque.
+    It fills at its inlet's pressure, so what it displaces is counted there; of that, what its dead volume V_d held
+    more at the outlet's pressure expands first. Not below zero. Times the speed it is the flow.
 
     shaft_angle  theta [rad]
     inlet        oil where the pump fills
+    outlet       oil where it delivers
     """
-    return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * (1.0 / inlet.volume_ratio)
+    held = 1.0 / inlet.volume_ratio
+    filled = pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * held
+    return filled - reexpansion(filled, held, outlet, pump)
+
+
+def reexpansion(filled: float, held: float, outlet: FluidState, pump: Pump) -> float:
+    """What the dead volume of a pump takes of what it displaces [tank volumes, m^3/rad], at most all of it.
+
+    filled  what it displaces without dead volume [m^3/rad]
+    held    1/nu at the inlet [1]
+    outlet  oil where it delivers
+    """
+    return minimum(pump.dead_volume * (1.0 / outlet.volume_ratio - held), filled)
+
+
+def reexpansion_compiled(filled: float, held: float, outlet: FluidState, pump: Pump) -> float:
+    """The same as `reexpansion`, which it replaces in compiled code: nothing without dead volume.
+
+    filled  what the pump displaces without dead volume [m^3/rad]
+    held    1/nu at the inlet [1]
+    outlet  oil where it delivers
+    """
+    if pump.dead_volume == 0.0:
+        return 0.0
+    return minimum(pump.dead_volume * (1.0 / outlet.volume_ratio - held), filled)
+
+
+def unused_torque(displacement: float, shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
+    """Torque of a pump's chambers that goes into no oil [N m]: (1 - c) (D (1 + r) (P_out - P_in) - d (h_out - h_in)).
+
+    Without precompression the shaft works against the whole difference of pressure over the whole displacement D,
+    while the oil d that comes out has gained h; c is the share of precompression. Never negative.
+
+    displacement  d, of `tank_displacement` [tank volumes, m^3/rad]
+    shaft_angle   theta [rad]
+    inlet         oil where the pump fills
+    outlet        oil where it delivers
+
+    >>> from vvdp.fluid.mixture import fluid_state
+    >>> inlet, outlet = fluid_state(1e5, oil), fluid_state(100e5, oil)
+    >>> pump = Pump(displacement=3.63e-6, leakage_conductance=0.0, friction_torque=0.0, precompression=0.0)
+    >>> d = tank_displacement(0.0, inlet, outlet, pump)
+    >>> print(round(unused_torque(d, 0.0, inlet, outlet, pump) / (3.63e-6 * 99e5), 4))  # of the work
+    0.0126
+    """
+    swept = pump.displacement * (1.0 + flow_ripple(shaft_angle, pump))
+    work = swept * (outlet.pressure - inlet.pressure) - displacement * (outlet.enthalpy - inlet.enthalpy)
+    return (1.0 - pump.precompression) * work
+
+
+def unused_torque_compiled(
+    displacement: float, shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump
+) -> float:
+    """The same as `unused_torque`, which it replaces in compiled code: nothing where all compression is inside.
+
+    displacement  of `tank_displacement` [tank volumes, m^3/rad]
+    shaft_angle   theta [rad]
+    inlet         oil where the pump fills
+    outlet        oil where it delivers
+    """
+    if pump.precompression == 1.0:
+        return 0.0
+    swept = pump.displacement * (1.0 + flow_ripple(shaft_angle, pump))
+    work = swept * (outlet.pressure - inlet.pressure) - displacement * (outlet.enthalpy - inlet.enthalpy)
+    return (1.0 - pump.precompression) * work
 
 
 def flow_ripple(shaft_angle: float, pump: Pump) -> float:
@@ -64,11 +134,10 @@ def pump_friction_power(shaft_speed: float, pump: Pump) -> float:
     return pump.friction_torque * abs(shaft_speed)
 
 
-def pump_friction_torque(shaft_speed: float, pump: Pump) -> float:
-    """Friction of a pump [N m], against the speed: T_f with the sign of omega, none at rest.
+def against(torque: float, shaft_speed: float) -> float:
+    """A torque against the speed [N m]: with the sign of the speed, none at rest.
 
+    torque       its size [N m]
     shaft_speed  omega [rad/s]
     """
-    forward = select(shaft_speed > 0.0, pump.friction_torque, 0.0)
-    backward = select(shaft_speed < 0.0, pump.friction_torque, 0.0)
-    return forward - backward
+    return select(shaft_speed > 0.0, torque, 0.0) - select(shaft_speed < 0.0, torque, 0.0)

@@ -12,10 +12,12 @@ from vvdp.base.kinds import (
     POWER,
     PRESSURE_LEVEL,
     RATIO,
+    VOLUME,
     Angle,
     Duration,
     Energy,
     ExchangedEnergy,
+    FinePressure,
     Inertia,
     Kind,
     Kink,
@@ -27,7 +29,7 @@ from vvdp.base.kinds import (
     Volume,
 )
 from vvdp.base.params import Params
-from vvdp.fluid.dissolving import FreeAir
+from vvdp.fluid.dissolving import FREE_AIR, FreeAir
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.ports import Medium, RodState, ShaftState
 from vvdp.network.network import Part
@@ -90,6 +92,9 @@ class Classes:
         for name, node in self.network.nodes.items():
             if isinstance(node, HydraulicNode):
                 _join(hints, name, {f"{name}_pressure": PressureTime})
+        boiling = (f"{n}_vapour" for n, node in self.network.nodes.items() if can_boil(node))
+        aerated = (free_air_name(n) for n, node in self.network.nodes.items() if has_free_air(node))
+        _join(hints, "the oil", dict.fromkeys(boiling, _integral(VOLUME)) | dict.fromkeys(aerated, _integral(FREE_AIR)))
         for part in self.network.parts.values():
             flows = [f"{part.name}_{n}" for n in averaged_flows(part)]
             fresh: dict[str, Any] = dict.fromkeys(flows, TankVolume)
@@ -104,7 +109,7 @@ class Classes:
         for name, node in self.network.nodes.items():
             match node:
                 case OilVolume():
-                    hints[name] = Pressure
+                    hints[name] = FinePressure if can_boil(node) else Pressure
                     if has_free_air(node):
                         hints[free_air_name(name)] = FreeAir
                 case Shaft():

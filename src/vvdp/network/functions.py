@@ -170,6 +170,9 @@ class Functions:
             for n, node in self.network.nodes.items()
             if isinstance(node, HydraulicNode)
         }
+        found |= boiling_outputs(self.text) | {
+            name: f"s.{name}" for name in map(free_air_name, aerated_volumes(self.text))
+        }
         for part in self.network.parts.values():
             found |= {f"{part.name}_{name}": text for name, text in averaged_flows(part).items()}
             found |= {f"{part.name}_{name}": f"{part.name}.{name}" for name in part.component.averages}
@@ -184,7 +187,7 @@ class Functions:
                 texts[f"{name}_speed"] = f"{name}.speed"
         for part in self.network.parts.values():
             texts |= {f"{part.name}_{name}": text for name, (text, _) in part_outputs(part).items()}
-        texts |= dict(boiling_outputs(self.text))
+        texts |= boiling_outputs(self.text)
         texts |= {read.replace(".", "_"): f"u.{read}" for read in self.classes.program_reads}
         yield from texts.items()
 
@@ -193,7 +196,7 @@ class Functions:
             yield from ((f"{part.name}_{name}", f"{part.name}.{name}") for name in part.component.modes)
         for name, flow in tank_exchanges(self.places).items():
             yield name, f"{self.text.use(flow_side)}({flow})"
-        yield from boiling_modes(self.text)
+        yield from boiling_modes(self.text).items()
 
     def conditions(self) -> list[str]:
         """The function `conditions`."""

@@ -25,7 +25,7 @@ def air_lines(text: Text) -> Iterator[str]:
     volumes = aerated_volumes(text)
     for part in text.network.parts.values():
         if volumes.keys() & _flows(part).keys():
-            yield f"air_{part.name} = {_mixed(text, part)}"
+            yield f"air_{part.name} = {_mean_of_drawn(text, part)}"
     for name, node in volumes.items():
         own = f"s.{free_air_name(name)}"
         terms = [
@@ -54,7 +54,7 @@ def _flows(part: Part) -> dict[str, str]:
     return found
 
 
-def _mixed(text: Text, part: Part) -> str:
+def _mean_of_drawn(text: Text, part: Part) -> str:
     """The free air of what a part gives."""
     drawn = {
         node: f"{text.use(maximum)}({negative(flow) if ' ' not in flow else f'-({flow})'}, 0.0)"
@@ -82,16 +82,20 @@ def oil_volume(text: Text, name: str, node: OilVolume) -> str:
     return f"{own} + {swept}" if swept else own
 
 
-def boiling_outputs(text: Text) -> Iterator[tuple[str, str]]:
+def boiling_outputs(text: Text) -> dict[str, str]:
     """Names and texts of the volumes of vapour."""
+    found = {}
     for name, node in text.network.nodes.items():
         if isinstance(node, OilVolume) and can_boil(node):
             volume, oil = oil_volume(text, name, node), text.places.path(node.oil)
-            yield f"{name}_vapour", f"{text.use(vapour_volume)}({volume}, {name}, {oil})"
+            found[f"{name}_vapour"] = f"{text.use(vapour_volume)}({volume}, {name}, {oil})"
+    return found
 
 
-def boiling_modes(text: Text) -> Iterator[tuple[str, str]]:
+def boiling_modes(text: Text) -> dict[str, str]:
     """Names and texts of the kinks at which oil begins and ends to boil."""
-    for name, node in text.network.nodes.items():
-        if can_boil(node) and isinstance(node, OilVolume):
-            yield f"{name}_vapour", f"{text.use(vapour_side)}({name}.pressure, {text.places.path(node.oil)})"
+    return {
+        f"{name}_vapour": f"{text.use(vapour_side)}({name}.pressure, {text.places.path(node.oil)})"
+        for name, node in text.network.nodes.items()
+        if isinstance(node, OilVolume) and can_boil(node)
+    }

@@ -36,6 +36,7 @@ COMPONENTS = {
     "valve_leakage": "valve leakage",
     "pump_leakage": "pump leakage",
     "pump_friction": "pump friction",
+    "pump_compression": "filling of the pump's chambers",
     "coupling": "spool coupling",
 }
 FEWEST_SAMPLES = 64
@@ -67,7 +68,9 @@ def causes(run: RecordedRun) -> tuple[Loss, ...]:
     def analytic(key: str) -> float:
         return run.number(f"analytic_loss_{key}_W")
 
-    other = sum(run.number(f"loss_{key}_W") for key in ("pump_leakage", "pump_friction", "coupling"))
+    other = sum(
+        run.number(f"loss_{key}_W") for key in ("pump_leakage", "pump_friction", "pump_compression", "coupling")
+    )
     both = analytic("transition") + analytic("compressibility")
     return (
         Loss("fully open valve", run.number("loss_full_open_W"), analytic("full_open")),

@@ -84,7 +84,7 @@ def _all_series(value: Any) -> dict[str, Series]:
 
 def _series(path: str, values: Array, kind: Kind | None) -> Series:
     words = path.removeprefix("books.").replace(".", ", ").replace("_", " ")
-    return Series(values, kind, words + (" (absolute)" if kind is PRESSURE_LEVEL else ""))
+    return Series(values, kind, words + (" (absolute)" if kind and kind.name == PRESSURE_LEVEL.name else ""))
 
 
 def record_bytes(record: Record, attributes: Mapping[str, str | int]) -> bytes:

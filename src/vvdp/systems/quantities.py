@@ -13,9 +13,11 @@ from vvdp.base.kinds import (
     POSITION,
     SPEED,
     VELOCITY,
+    VOLUME,
     Kind,
 )
-from vvdp.network.nodes import HydraulicNode, Rod, Shaft
+from vvdp.fluid.dissolving import FREE_AIR
+from vvdp.network.nodes import HydraulicNode, Rod, Shaft, can_boil, free_air_name, has_free_air
 from vvdp.network.paths import flows_of
 from vvdp.results.result import Number
 from vvdp.systems.system import System
@@ -62,6 +64,11 @@ def summary_numbers(system: System, found: Mapping[str, float | bool]) -> dict[s
 def _of_nodes(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
     for name, node in system.circuit.network.nodes.items():
         words = name.replace("_", " ")
+        if can_boil(node):
+            yield f"vapour_mean_{name}_m3", (VOLUME, f"vapour in {words}, mean")
+        if has_free_air(node):
+            yield f"free_air_mean_{name}", (FREE_AIR, f"free air in {words} per tank volume, mean")
+            yield f"loss_{free_air_name(name)}_W", (MEAN_POWER, f"{words} loss by air that dissolves and comes out")
         for which, label in EXTREMES.items():
             if isinstance(node, HydraulicNode):
                 yield f"pressure_{which}_{name}_Pa", (GAUGE_PRESSURE, f"{words} pressure, {label}")

@@ -6,7 +6,17 @@ from operator import attrgetter
 import numpy as np
 
 from vvdp.base.signal import Signal
-from vvdp.network.nodes import HydraulicNode, OilVolume, PressureSource, Rod, Shaft, Tank
+from vvdp.network.nodes import (
+    HydraulicNode,
+    OilVolume,
+    PressureSource,
+    Rod,
+    Shaft,
+    Tank,
+    can_boil,
+    free_air_name,
+    has_free_air,
+)
 from vvdp.network.paths import flows_of
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import Outcome, outcome
@@ -91,6 +101,11 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             found[f"pressure_mean_{name}_Pa"] = mean - reference
             found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
             found[f"pressure_max_{name}_Pa"] = bounds[1] - reference
+            if can_boil(node):
+                found[f"vapour_mean_{name}_m3"] = means[f"totals.{name}_vapour"]
+            if has_free_air(node):
+                found[f"free_air_mean_{name}"] = means[f"totals.{free_air_name(name)}"]
+                found[f"loss_{free_air_name(name)}_W"] = means[f"spent.{free_air_name(name)}"]
         elif isinstance(node, Shaft | Rod):
             place, rate, unit = ("angle", "speed", "rad") if isinstance(node, Shaft) else ("position", "velocity", "m")
             at = paths.index(f"{name}.{place}")
