@@ -14,12 +14,13 @@ from vvdp.design.problem import problem
 from vvdp.design.quantities import quantities, setup
 from vvdp.design.temperature import over_temperature
 from vvdp.geometry.shape import nozzle_reach, perpendicular_area, valve_shape
+from vvdp.steady.cycle_means import ANGLES as FEWER_ANGLES
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import branch_drops, branch_flow
 from vvdp.valve.condition import Condition
-from vvdp.valve.flow_map import averaged_spool_speed
+from vvdp.valve.flow_map import ANGLES, averaged_spool_speed, quasi_steady_mean
 from vvdp.valve.geometry import nozzle_width, pitch
-from vvdp.valve.losses import compressibility_loss, full_open_drop, transition_loss
+from vvdp.valve.losses import compressibility_loss, full_open_drop, full_open_loss, transition_loss
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -82,6 +83,17 @@ def test_the_centre_section_as_quadratic_changes_the_loss_little():
     loss = 2.0 * nozzle_width(VALVE) / pitch(VALVE) * Q * (ramp(AT.load_pressure) + ramp(TANK))
     assert "changes the total by less than 1e-4" in VALVE_PAGE
     assert 0.0 < abs(loss - transition_loss(AT, VALVE).loss) < 1e-4 * (loss + Q * (n + c + o))
+
+
+def test_loss_with_an_override():
+    """10 bar at 40 lpm: closed form, and averaged over the period."""
+    with_override = AT._replace(relief_override=1e6, relief_rated_flow=Q)
+    open_loss = full_open_loss(Q, RHO, VALVE)
+    watts = [open_loss + transition_loss(at, VALVE).loss for at in (AT, with_override)]
+    assert f"grows from {watts[0]:.0f} to {watts[1]:.0f} W" in VALVE_PAGE
+    assert quasi_steady_mean(0.5, with_override, VALVE).loss == pytest.approx(watts[1], rel=2e-4)
+    assert f"at {ANGLES} angles of half a period" in VALVE_PAGE
+    assert f"does the same at {FEWER_ANGLES} angles" in VALVE_PAGE
 
 
 def test_two_ways_of_counting():
