@@ -86,6 +86,20 @@ static Branch law_flow(double dp, double opening, const double *u)
     return (Branch){opening * full, full, nozzle * per_total, centre * per_total, outlet * per_total};
 }
 
+static inline Branch choked(Branch b, double inlet_pressure, const double *u)
+{
+    double recovery = U(valve_branch_pressure_recovery), q = most(b.full, 0.0);
+    if (recovery == 0.0)
+        return b;
+    double left = most(inlet_pressure - U(valve_branch_boiling_pressure), U(valve_branch_transition_pressure));
+    double ratio = U(valve_branch_nozzle) * q * q / (recovery * recovery * left);
+    if (ratio <= 1.0)
+        return b;
+    double kept = 1.0 / ratio, root = sqrt(kept), outlet = b.outlet * kept;
+    double centre = b.centre * pow(kept, 0.5 * U(valve_branch_flow_exponent));
+    return (Branch){b.flow * root, b.full * root, 1.0 - centre - outlet, centre, outlet};
+}
+
 typedef struct { double open, skew; } Wedge;
 
 static inline Wedge wedge(double distance, double half_width, double ramp)
@@ -180,8 +194,8 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     double load_open = narrow.open * lift, tank_open = 1.0 - wide.open;
     double closing = P(valve_jet_asymmetry) * (offset < 0.0 ? -1.0 : 1.0);
     double load_skew = closing * narrow.skew * lift, tank_skew = -closing * wide.skew;
-    Branch load_branch = law_flow(load_drop, load_open, u);
-    Branch tank_branch = law_flow(inlet_pressure - tank_pressure, tank_open, u);
+    Branch load_branch = choked(law_flow(load_drop, load_open, u), inlet_pressure, u);
+    Branch tank_branch = choked(law_flow(inlet_pressure - tank_pressure, tank_open, u), inlet_pressure, u);
     Passage to_load = passage(load_branch.flow, inlet, line), to_tank = passage(tank_branch.flow, inlet, tank);
     double thick = film_thickening(load_pressure, tank_pressure, p);
     Passage leak = passage(U(valve_leakage_conductance) / thick * (load_pressure - tank_pressure), line, tank);
@@ -269,6 +283,8 @@ void conditions(const double *p, double *u)
     out[U_valve_branch_outlet_turbine] = 0.5 * rho / (outlet * outlet) + P(valve_rail_coefficient);
     out[U_valve_branch_flow_exponent] = P(valve_centre_flow_exponent);
     out[U_valve_branch_transition_pressure] = P(valve_transition_pressure);
+    out[U_valve_branch_pressure_recovery] = P(valve_pressure_recovery);
+    out[U_valve_branch_boiling_pressure] = 0.96 * P(oil_vapour_pressure);
     out[U_valve_ports_sections] = N;
     out[U_valve_ports_helix_length] = L;
     out[U_valve_ports_nozzle_width] = width / pitch;

@@ -36,6 +36,7 @@ SETTINGS = {
     "blocked in between": ["valve.lap_ratio=1.3", "relief_valve.override_pressure=10 bar"],
     "underlap": ["valve.lap_ratio=0.5", "valve.jet_exponent=0.4", "valve.eccentricity=0.3"],
     "uneven jets": ["valve.jet_exponent=0.65", "valve.jet_asymmetry=0.85", "oil.pressure_viscosity=2e-8 1/Pa"],
+    "choking nozzles": ["valve.pressure_recovery=0.7", "oil.vapour_pressure=0.1 bara"],
     "dynamic relief": ["relief_valve.override_pressure=10 bar", "relief_valve.opening_time=2 ms"],
     "check valve": ["check_valve.reverse_opening=0", "check_valve.cracking_pressure=0.05 bar"],
     "driven": ["spool_drive.coupling=0.1 N*m*s", "operation.spool_motor_speed=3000 rpm"],

@@ -78,7 +78,7 @@ def test_every_formula_has_a_source(formula_modules, functions_of, root):
         for name, function in functions_of(module).items():
             count += 1
             told = source_of(function) or source_of(module)
-            cited = set(re.findall(r"\b(?:[a-z]+\d{4}|astm-d341|iso\d+|ours)\b", told[1])) if told else set()
+            cited = set(re.findall(r"\b(?:[a-z]+\d{4}|astm-d341|i(?:so|ec)\d+|ours)\b", told[1])) if told else set()
             if not cited:
                 faults.append(f"{module.__name__}.{name}: no Source line")
             elif not cited <= keys:

@@ -1,5 +1,7 @@
 """The averages solved angle by angle against the ones over whole arrays, against closed forms, and compiled."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -133,3 +135,18 @@ def test_slowness_tells_a_spool_that_stops(source_stand):
     ]
     assert all(each < 1.5 for each in slowness[:2])
     assert all(each > 2.0 * SLOWEST for each in slowness[2:])
+
+
+def test_choking_nozzles_lose_more_and_agree_with_the_bisection(source_stand):
+    """A closing tank port that chokes sends more over the relief valve; both ways of averaging say how much."""
+    prototype = source_stand.bench.valve
+    usual = cycle_means(point(0.5), prototype)
+    for recovery in (0.9, 0.5):
+        valve = replace(prototype, pressure_recovery=recovery)
+        found, other = cycle_means(point(0.5), valve), quasi_steady_mean(0.5, condition(point().load_pressure), valve)
+        assert found.relief_flow > 1.01 * usual.relief_flow
+        assert found.tank_flow < usual.tank_flow
+        assert found.relief_flow == pytest.approx(other.relief_flow, rel=2e-3)
+        assert found.load_flow == pytest.approx(other.load_flow, rel=2e-3)
+    nearly = cycle_means(point(0.5), replace(prototype, pressure_recovery=1.0))
+    assert nearly == pytest.approx(usual, rel=1e-9)

@@ -19,6 +19,7 @@ BOTH = {
     "duty above 1": ["operation.duty_ratio=1.3"],
     "ports shut in between": ["valve.lap_ratio=1.3"],
     "slow check valve": ["check_valve.reverse_opening=0", "check_valve.opening_time=3 ms"],
+    "choking nozzles": ["valve.pressure_recovery=0.7", "oil.vapour_pressure=0.1 bara"],
     "pump stopped": ["operation.pump_speed=0 rpm"],
     "pressure in the tank": ["operation.tank_pressure=5 bar"],
     "vacuum in the tank": ["operation.tank_pressure=-0.3 bar"],

@@ -6,7 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from vvdp.valve.branch import branch_drops, branch_flow, power_near_one, turbulent_drops
+from vvdp.valve.branch import (
+    branch_drops,
+    branch_flow,
+    branch_law,
+    choking_ratio,
+    law_flow,
+    power_near_one,
+    throttled_flow,
+    turbulent_drops,
+)
 
 RHO = 876.0
 LPM = 1.0 / 6e4
@@ -151,3 +160,63 @@ def test_power_near_one():
     # next term of the series: fifth order
     errors = [abs(power_near_one(1.0 + d, -0.1) / (1.0 + d) ** -0.1 - 1.0) for d in (0.04, 0.02)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(5.0, abs=0.1)
+
+
+def choking(valve, recovery, vapour_pressure=0.0):
+    return branch_law(RHO, replace(valve, pressure_recovery=recovery), vapour_pressure)
+
+
+def test_choked_nozzles_by_hand(prototype):
+    # F_L 0.9, 680 kPa, P_v 70.1 kPa: 0.81 * (680 - 0.96 * 70.1) = 496.29 kPa; R_n = 438/(0.61 * 36.5e-6)^2 = 8.8355e11,
+    # Q = a sqrt(496290/8.8355e11) = a * 7.4947e-4 m^3/s; the drop left behind the nozzles: 1 - 0.49629/0.68 = 0.270
+    law = choking(prototype, 0.9, 70.1e3)
+    assert law.nozzle == pytest.approx(8.8355e11, rel=1e-4)
+    found = throttled_flow(680e3, 0.0, 0.1, law)
+    assert found.flow == pytest.approx(0.1 * 7.4947e-4, rel=1e-4)
+    assert choking_ratio(law_flow(680e3, 0.1, law), 680e3, law) == pytest.approx(680.0 / 496.29, rel=0.02)
+
+
+@given(st.floats(0.02, 1.0), st.floats(1e5, 1.2e7), st.floats(0.3, 0.9))
+def test_a_choked_flow_does_not_depend_on_the_pressure_behind_it(prototype, opening, inlet, recovery):
+    law = choking(prototype, recovery, 2e4)
+    lowest, ratio = throttled_flow(inlet, 0.0, opening, law), choking_ratio(law_flow(inlet, opening, law), inlet, law)
+    for behind in (0.1 * inlet, 0.2 * inlet):
+        found, free = throttled_flow(inlet, behind, opening, law), law_flow(inlet - behind, opening, law)
+        choked = choking_ratio(free, inlet, law)
+        assert choked <= ratio
+        if choked > 1.0:
+            assert found.flow == pytest.approx(lowest.flow, rel=1e-12)
+            limit = recovery * recovery * max(inlet - 0.96 * 2e4, 5e3)
+            assert law.nozzle * found.full_section_flow**2.0 == pytest.approx(limit, rel=1e-12)
+        else:
+            assert found == pytest.approx(free, rel=1e-12)
+
+
+@given(st.floats(0.02, 1.0), st.floats(2e5, 1.2e7), st.floats(0.2, 1.0))
+def test_drops_behind_choked_nozzles_are_those_of_the_flow(prototype, opening, inlet, recovery):
+    """The shares sum to 1, and centre section and turbine take what their laws say; smoothing is below 1e-3 there."""
+    law = choking(prototype, recovery)
+    found = throttled_flow(inlet, 0.0, opening, law)
+    assert found.nozzle_share + found.centre_share + found.outlet_share == pytest.approx(1.0, rel=1e-14)
+    drops = turbulent_drops(found.flow, opening, RHO, prototype)
+    assert found.centre_share * inlet == pytest.approx(drops.centre_section, rel=1e-3)
+    assert found.outlet_share * inlet == pytest.approx(drops.outlet_turbine, rel=1e-3)
+    assert found.nozzle_share * inlet >= drops.nozzle * (1.0 - 1e-3)
+
+
+@given(st.floats(0.02, 1.0), st.floats(1e5, 1.2e7), st.floats(1.0, 1.2), st.floats(0.0, 1.0), st.floats(0.2, 0.9))
+def test_flow_follows_both_pressures(prototype, opening, inlet, more, share, recovery):
+    law = choking(prototype, recovery)
+    flow = throttled_flow(inlet, share * inlet, opening, law).flow
+    assert throttled_flow(more * inlet, share * inlet, opening, law).flow >= flow * (1.0 - 1e-12)
+    assert throttled_flow(inlet, share * inlet / more, opening, law).flow >= flow * (1.0 - 1e-12)
+
+
+@given(st.floats(0.02, 1.0), st.floats(-1e7, 1e7), st.floats(1e5, 1e7))
+def test_nozzles_that_regain_nothing_do_not_choke_above_boiling(prototype, opening, drop, behind):
+    """F_L = 1: the narrowest section has the pressure behind the nozzles. Nor does any valve choke backwards."""
+    free = law_flow((behind + drop) - behind, opening, choking(prototype, 1.0))
+    assert throttled_flow(behind + drop, behind, opening, choking(prototype, 1.0)) == pytest.approx(free, rel=1e-12)
+    if drop < 0.0:
+        assert throttled_flow(behind + drop, behind, opening, choking(prototype, 0.1)) == pytest.approx(free, rel=1e-12)
+    assert throttled_flow(behind + drop, behind, opening, choking(prototype, 0.0)) == pytest.approx(free, rel=1e-12)

@@ -190,3 +190,10 @@ def test_warnings_carry_numbers(prototype):
     (lap,) = warnings(replace(prototype, lap_ratio=0.8))
     assert "(3.19 mm) are narrower than the nozzles (3.99 mm)" in lap
     assert len(warnings(replace(prototype, lap_ratio=0.8), duty=0.1, relief=101.0)) == 3
+
+
+def test_choking_nozzles_put_the_closed_form_in_doubt(prototype):
+    # 0.81 * (120 + 1.01325) bar = 98.02 bar, less than the 120 bar over the closing tank port; 1 * 121 bar is not
+    (found,) = warnings(replace(prototype, pressure_recovery=0.9), 0.5)
+    assert "choke from a drop of 98.02 bar on" in found
+    assert warnings(replace(prototype, pressure_recovery=1.0), 0.5) == ()

@@ -15,6 +15,7 @@ from vvdp.base.kinds import (
     Ratio,
     Torque,
 )
+from vvdp.base.modes import side
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil, film_ratios
@@ -22,7 +23,7 @@ from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_openin
 from vvdp.hydraulics.flow import Passage, passage
 from vvdp.hydraulics.ports import Medium, ShaftState
 from vvdp.network.component import Component
-from vvdp.valve.branch import BranchFlow, BranchLaw, branch_law, law_flow
+from vvdp.valve.branch import BranchFlow, BranchLaw, branch_law, choked_flow, choking_ratio, law_flow
 from vvdp.valve.geometry import JetSkews, Openings, PortShape, jet_skews, port_edges, port_shape, shape_openings
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
@@ -72,15 +73,17 @@ class RotaryValveFlow(NamedTuple):
     load_far: Kink
     tank_near: Kink
     tank_far: Kink
+    load_choke: Kink
+    tank_choke: Kink
     check: Kink
 
 
-def rotary_valve_held(medium: Medium, valve: RotaryValve) -> RotaryValveHeld:
+def rotary_valve_held(medium: Medium, oil: Oil, valve: RotaryValve) -> RotaryValveHeld:
     """What a rotary valve works out once per sample."""
     return RotaryValveHeld(
         leakage_conductance=leakage_conductance(medium.viscosity, valve),
         friction_coefficient=friction_coefficient(medium.viscosity, valve),
-        branch=branch_law(medium.density, valve),
+        branch=branch_law(medium.density, valve, oil.vapour_pressure),
         ports=port_shape(valve),
     )
 
@@ -96,10 +99,12 @@ def duty_position(duty_ratio: float, valve: RotaryValve) -> float:
 
 
 class Branch(NamedTuple):
-    """One branch at an instant: its flow at the pressure it comes from, and what passes in tank volumes."""
+    """One branch at an instant: its flow at the pressure it comes from, what passes in tank volumes, and on which side
+    of choking its nozzles are."""
 
     law: BranchFlow
     passage: Passage
+    choke: Kink
 
 
 def branch(inlet: FluidState, outlet: FluidState, opening: float, law: BranchLaw) -> Branch:
@@ -109,8 +114,10 @@ def branch(inlet: FluidState, outlet: FluidState, opening: float, law: BranchLaw
 
     Source  wang2017, eqs. 2.3 to 2.5; derived in docs/models/rotary-valve.md
     """
-    flow = law_flow(inlet.pressure - outlet.pressure, opening, law)
-    return Branch(flow, passage(flow.flow, inlet, outlet))
+    free = law_flow(inlet.pressure - outlet.pressure, opening, law)
+    choking = choking_ratio(free, inlet.pressure, law)
+    flow = choked_flow(free, choking, law)
+    return Branch(flow, passage(flow.flow, inlet, outlet), side(choking - 1.0))
 
 
 def valve_losses(
@@ -177,6 +184,8 @@ def rotary_valve(
         load_far=edges.load_far,
         tank_near=edges.tank_near,
         tank_far=edges.tank_far,
+        load_choke=to_load.choke,
+        tank_choke=to_tank.choke,
         check=check_side(load_drop, check),
     )
 

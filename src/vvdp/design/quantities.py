@@ -162,6 +162,7 @@ def switching_condition(at: Setup) -> Condition:
         density=density(at.temperature, at.oil),
         relief_override=at.relief_override,
         relief_rated_flow=at.relief_rated_flow,
+        vapour_pressure=at.oil.vapour_pressure,
     )
 
 

@@ -23,7 +23,7 @@ from vvdp.base.kinds import (
     Speed,
 )
 from vvdp.base.select import maximum, minimum
-from vvdp.valve.branch import BranchFlow, BranchLaw, branch_drops, branch_law, law_flow
+from vvdp.valve.branch import BranchFlow, BranchLaw, branch_drops, branch_law, choking_ratio, throttled_flow
 from vvdp.valve.flow_map import highest_inlet_pressure, static_relief_flow
 from vvdp.valve.geometry import EVEN, Openings, PortShape, port_shape, shape_openings
 from vvdp.valve.rotary import RotaryValve
@@ -56,6 +56,7 @@ class CyclePoint(NamedTuple):
     pump_leakage: Conductance
     density: Density
     viscosity: DynamicViscosity
+    vapour_pressure: Pressure = 0.0
 
 
 class CycleMeans(NamedTuple):
@@ -96,8 +97,8 @@ def taken_flow(pressure: float, openings: Openings, point: CyclePoint, law: Bran
     Source  ours, docs/models/rotary-valve.md
     """
     ports = (
-        law_flow(pressure - point.load_pressure, openings.load, law).flow
-        + law_flow(pressure - point.tank_pressure, openings.tank, law).flow
+        throttled_flow(pressure, point.load_pressure, openings.load, law).flow
+        + throttled_flow(pressure, point.tank_pressure, openings.tank, law).flow
     )
     relief = static_relief_flow(
         pressure, point.relief_pressure, point.relief_override, point.relief_rated_flow, point.tank_pressure
@@ -163,9 +164,9 @@ def instant(openings: Openings, point: CyclePoint, law: BranchLaw, valve: Rotary
         behind = point.load_pressure if openings.load > 0.0 else point.tank_pressure
         drops = branch_drops(point.flow, opening, point.density, valve)
         pressure = behind + drops.nozzle + drops.centre_section + drops.outlet_turbine
-        if pressure <= point.relief_pressure:
-            # What a shut port would pass per open fraction, and the shares of the drop, are of no account here.
-            whole = BranchFlow(point.flow, point.flow / opening, 1.0, 0.0, 0.0)
+        # What a shut port would pass per open fraction, and the shares of the drop, are of no account here.
+        whole = BranchFlow(point.flow, point.flow / opening, 1.0, 0.0, 0.0)
+        if pressure <= point.relief_pressure and choking_ratio(whole, pressure, law) <= 1.0:
             none = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
             if openings.load > 0.0:
                 return Instant(pressure, whole, none, 0.0)
@@ -197,8 +198,8 @@ def flows_at(pressure: float, openings: Openings, point: CyclePoint, law: Branch
 
     Source  ours, docs/models/rotary-valve.md
     """
-    load = law_flow(pressure - point.load_pressure, openings.load, law)
-    tank = law_flow(pressure - point.tank_pressure, openings.tank, law)
+    load = throttled_flow(pressure, point.load_pressure, openings.load, law)
+    tank = throttled_flow(pressure, point.tank_pressure, openings.tank, law)
     leakage = point.pump_leakage * (pressure - point.tank_pressure)
     return Instant(pressure, load, tank, point.flow - leakage - load.flow - tank.flow)
 
@@ -211,7 +212,7 @@ def cycle_means(point: CyclePoint, valve: RotaryValve) -> CycleMeans:
 
     Source  ours, docs/models/rotary-valve.md
     """
-    law, shape = branch_law(point.density, valve), port_shape(valve)
+    law, shape = branch_law(point.density, valve, point.vapour_pressure), port_shape(valve)
     k_f = friction_coefficient(point.viscosity, valve)
     load_flow, tank_flow, relief_flow, inlet = 0.0, 0.0, 0.0, 0.0
     at_rest, slowed = 0.0, 0.0

@@ -172,6 +172,7 @@ class Stand:
             pump_leakage=self.bench.pump.leakage_conductance,
             density=density(point.oil_temperature, oil),
             viscosity=self.film_viscosity(point),
+            vapour_pressure=oil.vapour_pressure,
         )
 
     def means(self, point: SetPoint) -> CycleMeans:

@@ -9,13 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Flow, Fraction, PressureDifference, Ratio
+from vvdp.base.kinds import Flow, Fraction, Pressure, PressureDifference, Ratio
 from vvdp.base.powers import power
+from vvdp.base.select import maximum, select
 from vvdp.valve.rotary import PowerResistance, QuadraticResistance, RotaryValve
 
 # Flow below which the centre section's power law becomes linear [m^3/s]; far below any flow of interest, it only
 # keeps the law finite at zero.
 STILL_FLOW = 1e-11
+
+CRITICAL_RATIO = 0.96
+"""Pressure in the narrowest section of a choked flow over the vapour pressure: 0.96 - 0.28 sqrt(P_v/P_c), P_c the
+critical pressure, is 0.957 where P_v is a ten-thousandth of it, and oil's is less."""
 
 
 class BranchDrops(NamedTuple):
@@ -56,21 +61,26 @@ class BranchLaw(NamedTuple):
     outlet_turbine: QuadraticResistance
     flow_exponent: Ratio
     transition_pressure: PressureDifference
+    pressure_recovery: Fraction
+    boiling_pressure: Pressure
 
 
-def branch_law(density: float, valve: RotaryValve) -> BranchLaw:
-    """The law of a branch at one density, for many calls of `law_flow`.
+def branch_law(density: float, valve: RotaryValve, vapour_pressure: float = 0.0) -> BranchLaw:
+    """The law of a branch at one density, for many calls of `throttled_flow` or `law_flow`.
 
-    density  [kg/m^3]
+    density          [kg/m^3]
+    vapour_pressure  of the oil, absolute [Pa]
 
-    Source  wang2017, eqs. 2.3 to 2.5
+    Source  wang2017, eqs. 2.3 to 2.5; choking: iec60534
     """
     return BranchLaw(
-        nozzle_resistance(density, valve),
-        centre_resistance(valve),
-        outlet_resistance(density, valve),
-        valve.centre_flow_exponent,
-        valve.transition_pressure,
+        nozzle=nozzle_resistance(density, valve),
+        centre_section=centre_resistance(valve),
+        outlet_turbine=outlet_resistance(density, valve),
+        flow_exponent=valve.centre_flow_exponent,
+        transition_pressure=valve.transition_pressure,
+        pressure_recovery=valve.pressure_recovery,
+        boiling_pressure=CRITICAL_RATIO * vapour_pressure,
     )
 
 
@@ -265,3 +275,97 @@ def open_flow(pressure_drop: float, opening: float, law: BranchLaw) -> BranchFlo
         centre * per_total,
         outlet * per_total,
     )
+
+
+def throttled_flow(upstream_pressure: float, downstream_pressure: float, opening: float, law: BranchLaw) -> BranchFlow:
+    """Flow through a branch and how its drop divides, with nozzles that may choke [m^3/s, 1].
+
+    upstream_pressure, downstream_pressure  at inlet rail and outlet port, absolute [Pa]
+    opening                                 open fraction of the branch's ports, 0 to 1 [1]
+
+    Source  wang2017, eqs. 2.3 to 2.5; choking: iec60534
+    """
+    free = law_flow(upstream_pressure - downstream_pressure, opening, law)
+    return choked_flow(free, choking_ratio(free, upstream_pressure, law), law)
+
+
+def choking_drop(upstream_pressure: float, law: BranchLaw) -> float:
+    """Drop over the nozzles from which on they choke, F_L^2 (P_1 - F_F P_v), F_L the pressure recovery [Pa].
+
+    P_1 - F_F P_v counts at least as much as the transition pressure.
+
+    upstream_pressure  P_1, at the inlet rail, absolute [Pa]
+
+    Source  iec60534
+    """
+    left = maximum(upstream_pressure - law.boiling_pressure, law.transition_pressure)
+    return law.pressure_recovery * law.pressure_recovery * left
+
+
+def choking_ratio(free: BranchFlow, upstream_pressure: float, law: BranchLaw) -> float:
+    """Drop over the nozzles, as their flow has it, over the drop from which on they choke [1].
+
+    R_n Q_f^2 over `choking_drop`; 0 for reversed flow, and for a pressure recovery of 0, with which they never choke.
+
+    free               what flows without choking
+    upstream_pressure  P_1, at the inlet rail, absolute [Pa]
+
+    Source  iec60534
+    """
+    Q, chokes = maximum(free.full_section_flow, 0.0), law.pressure_recovery > 0.0
+    ratio = law.nozzle * Q * Q / select(chokes, choking_drop(upstream_pressure, law), 1.0)
+    return select(chokes, ratio, 0.0)
+
+
+def choking_ratio_compiled(free: BranchFlow, upstream_pressure: float, law: BranchLaw) -> float:
+    """The same as `choking_ratio`, which it replaces in compiled code: a valve that never chokes costs nothing.
+
+    free               what flows without choking
+    upstream_pressure  P_1, at the inlet rail, absolute [Pa]
+
+    Source  iec60534
+    """
+    if law.pressure_recovery == 0.0:
+        return 0.0
+    Q = maximum(free.full_section_flow, 0.0)
+    return law.nozzle * Q * Q / choking_drop(upstream_pressure, law)
+
+
+def choked_flow(free: BranchFlow, ratio: float, law: BranchLaw) -> BranchFlow:
+    """A flow held at that of choked nozzles, Q/sqrt(ratio), where the ratio exceeds 1 [m^3/s, 1].
+
+    Behind the nozzles the drops follow their laws at that flow, and what is left of the whole is the nozzles' own.
+
+    free   what flows without choking
+    ratio  `choking_ratio` [1]
+
+    Source  iec60534; the shares are ours, docs/models/rotary-valve.md
+    """
+    kept = 1.0 / maximum(ratio, 1.0)
+    root = np.sqrt(kept)
+    centre = free.centre_share * power(kept, 0.5 * law.flow_exponent)
+    outlet = free.outlet_share * kept
+    return BranchFlow(
+        flow=free.flow * root,
+        full_section_flow=free.full_section_flow * root,
+        nozzle_share=1.0 - centre - outlet,
+        centre_share=centre,
+        outlet_share=outlet,
+    )
+
+
+def choked_flow_compiled(free: BranchFlow, ratio: float, law: BranchLaw) -> BranchFlow:
+    """The same as `choked_flow`, which it replaces in compiled code: mostly nothing chokes.
+
+    free   what flows without choking
+    ratio  `choking_ratio` [1]
+
+    Source  iec60534
+    """
+    if ratio <= 1.0:
+        return free
+    kept = 1.0 / ratio
+    root = np.sqrt(kept)
+    centre = free.centre_share * power(kept, 0.5 * law.flow_exponent)
+    outlet = free.outlet_share * kept
+    return BranchFlow(free.flow * root, free.full_section_flow * root, 1.0 - centre - outlet, centre, outlet)

@@ -13,7 +13,7 @@ import numpy as np
 
 from vvdp.base.kinds import Flow, Power, Pressure
 from vvdp.base.select import maximum, minimum, select
-from vvdp.valve.branch import BranchFlow, branch_flow
+from vvdp.valve.branch import BranchFlow, branch_law, throttled_flow
 from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import EVEN, Openings, port_openings
 from vvdp.valve.rotary import RotaryValve
@@ -89,19 +89,20 @@ def quasi_steady_cycle(duty_ratio: float, at: Condition, valve: RotaryValve) -> 
     """
     angle: Any = np.pi / valve.sections * (np.arange(ANGLES) + 0.5) / ANGLES
     openings = port_openings(angle, duty_ratio * valve.helix_length, valve)
+    law = branch_law(at.density, valve, at.vapour_pressure)
     relief = at.relief_pressure, at.relief_override, at.relief_rated_flow
     low: Any = np.full(ANGLES, minimum(at.load_pressure, at.tank_pressure))
     high: Any = np.full(ANGLES, highest_inlet_pressure(at.flow, *relief))
     # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        load = branch_flow(middle - at.load_pressure, openings.load, at.density, valve)
-        tank = branch_flow(middle - at.tank_pressure, openings.tank, at.density, valve)
+        load = throttled_flow(middle, at.load_pressure, openings.load, law)
+        tank = throttled_flow(middle, at.tank_pressure, openings.tank, law)
         passed = static_relief_flow(middle, *relief, at.tank_pressure) + at.pump_leakage * (middle - at.tank_pressure)
         short = load.flow + tank.flow + passed < at.flow
         low, high = select(short, middle, low), select(short, high, middle)
-    load = branch_flow(high - at.load_pressure, openings.load, at.density, valve)
-    tank = branch_flow(high - at.tank_pressure, openings.tank, at.density, valve)
+    load = throttled_flow(high, at.load_pressure, openings.load, law)
+    tank = throttled_flow(high, at.tank_pressure, openings.tank, law)
     leakage = at.pump_leakage * (high - at.tank_pressure)
     spilled = maximum(at.flow - leakage - load.flow - tank.flow, 0.0)
     return Cycle(openings=openings, inlet_pressure=high, load=load, tank=tank, relief_flow=spilled)

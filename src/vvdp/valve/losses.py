@@ -14,7 +14,7 @@ from vvdp.base.kinds import Flow, Fraction, Power
 from vvdp.base.select import maximum, select
 from vvdp.fluid.mixture import NODES, WEIGHTS, compression_energy_per_volume
 from vvdp.fluid.oil import Oil
-from vvdp.valve.branch import BranchDrops, turbulent_drops
+from vvdp.valve.branch import BranchDrops, branch_law, choking_drop, turbulent_drops
 from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import barrier_width, nozzle_width, pitch, transition_fraction
 from vvdp.valve.leakage import leakage_conductance
@@ -239,6 +239,12 @@ def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tupl
         found.append(
             f"the barriers ({1e3 * barrier:.3g} mm) are narrower than the nozzles ({1e3 * width:.3g} mm): load and "
             f"tank are joined for part of every transition, and the analytic transition loss does not hold"
+        )
+    choking = choking_drop(at.relief_pressure, branch_law(at.density, valve, at.vapour_pressure))
+    if valve.pressure_recovery > 0.0 and choking < setting:
+        found.append(
+            f"the nozzles choke from a drop of {1e-5 * choking:.4g} bar on, and the tank port opens and shuts under up "
+            f"to {1e-5 * setting:.4g} bar: the analytic transition loss does not hold"
         )
     return tuple(found)
 

@@ -70,6 +70,7 @@ class SetPoint(NamedTuple):
             relief_override=self.relief_override,
             relief_rated_flow=self.relief_rated_flow,
             pump_leakage=self.pump_leakage,
+            vapour_pressure=oil.vapour_pressure,
         )
 
 

@@ -38,6 +38,8 @@ class RotaryValve(Params):
     `jet_asymmetry` by how much more torque it gives while the port closes than while it opens, 0 none.
     `helix_length` is the axial travel that takes the duty ratio from 0 to 1. `rail_coefficient` is the drop of the
     outlet rail over flow squared. Below about `transition_pressure` the drop goes over from quadratic to linear.
+    `pressure_recovery` is F_L of IEC 60534: the nozzles choke where their drop reaches its square times the absolute
+    inlet pressure; with 0 they never do.
     """
 
     spool_radius: Length
@@ -63,6 +65,7 @@ class RotaryValve(Params):
     eccentricity: Fraction
     transition_pressure: PressureDifference
     jet_asymmetry: Fraction = 0.0
+    pressure_recovery: Fraction = 0.0
 
     def check(self) -> None:
         """Refuse a valve that cannot be made."""
