@@ -74,6 +74,23 @@ def test_an_override_is_carried(prototype, vg46):
     assert soft.full_open_loss == ideal.full_open_loss
 
 
+def test_a_pump_that_delivers_a_flow_displaces_more(prototype, vg46):
+    """There and back: what 41.04 lpm deliver is delivered by 41.04 lpm."""
+    leaking = SetPoint(
+        flow=22.8e-6 * 30.0,
+        temperature=313.15,
+        duty_ratio=0.5,
+        load_pressure=100.0 * BAR + T,
+        relief_pressure=120.0 * BAR + T,
+        tank_pressure=T,
+        pump_leakage=2.45e-12,
+    )
+    delivered = operating_point(leaking, 12.7e-6, vg46, prototype).flow
+    back = leaking.delivering(delivered, vg46, prototype)
+    assert back.flow == pytest.approx(leaking.flow, rel=1e-10)
+    assert leaking._replace(pump_leakage=0.0).delivering(1e-4, vg46, prototype).flow == 1e-4
+
+
 def test_the_pump_delivers_less_than_it_displaces(prototype, vg46):
     """22.8 cc/rev at 1800 rpm displace 41.04 lpm. At a mean of 69.9 bar over the tank 2.45e-12 m3/(s Pa) take
     1.712e-5 m3/s = 1.027 lpm of it; through the valve go 40.013 lpm."""

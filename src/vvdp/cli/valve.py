@@ -120,7 +120,7 @@ def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averag
     reference, load = bench.reference, bench.load_pressure
     set_point = bench.set_point(load)._replace(temperature=temperature)
     if flow is not None:
-        set_point = set_point._replace(flow=flow, pump_leakage=0.0)
+        set_point = set_point.delivering(flow, bench.oil, bench.valve)
     try:
         point = operating_point(set_point, bench.inlet_volume, bench.oil, bench.valve)
     except ArithmeticError as problem:

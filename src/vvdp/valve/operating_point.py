@@ -20,7 +20,7 @@ from vvdp.base.kinds import (
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_viscosity
 from vvdp.valve.condition import Condition
-from vvdp.valve.flow_map import CycleMean, mean_of_cycle, quasi_steady_cycle, speed_of_cycle
+from vvdp.valve.flow_map import CycleMean, mean_of_cycle, quasi_steady_cycle, quasi_steady_mean, speed_of_cycle
 from vvdp.valve.geometry import nozzle_hydraulic_diameter, transition_fraction
 from vvdp.valve.losses import (
     compressibility_loss,
@@ -43,6 +43,9 @@ from vvdp.valve.torque import (
 )
 
 TURBULENT = 2300.0  # Reynolds number
+LEAKAGE_TRIALS = 5
+"""Times that a pump's leakage is found anew: each divides the error by 100 or more, as the mean inlet pressure changes
+little with the flow."""
 
 
 class SetPoint(NamedTuple):
@@ -72,6 +75,14 @@ class SetPoint(NamedTuple):
             pump_leakage=self.pump_leakage,
             vapour_pressure=oil.vapour_pressure,
         )
+
+    def delivering(self, flow: float, oil: Oil, valve: RotaryValve) -> "SetPoint":
+        """The same with a pump that delivers `flow` > 0 [m^3/s]: it displaces as much more as its leakage takes."""
+        point = self._replace(flow=flow)
+        for _ in range(LEAKAGE_TRIALS if self.pump_leakage > 0.0 else 0):
+            mean = quasi_steady_mean(point.duty_ratio, point.condition(oil), valve)
+            point = point._replace(flow=flow + mean.pump_leakage_flow)
+        return point
 
 
 class OperatingPoint(NamedTuple):
