@@ -28,7 +28,7 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
     "map": ("map prototype --analytic",),
     "rig pressure-drop": ("rig pressure-drop prototype",),
     "design optimum": ("design optimum prototype --starts 1 --no-simulation",),
-    "design tolerance": ("design tolerance prototype --samples 16",),
+    "design tolerance": ("design tolerance prototype --samples 16 --runs 16",),
     "design temperature": ("design temperature prototype",),
     "compare estimators": ("compare estimators --seeds 2 --scenario constant --scenario step --estimator m-over-t",),
     "estimate": ("estimate log.csv --wave photodiode --pressure inlet",),

@@ -24,11 +24,25 @@ def test_bars_that_share_their_names_have_one_scale_and_one_legend(parts):
     """The longest bar of all panels, 90 %, and 0.3 of it for what is written behind."""
     panels = tuple(Bars(names="part", values=(key, key), title=key, label="share") for key in ("large", "small"))
     chart = Chart(name="c", caption="", table="parts", panels=panels, side_by_side=True, share=True)
-    left, right = new_figure(chart, parts).axes
+    figure = new_figure(chart, parts)
+    left, right = figure.axes
     assert left.get_xlim() == right.get_xlim() == pytest.approx((0.0, 117.0))
-    assert left.get_legend() is not None
-    assert right.get_legend() is None
+    assert len(figure.legends) == 1
+    assert left.get_legend() is right.get_legend() is None
     assert left.get_xlabel() == "share [%]"
+
+
+def test_bars_from_a_base_lie_over_each_other_around_it(parts):
+    """From 0.1: the first part reaches down to 0 and up to 0.3. Each panel has a scale of its own."""
+    panel = Bars(names="part", values=("small", "large"), base=0.1)
+    other = Bars(names="part", values=("large", "large"), base=0.2)
+    chart = Chart(name="c", caption="", table="parts", panels=(panel, other), side_by_side=True, share=True)
+    left, right = new_figure(chart, parts).axes
+    first, second = (container[-1] for container in left.containers)
+    assert (first.get_x(), first.get_width()) == pytest.approx((10.0, -10.0))
+    assert (second.get_x(), second.get_width()) == pytest.approx((10.0, 20.0))
+    assert first.get_y() == second.get_y()
+    assert left.get_xlim() != right.get_xlim()
 
 
 def test_a_legend_of_two_rows_is_inside_the_figure():

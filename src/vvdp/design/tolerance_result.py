@@ -1,5 +1,6 @@
 """How a valve scatters with its tolerances, as a result: percentiles, shares of the variance, draws, charts."""
 
+import textwrap
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -14,7 +15,7 @@ from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
 from vvdp.systems.range_display import result_with_ranges
 
-BINS = 48
+BINS, WIDEST_TITLE = 48, 16
 CLOSED_FORMS = (
     "All values are analytic: the fully open valve for drop and PWM frequency, the sum of the losses at the operating "
     "point of the system for the efficiency."
@@ -220,8 +221,8 @@ def _share_chart(found: Tolerance) -> Chart:
             values=tuple(f"{name}_{index}_index" for index in SHARES),
             labels=tuple(SHARES.values()),
             colours=(Colour.LOAD, Colour.TANK),
-            title=WORDS[name][1],
-            label="share of the variance",
+            title=textwrap.fill(WORDS[name][1], WIDEST_TITLE),
+            label="share of\nthe variance",
         )
         for name in drawn_outputs(found)
     )
@@ -233,5 +234,5 @@ def _share_chart(found: Tolerance) -> Chart:
         panels=panels,
         side_by_side=True,
         share=True,
-        height=0.9 + 0.4 * len(found.spreads),
+        height=1.2 + 0.36 * len(found.spreads),
     )

@@ -14,6 +14,8 @@ from vvdp.systems.bench import rotary_bench
 from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System
 
+FEWEST = 8
+"""Draws that have to give a result."""
 NO_PERIOD = "no whole PWM period within the run"
 
 
@@ -42,10 +44,11 @@ def simulated_draws(
     draws = [{each.setting: float(each.quantile(x)) for each, x in zip(taken, row, strict=True)} for row in points]
     ends = [{each.setting: end} for each in taken for end in (each.low, each.high)]
     values, reasons = _results(system, [{}, *ends, *draws], keys)
-    if reasons[0]:
-        raise ConfigError([Fault(system.name, 0, "", f"gives no result to spread: {reasons[0]}")])
     begin = 1 + len(ends)
     ran = np.array([not reason for reason in reasons[begin:]])
+    if reasons[0] or np.count_nonzero(ran) < FEWEST:
+        why = reasons[0] or next(filter(None, reasons[begin:]))
+        raise ConfigError([Fault(system.name, 0, "", f"gives no results to spread: {why}")])
     return SimulatedDraws(
         points=points[ran],
         outputs={key: column[begin:][ran] for key, column in values.items()},

@@ -328,7 +328,9 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
         )
         least = 0.02 * np.ptp(np.nan_to_num([shown_values(table, each)[rows] for each in panel.values], nan=base))
         told = np.isfinite(values) & ((not over) | (np.abs(values - base) > least))
-        texts = [plain(value, 3) if is_told else "" for value, is_told in zip(values, told, strict=True)]
+        dust = 1e-3 * np.max(np.abs(values), initial=0.0, where=np.isfinite(values))
+        shown = np.where(np.abs(values) < dust, 0.0, values)
+        texts = [plain(value, 3) if is_told else "" for value, is_told in zip(shown, told, strict=True)]
         if panel.texts and len(panel.values) == 1:
             texts = [str(table[panel.texts][row]) for row in rows][::-1]
         axes.bar_label(bars, texts, padding=3, fontsize=7.0, color=Colour.INK)
@@ -352,10 +354,10 @@ def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) ->
         axes.set_xlim(low - room, high + room)
         axes.locator_params(axis="x", nbins=3)
     spec = axes.get_subplotspec()
-    names_are_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
-    if panel.base is not None and (spec is None or spec.is_first_col()):
+    is_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
+    if len(panel.values) > 1 and is_shared and (spec is None or spec.is_first_col()):
         axes.figure.legend(loc="outside upper right", ncols=2, handlelength=1.0)
-    elif panel.base is None and len(panel.values) > 1 and (spec is None or spec.is_first_col() or not names_are_shared):
+    elif len(panel.values) > 1 and not is_shared:
         above = 1.12 if panel.title else 1.0
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
 
