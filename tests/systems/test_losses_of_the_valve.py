@@ -150,3 +150,37 @@ def test_compressibility_loss_of_the_prototype_is_small(ran):
     small, _ = ran(BENCH, ["inlet.volume=0.2 cc"], UNTIL)
     assert shipped["trusted"] and small["trusted"]
     assert abs(throttled(shipped) - throttled(small)) < 0.5 * shipped["analytic_loss_compressibility_W"]
+
+
+@pytest.mark.parametrize(("asymmetry", "hertz"), [("0", 75.7), ("0.85", 73.1)])
+def test_frequency_with_the_measured_jet(ran, asymmetry, hertz):
+    """12.7 cc and 1 % air. Oil that fills the inlet volume is missing on the edges that close, where an uneven jet
+    would push hardest: what averages out in quasi-steady flow slows the spool here."""
+    settings = ["valve.jet_exponent=0.65", f"valve.jet_asymmetry={asymmetry}"]
+    found, _ = ran(BENCH, settings, "1 s")
+    assert found["pwm_frequency_Hz"] == pytest.approx(hertz, abs=0.06)
+
+
+def test_oil_that_pressure_thickens_leaks_less_and_drags_more(ran):
+    """Between 100 bar and the tank by 0.2/(1 - e^-0.2) = 1.10333; with as much less friction area the speed is kept."""
+    plain, _ = ran(BENCH, [], "1 s")
+    thick, _ = ran(BENCH, ["oil.pressure_viscosity=2e-8 1/Pa"], "1 s")
+    assert plain["mean_leakage_flow_m3_s"] / thick["mean_leakage_flow_m3_s"] == pytest.approx(1.10333, rel=1e-5)
+    assert thick["pwm_frequency_Hz"] < 0.93 * plain["pwm_frequency_Hz"]
+    area = f"valve.friction_area={2716.0 / 1.1033311:.7g} mm^2"
+    mended, _ = ran(BENCH, ["oil.pressure_viscosity=2e-8 1/Pa", area], "1 s")
+    assert mended["pwm_frequency_Hz"] == pytest.approx(plain["pwm_frequency_Hz"], rel=1e-4)
+
+
+def test_choking_nozzles_cost_flow(ran):
+    """The closing tank port passes less: more goes over the relief valve, at its pressure."""
+    plain, usual = ran(BENCH, [], "1 s")
+    losses = [plain["loss_total_W"]]
+    for recovery in (0.9, 0.7, 0.5):
+        found, run = ran(BENCH, [f"valve.pressure_recovery={recovery}"], "1 s")
+        losses.append(found["loss_total_W"])
+        assert abs(found["energy_residual"]) < 1e-7 and abs(found["mass_residual"]) < 1e-7
+        assert run.evaluations < 1.1 * usual.evaluations  # though steps end at the kinks
+    assert losses == sorted(losses)
+    # measured: 1761, 1796, 1991, 2427 W
+    assert losses == pytest.approx([1761.0, 1796.0, 1991.0, 2427.0], rel=1e-3)

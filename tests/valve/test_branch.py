@@ -220,3 +220,18 @@ def test_nozzles_that_regain_nothing_do_not_choke_above_boiling(prototype, openi
     if drop < 0.0:
         assert throttled_flow(behind + drop, behind, opening, choking(prototype, 0.1)) == pytest.approx(free, rel=1e-12)
     assert throttled_flow(behind + drop, behind, opening, choking(prototype, 0.0)) == pytest.approx(free, rel=1e-12)
+
+
+@pytest.mark.parametrize(("exponent", "error"), [(1.5, 2.3e-5), (1.6, 1.5e-7), (1.7, 1e-10)])
+def test_smaller_exponents_are_refused_for_the_error_of_the_inversion(prototype, exponent, error):
+    """The same drop at 40 lpm, flows from 1e-7 to 2e-3 m^3/s, all openings: the largest error of the flow."""
+    rng = np.random.default_rng(3)
+    flow, opening = 10.0 ** rng.uniform(-7.0, np.log10(2e-3), 50000), 10.0 ** rng.uniform(-4.0, 0.0, 50000)
+    law = branch_law(RHO, prototype)
+    factor = (40.0 * LPM) ** (1.91 - exponent)
+    law = law._replace(flow_exponent=exponent, centre_section=law.centre_section * factor)
+    centre = law.centre_section * (flow * flow + 1e-22) ** (0.5 * exponent - 1.0)
+    s = (law.nozzle / opening**2.0 + law.outlet_turbine + centre) * flow * flow
+    drop = np.sqrt(0.5 * s * (s + np.sqrt(s * s + 4.0 * law.transition_pressure**2.0)))
+    found = np.max(np.abs(law_flow(drop, opening, law).flow / flow - 1.0))
+    assert 0.3 * error < found < 1.2 * error
