@@ -64,7 +64,7 @@ ORIGINS: Mapping[str, str] = {
     "cavitation_number": "assumed",
     "taylor_number": "taylor1923",
     "temperature_rise": "assumed; 5 K change the viscosity by about a fifth",
-    "eccentricity": "assumed; leakage then grows by 13 %, friction by 5 %",
+    "eccentricity": "assumed; leakage then grows by 13.5 %, friction by 5 %",
     "excess_share": "wang2017, section 2.7: the strongest nozzle of the final design has 15.8 % more",
     "specific_heat": "assumed, mineral oil",
     "thermal_conductivity": "assumed, mineral oil",
