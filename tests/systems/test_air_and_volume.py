@@ -58,8 +58,8 @@ def test_the_balance_between_little_and_much_air():
     filling = much["loss_pump_compression_W"] - few["loss_pump_compression_W"]
     passages = less["input_power_W"] - less["load_power_W"] - less["loss_relief_valve_W"] + filling
     told = (
-        f"the load gets {less['load_power_W']:.0f} W less; "
-        f"the relief valve loses {less['loss_relief_valve_W']:.0f} W less and the valve's own passages {passages:.0f} W",
+        f"the load gets {less['load_power_W']:.0f} W less; the relief valve loses {less['loss_relief_valve_W']:.0f} W",
+        f"less and the valve's own passages {passages:.0f} W",
         f"filling the chambers takes {filling:.0f} W more",
     )
     assert all(words in PAGE for words in told), told

@@ -156,6 +156,7 @@ class Network:
                 f"{name}: {component.name} takes {len(classes)} parameter classes, "
                 f"{', '.join(c.__name__ for c in classes)}; {len(values)} given"
             )
+        component = component.suited(*values) if component.suited else component
         nodes = {
             port: self._node_at(name, port, role, joints.pop(port, None)) for port, role in component.ports.items()
         }
