@@ -233,7 +233,6 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     RATE(books_spent_valve_leakage) = leak.loss;
     RATE(books_spent_pump_leakage) = pump_leak.loss;
     RATE(books_spent_pump_friction) = pump_friction;
-    RATE(books_spent_pump_compression) = 0.0;  // all of it in closed chambers
     RATE(books_spent_valve_spool_friction) = friction * speed;
     RATE(books_spent_coupling) = drive * (motor_speed - speed);
     RATE(books_spent_valve_to_spool) = -turbine * speed;

@@ -192,9 +192,7 @@ def test_the_keys_of_any_circuit(vvdp, drawn):
     general = {"energy_residual", "mass_residual", "trusted", "cavitation", "stored_power_W", "finished", "settled"}
     general |= {f"pressure_{which}_{node}_Pa" for which in ("mean", "min", "max") for node in ("tank", "rail", "store")}
     general |= {f"flow_mean_{part}_m3_s" for part in ("pump", "feed", "load", "pump_leakage")}
-    general |= {
-        f"loss_{part}_W" for part in ("pump", "pump_leakage", "pump_friction", "pump_compression", "feed", "load")
-    }
+    general |= {f"loss_{part}_W" for part in ("pump", "pump_leakage", "pump_friction", "feed", "load")}
     general |= {"power_tank_W", "power_shaft_W"}
     assert general <= found.keys()
     assert found["trusted"] and abs(found["energy_residual"]) < 1e-6 and abs(found["mass_residual"]) < 1e-6

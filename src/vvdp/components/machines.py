@@ -8,11 +8,18 @@ from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.friction import shaft_friction_torque
 from vvdp.hydraulics.motor import Motor, motor_compression_loss, motor_flow, motor_torque
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
-from vvdp.hydraulics.pump import Pump, against, pump_friction_power, tank_displacement, unused_torque
+from vvdp.hydraulics.pump import Pump, against, delivery, is_ideal, pump_friction_power, tank_displacement
 from vvdp.network.component import Component
 
 
 class PumpLosses(NamedTuple):
+    """Powers that a pump turns to heat: its leakage's and its friction's."""
+
+    leakage: Power
+    friction: Power
+
+
+class ChamberLosses(NamedTuple):
     """Powers that a pump turns to heat: its leakage's, its friction's, and where chambers meet another pressure."""
 
     leakage: Power
@@ -27,6 +34,16 @@ class PumpEffect(NamedTuple):
     outlet: Flow
     shaft: Torque
     losses: PumpLosses
+    leakage_flow: Flow
+
+
+class ChamberEffect(NamedTuple):
+    """What a pump gives to its ports, what it and its chambers lose, and the tank volumes that leak back."""
+
+    inlet: Flow
+    outlet: Flow
+    shaft: Torque
+    losses: ChamberLosses
     leakage_flow: Flow
 
 
@@ -51,20 +68,35 @@ class MotorEffect(NamedTuple):
 def pump(inlet: FluidState, outlet: FluidState, shaft: ShaftState, values: Pump) -> PumpEffect:
     """A pump that fills at its inlet's pressure, gives all it displaces to its outlet, and leaks back to its inlet.
 
-    It displaces D omega (1 + r sin(z theta)), counted at the inlet: over nu there, in tank volumes; less what its dead
-    volume takes. What fills chambers from the outlet that were not compressed before is lost.
+    It displaces D omega (1 + r sin(z theta)), counted at the inlet: over nu there, in tank volumes.
     """
-    displacement = tank_displacement(shaft.angle, inlet, outlet, values)
-    unused = unused_torque(displacement, shaft.angle, inlet, outlet, values)
+    displacement = tank_displacement(shaft.angle, inlet, values)
     q = displacement * shaft.speed
     leak = passage(values.leakage_conductance * (outlet.pressure - inlet.pressure), outlet, inlet)
-    hindrance = against(values.friction_torque + unused, shaft.speed)
-    torque = displacement * (outlet.enthalpy - inlet.enthalpy) + hindrance
+    torque = displacement * (outlet.enthalpy - inlet.enthalpy) + against(values.friction_torque, shaft.speed)
     return PumpEffect(
         inlet=leak.flow - q,
         outlet=q - leak.flow,
         shaft=-torque,
-        losses=PumpLosses(leak.loss, pump_friction_power(shaft.speed, values), unused * abs(shaft.speed)),
+        losses=PumpLosses(leak.loss, pump_friction_power(shaft.speed, values)),
+        leakage_flow=leak.flow,
+    )
+
+
+def chamber_pump(inlet: FluidState, outlet: FluidState, shaft: ShaftState, values: Pump) -> ChamberEffect:
+    """A pump whose chambers keep some oil, or meet the line at another pressure; see `delivery`.
+
+    What fills chambers from the outlet that were not compressed before is lost, forwards and backwards.
+    """
+    displacement, unused = delivery(shaft.angle, inlet, outlet, values)
+    q = displacement * shaft.speed
+    leak = passage(values.leakage_conductance * (outlet.pressure - inlet.pressure), outlet, inlet)
+    hindrance = against(values.friction_torque + unused, shaft.speed)
+    return ChamberEffect(
+        inlet=leak.flow - q,
+        outlet=q - leak.flow,
+        shaft=-displacement * (outlet.enthalpy - inlet.enthalpy) - hindrance,
+        losses=ChamberLosses(leak.loss, pump_friction_power(shaft.speed, values), unused * abs(shaft.speed)),
         leakage_flow=leak.flow,
     )
 
@@ -93,5 +125,13 @@ def motor_inertia(values: Motor) -> float:
     return values.inertia
 
 
-PUMP = Component(pump, symbol="pump", averages=("leakage_flow",))
+CHAMBER_PUMP = Component(chamber_pump, symbol="pump", averages=("leakage_flow",))
+
+
+def suited_pump(values: Pump) -> Component:
+    """The simpler of the two pumps that does for its values."""
+    return PUMP if is_ideal(values) else CHAMBER_PUMP
+
+
+PUMP = Component(pump, symbol="pump", averages=("leakage_flow",), suited=suited_pump)
 MOTOR = Component(motor, symbol="motor", inertia=motor_inertia, averages=("leakage_flow",))

@@ -3,7 +3,6 @@
 Derived in docs/models/fluid.md, "Density and viscosity over temperature" and "Viscosity over pressure".
 """
 
-from dataclasses import replace
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -107,8 +106,8 @@ def density(temperature: float, oil: Oil) -> float:
     return oil.density / (1.0 + oil.thermal_expansion * (temperature - oil.density_temperature))
 
 
-def oil_at(temperature: float, oil: Oil) -> Oil:
-    """The oil with the bulk modulus that it has at a temperature: K = K40 e^(-c (T - 313.15 K)).
+def modulus_at(temperature: float, oil: Oil) -> float:
+    """Bulk modulus of the oil without air at a temperature and its reference pressure [Pa]: K40 e^(-c (T - 313.15 K)).
 
     temperature: T [K].
 
@@ -116,14 +115,11 @@ def oil_at(temperature: float, oil: Oil) -> Oil:
     Holds   for a run whose temperature changes little: what is stored depends on the modulus, which must not change
 
     >>> from dataclasses import replace
-    >>> warm = oil_at(333.15, replace(oil, bulk_modulus_fall=5.5e-3))  # at 60 degC
-    >>> print(round(warm.liquid_bulk_modulus / 1e9, 3))  # GPa
+    >>> print(round(modulus_at(333.15, replace(oil, bulk_modulus_fall=5.5e-3)) / 1e9, 3))  # GPa, 60 degC
     1.254
     """
-    if oil.bulk_modulus_fall == 0.0:
-        return oil
-    share = float(np.exp(-oil.bulk_modulus_fall * (temperature - WARM)))
-    return replace(oil, liquid_bulk_modulus=share * oil.liquid_bulk_modulus, bulk_modulus_fall=0.0)
+    share: float = np.exp(-oil.bulk_modulus_fall * (temperature - WARM))
+    return oil.liquid_bulk_modulus * share
 
 
 def kinematic_viscosity(temperature: float, oil: Oil) -> float:

@@ -3,6 +3,8 @@
 Source  ours, docs/models/components.md, where a function names no other.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from vvdp.base.kinds import Conductance, Count, Displacement, Fraction, FrictionTorque
@@ -29,81 +31,54 @@ class Pump(Params):
     precompression: Fraction = 1.0
 
 
-def tank_displacement(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
-    """What a pump displaces per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in - V_d (1/nu_out - 1/nu_in).
+class Delivery(NamedTuple):
+    """What a pump displaces per angle [tank volumes, m^3/rad], and the torque that goes into no oil [N m]."""
 
-    It fills at its inlet's pressure, so what it displaces is counted there; of that, what its dead volume V_d held
-    more at the outlet's pressure expands first. Not below zero. Times the speed it is the flow.
+    displacement: Displacement
+    unused_torque: FrictionTorque
+
+
+def is_ideal(pump: Pump) -> bool:
+    """Whether the chambers of a pump lose nothing and keep nothing, so that `tank_displacement` says all of them."""
+    return pump.dead_volume == 0.0 and pump.precompression == 1.0
+
+
+def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> float:
+    """What a pump without dead volume displaces per angle [tank volumes, m^3/rad]: D (1 + r sin(z theta))/nu_in.
+
+    It fills at its inlet's pressure, so what it displaces is counted there and does not depend on the pressure it is
+    pushed against. Times the speed it is the flow, times h_out - h_in the hydraulic torque.
+
+    shaft_angle  theta [rad]
+    inlet        oil where the pump fills
+    """
+    return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * (1.0 / inlet.volume_ratio)
+
+
+def delivery(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> Delivery:
+    """What a pump displaces per angle, and which torque of its chambers goes into no oil.
+
+    d = D (1 + r sin(z theta))/nu_in - V_d (1/nu_out - 1/nu_in), not below zero: what its dead volume V_d held more at
+    the outlet's pressure is not taken in. The oil takes the torque d (h_out - h_in). Without precompression the shaft
+    works against the whole difference of pressure: (1 - c) (D (1 + r) (P_out - P_in) - d (h_out - h_in)) is lost, never
+    negative, c the precompression.
 
     shaft_angle  theta [rad]
     inlet        oil where the pump fills
     outlet       oil where it delivers
-    """
-    held = 1.0 / inlet.volume_ratio
-    filled = pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * held
-    return filled - reexpansion(filled, held, outlet, pump)
-
-
-def reexpansion(filled: float, held: float, outlet: FluidState, pump: Pump) -> float:
-    """What the dead volume of a pump takes of what it displaces [tank volumes, m^3/rad], at most all of it.
-
-    filled  what it displaces without dead volume [m^3/rad]
-    held    1/nu at the inlet [1]
-    outlet  oil where it delivers
-    """
-    return minimum(pump.dead_volume * (1.0 / outlet.volume_ratio - held), filled)
-
-
-def reexpansion_compiled(filled: float, held: float, outlet: FluidState, pump: Pump) -> float:
-    """The same as `reexpansion`, which it replaces in compiled code: nothing without dead volume.
-
-    filled  what the pump displaces without dead volume [m^3/rad]
-    held    1/nu at the inlet [1]
-    outlet  oil where it delivers
-    """
-    if pump.dead_volume == 0.0:
-        return 0.0
-    return minimum(pump.dead_volume * (1.0 / outlet.volume_ratio - held), filled)
-
-
-def unused_torque(displacement: float, shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> float:
-    """Torque of a pump's chambers that goes into no oil [N m]: (1 - c) (D (1 + r) (P_out - P_in) - d (h_out - h_in)).
-
-    Without precompression the shaft works against the whole difference of pressure over the whole displacement D,
-    while the oil d that comes out has gained h; c is the share of precompression. Never negative.
-
-    displacement  d, of `tank_displacement` [tank volumes, m^3/rad]
-    shaft_angle   theta [rad]
-    inlet         oil where the pump fills
-    outlet        oil where it delivers
 
     >>> from vvdp.fluid.mixture import fluid_state
     >>> inlet, outlet = fluid_state(1e5, oil), fluid_state(100e5, oil)
     >>> pump = Pump(displacement=3.63e-6, leakage_conductance=0.0, friction_torque=0.0, precompression=0.0)
-    >>> d = tank_displacement(0.0, inlet, outlet, pump)
-    >>> print(round(unused_torque(d, 0.0, inlet, outlet, pump) / (3.63e-6 * 99e5), 4))  # of the work
+    >>> print(round(delivery(0.0, inlet, outlet, pump).unused_torque / (3.63e-6 * 99e5), 4))  # of the work
     0.0126
     """
-    swept = pump.displacement * (1.0 + flow_ripple(shaft_angle, pump))
-    work = swept * (outlet.pressure - inlet.pressure) - displacement * (outlet.enthalpy - inlet.enthalpy)
-    return (1.0 - pump.precompression) * work
-
-
-def unused_torque_compiled(
-    displacement: float, shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump
-) -> float:
-    """The same as `unused_torque`, which it replaces in compiled code: nothing where all compression is inside.
-
-    displacement  of `tank_displacement` [tank volumes, m^3/rad]
-    shaft_angle   theta [rad]
-    inlet         oil where the pump fills
-    outlet        oil where it delivers
-    """
-    if pump.precompression == 1.0:
-        return 0.0
-    swept = pump.displacement * (1.0 + flow_ripple(shaft_angle, pump))
-    work = swept * (outlet.pressure - inlet.pressure) - displacement * (outlet.enthalpy - inlet.enthalpy)
-    return (1.0 - pump.precompression) * work
+    filled = tank_displacement(shaft_angle, inlet, pump)
+    swept = filled * inlet.volume_ratio
+    kept = pump.dead_volume * (1.0 / outlet.volume_ratio - 1.0 / inlet.volume_ratio)
+    d = filled - minimum(kept, filled)
+    work = swept * (outlet.pressure - inlet.pressure) - d * (outlet.enthalpy - inlet.enthalpy)
+    return Delivery(d, (1.0 - pump.precompression) * work)
 
 
 def flow_ripple(shaft_angle: float, pump: Pump) -> float:

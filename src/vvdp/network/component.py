@@ -79,6 +79,8 @@ class Component:
     stop     stop(t, ...) -> next time at which its law jumps, of Params and inputs
     mark     mark(...) -> a period ends wherever its floor changes, of t, state, angles, positions and Params
     averages names of outputs that are averaged over a run beside the flows
+    suited   suited(values) -> the component of the same ports and values that stands in its place, where most values
+             need less than all
     """
 
     law: Callable[..., Any]
@@ -91,6 +93,7 @@ class Component:
     stop: Callable[..., Any] | None = None
     mark: Callable[..., Any] | None = None
     averages: tuple[str, ...] = ()
+    suited: "Callable[..., Component] | None" = None
 
     @property
     def name(self) -> str:

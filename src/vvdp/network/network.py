@@ -3,7 +3,7 @@
 import keyword
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import NoneType
 from typing import Any
 
@@ -12,7 +12,7 @@ from vvdp.base.kinds import PRESSURE_LEVEL, Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.base.tables import nearest
-from vvdp.fluid.oil import Oil, oil_at
+from vvdp.fluid.oil import Oil, modulus_at
 from vvdp.hydraulics.pipe import LinePipe
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.assembly import Assembly, Group
@@ -156,6 +156,7 @@ class Network:
                 f"{name}: {component.name} takes {len(classes)} parameter classes, "
                 f"{', '.join(c.__name__ for c in classes)}; {len(values)} given"
             )
+        component = component.suited(*values) if component.suited else component
         nodes = {
             port: self._node_at(name, port, role, joints.pop(port, None)) for port, role in component.ports.items()
         }
@@ -263,7 +264,8 @@ class Network:
         """The oil with the modulus that it has when a run begins, and keeps: the one place where that is set."""
         if oil.bulk_modulus_fall == 0.0:
             return oil
-        return self._oils.setdefault(oil, oil_at(signal_value(0.0, self.temperature), oil))
+        modulus = float(modulus_at(signal_value(0.0, self.temperature), oil))
+        return self._oils.setdefault(oil, replace(oil, liquid_bulk_modulus=modulus, bulk_modulus_fall=0.0))
 
     def _add_node(self, node: Node) -> None:
         self._check_name(node.name)

@@ -54,9 +54,15 @@ class Loss(NamedTuple):
     analytic: float = np.nan
 
 
+def _loss_names(run: RecordedRun) -> dict[str, str]:
+    """Those of the losses that the run's books have: a pump has one more where its values ask for it."""
+    absent = {"pump_compression"} if "loss_pump_compression_W" not in run.summary else set()
+    return {key: name for key, name in COMPONENTS.items() if key not in absent}
+
+
 def components(run: RecordedRun) -> tuple[Loss, ...]:
     """Simulated losses by component. The spool's friction is fed from the valve's drops and not a loss beside them."""
-    return tuple(Loss(name, run.number(f"loss_{key}_W")) for key, name in COMPONENTS.items())
+    return tuple(Loss(name, run.number(f"loss_{key}_W")) for key, name in _loss_names(run).items())
 
 
 def causes(run: RecordedRun) -> tuple[Loss, ...]:
