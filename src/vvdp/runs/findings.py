@@ -12,7 +12,7 @@ from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.bench_validity import efficiency_doubt
-from vvdp.systems.overview import loss_lines, node_lines, power_lines
+from vvdp.systems.overview import impossible_part, loss_lines, node_lines, power_lines
 from vvdp.systems.summary import is_closed
 from vvdp.systems.validity import broken_bounds
 
@@ -67,11 +67,11 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             remedy="Run again to the end, or ask for a shorter run with --until.",
         )
     if not run.summary.get("second_law", True):
-        given = ", ".join(key for key, value in run.summary.items() if key.startswith("loss_") and value < 0.0)
+        part = impossible_part(run.system, run.summary)
         yield Finding(
             grade=Grade.BAD,
             title="This cannot be",
-            text=f"A loss gives energy back{f' ({given})' if given else ''}, or a state left the range of its kind.",
+            text=f"{part[:1].upper()}{part[1:]}.",
             remedy="Do not use these numbers. Look for a value with the wrong sign or unit.",
         )
     for sentence in broken_bounds(run.system, run.summary):

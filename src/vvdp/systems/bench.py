@@ -24,6 +24,7 @@ from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
 from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, transition_loss
 from vvdp.systems.extras import Extras, Summary
+from vvdp.systems.port_cavitation import lowest_cavitation_number
 from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
 from vvdp.systems.validity import Bound
 from vvdp.valve.flow_map import quasi_steady_mean
@@ -252,6 +253,7 @@ class RotaryBench(Extras):
         load_power = mean.spent.load if self.makes_pressure else -supplied.load_line
         drops = valve.nozzle + valve.centre_section + valve.outlet_turbine
         turns = float(found["speed_mean_spool_rad_s"])
+        place = [path for path, _, _ in leaves(run.case.state)].index("spool.angle")
         return {
             "pwm_frequency_Hz": turns * self.valve.sections / (2.0 * np.pi),
             "mean_pump_flow_m3_s": pump_flow,
@@ -260,6 +262,8 @@ class RotaryBench(Extras):
             "mean_leakage_flow_m3_s": totals.valve_leakage,
             "load_flow_fraction": _ratio(totals.valve_load_flow, pump_flow),
             "mean_load_opening": totals.valve_load_opening,
+            "cavitation_port_share": totals.valve_cavitating,
+            "cavitation_number_lowest": lowest_cavitation_number(self, found, (run.low[place], run.high[place])),
             "input_power_W": shaft,
             "spool_motor_power_W": motor,
             "load_power_W": load_power,

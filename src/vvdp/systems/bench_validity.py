@@ -50,7 +50,7 @@ def efficiency_doubt(load_power: float, put_in: float, stored: float) -> str:
     if abs(stored) > STORED * put_in:
         moved = "went into store" if stored > 0.0 else "came out of store"
         share = abs(stored) / put_in
-        much = percent(share) if share < 1.0 else f"{share:.3g} times"
+        much = f"{percent(share)} of" if share < 1.0 else f"{share:.3g} times"
         return f"{with_unit(abs(stored), MEAN_POWER)}, {much} the power put in, {moved} while means were taken"
     if not -DUST * put_in <= load_power <= (1.0 + DUST) * put_in:
         return f"{with_unit(load_power, MEAN_POWER)} reach the load of {with_unit(put_in, MEAN_POWER)} put in"

@@ -108,7 +108,7 @@ def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str,
 def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     """What a person has to know before the numbers of a summary, each in one line; the gravest first."""
     if "second_law" in found:
-        yield from _impossible(found)
+        yield from _impossible(system, found)
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     yield from broken_bounds(system, found)
@@ -118,14 +118,23 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
         yield from system.extras.warnings(found)
 
 
-def _impossible(found: Mapping[str, Any]) -> Iterator[str]:
+def _impossible(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     """What in a run cannot be: balances that do not close, losses that give energy back."""
     if not is_closed(found):
         yield "the balances do not close: a residual is above the limit; try a tenth of run.relative_tolerance"
     if not found["second_law"]:
-        given = ", ".join(key for key, value in found.items() if key.startswith("loss_") and value < 0.0)
-        what = f"a loss gives energy back ({given})" if given else "a loss gives energy back, or a state left its range"
-        yield f"the run cannot be: {what}"
+        yield f"the run cannot be: {impossible_part(system, found)}"
+
+
+def impossible_part(system: System, found: Mapping[str, Any]) -> str:
+    """What breaks the second law in a run, in words: the losses that give energy back, as far as means show them."""
+    names = [
+        (f"loss_{part.name}_{loss}_W" if loss else f"loss_{part.name}_W", kind)
+        for part in system.circuit.network.parts.values()
+        for loss, kind in part.component.losses.items()
+    ]
+    given = ", ".join(key for key, kind in names if kind and kind.low >= 0.0 and found.get(key, 0.0) < 0.0)
+    return f"a loss gives energy back ({given})" if given else "a loss gives energy back, or a state left its range"
 
 
 def _not_settled(system: System) -> Iterator[str]:

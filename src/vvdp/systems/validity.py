@@ -8,12 +8,11 @@ from vvdp.base.display import with_unit
 from vvdp.base.kinds import PRESSURE_DIFFERENCE, TEMPERATURE, Kind
 from vvdp.network.nodes import HydraulicNode
 from vvdp.systems.system import System
+from vvdp.valve.validity import CAVITATION_PRESSURE
 
 COLDEST, HOTTEST = 258.15, 373.15
 """Oil temperatures [K] between which two points of a data sheet tell the viscosity: from -15 degC, at which DIN 51524
 has an oil of ISO VG 46 still flow, to 100 degC, the upper point itself."""
-CAVITATION_PRESSURE = 3e4
-"""Below which oil is held to cavitate where a system says nothing else [Pa, absolute]."""
 
 
 @dataclass(frozen=True, kw_only=True)

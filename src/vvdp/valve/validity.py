@@ -13,6 +13,8 @@ TURBULENT = 2300.0
 LAMINAR = 20.0
 """Reynolds number below which a nozzle's drop is no longer quadratic: twice the (0.61/0.2)^2 at which the two
 laws of merritt1967 meet, below which C_d = 0.2 sqrt(Re)."""
+CAVITATION_PRESSURE = 3e4
+"""Below which oil is held to cavitate where a system says nothing else [Pa, absolute]; assumed."""
 CAVITATION_NUMBER = 0.4
 """Cavitation number of a nozzle below which oil evaporates behind it; assumed, between the 0.2 and 1 of reports."""
 TAYLOR_NUMBER = 41.2
