@@ -104,9 +104,8 @@ def test_efficiency_by_hand():
     assert efficiency(600.0, 1000.0, 0.0) == 0.6
     assert efficiency(600.0, 1000.0, STORED * 1000.0) == 0.6
     assert math.isnan(efficiency(600.0, 1000.0, 21.0)) and math.isnan(efficiency(600.0, 1000.0, -21.0))
-    assert (
-        efficiency_doubt(600.0, 1000.0, 21.0) == "21 W, 2.1 % of the power put in, went into store while means were taken"
-    )
+    went = "21 W, 2.1 % of the power put in, went into store while means were taken"
+    assert efficiency_doubt(600.0, 1000.0, 21.0) == went
     assert efficiency(1000.0, 1000.0, 0.0) == 1.0
     for load, put_in in ((1001.0, 1000.0), (-1.0, 1000.0), (5.0, 0.0), (5.0, -10.0)):
         assert math.isnan(efficiency(load, put_in, 0.0))

@@ -29,7 +29,8 @@ def lowest_cavitation_number(bench: "RotaryBench", found: Mapping[str, Any], ang
     """
     highest = float(found["pressure_max_inlet_Pa"]) + bench.reference
     smallest = smallest_openings(bench, angles)
-    law = branch_law(density(signal_value(0.0, bench.operation.oil_temperature), bench.oil), bench.valve)
+    rho = density(signal_value(0.0, bench.operation.oil_temperature), bench.oil)
+    law = branch_law(rho, bench.valve, bench.oil.vapour_pressure)
     numbers = []
     for opening, node in ((smallest.load, "load_line"), (smallest.tank, "tank")):
         lowest = float(found[f"pressure_min_{node}_Pa"]) + bench.reference
