@@ -189,7 +189,17 @@ def test_a_drawn_circuit_from_file_to_page(vvdp, drawn):
 
 def test_the_keys_of_any_circuit(vvdp, drawn):
     found = json.loads(vvdp("run", "press.toml", "--no-report", "--json", "--out", "out").out)
-    general = {"energy_residual", "mass_residual", "trusted", "cavitation", "stored_power_W", "finished", "settled"}
+    general = {
+        "energy_residual",
+        "mass_residual",
+        "trusted",
+        "second_law",
+        "within_validity",
+        "cavitation_volume",
+        "stored_power_W",
+        "finished",
+        "settled",
+    }
     general |= {f"pressure_{which}_{node}_Pa" for which in ("mean", "min", "max") for node in ("tank", "rail", "store")}
     general |= {f"flow_mean_{part}_m3_s" for part in ("pump", "feed", "load", "pump_leakage")}
     general |= {f"loss_{part}_W" for part in ("pump", "pump_leakage", "pump_friction", "feed", "load")}

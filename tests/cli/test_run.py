@@ -39,7 +39,8 @@ def test_resolved_system_gives_the_same_run(vvdp, here):
 def test_json_is_one_flat_object_and_the_summary_kept(vvdp, here):
     answer = vvdp("run", "prototype-constant-load", *SHORT, "--json", "--out", "out")
     found = json.loads(answer.out)
-    ranges = found.pop("ranges")
+    ranges, warnings = found.pop("ranges"), found.pop("warnings")
+    assert all(isinstance(text, str) for text in warnings)
     assert all(isinstance(value, float | int) for key, value in found.items() if key not in ("system", "out"))
     assert all(each["low"] <= found[key] <= each["high"] for key, each in ranges.items())
     assert found.pop("system") == "prototype-constant-load"
@@ -63,7 +64,7 @@ def test_untrusted_results_are_kept_and_told(vvdp, here, monkeypatch):
     monkeypatch.setattr(simulate, "summary", lambda *both: whole(*both) | {"energy_residual": 2e-6, "trusted": False})
     answer = vvdp("run", "prototype", *SHORT, "--out", "out")
     assert answer.code == 3
-    assert "the balances of this run do not close" in answer.err
+    assert "this run is not to be trusted: its warnings say why" in answer.err
     assert "warning: the balances do not close" in answer.out
     assert "2.0e-06" in answer.out
     kept = read_results(here / "out")
@@ -143,10 +144,9 @@ def test_warnings_of_a_run(vvdp, here):
     assert "warning: no whole PWM period" in brief.out
     weak = vvdp("run", "prototype", *SHORT, "--out", "c", "--set", "motor.rated_power=1 kW")
     assert "exceeds the motor's 1000 W" in weak.out
-    assert (
-        "warning: the inlet pressure falls below"
-        in vvdp("run", "prototype", *SHORT, "--out", "b", "--set", "limits.cavitation_pressure=10 bar").out
-    )
+    drawn = vvdp("run", "prototype", *SHORT, "--out", "b", "--set", "limits.cavitation_pressure=10 bar")
+    assert "warning: lowest absolute pressure, at tank: 1.013 bar, below 11.01 bar; the oil cavitates" in drawn.out
+    assert drawn.code == 3
 
 
 def test_a_pump_that_delivers_nothing_has_no_closed_form(vvdp, here):

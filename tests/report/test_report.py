@@ -132,7 +132,9 @@ def test_a_run_that_does_not_balance_is_marked(orifice):
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"cavitation": True, "pressure_min_inlet_Pa": -0.9e5}, "0.113 bar absolute"),
+        ({"within_validity": False, "pressure_min_inlet_Pa": -0.9e5}, "Lowest absolute pressure, at inlet: 0.1133 bar"),
+        ({"second_law": False, "loss_pump_friction_W": -5.0}, "gives energy back (loss_pump_friction_W)"),
+        ({"efficiency": None, "stored_power_W": 900.0}, "went into store"),
         ({"motor_overloaded": True, "input_power_W": 6000.0}, "6000 W on average"),
         ({"settled": False}, "Not settled"),
         ({"stiff_method": True}, "stiff method"),

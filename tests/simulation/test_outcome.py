@@ -8,7 +8,7 @@ import pytest
 from vvdp.base.conservation import NOTHING
 from vvdp.base.kinds import Angle, Energy, Pressure, TankVolume
 from vvdp.simulation.model import Case
-from vvdp.simulation.outcome import SETTLED, is_settled, kept_marks, remaining_change
+from vvdp.simulation.outcome import SETTLED, is_paced, is_settled, kept_marks, remaining_change
 
 
 class Books(NamedTuple):
@@ -74,8 +74,9 @@ def test_a_small_power_is_judged_against_a_tenth_of_the_largest():
 
 
 def test_spans_that_grow_longer_are_not_settled():
-    times = np.array([1.0, 2.0, 3.001, 4.003])
-    assert not is_settled(CASE, times, run_states() * (times / TIMES)[:, np.newaxis])
+    """By 0.1 % each: the rate falls in a straight line, and a tenth of that is the limit."""
+    assert is_paced(np.array([0.0, 1.0, 2.00009, 3.00027]))
+    assert not is_paced(np.array([0.0, 1.0, 2.00011, 3.00033]))
 
 
 @pytest.mark.parametrize(

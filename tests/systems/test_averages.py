@@ -41,7 +41,7 @@ def test_spool_that_stands_gives_no_periods_and_says_so(ran):
     assert found["settled"]
     assert (run.mark_times < 1e-3).all()  # it trembles at its start, at the angle that is counted from
     assert (found["averaged_from_s"], found["averaged_to_s"]) == (0.25, 0.5)
-    assert all(np.isfinite(value) for value in found.values())
+    assert {key for key, value in found.items() if not np.isfinite(value)} <= {"efficiency", "loss_transition_W"}
 
 
 def test_run_that_is_still_speeding_up_is_not_settled(ran):

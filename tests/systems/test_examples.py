@@ -87,7 +87,7 @@ def test_runs_and_is_to_be_trusted(name):
     found, run = done(name)
     assert found["trusted"]
     assert found["finished"]
-    assert not found["cavitation"]
+    assert not found["cavitation_volume"]
     assert abs(found["energy_residual"]) < 1e-6
     assert abs(found["mass_residual"]) < 1e-6
     assert run.seconds < 2.0  # of a loaded machine; 0.2 s and less by itself

@@ -70,9 +70,11 @@ def test_books_balance(name, label, ran):
     assert run.finished and run.end == 0.2
     assert abs(found["energy_residual"]) < 1e-6
     assert abs(found["mass_residual"]) < 1e-6
-    assert found["trusted"]
+    assert found["second_law"]
+    assert found["trusted"] or not found["within_validity"]
     assert np.all(np.isfinite(run.states))
-    assert all(np.isfinite(value) for value in found.values())
+    unknown = {key for key, value in found.items() if not np.isfinite(value)}
+    assert unknown <= {"efficiency", "loss_transition_W"}
     low = dict(zip((path for path, _, _ in leaves(run.case.state)), run.low, strict=True))
     assert low["inlet"] > 0.0  # absolute
 
@@ -86,7 +88,7 @@ def test_books_balance_with_moving_operation(name, label, ran):
 def test_nothing_cavitates_as_shipped(ran):
     for name in (ORIFICE, SOURCE):
         found, _ = ran(name, [], "0.2 s")
-        assert not found["cavitation"]
+        assert not found["cavitation_volume"]
 
 
 def test_vacuum_at_the_inlet_is_reported_and_not_clamped(ran):
@@ -94,9 +96,9 @@ def test_vacuum_at_the_inlet_is_reported_and_not_clamped(ran):
     limit, and is shown there."""
     settings = ["operation.pump_speed=0 rpm", "load.pressure=-0.95 bar", "operation.duty_ratio=1.3"]
     found, _ = ran(SOURCE, settings, "0.2 s")
-    assert found["cavitation"]
+    assert found["cavitation_volume"]
     assert found["pressure_min_inlet_Pa"] == pytest.approx(-0.95e5, abs=200.0)
-    assert found["trusted"]
+    assert found["second_law"] and not found["within_validity"] and not found["trusted"]
 
 
 def test_vacuum_at_the_load_is_reported(ran):
@@ -109,8 +111,8 @@ def test_vacuum_at_the_load_is_reported(ran):
     ]
     found, _ = ran(ORIFICE, settings, "0.2 s")
     assert found["pressure_min_load_line_Pa"] < -0.7e5
-    assert found["cavitation"]
-    assert found["trusted"]
+    assert found["cavitation_volume"]
+    assert found["second_law"] and not found["within_validity"] and not found["trusted"]
 
 
 def test_load_above_the_relief_setting_drives_oil_back(ran):

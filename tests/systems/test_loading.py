@@ -176,7 +176,7 @@ def test_a_drawn_file_sets_its_own_bound_for_cavitation(tmp_path):
     found = []
     for file in (path, watched):
         system = load_system(str(file))
-        found.append(summary(system, simulate(system.model, system.case, system.stepping))["cavitation"])
+        found.append(summary(system, simulate(system.model, system.case, system.stepping))["cavitation_volume"])
     assert found == [False, True]
 
 

@@ -34,7 +34,7 @@ def test_an_explicit_start_of_averaging_wins_over_the_length():
 
 
 def test_a_start_of_averaging_behind_the_end_is_refused():
-    with pytest.raises(ConfigError, match="average_from 0.7 s; expected less than until = 0.6 s"):
+    with pytest.raises(ConfigError, match=r"average_from 0\.7 s; expected less than until = 0\.6 s"):
         load_system("prototype-constant-load", ["run.average_from=0.7 s"], until="0.6 s")
 
 

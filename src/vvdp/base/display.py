@@ -83,6 +83,14 @@ def fixed_point(value: float, decimals: int) -> str:
     return (text.lstrip("-") if float(text) == 0.0 else text).replace("-", MINUS)
 
 
+def long_time(seconds: float) -> str:
+    """A time that somebody has to wait, in words."""
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.0f} s"
+
+
 def percent(share: float, decimals: int = 1) -> str:
     """A share as percentage."""
     return f"{fixed_point(100.0 * share, decimals)} %"

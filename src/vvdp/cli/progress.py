@@ -4,6 +4,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from vvdp.base.display import long_time
+
 LINE_INTERVAL = 2.0
 """Seconds between two lines on a stderr that is no terminal."""
 
@@ -40,7 +42,7 @@ def _time_left(elapsed: float, gone: float, still: float) -> str:
     if not (gone > 0.0 and elapsed > 0.0):
         return ""
     seconds = still * elapsed / gone
-    return f", about {seconds:.0f} s left" if seconds < 120.0 else f", about {seconds / 60.0:.0f} min left"
+    return f", about {long_time(seconds)} left"
 
 
 @contextmanager

@@ -50,6 +50,7 @@ def run(
     from vvdp.cli.report import RUN, add_report
     from vvdp.cli.screen import print_json, say
     from vvdp.runs.simulate import check_accuracy, run_system, save_run
+    from vvdp.systems.overview import warnings
     from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or (), until)
@@ -70,7 +71,8 @@ def run(
     if json:
         checked = {"check": {move.key: move.change for move in changes}} if changes else {}
         spans = {"ranges": done.meta["ranges"]} if "ranges" in done.meta else {}
-        print_json({"system": loaded.name, **_with_counts(done), **checked, **spans, "out": str(directory)})
+        told = {"warnings": list(warnings(loaded, done.summary))}
+        print_json({"system": loaded.name, **_with_counts(done), **told, **checked, **spans, "out": str(directory)})
     else:
         _print(done, changes)
         typer.echo(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
@@ -107,12 +109,12 @@ def _with_counts(run: "RecordedRun") -> dict[str, Any]:
 
 
 def _exit(run: "RecordedRun") -> None:
-    """Leaves with the code of a run that was interrupted or whose balances do not close."""
+    """Leaves with the code of a run that was interrupted or that is not to be trusted."""
     from vvdp.cli.screen import say
 
     trusted = bool(run.summary.get("trusted", True))
     if not trusted:
-        say("the balances of this run do not close; see energy_residual and mass_residual")
+        say("this run is not to be trusted: its warnings say why")
     if not run.has("finished"):
         raise typer.Exit(INTERRUPTED)
     if not trusted:

@@ -13,6 +13,7 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Source, Start
 from vvdp.valve.rotary import RotaryValve
+from vvdp.valve.validity import CAVITATION_PRESSURE
 
 
 @dataclass(frozen=True)
@@ -32,13 +33,17 @@ class PumpUnit:
 
 @dataclass(frozen=True)
 class UnitJoints:
-    """The nodes that a pump unit joins, and what moves it: signals, states or commands [rad/s, m, rad/s]."""
+    """The nodes that a pump unit joins, and what moves it: signals, states or commands [rad/s, m, rad/s].
+
+    `cavitation_pressure` is that below which oil is held to evaporate at the valve's ports, absolute [Pa].
+    """
 
     tank: str
     load: str
     pump_speed: Source
     axial_position: Source
     spool_motor_speed: Source = 0.0
+    cavitation_pressure: Source = CAVITATION_PRESSURE
 
 
 def add_pump_unit(net: Network, unit: PumpUnit, joints: UnitJoints, prefix: str = "") -> None:
@@ -63,6 +68,7 @@ def add_pump_unit(net: Network, unit: PumpUnit, joints: UnitJoints, prefix: str 
         tank=joints.tank,
         spool=spool,
         axial_position=joints.axial_position,
+        cavitation_pressure=joints.cavitation_pressure,
     )
     net.add(prefix + "relief_valve", RELIEF_VALVE, unit.relief_valve, a=inlet, b=joints.tank)
     net.add(prefix + "coupling", DRIVE_COUPLING, unit.spool_drive, motor=motor, spool=spool)

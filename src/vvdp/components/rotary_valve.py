@@ -12,11 +12,12 @@ from vvdp.base.kinds import (
     Kink,
     Position,
     Power,
+    Pressure,
     Ratio,
     Torque,
 )
 from vvdp.base.modes import side
-from vvdp.base.select import select
+from vvdp.base.select import maximum, minimum, select
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil, film_ratios
 from vvdp.hydraulics.check_valve import CheckPoppet, check_opening, check_opening_rate, check_side
@@ -28,6 +29,7 @@ from vvdp.valve.geometry import JetSkews, Openings, PortShape, jet_skews, port_e
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import SpoolTorque, friction_coefficient, pwm_frequency, spool_inertia, spool_torque
+from vvdp.valve.validity import CAVITATION_NUMBER, CAVITATION_PRESSURE
 
 
 class RotaryValveState(NamedTuple):
@@ -69,6 +71,7 @@ class RotaryValveFlow(NamedTuple):
     leakage: Flow
     load_opening: Fraction
     tank_opening: Fraction
+    cavitating: Fraction
     load_near: Kink
     load_far: Kink
     tank_near: Kink
@@ -120,6 +123,27 @@ def branch(inlet: FluidState, outlet: FluidState, opening: float, law: BranchLaw
     return Branch(flow, passage(flow.flow, inlet, outlet), side(choking - 1.0))
 
 
+def branch_cavitates(
+    inlet: FluidState, outlet: FluidState, opening: float, law: BranchFlow, cavitation_pressure: float
+) -> float:
+    """Whether oil evaporates at the nozzles of a branch: 1 where their cavitation number is below the limit, else 0.
+
+    The number is that of the nozzles' own drop, whichever way oil flows. A port that is shut has none; one that is
+    nearly shut takes nearly the whole drop, and however little flows through it evaporates.
+
+    opening              open fraction of its ports [1]
+    cavitation_pressure  absolute [Pa]
+
+    Source  merritt1967, flow through orifices; docs/design.md, "Cavitation number"
+    """
+    behind = inlet.pressure - law.nozzle_share * (inlet.pressure - outlet.pressure)
+    drop = abs(inlet.pressure - behind)
+    low = minimum(inlet.pressure, behind) - cavitation_pressure
+    cavitates = select(low < CAVITATION_NUMBER * drop, 1.0, 0.0)
+    open_only: float = select(opening > 0.0, cavitates, 0.0)
+    return open_only
+
+
 def valve_losses(
     load: Branch, tank: Branch, leak: Passage, torque: SpoolTorque, spool_speed: float
 ) -> RotaryValveLosses:
@@ -152,6 +176,7 @@ def rotary_valve(
     oil: Oil,
     valve: RotaryValve,
     check: CheckPoppet,
+    cavitation_pressure: Pressure = CAVITATION_PRESSURE,
 ) -> RotaryValveFlow:
     """Flows, torque on the spool and losses of a rotary valve at one spool angle and `axial_position` [m].
 
@@ -180,6 +205,10 @@ def rotary_valve(
         leakage=leak.flow,
         load_opening=openings.load,
         tank_opening=openings.tank,
+        cavitating=maximum(
+            branch_cavitates(inlet, load, openings.load, to_load.law, cavitation_pressure),
+            branch_cavitates(inlet, tank, openings.tank, to_tank.law, cavitation_pressure),
+        ),
         load_near=edges.load_near,
         load_far=edges.load_far,
         tank_near=edges.tank_near,
@@ -207,5 +236,5 @@ ROTARY_VALVE = Component(
     start=rotary_valve_start,
     inertia=rotary_valve_inertia,
     mark=rotary_valve_periods,
-    averages=("leakage", "load_opening"),
+    averages=("leakage", "load_opening", "cavitating"),
 )

@@ -36,8 +36,8 @@ from vvdp.valve.gap_flow import (
     sheared_temperature_rise,
     taylor_number,
 )
-from vvdp.valve.operating_point import TURBULENT
 from vvdp.valve.torque import pwm_frequency
+from vvdp.valve.validity import CAVITATION_NUMBER, SHEAR_WARMING, TAYLOR_NUMBER, TURBULENT
 
 COLDEST, HOTTEST, STEP = 283.15, 353.15, 2.5
 
@@ -50,9 +50,9 @@ class RangeLimits(Params):
     """
 
     reynolds_number: Ratio = TURBULENT
-    cavitation_number: Ratio = 0.4
-    taylor_number: Ratio = 41.2
-    temperature_rise: TemperatureDifference = 5.0
+    cavitation_number: Ratio = CAVITATION_NUMBER
+    taylor_number: Ratio = TAYLOR_NUMBER
+    temperature_rise: TemperatureDifference = SHEAR_WARMING
     eccentricity: Ratio = 0.3
     excess_share: Ratio = 0.158
     specific_heat: SpecificHeat = 1900.0

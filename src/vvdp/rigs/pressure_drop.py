@@ -16,7 +16,8 @@ from vvdp.results.result import Column, Finding, Result, Table, numbers_of
 from vvdp.rigs.conditions import axis_words, conditions
 from vvdp.steady.test_stand import Stand
 from vvdp.valve.branch import turbulent_drops
-from vvdp.valve.operating_point import TURBULENT, nozzle_reynolds_number
+from vvdp.valve.operating_point import nozzle_reynolds_number
+from vvdp.valve.validity import TURBULENT
 
 OPENINGS = (1.0, 0.5, 0.25)
 MANNER = (

@@ -2,15 +2,19 @@
 
 from collections.abc import Iterator
 
-from vvdp.base.display import display_unit, fixed_point, number, percent, plain, with_unit
-from vvdp.base.kinds import DURATION, MEAN_POWER, POSITION, SIGNED_PRESSURE
+import numpy as np
+
+from vvdp.base.display import number, percent, plain, with_unit
+from vvdp.base.kinds import DURATION, MEAN_POWER
 from vvdp.results.result import Badge, Finding, Grade
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.bench import RotaryBench
-from vvdp.systems.overview import loss_lines, lowest_volume, node_lines, power_lines
-from vvdp.systems.summary import cavitation_pressure
+from vvdp.systems.bench_validity import efficiency_doubt
+from vvdp.systems.overview import impossible_part, loss_lines, node_lines, power_lines
+from vvdp.systems.summary import is_closed
+from vvdp.systems.validity import broken_bounds
 
 
 def badges(run: RecordedRun) -> Iterator[Badge]:
@@ -18,12 +22,20 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
     if "trusted" not in run.summary:
         yield Badge("not checked: no balances", Grade.WARNING)
     else:
-        yield Badge("balances close", Grade.GOOD) if run.has("trusted") else Badge("BALANCES DO NOT CLOSE", Grade.BAD)
+        closed = is_closed(run.summary)
+        yield Badge("balances close", Grade.GOOD) if closed else Badge("BALANCES DO NOT CLOSE", Grade.BAD)
+        if not run.has("second_law"):
+            yield Badge("IMPOSSIBLE", Grade.BAD)
+    if not run.has("within_validity"):
+        yield Badge("outside the range of a law", Grade.BAD)
     if not run.has("finished"):
         yield Badge("interrupted", Grade.BAD)
-    if run.record.mark_times.size or "pwm_frequency_Hz" in run.summary:
-        yield _settling_warning(run)
-    yield Badge("cavitation", Grade.BAD) if run.has("cavitation") else Badge("no cavitation", Grade.GOOD)
+    if run.number("averaged_periods") < 1 and "pwm_frequency_Hz" in run.summary:
+        yield Badge(f"no {run.period}", Grade.WARNING)
+    else:
+        yield Badge("settled", Grade.GOOD) if run.has("settled") else Badge("not settled", Grade.WARNING)
+    if run.has("cavitation_volume"):
+        yield Badge("cavitation", Grade.BAD)
     if "motor_overloaded" in run.summary:
         over = run.has("motor_overloaded")
         yield Badge("motor overloaded", Grade.BAD) if over else Badge("motor within its rating", Grade.GOOD)
@@ -32,15 +44,9 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
     yield Badge(f"{len(run.system.assumptions)} assumed values")
 
 
-def _settling_warning(run: RecordedRun) -> Badge:
-    if not run.number("averaged_periods") >= 1:
-        return Badge(f"no {run.period}", Grade.WARNING)
-    return Badge("settled", Grade.GOOD) if run.has("settled") else Badge("not settled", Grade.WARNING)
-
-
 def warnings(run: RecordedRun) -> Iterator[Finding]:
     """What may be wrong with the run of any circuit, gravest first."""
-    if "trusted" in run.summary and not run.has("trusted"):
+    if "trusted" in run.summary and not is_closed(run.summary):
         energy, mass = (number(run.number(f"{name}_residual"), 3) for name in ("energy", "mass"))
         tolerance = plain(float(run.meta["relative_tolerance"]))
         yield Finding(
@@ -60,19 +66,29 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             "Means are taken over the part that was simulated.",
             remedy="Run again to the end, or ask for a shorter run with --until.",
         )
-    lowest = lowest_volume(run.system, run.summary)
-    if run.has("cavitation") and lowest is not None:
-        name = lowest[0].replace("_", " ")
-        bar = display_unit(SIGNED_PRESSURE)
-        low, limit = (
-            f"{fixed_point(bar.from_si(p), 3)} bar absolute" for p in (lowest[1], cavitation_pressure(run.system))
-        )
+    if not run.summary.get("second_law", True):
+        part = impossible_part(run.system, run.summary)
         yield Finding(
             grade=Grade.BAD,
-            title=f"Cavitation at the {name}",
-            text=f"The {name} pressure fell to {low}, below the limit of {limit}.",
-            remedy="Below the limit the oil model does not hold. Raise the tank pressure, move things more slowly, or "
-            "enlarge what feeds it.",
+            title="This cannot be",
+            text=f"{part[:1].upper()}{part[1:]}.",
+            remedy="Do not use these numbers. Look for a value with the wrong sign or unit.",
+        )
+    for sentence in broken_bounds(run.system, run.summary):
+        yield Finding(
+            grade=Grade.BAD,
+            title="Outside the range of a law",
+            text=f"{sentence[:1].upper()}{sentence[1:]}.",
+            remedy="The numbers are those of the equations, not of the machine. docs/design.md tells the ranges.",
+        )
+    if not run.has("settled") and (run.system.extras is not None or not run.varies):
+        wanted = " Something prescribed changes over time; then this may be what was asked for." if run.varies else ""
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Not settled",
+            text=f"A mean would still change by more than {percent(SETTLED)} if the run went on.",
+            remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to where it "
+            f"settles.{wanted}",
         )
 
 
@@ -87,15 +103,20 @@ def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
             f"{with_unit(rated, MEAN_POWER)} ({percent(power / rated, 0)}).",
             remedy="Lower the pump speed, the load pressure or the relief setting, or fit a larger motor.",
         )
-    low, high = bench.duty_ratio.extremes
-    if low < 0.0 or high > 1.0:
-        beyond = with_unit(max(-low, high - 1.0) * bench.valve.helix_length, POSITION)
+    put_in = run.number("input_power_W") + run.number("spool_motor_power_W")
+    if doubt := efficiency_doubt(run.number("load_power_W"), put_in, run.number("stored_power_W")):
         yield Finding(
             grade=Grade.WARNING,
-            title="Duty ratio outside 0 to 1",
-            text=f"The duty ratio goes from {plain(low, 4)} to {plain(high, 4)}: the spool travels {beyond} beyond the "
-            "helix.",
-            remedy="Both ports close and open fully only a little beyond the helix; check that the value was meant.",
+            title="No efficiency",
+            text=f"{doubt[:1].upper()}{doubt[1:]}.",
+            remedy="Average over a time in which as much goes into store as comes out, or over a longer one.",
+        )
+    if not np.isfinite(run.number("loss_transition_W")):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="No loss by transition",
+            text="The valve turns less to heat than one port of it would if it were fully open: there is no fully open "
+            "valve to compare with.",
         )
     if not run.number("averaged_periods") >= 1:
         yield Finding(
@@ -105,16 +126,6 @@ def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
             "opening the spool stood at.",
             remedy="If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the "
             "run last longer.",
-        )
-    elif not run.has("settled"):
-        wanted = " Something prescribed changes over time; then this may be what was asked for." if run.varies else ""
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Not settled",
-            text=f"The mean PWM frequency still differs by more than {percent(SETTLED)} between the two halves of the "
-            f"averaging window of {plain(run.number('averaged_periods'))} periods.",
-            remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to the "
-            f"final spool speed.{wanted}",
         )
 
 

@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array, Rows
-from vvdp.base.signal import Signal
 from vvdp.base.tables import parsed_table
 from vvdp.network.network import Network
 from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.results.result import Number
 from vvdp.simulation.record import Record
 from vvdp.simulation.results import read_results
-from vvdp.systems.overview import flow_ports, inside, period
+from vvdp.systems.overview import flow_ports, inside, period, varies
 from vvdp.systems.quantities import summary_numbers
 from vvdp.systems.system import System, built_system
 
@@ -118,7 +117,7 @@ class RecordedRun:
     @property
     def varies(self) -> bool:
         """Whether anything prescribed changes over time."""
-        return any(isinstance(r.value, Signal) and not r.value.is_constant for r in self.system.rows)
+        return varies(self.system)
 
     def fine_from(self) -> int:
         """Row from which on the run is recorded finely; 0 where it nowhere is."""

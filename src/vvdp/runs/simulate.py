@@ -18,6 +18,9 @@ from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
 from vvdp.systems.system import System
 
+FLAGS = ("energy_residual", "mass_residual", "second_law", "within_validity", "trusted")
+"""What of a summary says whether a run is to be trusted."""
+
 
 def run_system(
     system: System,
@@ -43,7 +46,7 @@ def recorded_run(system: System, done: Run, command: Sequence[str] = ()) -> Reco
     if not done.end > system.stepping.begin:
         raise KeyboardInterrupt  # nothing to keep
     found = summary(system, done)
-    balances = {key: found[key] for key in ("energy_residual", "mass_residual", "trusted") if key in found}
+    balances = {key: found[key] for key in FLAGS if key in found}
     meta: dict[str, Any] = origin(done) | {
         "system": system.name,
         "title": system.title,

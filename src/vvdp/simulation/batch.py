@@ -36,8 +36,8 @@ class BatchRun:
     """What a batch has left: a row for every case, columns in the order of the state.
 
     Marks are those from `marks_from` on, of which `kept_marks` are held; a case without any has NaN. `reasons` says why
-    a case could not be carried to the end, None where it was; the row of such a case holds what it had reached. `stopped`
-    says whether somebody stopped the batch; cases that had ended by then are as they would be anyway.
+    a case could not be carried to the end, None where it was; the row of such a case holds what it had reached.
+    `stopped` says whether somebody stopped the batch; cases that had ended by then are as they would be anyway.
     """
 
     model: Model

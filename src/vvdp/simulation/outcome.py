@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vvdp.base.arrays import Array
+from vvdp.base.kinds import DURATION
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
@@ -111,14 +112,15 @@ def marked_window(case: Case, times: Array, states: Array, marks: int) -> Window
         first=states[0],
         last=states[-1],
         periods=marks - 1,
-        settled=marks > 3 and is_settled(case, times[1:], states[1:]),
+        settled=marks > 3 and is_paced(times[1:]) and is_settled(case, times[1:], states[1:]),
     )
 
 
 def is_settled(case: Case, times: Array, states: Array) -> bool:
     """Whether what the means over three spans of equal length still change by is below `SETTLED` of each mean.
 
-    Means are those of every state that accumulates: pressures, flows, powers, speeds; and the rate of the spans.
+    Means are those of every state that accumulates: pressures, flows, powers, speeds; shares of the time are left out,
+    which may jump.
     What is left to come is extrapolated as that of a first-order lag, docs/keys.md.
 
     times, states  at the ends of the spans, shape (4,) [s] and (4, n)
@@ -127,15 +129,20 @@ def is_settled(case: Case, times: Array, states: Array) -> bool:
     if not (spans > 0.0).all():
         return False
     kinds = [kind for _, _, kind in leaves(case.state)]
-    units = [kind.unit if kind is not None and kind.accumulates else "" for kind in kinds]
+    units = [kind.unit if kind and kind.accumulates and kind is not DURATION else "" for kind in kinds]
     kept = [place for place, unit in enumerate(units) if unit]
     means = np.diff(states[:, kept], axis=0) / spans[:, np.newaxis]
     size, of = np.abs(means.mean(axis=0)), np.array([units[place] for place in kept])
     for unit in set(of):
         size[of == unit] = size[of == unit].clip(min=SMALL * size[of == unit].max())
     drift, steady = remaining_change(means), SETTLED * size
-    paced = remaining_change(1.0 / spans[:, np.newaxis]) <= SETTLED / spans.mean()
-    return bool((drift <= steady).all() and paced.all())
+    return bool((drift <= steady).all())
+
+
+def is_paced(times: Array) -> bool:
+    """Whether the rate at which marks follow each other has settled, between four of as many periods each [s]."""
+    spans = np.diff(times)[:, np.newaxis]
+    return bool((spans > 0.0).all() and remaining_change(1.0 / spans)[0] <= SETTLED / spans.mean())
 
 
 def remaining_change(means: Array) -> Array:

@@ -8,6 +8,7 @@ meta.json       versions, hash of the linked equations, tolerances, residuals, s
 """
 
 import json
+import math
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -86,7 +87,10 @@ def read_results(directory: Path) -> Results:
         return Results(
             directory=directory,
             system=(directory / "system.toml").read_text("utf-8"),
-            summary=json.loads((directory / "summary.json").read_text("utf-8")),
+            summary={
+                key: math.nan if value is None else value
+                for key, value in json.loads((directory / "summary.json").read_text("utf-8")).items()
+            },
             meta=meta,
             record=read_record(directory / "result.h5"),
         )

@@ -11,6 +11,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.conservation import NOTHING
+from vvdp.base.display import long_time
 from vvdp.base.errors import RunError
 from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.simulation import places
@@ -38,6 +39,8 @@ PROMPT, UNHURRIED = Pace(1e3, 7e-3), Pace(1e4, 0.2)
 """Where somebody may stop the run, and where only the keyboard may: each portion costs some tenths of a millisecond."""
 MOST_GROWTH = 20.0
 MOST_MARKS = 1e6
+SOON, LONG = 1.0, 60.0
+"""After so long [s] a run that is to take longer than that says so, and why."""
 MANY_JUMPS = 5
 """From so many places on at which steps were refused in series, and no stop was named, a run has a remark."""
 
@@ -186,7 +189,7 @@ def simulate(
     before = carried_on(continue_from, ready, stepping) if continue_from else start_run(ready, stepping)
     reached, rows, began, finished = before.copy(), _Rows(before, stepping), time.perf_counter(), True
     try:
-        finished = _carry(loop, ready, stepping, reached, rows, case, _Watcher(progress, stop, portion))
+        finished = _carry(loop, ready, stepping, reached, rows, case, _Watcher(progress, stop, portion, say))
     except KeyboardInterrupt:
         finished = False
     counts = _counts(before, reached)
@@ -240,6 +243,7 @@ def _carry(
     watcher: "_Watcher",
 ) -> bool:
     """Whether the run came to its end; False where the watcher stopped it."""
+    begun, counted = time.perf_counter(), clock_now(reached.clock)
     status, clock, budget = places.PAUSED, reached.clock, watcher.portion or watcher.pace.first
     turn: AbstractContextManager[Any] = first_call
     bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
@@ -263,10 +267,40 @@ def _carry(
             rows.mark_states = np.concatenate([rows.mark_states, np.zeros_like(rows.mark_states)])
         elif status not in (places.DONE, places.PAUSED):
             raise RunError(failure(case, clock, reached.state, status))
+        if counted is not None and (gone := time.perf_counter() - begun) > SOON:
+            if words := long_run(stepping.until, gone, counted, clock_now(clock)):
+                watcher.say(words)
+            counted = None
         stops = watcher.hears(float(clock[places.TIME]))
         if status == places.DONE or stops:
             return bool(status == places.DONE)
         budget = watcher.next_portion(clock[places.EVALUATIONS] - before, time.perf_counter() - began)
+
+
+class Counted(NamedTuple):
+    """How far a run has come: time [s], steps and marks."""
+
+    time: float
+    steps: float
+    marks: float
+
+
+def clock_now(clock: Array) -> Counted:
+    """What the clock of a run has counted."""
+    return Counted(*(float(clock[place]) for place in (places.TIME, places.STEPS, places.MARKS)))
+
+
+def long_run(until: float, gone: float, before: Counted, now: Counted) -> str:
+    """How long the rest of a run will take and why, from what it counted in the time `gone` [s]; empty where short."""
+    span = now.time - before.time
+    if not span > 0.0:
+        return f"this run stands at t = {now.time:.6g} s: {now.steps - before.steps:.0f} steps were refused or vanish"
+    left = (until - now.time) * gone / span
+    if left < LONG:
+        return ""
+    steps, marks = (now.steps - before.steps) / span, (now.marks - before.marks) / span
+    periods = f"{marks:.3g} periods of {steps / marks:.3g} steps" if marks > 0.0 else f"{steps:.3g} steps"
+    return f"this run will take about {long_time(left)} more: {periods} in a second of its time"
 
 
 class _Watcher(NamedTuple):
@@ -275,6 +309,7 @@ class _Watcher(NamedTuple):
     progress: Callable[[float], None] | None
     stop: Callable[[], bool] | None
     portion: float | None
+    say: Callable[[str], None]
 
     @property
     def pace(self) -> Pace:

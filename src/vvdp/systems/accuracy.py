@@ -17,6 +17,9 @@ OF_THE_RUN = frozenset(
 )
 """Keys that say how a run was done, not what came of it."""
 
+COARSE = frozenset(("cavitation_port_share",))
+"""Keys of shares of the time in which something holds: they jump, and are known to about a hundredth of themselves."""
+
 
 class Move(NamedTuple):
     """How a value of a summary changes with the tolerance, over the value."""
@@ -35,7 +38,7 @@ def moves(found: Summary, finer: Summary, units: Mapping[str, str]) -> tuple[Mov
     values = {
         key: float(value)
         for key, value in finer.items()
-        if not isinstance(value, bool) and key not in OF_THE_RUN and key in found
+        if not isinstance(value, bool) and key not in OF_THE_RUN | COARSE and key in found
     }
     largest: dict[str, float] = {}
     for key, value in values.items():

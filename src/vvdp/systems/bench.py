@@ -9,7 +9,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault
-from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TIME
+from vvdp.base.kinds import PRESSURE_DIFFERENCE, TIME
 from vvdp.base.signal import Signal, constant, signal_value
 from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.pump import Pump, pump_friction_power
@@ -22,8 +22,11 @@ from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
+from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, transition_loss
 from vvdp.systems.extras import Extras, Summary
+from vvdp.systems.port_cavitation import lowest_cavitation_number
 from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
+from vvdp.systems.validity import Bound
 from vvdp.valve.flow_map import quasi_steady_mean
 from vvdp.valve.losses import full_open_loss, range_warnings
 from vvdp.valve.operating_point import OperatingPoint, SetPoint, operating_point
@@ -250,6 +253,7 @@ class RotaryBench(Extras):
         load_power = mean.spent.load if self.makes_pressure else -supplied.load_line
         drops = valve.nozzle + valve.centre_section + valve.outlet_turbine
         turns = float(found["speed_mean_spool_rad_s"])
+        place = [path for path, _, _ in leaves(run.case.state)].index("spool.angle")
         return {
             "pwm_frequency_Hz": turns * self.valve.sections / (2.0 * np.pi),
             "mean_pump_flow_m3_s": pump_flow,
@@ -258,10 +262,12 @@ class RotaryBench(Extras):
             "mean_leakage_flow_m3_s": totals.valve_leakage,
             "load_flow_fraction": _ratio(totals.valve_load_flow, pump_flow),
             "mean_load_opening": totals.valve_load_opening,
+            "cavitation_port_share": totals.valve_cavitating,
+            "cavitation_number_lowest": lowest_cavitation_number(self, found, (run.low[place], run.high[place])),
             "input_power_W": shaft,
             "spool_motor_power_W": motor,
             "load_power_W": load_power,
-            "efficiency": _ratio(load_power, shaft + motor),
+            "efficiency": efficiency(load_power, shaft + motor, float(found["stored_power_W"])),
             "motor_rated_power_W": self.motor.rated_power,
             "motor_overloaded": bool(shaft > self.motor.rated_power),
             "loss_nozzle_W": valve.nozzle,
@@ -270,7 +276,7 @@ class RotaryBench(Extras):
             "loss_spool_friction_W": valve.spool_friction,
             "spool_shaft_power_W": -valve.to_spool,
             "loss_full_open_W": open_loss,
-            "loss_transition_W": drops + mean.spent.relief_valve - open_loss,
+            "loss_transition_W": transition_loss(drops + mean.spent.relief_valve - open_loss, shaft + motor),
             "loss_total_W": shaft + motor - load_power,
             "steady": self.is_steady,
         }
@@ -345,26 +351,18 @@ class RotaryBench(Extras):
             drop = with_unit(relief.reseat_drop, PRESSURE_DIFFERENCE)
             yield f"the relief valve shuts only {drop} below its setting, which is in no quasi-steady average"
 
+    @property
+    def temperature(self) -> Signal:
+        """The oil's temperature [K]."""
+        return self.operation.oil_temperature
+
+    def bounds(self, found: Mapping[str, Any]) -> Iterator[Bound]:
+        """The bounds of the laws of valve and spool at what a run has `found`."""
+        return bench_bounds(self, found)
+
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
-        """What is to be known before the numbers of a bench: is the valve settled, and what does the motor take."""
-        if found["averaged_periods"] < 1:
-            yield "no whole PWM period lies in the averaging window: the means are over plain time"
-        elif not found["settled"]:
-            if found["steady"]:
-                yield "the PWM frequency has not settled within the averaging window: run longer"
-            else:
-                yield (
-                    "what is prescribed changes over time: the means are those of the averaging window, no steady state"
-                )
-        low, high = self.duty_ratio.extremes
-        if low < 0.0 or high > 1.0:
-            beyond = with_unit(max(-low, high - 1.0) * self.valve.helix_length, POSITION)
-            yield f"the duty ratio goes outside 0 to 1: the spool travels {beyond} beyond the helix"
-        if found["motor_overloaded"]:
-            power, rated = found["input_power_W"], found["motor_rated_power_W"]
-            yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
-        for limit in self.closed_form_limits(found):
-            yield f"no analytic results: {limit}"
+        """What is to be known before the numbers of a bench, in sentences."""
+        return bench_warnings(self, found)
 
     def estimate(self, command: Callable[[str], Array]) -> dict[str, Array]:
         """What is believed of a watched spool, by field of `SpoolEstimate`; `command` gives a series by its path."""

@@ -8,10 +8,12 @@ from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 
 if TYPE_CHECKING:
+    from vvdp.base.signal import Signal
     from vvdp.simulation.outcome import Outcome
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
     from vvdp.systems.system import System
+    from vvdp.systems.validity import Bound
 
 Summary = dict[str, float | bool]
 
@@ -53,6 +55,11 @@ class Extras:
         self.system = system
         self.tables: Mapping[str, Any] = system.tables
 
+    @property
+    def temperature(self) -> "Signal":
+        """The oil's temperature [K]."""
+        return self.system.circuit.network.temperature
+
     def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:  # noqa: ARG002
         """Further numbers of any run, beside those in `found`."""
         return {}
@@ -67,6 +74,10 @@ class Extras:
 
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
         """What a person has to know before the numbers of a summary, each in one line."""
+        yield from ()
+
+    def bounds(self, found: Mapping[str, Any]) -> "Iterator[Bound]":  # noqa: ARG002
+        """What must lie within its bounds for the laws of its components to hold, at what a run has `found`."""
         yield from ()
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:  # noqa: ARG002

@@ -3,12 +3,16 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from vvdp.base.display import key_suffix
+from vvdp.base.display import key_suffix, percent
 from vvdp.base.kinds import GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
+from vvdp.base.signal import Signal
 from vvdp.network.network import Network, Part
-from vvdp.network.nodes import HydraulicNode, OilVolume, Rod, Shaft
+from vvdp.network.nodes import HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of
+from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.summary import is_closed
 from vvdp.systems.system import System
+from vvdp.systems.validity import broken_bounds
 
 
 class NodeLine(NamedTuple):
@@ -101,25 +105,52 @@ def power_lines(system: System, found: Mapping[str, Any]) -> Iterator[tuple[str,
             yield name, float(found[f"power_{name}_W"])
 
 
-def lowest_volume(system: System, found: Mapping[str, Any]) -> tuple[str, float] | None:
-    """The volume whose pressure fell lowest, and that pressure [Pa, absolute]; None in a circuit without volumes."""
-    volumes = {n: node for n, node in system.circuit.network.nodes.items() if isinstance(node, OilVolume)}
-    low = {n: float(found[f"pressure_min_{n}_Pa"]) + node.oil.reference_pressure for n, node in volumes.items()}
-    name = min(low, key=lambda n: low[n], default=None)
-    return None if name is None else (name, low[name])
-
-
 def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     """What a person has to know before the numbers of a summary, each in one line; the gravest first."""
-    if not found.get("trusted", True):
-        yield "the balances do not close: a residual is above the limit; try a tenth of run.relative_tolerance"
+    if "second_law" in found:
+        yield from _impossible(system, found)
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
-    lowest = lowest_volume(system, found)
-    if found["cavitation"] and lowest is not None:
-        yield f"the {lowest[0].replace('_', ' ')} pressure falls below the cavitation limit"
+    yield from broken_bounds(system, found)
+    if not found["settled"]:
+        yield from _not_settled(system)
     if system.extras is not None:
         yield from system.extras.warnings(found)
+
+
+def _impossible(system: System, found: Mapping[str, Any]) -> Iterator[str]:
+    """What in a run cannot be: balances that do not close, losses that give energy back."""
+    if not is_closed(found):
+        yield "the balances do not close: a residual is above the limit; try a tenth of run.relative_tolerance"
+    if not found["second_law"]:
+        yield f"the run cannot be: {impossible_part(system, found)}"
+
+
+def impossible_part(system: System, found: Mapping[str, Any]) -> str:
+    """What breaks the second law in a run, in words: the losses that give energy back, as far as means show them."""
+    names = [
+        (f"loss_{part.name}_{loss}_W" if loss else f"loss_{part.name}_W", kind)
+        for part in system.circuit.network.parts.values()
+        for loss, kind in part.component.losses.items()
+    ]
+    given = ", ".join(key for key, kind in names if kind and kind.low >= 0.0 and found.get(key, 0.0) < 0.0)
+    return f"a loss gives energy back ({given})" if given else "a loss gives energy back, or a state left its range"
+
+
+def _not_settled(system: System) -> Iterator[str]:
+    """Whether a reader expects means of a steady state, which these are not."""
+    if not varies(system):
+        yield (
+            f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
+            "longer (run.until), or average later (run.average_from)"
+        )
+    elif system.extras is not None:
+        yield "what is prescribed changes over time: the means are those of the averaging window, no steady state"
+
+
+def varies(system: System) -> bool:
+    """Whether anything prescribed changes over time."""
+    return any(isinstance(row.value, Signal) and not row.value.is_constant for row in system.rows)
 
 
 def period(system: System) -> str:

@@ -60,9 +60,9 @@ def orifice_load(
         spool_drive=spool_drive,
         check_valve=check_valve,
     )
-    net = _network(oil, unit, operation, load, initial)
+    net = _network(oil, unit, operation, load, initial, limits)
     net.volume("load_line", load_line, start="initial.load_pressure")
-    add_pump_unit(net, unit, joints(operation, valve))
+    add_pump_unit(net, unit, joints(operation, valve, limits))
     net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
     _watch(net, encoder, spool_filter, initial)
     return net
@@ -93,9 +93,9 @@ def constant_load(
         spool_drive=spool_drive,
         check_valve=check_valve,
     )
-    net = _network(oil, unit, operation, load, initial)
+    net = _network(oil, unit, operation, load, initial, limits)
     net.pressure_source("load_line", load.pressure)
-    add_pump_unit(net, unit, joints(operation, valve))
+    add_pump_unit(net, unit, joints(operation, valve, limits))
     _watch(net, encoder, spool_filter, initial)
     return net
 
@@ -111,7 +111,12 @@ def _unit(**parts: Any) -> PumpUnit:
 
 
 def _network(
-    oil: Oil, unit: PumpUnit, operation: DutyOperation | AxialOperation, load: Params, initial: InitialSupply
+    oil: Oil,
+    unit: PumpUnit,
+    operation: DutyOperation | AxialOperation,
+    load: Params,
+    initial: InitialSupply,
+    limits: Limits,
 ) -> Network:
     """The network of a bench with its tank, before anything else is drawn."""
     net = Network(
@@ -122,13 +127,14 @@ def _network(
         initial=initial,
         spool_drive=unit.spool_drive,
         check_valve=unit.check_valve,
+        limits=limits,
     )
     net.extras = RotaryBench
     net.tank("tank", operation.tank_pressure)
     return net
 
 
-def joints(operation: DutyOperation | AxialOperation, valve: RotaryValve) -> UnitJoints:
+def joints(operation: DutyOperation | AxialOperation, valve: RotaryValve, limits: Limits) -> UnitJoints:
     """Where the pump unit of a bench is joined, and what moves it."""
     if isinstance(operation, DutyOperation):
         position: Source = Connection(duty_position, (operation.duty_ratio, valve))
@@ -140,7 +146,13 @@ def joints(operation: DutyOperation | AxialOperation, valve: RotaryValve) -> Uni
         pump_speed=operation.pump_speed,
         axial_position=position,
         spool_motor_speed=operation.spool_motor_speed,
+        cavitation_pressure=Connection(cavitation_limit, (limits,)),
     )
+
+
+def cavitation_limit(limits: Limits) -> float:
+    """Pressure below which oil is held to evaporate, absolute [Pa]."""
+    return limits.cavitation_pressure
 
 
 def _watch(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -18,15 +19,13 @@ from vvdp.network.nodes import (
     has_free_air,
 )
 from vvdp.network.paths import flows_of
-from vvdp.simulation.balance import balance_between
+from vvdp.simulation.balance import LIMIT, balance_between
 from vvdp.simulation.outcome import Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.extras import Summary as Summary
 from vvdp.systems.system import System
-
-CAVITATION_PRESSURE = 3e4
-"""Below which oil is held to cavitate where a system says nothing else [Pa, absolute]."""
+from vvdp.systems.validity import broken_bounds, cavitation_pressure, lowest_pressure
 
 
 def summary(system: System, run: Run) -> Summary:
@@ -64,9 +63,11 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         **_node_numbers(run, system),
         **_part_numbers(run, system),
     }
+    balances = _balances(run)
     if system.extras is not None:
-        found |= system.extras.simulation_numbers(run, found)
-    found |= _balances(run)
+        found |= system.extras.simulation_numbers(run, found | balances)
+    found |= balances
+    found |= validity(system, found)
     found |= {
         "steps": float(run.steps),
         "rejected_steps": float(run.rejected),
@@ -75,6 +76,21 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
         "wall_time_s": run.seconds,
     }
     return {key: bool(value) if isinstance(value, bool | np.bool_) else float(value) for key, value in found.items()}
+
+
+def validity(system: System, found: Mapping[str, Any]) -> Summary:
+    """Whether the laws hold at what a run has `found`, and whether it is then to be trusted."""
+    valid = not broken_bounds(system, found)
+    low = lowest_pressure(system, found)[1] < cavitation_pressure(system)
+    flags: Summary = {"cavitation_volume": low, "within_validity": valid}
+    if "second_law" in found:
+        flags["trusted"] = bool(is_closed(found) and found["second_law"] and valid)
+    return flags
+
+
+def is_closed(found: Mapping[str, Any]) -> bool:
+    """Whether both balances of a run close."""
+    return bool(max(abs(found["energy_residual"]), abs(found["mass_residual"])) <= LIMIT)
 
 
 def _means(run: Outcome) -> dict[str, float]:
@@ -89,14 +105,13 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
     window, means = run.window, _means(run)
     paths = [path for path, _, _ in leaves(run.case.state)]
     low, high = (dict(zip(paths, values, strict=True)) for values in (run.low, run.high))
-    lowest, found = np.inf, Summary()
+    found = Summary()
     for name, node in system.circuit.network.nodes.items():
         if isinstance(node, HydraulicNode):
             reference = node.oil.reference_pressure
             bounds = (
                 (low[name], high[name]) if isinstance(node, OilVolume) else _prescribed_bounds(node, run, system, name)
             )
-            lowest = min(lowest, bounds[0]) if isinstance(node, OilVolume) else lowest
             mean = bounds[0] if bounds[0] == bounds[1] else means[f"totals.{name}_pressure"]
             found[f"pressure_mean_{name}_Pa"] = mean - reference
             found[f"pressure_min_{name}_Pa"] = bounds[0] - reference
@@ -115,13 +130,7 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             if isinstance(node, Rod):
                 found[f"position_min_{name}_m"] = low[f"{name}.position"]
                 found[f"position_max_{name}_m"] = high[f"{name}.position"]
-    return found | {"cavitation": bool(lowest < cavitation_pressure(system))}
-
-
-def cavitation_pressure(system: System) -> float:
-    """Below which the oil of a system is held to cavitate [Pa, absolute]."""
-    limits = system.tables.get("limits")
-    return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)
+    return found
 
 
 def _prescribed_bounds(node: Tank | PressureSource, run: Outcome, system: System, name: str) -> tuple[float, float]:
@@ -178,5 +187,5 @@ def _balances(run: Outcome) -> Summary:
         "stored_power_W": over_window.energy_stored / (window.end - window.begin),
         "energy_residual": books.energy_residual,
         "mass_residual": books.mass_residual,
-        "trusted": books.is_trusted,
+        "second_law": books.is_possible,
     }

@@ -42,7 +42,6 @@ from vvdp.valve.torque import (
     pwm_frequency,
 )
 
-TURBULENT = 2300.0  # Reynolds number
 LEAKAGE_TRIALS = 5
 """Times that a pump's leakage is found anew: each divides the error by 100 or more, as the mean inlet pressure changes
 little with the flow."""

@@ -1,0 +1,143 @@
+"""Up to where the laws of a test bench of the rotary valve hold, and which of its numbers mean something."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from vvdp.base.display import percent, with_unit
+from vvdp.base.kinds import DUTY_RATIO, MEAN_POWER, NUMBER, RATIO, TEMPERATURE_DIFFERENCE
+from vvdp.base.signal import signal_value
+from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.systems.validity import Bound
+from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
+from vvdp.valve.geometry import barrier_width
+from vvdp.valve.operating_point import nozzle_reynolds_number
+from vvdp.valve.validity import (
+    CURVATURE,
+    ECCENTRICITY,
+    LAMINAR,
+    SHEAR_WARMING,
+    SLOT_LENGTH,
+    TAYLOR_NUMBER,
+    WAVE_TRANSITS,
+    wave_transits,
+)
+
+if TYPE_CHECKING:
+    from vvdp.systems.bench import RotaryBench
+
+STORED = 0.02
+"""Stored power, over the power put in, above which there is no efficiency: given to the load instead, or saved at the
+input, it would change the efficiency by as much."""
+DUST = 1e-6
+"""Share of the power put in by which an efficiency may miss 0 and 1, and a loss 0: the limit of the balances."""
+HEAT_CONDUCTION = 0.13
+"""Thermal conductivity of mineral oil [W/(m K)]."""
+
+
+def efficiency(load_power: float, put_in: float, stored: float) -> float:
+    """Load power over the power put in [1]; nan where that means nothing, `efficiency_doubt` says why.
+
+    load_power, put_in  means [W]
+    stored              what the power put in has left in the circuit, mean [W]
+    """
+    return float("nan") if efficiency_doubt(load_power, put_in, stored) else load_power / put_in
+
+
+def efficiency_doubt(load_power: float, put_in: float, stored: float) -> str:
+    """Why there is no efficiency; empty where there is one. Arguments as those of `efficiency`."""
+    if not put_in > 0.0:
+        return f"the power put in is {with_unit(put_in, MEAN_POWER)}"
+    if abs(stored) > STORED * put_in:
+        moved = "went into store" if stored > 0.0 else "came out of store"
+        share = abs(stored) / put_in
+        much = f"{percent(share)} of" if share < 1.0 else f"{share:.3g} times"
+        return f"{with_unit(abs(stored), MEAN_POWER)}, {much} the power put in, {moved} while means were taken"
+    if not -DUST * put_in <= load_power <= (1.0 + DUST) * put_in:
+        return f"{with_unit(load_power, MEAN_POWER)} reach the load of {with_unit(put_in, MEAN_POWER)} put in"
+    return ""
+
+
+def transition_loss(beyond_open: float, put_in: float) -> float:
+    """Loss beyond that of the fully open valve [W]; nan where it is negative, as a loss cannot be.
+
+    Where the barriers are far narrower than the nozzles, both ports share the flow, and it drops less than in one open
+    port: then there is no fully open valve to compare with.
+
+    beyond_open  [W]
+    put_in       [W]
+    """
+    return beyond_open if beyond_open >= -DUST * abs(put_in) else float("nan")
+
+
+def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bound]:
+    """The bounds of the laws of valve and spool at what a run has `found`; that of the nozzles where oil flows."""
+    valve, oil = bench.valve, bench.oil
+    temperature = signal_value(0.0, bench.operation.oil_temperature)
+    rho, mu = density(temperature, oil), dynamic_viscosity(temperature, oil)
+    flow, frequency = float(found["mean_pump_flow_m3_s"]), abs(float(found["pwm_frequency_Hz"]))
+    fastest = max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max"))
+    low, high = bench.duty_ratio.extremes
+    yield _bound("duty ratio", high, "the spool stands beyond the helix", low=low, least=0.0, most=1.0, kind=DUTY_RATIO)
+    if flow > 0.0:
+        reynolds = float(nozzle_reynolds_number(flow, rho, mu, valve))
+        yield _bound(
+            "Reynolds number of the nozzles", reynolds, "the drop of their flow is no longer quadratic", least=LAMINAR
+        )
+    yield _bound(
+        "clearance over radius",
+        valve.radial_clearance / valve.spool_radius,
+        "leakage and friction are those of a thin film",
+        most=CURVATURE,
+        kind=RATIO,
+    )
+    yield _bound(
+        "breadth of the barriers over the clearance",
+        barrier_width(valve) / valve.radial_clearance,
+        "the leakage past them is that of a long slot",
+        least=SLOT_LENGTH,
+        kind=RATIO,
+    )
+    yield _bound("eccentricity of the spool", valve.eccentricity, "it touches the sleeve", most=ECCENTRICITY)
+    yield _bound(
+        "Taylor number of the clearance",
+        taylor_number(fastest, rho, mu, valve),
+        "vortices brake the spool more than the linear law of friction",
+        most=TAYLOR_NUMBER,
+    )
+    yield _bound(
+        "warming of the film by its shear",
+        sheared_temperature_rise(fastest, mu, HEAT_CONDUCTION, valve),
+        "friction is less than that of oil at its temperature",
+        most=SHEAR_WARMING,
+        kind=TEMPERATURE_DIFFERENCE,
+    )
+    if frequency > 0.0:
+        pressure = float(found["pressure_mean_inlet_Pa"]) + bench.reference
+        yield _bound(
+            "pressure waves across the valve during a transition",
+            wave_transits(frequency, pressure, rho, oil, valve),
+            f"at {frequency:.4g} Hz its oil is not under one pressure",
+            least=WAVE_TRANSITS,
+        )
+
+
+def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
+    """A bound of a number that is one value, or goes up to it."""
+    given: dict[str, Any] = {"low": value, "high": value, "kind": NUMBER} | ends
+    return Bound(label=label, otherwise=otherwise, **given)
+
+
+def bench_warnings(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[str]:
+    """What is to be known before the numbers of a bench, in sentences: what they leave out, what the motor takes."""
+    if found["averaged_periods"] < 1:
+        yield "no whole PWM period lies in the averaging window: the means are over plain time"
+    put_in = found["input_power_W"] + found["spool_motor_power_W"]
+    if doubt := efficiency_doubt(found["load_power_W"], put_in, found["stored_power_W"]):
+        yield f"no efficiency: {doubt}"
+    if found["loss_transition_W"] != found["loss_transition_W"]:
+        yield "no loss by transition: the valve turns less to heat than one port of it would if it were fully open"
+    if found["motor_overloaded"]:
+        power, rated = found["input_power_W"], found["motor_rated_power_W"]
+        yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
+    for limit in bench.closed_form_limits(found):
+        yield f"no analytic results: {limit}"

@@ -1,0 +1,91 @@
+"""Whether the laws of a system hold at what a run came to: bounds, each with its source, and sentences from them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import PRESSURE_DIFFERENCE, TEMPERATURE, Kind
+from vvdp.network.nodes import HydraulicNode
+from vvdp.systems.system import System
+from vvdp.valve.validity import CAVITATION_PRESSURE
+
+COLDEST, HOTTEST = 258.15, 373.15
+"""Oil temperatures [K] between which two points of a data sheet tell the viscosity: from -15 degC, at which DIN 51524
+has an oil of ISO VG 46 still flow, to 100 degC, the upper point itself."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bound:
+    """A number of a run, from `low` to `high`, that must lie between `least` and `most` for a law to hold."""
+
+    label: str
+    kind: Kind
+    low: float
+    high: float
+    least: float = -float("inf")
+    most: float = float("inf")
+    otherwise: str
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether the number lies inside; one that is not known does."""
+        return not (self.low < self.least or self.high > self.most)
+
+    @property
+    def sentence(self) -> str:
+        """What is the matter where it does not."""
+        under = self.low < self.least
+        value, limit = (self.low, self.least) if under else (self.high, self.most)
+        side = "below" if under else "above"
+        return f"{self.label}: {with_unit(value, self.kind)}, {side} {with_unit(limit, self.kind)}; {self.otherwise}"
+
+
+def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
+    """The bounds of all laws at what a run has `found`."""
+    extras = system.extras
+    temperature = system.circuit.network.temperature if extras is None else extras.temperature
+    coldest, hottest = temperature.extremes
+    yield Bound(
+        label="oil temperature",
+        kind=TEMPERATURE,
+        low=coldest,
+        high=hottest,
+        least=COLDEST,
+        most=HOTTEST,
+        otherwise="the data sheet does not tell the viscosity there",
+    )
+    node, lowest = lowest_pressure(system, found)
+    yield Bound(
+        label=f"lowest absolute pressure, at {node.replace('_', ' ')}",
+        kind=PRESSURE_DIFFERENCE,
+        low=lowest,
+        high=lowest,
+        least=-float("inf") if system.circuit.network.oil.vapour_pressure > 0.0 else cavitation_pressure(system),
+        otherwise="the oil cavitates, which its law leaves out; oil.vapour_pressure brings it in",
+    )
+    if extras is not None:
+        yield from extras.bounds(found)
+
+
+def broken_bounds(system: System, found: Mapping[str, Any]) -> list[str]:
+    """A sentence for every law that is used outside its range; empty where none is."""
+    return [bound.sentence for bound in bounds(system, found) if not bound.is_kept]
+
+
+def lowest_pressure(system: System, found: Mapping[str, Any]) -> tuple[str, float]:
+    """The node whose pressure fell lowest, prescribed ones included, and that pressure [Pa, absolute]."""
+    nodes = system.circuit.network.nodes.items()
+    low = {
+        name: float(found[f"pressure_min_{name}_Pa"]) + node.oil.reference_pressure
+        for name, node in nodes
+        if isinstance(node, HydraulicNode)
+    }
+    name = min(low, key=lambda each: low[each], default="")
+    return name, low.get(name, float("nan"))
+
+
+def cavitation_pressure(system: System) -> float:
+    """Below which the oil of a system is held to cavitate [Pa, absolute]."""
+    limits = system.tables.get("limits")
+    return CAVITATION_PRESSURE if limits is None else float(limits.cavitation_pressure)

@@ -1,0 +1,169 @@
+"""A gate beside the balances: what cannot be, what no law was made for, and numbers that would mean nothing."""
+
+import math
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError, RunError
+from vvdp.base.kinds import NUMBER
+from vvdp.simulation.run import simulate
+from vvdp.systems.bench_validity import STORED, efficiency, efficiency_doubt, transition_loss
+from vvdp.systems.overview import warnings
+from vvdp.systems.summary import summary
+from vvdp.systems.system import load_system, shipped_systems
+from vvdp.systems.validity import Bound
+
+BENCH = "prototype-constant-load"
+SHORT = "0.3 s"
+SETTLING = {"accumulator-charging", "cylinder-stops"}
+"""Shipped systems whose runs are transients: their means are those of the window."""
+
+
+def told(name, settings, until=SHORT):
+    """The numbers of a run, and its warnings."""
+    system = load_system(name, settings, until)
+    found = summary(system, simulate(system.model, system.case, system.stepping))
+    return found, list(warnings(system, found))
+
+
+@pytest.mark.parametrize("name", shipped_systems())
+def test_a_shipped_system_is_trusted_settled_and_has_no_warning(name):
+    found, said = told(name, [], None)
+    assert said == []
+    assert found["trusted"] and found["second_law"] and found["within_validity"]
+    assert found["settled"] is (name not in SETTLING)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["operation.duty_ratio=-1"], "duty ratio: −1, below 0; the spool stands beyond the helix"),
+        (["operation.duty_ratio=2"], "duty ratio: 2, above 1"),
+        (["valve.eccentricity=0.95"], "eccentricity of the spool: 0.95, above 0.9; it touches the sleeve"),
+        (["valve.radial_clearance=1 mm"], "clearance over radius: 0.07874, above 0.01"),
+        (["operation.oil_temperature=150 degC"], "oil temperature: 150 °C, above 100 °C"),
+        (["operation.oil_temperature=-40 degC"], "oil temperature: −40 °C, below −15 °C"),
+        (["operation.oil_temperature=-40 degC"], "Reynolds number of the nozzles: 0.7754, below 20"),
+        (["valve.lap_ratio=1e-4"], "breadth of the barriers over the clearance: 0.03142, below 10"),
+        (["valve.sections=1000"], "pressure waves across the valve during a transition"),
+        (["load.pressure=0.2bara"], "lowest absolute pressure, at load line: 0.2 bar, below 0.3 bar"),
+        (["operation.tank_pressure=0.05bara"], "lowest absolute pressure, at tank: 0.05 bar, below 0.3 bar"),
+    ],
+)
+def test_a_law_outside_its_range_is_named_and_the_run_not_trusted(settings, words):
+    found, said = told(BENCH, settings)
+    assert any(words in line for line in said), said
+    assert found["second_law"]
+    assert not found["within_validity"] and not found["trusted"]
+
+
+def test_the_switching_of_3_8_megahertz_is_named():
+    """Of 0.001 mm^2 of outlet: 9 ms are enough to see it."""
+    _, said = told(BENCH, ["valve.outlet_effective_area=0.001 mm^2"], "9 ms")
+    assert any("pressure waves across the valve" in line for line in said), said
+
+
+@pytest.mark.parametrize("pressure", ["303 bar", "2116 bar"])
+def test_a_load_above_the_relief_setting_has_no_efficiency(pressure):
+    """-8.0 and -164 stood there before: the source feeds the relief valve."""
+    found, said = told(BENCH, [f"load.pressure={pressure}"])
+    assert math.isnan(found["efficiency"])
+    assert any(line.startswith("no efficiency: −") and "reach the load of" in line for line in said)
+    assert any("the relief setting of 120 bar does not exceed" in line for line in said)
+
+
+@pytest.mark.parametrize("speed", ["180 rpm", "18 rpm", "0.18 rpm"])
+def test_an_accumulator_that_empties_leaves_no_efficiency(speed):
+    """2.86, 32.1 and 3260 stood there before."""
+    found, said = told("prototype", [f"operation.pump_speed={speed}"], "0.15 s")
+    assert math.isnan(found["efficiency"])
+    assert any("came out of store while means were taken" in line for line in said)
+
+
+def test_a_friction_that_drives_is_refused():
+    with pytest.raises(ConfigError, match=r"^--set: pump.friction_torque: '-10 N\*m'.* outside 0 to"):
+        load_system("prototype", ["pump.friction_torque=-10 N*m"])
+
+
+def test_a_pump_that_turns_backwards_stops_at_absolute_zero():
+    """It went on to -9.5e11 Pa before. The inlet of 12.7 cc, from 50 bar on, is empty after 13 ms."""
+    system = load_system(BENCH, ["operation.pump_speed=-1800 rpm"])
+    with pytest.raises(RunError, match=r"t = 0\.013\d* s: inlet has fallen below 0 Pa absolute"):
+        simulate(system.model, system.case, system.stepping)
+
+
+def test_no_loss_by_transition_where_it_would_be_negative():
+    found, said = told("prototype", ["valve.lap_ratio=1e-4"])
+    assert math.isnan(found["loss_transition_W"])
+    assert any(line.startswith("no loss by transition: ") for line in said)
+
+
+def test_efficiency_by_hand():
+    """600 of 1000 W; 20 W in store change it by at most 0.02, the limit."""
+    assert efficiency(600.0, 1000.0, 0.0) == 0.6
+    assert efficiency(600.0, 1000.0, STORED * 1000.0) == 0.6
+    assert math.isnan(efficiency(600.0, 1000.0, 21.0)) and math.isnan(efficiency(600.0, 1000.0, -21.0))
+    went = "21 W, 2.1 % of the power put in, went into store while means were taken"
+    assert efficiency_doubt(600.0, 1000.0, 21.0) == went
+    assert efficiency(1000.0, 1000.0, 0.0) == 1.0
+    for load, put_in in ((1001.0, 1000.0), (-1.0, 1000.0), (5.0, 0.0), (5.0, -10.0)):
+        assert math.isnan(efficiency(load, put_in, 0.0))
+
+
+def test_the_bound_of_storage_is_what_it_would_change():
+    """Delivered by the load instead, the stored power would raise the efficiency by its share of the input."""
+    put_in, load, stored = 1000.0, 600.0, 15.0
+    assert (load + stored) / put_in - efficiency(load, put_in, stored) == pytest.approx(stored / put_in)
+    assert load / (put_in - stored) - efficiency(load, put_in, stored) < stored / put_in < STORED
+
+
+def test_a_negative_transition_loss_is_none():
+    assert transition_loss(5.0, 1000.0) == 5.0
+    assert transition_loss(-1e-4, 1000.0) == -1e-4
+    assert math.isnan(transition_loss(-1.0, 1000.0))
+
+
+def test_a_bound_by_hand():
+    bound = Bound(label="x", kind=NUMBER, low=1.0, high=3.0, least=0.0, most=2.0, otherwise="y")
+    assert not bound.is_kept and bound.sentence == "x: 3, above 2; y"
+    unknown = Bound(label="x", kind=NUMBER, low=math.nan, high=math.nan, least=0.0, most=2.0, otherwise="y")
+    assert unknown.is_kept
+
+
+def test_a_load_that_drifts_is_not_settled():
+    """Of duty ratio 0.4 the mean load pressure is 69.94 bar in the end; after 1 s it was shown as 70.75, settled."""
+    early, said = told("prototype", ["operation.duty_ratio=0.4"], "1 s")
+    late, _ = told("prototype", ["operation.duty_ratio=0.4"], "4 s")
+    final, _ = told("prototype", ["operation.duty_ratio=0.4"], "8 s")
+    assert not early["settled"] and any(line.startswith("not settled: ") for line in said)
+    assert late["settled"] and final["settled"]
+    for key in ("efficiency", "load_power_W", "pressure_mean_load_line_Pa", "pwm_frequency_Hz"):
+        assert late[key] == pytest.approx(final[key], rel=1e-3)
+    assert early["load_power_W"] != pytest.approx(final["load_power_W"], rel=1e-3)
+
+
+def test_share_of_the_time_in_which_a_port_cavitates_is_that_of_the_record():
+    """Counted over rows 2 us apart of whole PWM periods."""
+    fine = ["run.record_interval=2 us", "run.window=0 s", "run.average_from=0.1 s"]
+    system = load_system(BENCH, fine, "0.2 s")
+    run = simulate(system.model, system.case, system.stepping)
+    found = summary(system, run)
+    inside = (run.times >= found["averaged_from_s"]) & (run.times <= found["averaged_to_s"])
+    counted = float(np.mean(np.asarray(run.outputs.valve_cavitating)[inside]))
+    assert 0.1 < counted < 0.3
+    assert found["cavitation_port_share"] == pytest.approx(counted, abs=2e-3)
+
+
+def test_lowest_cavitation_number_is_that_of_the_closing_tank_port():
+    """By hand: (1.01325 - 0.3)/120 = 0.005944, which `design temperature` tells as well."""
+    found, _ = told(BENCH, [])
+    assert found["cavitation_number_lowest"] == pytest.approx(0.71325 / 120.0, rel=1e-3)
+    assert not found["cavitation_volume"]
+
+
+def test_a_valve_that_stays_open_cavitates_less():
+    """At duty ratio 2 the load port never shuts, and its nozzles take a part of the drop against 100 bar only."""
+    found, _ = told(BENCH, ["operation.duty_ratio=2"])
+    assert found["cavitation_port_share"] == 0.0
+    assert found["cavitation_number_lowest"] > 10.0
