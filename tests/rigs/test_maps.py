@@ -18,6 +18,7 @@ from vvdp.results.cells import shown_columns, table_cell, thinned_rows
 from vvdp.results.result import Grade
 from vvdp.results.store import read_result, write_result
 from vvdp.rigs import maps
+from vvdp.rigs.conditions import validity_findings
 from vvdp.rigs.efficiencies import EFFICIENCIES
 from vvdp.rigs.map_axes import Axes, default_axes
 from vvdp.rigs.map_result import map_result
@@ -425,3 +426,11 @@ def test_digits_of_what_was_set_and_what_was_found(source_stand):
     assert shown_columns(table)[:2] == ["opening", "flow_m3_s"]
     row = [table_cell(table, key, 0) for key in ("oil_temperature_K", "opening", "flow_m3_s", "loss_W")]
     assert row == ["40", "1", "20", "56.07"]
+
+
+def test_points_outside_the_range_of_a_law_are_warned_of(simulated):
+    """Two of twelve by a flag for each; nothing is said where all are within their ranges."""
+    (told,) = validity_findings([1.0, 0.0, 1.0, 1.0, 0.0, *[1.0] * 7])
+    assert told.grade is Grade.WARNING
+    assert told.text == "At 2 of 12 points a law is used outside its range."
+    assert map_result(simulated).flat["warnings"] == []

@@ -1,5 +1,7 @@
 import pytest
 
+from vvdp.valve.condition import Condition
+from vvdp.valve.losses import transition_loss
 from vvdp.valve.operating_point import SetPoint, nozzle_reynolds_number, operating_point
 
 BAR, T = 1e5, 101325.0
@@ -100,5 +102,10 @@ def test_the_pump_delivers_less_than_it_displaces(prototype, vg46):
     assert 6e4 * found.flow == pytest.approx(40.013, abs=0.001)
     tight = point(prototype, vg46)
     assert found.total_drop == pytest.approx(tight.total_drop, rel=1e-3)
-    # While the relief valve is open the pump's leakage costs nothing more, so that the transitions lose less by it.
+    # While the relief valve is open the pump's leakage costs nothing more, so that the transitions lose less by it;
+    # docs/models/rotary-valve.md, "Flow map".
+    assert found.transition_loss == pytest.approx(1312.4, abs=0.3)
+    at = Condition(flow=found.flow, load_pressure=100.0 * BAR + T, relief_pressure=120.0 * BAR + T, tank_pressure=T,
+                   density=876.0)  # fmt: skip
+    assert transition_loss(at, prototype).loss == pytest.approx(1334.0, abs=0.6)
     assert 0.95 * tight.transition_loss < found.transition_loss < tight.transition_loss

@@ -6,6 +6,7 @@ from vvdp.base import kinds
 from vvdp.base.display import plain, with_unit
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.results.result import Finding, Grade
+from vvdp.steady.steady_states import Steady
 from vvdp.steady.test_stand import Stand
 
 
@@ -55,6 +56,23 @@ def limit_findings(stand: Stand) -> Iterator[Finding]:
             grade=Grade.WARNING,
             title="Not what the system does",
             remedy="Simulate it.",
+        )
+
+
+def within_validity(states: Sequence[Steady]) -> list[float]:
+    """For each state whether all laws are within their range there, 0 where one is not."""
+    return [float(state.summary.get("within_validity", 1.0)) for state in states]
+
+
+def validity_findings(flags: Sequence[float]) -> Iterator[Finding]:
+    """A warning where a law is used outside its range; a flag for each point, 0 where one is."""
+    outside = sum(flag == 0.0 for flag in flags)
+    if outside:
+        yield Finding(
+            text=f"At {outside} of {len(flags)} points a law is used outside its range.",
+            grade=Grade.WARNING,
+            title="Outside the range of a law",
+            remedy="`vvdp run` at such a point names the law.",
         )
 
 

@@ -19,7 +19,7 @@ from vvdp.rigs.capacity import (
     capacity_pressures,
     derived_capacities,
 )
-from vvdp.rigs.conditions import axis_words, conditions, limit_findings
+from vvdp.rigs.conditions import axis_words, conditions, limit_findings, validity_findings, within_validity
 from vvdp.simulation.link import quiet
 from vvdp.steady.steady_states import Steady, steady_states
 from vvdp.steady.test_stand import SetPoint, Stand
@@ -108,7 +108,12 @@ def derived_capacity(
         tables=tables,
         charts={each.name: each for each in (_capacity_chart(tables["speeds"]), _flow_chart(tables["flows"]))},
         numbers=numbers_of(numbers, QUANTITIES),
-        findings=(*_findings(numbers), *_missing(flows), *limit_findings(stand)),
+        findings=(
+            *_findings(numbers),
+            *_missing(flows),
+            *limit_findings(stand),
+            *validity_findings(within_validity(flows.states)),
+        ),
         seconds=time.perf_counter() - began,
     )
 

@@ -7,7 +7,7 @@ import numpy as np
 from vvdp.base import kinds
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Table, numbers_of
-from vvdp.rigs.conditions import axis_words, conditions, limit_findings
+from vvdp.rigs.conditions import axis_words, conditions, limit_findings, validity_findings
 from vvdp.rigs.map_charts import map_charts
 from vvdp.rigs.maps import NOT_RUN, PumpMap, usable
 from vvdp.steady.shooting import DISTANCE, LIMIT
@@ -90,10 +90,8 @@ SHOWN = (
     "delivered_flow_m3_s",
     "volumetric_efficiency_commanded",
     "volumetric_efficiency_iso",
-    "hydromechanical_efficiency_iso",
     "overall_efficiency",
     "overall_efficiency_iso",
-    "input_power_W",
     "pwm_frequency_Hz",
     "ripple_reaches_relief",
     "remark",
@@ -257,7 +255,9 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
             title="Too high near the relief setting",
             remedy="Simulate the map: the same command without --analytic.",
         )
-    if not found.simulated:
+    if found.simulated:
+        yield from validity_findings(found.columns.get("within_validity", np.ones(count)).tolist())
+    else:
         yield from limit_findings(found.stand)
     for reason in dict.fromkeys(r for r in found.reasons if r and r != NOT_RUN):
         alike = sum(r == reason for r in found.reasons)

@@ -14,7 +14,7 @@ from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.volume import Vessel, pressure_rate
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Result, Table, numbers_of
-from vvdp.rigs.conditions import conditions
+from vvdp.rigs.conditions import conditions, validity_findings, within_validity
 from vvdp.simulation.link import quiet
 from vvdp.steady.steady_states import Steady, steady_states
 from vvdp.steady.test_stand import SetPoint, Stand
@@ -163,7 +163,7 @@ def ripple(
         tables=tables,
         charts={each.name: each for each in (_sweep_chart(), _spectrum_chart())},
         numbers=numbers_of(numbers, QUANTITIES),
-        findings=tuple(_findings(numbers)),
+        findings=(*_findings(numbers), *validity_findings(within_validity(states))),
         seconds=time.perf_counter() - began,
     )
 
