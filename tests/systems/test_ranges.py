@@ -96,7 +96,7 @@ def test_a_run_keeps_its_ranges_and_shows_them(plain_run, ranges):
     assert result.charts["rests-on"].panels
     assert result.tables["ranges"].rows == len(ranges.rows)
     first = result.listings["spans"].rows[0]
-    assert first.values[-1] == "lap ratio, valve, 0.5 to 1.2"
+    assert first.values[-1] == "lap ratio of the valve, 0.5 to 1.2"
     assert "rests-on" not in run_result(plain_run).charts
 
 
