@@ -142,7 +142,6 @@ ALLOWED = {
     "components.switching_valves.pulsed_two_way_valve": LAW,
     "components.switching_valves.switching_valve": LAW,
     "components.switching_valves.two_way_valve": LAW,
-    "design.tolerance.usual_spreads": ONE_PASS,
     "estimation.baselines.torque_filter._after_edge": ONE_SAMPLE,
     "estimation.event_filter.after_edge": ONE_SAMPLE,
     "estimation.fusion._after_pressure_edge": ONE_SAMPLE,
