@@ -129,7 +129,6 @@ ALLOWED = {
     "cli.rig.step": VERB,
     "cli.run.run": VERB,
     "cli.study.study": VERB,
-    "cli.valve._row": VERB,
     "comparison.trials.compare": ONE_CALL,
     "components.directional_valves.directional_valve": LAW,
     "components.directional_valves.throttled_directional_valve": LAW,
