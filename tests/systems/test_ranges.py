@@ -139,3 +139,15 @@ def test_ends_of_a_signal_that_does_not_change():
     row = next(row for row in system.uncertainties if row.setting == "load.pressure")
     assert at_end(system, row, 1).tables["load"].pressure.base == pytest.approx(110e5 + 101325.0)
     assert len(list(at_ends(system))) == 2 * len(system.uncertainties)
+
+
+def test_who_stops_the_runs_gets_no_ranges(plain_run):
+    assert run_ranges(plain_run, stop=lambda: True) is None
+
+
+def test_a_system_without_ranges_has_none():
+    run = run_with(name="buck-converter", until="0.05 s")
+    found = run_ranges(run)
+    assert found is not None
+    assert found.rows == ()
+    assert "rests-on" not in run_result(with_ranges(run, found)).charts
