@@ -2,13 +2,14 @@
 
 import dataclasses
 import json
+import re
 
 import pytest
 
 from vvdp.base.errors import RunError
 from vvdp.runs import simulate
 from vvdp.simulation.results import read_results
-from vvdp.systems.system import load_system
+from vvdp.systems.system import load_system, shipped_systems
 
 SHORT = ("--until", "0.06 s", "--no-report")
 
@@ -175,3 +176,50 @@ def test_counts_are_whole_numbers_in_json(vvdp, here):
         assert isinstance(found[key], int), key
     assert isinstance(found["duration_s"], float)
     assert found["finished"] is True
+
+
+def test_ranges_are_made_where_that_is_quick_or_wanted(vvdp, here, monkeypatch):
+    def run(*options):
+        answer = vvdp(
+            "run", "prototype-constant-load", "--until", "0.1 s", "--no-report", "--out", "out", "--force", *options
+        )
+        assert answer.code == 0, answer.err
+        return answer.out
+
+    assert "Over the ranges of 12 values" in run()
+    assert "--ranges shows" in run("--no-ranges")
+    monkeypatch.setattr("vvdp.runs.ranges.MOST_EVALUATIONS", 1e3)
+    assert "12 values have a range: --ranges shows how far the results move over them" in run()
+    assert "ranges" not in json.loads(run("--json"))
+    found = json.loads(run("--ranges", "--json"))
+    assert found["ranges"]["efficiency"]["by"].keys() == found["ranges"]["loss_total_W"]["by"].keys()
+
+
+def test_ranges_that_are_interrupted_leave_the_run(vvdp, here, monkeypatch):
+    monkeypatch.setattr("vvdp.runs.ranges.run_ranges", lambda run, say: None)
+    answer = vvdp("run", "prototype-constant-load", *SHORT, "--out", "out")
+    assert answer.code == 0
+    assert "interrupted; the ranges are left out" in answer.err
+    assert "ranges" not in read_results(here / "out").meta
+
+
+def test_a_range_in_a_file_of_ones_own(vvdp, here):
+    """From the file to the page: the longer the tube, the less oil flows through it."""
+    text = shipped_systems()["buck-converter"]
+    length = re.search(r"^length = .*$", text, re.MULTILINE)[0]
+    (here / "mine.toml").write_text(text.replace(length, 'length = { value = "2.5 m", range = ["2 m", "3 m"] }'))
+    answer = vvdp("run", "mine.toml", "--until", "0.1 s", "--out", "out")
+    assert answer.code == 0, answer.err
+    assert "Over the range of one value" in answer.out
+    page = (here / "out" / "report.html").read_text("utf-8")
+    assert "What the results rest on" in page
+    assert "length of the tube" in page
+    bad = (here / "mine.toml").read_text().replace('"2 m", "3 m"', '"3 m", "4 m"')
+    (here / "bad.toml").write_text(bad)
+    line = next(number for number, each in enumerate(bad.splitlines(), 1) if each.startswith("length"))
+    refused = vvdp("run", "bad.toml")
+    assert refused.code == 2
+    assert (
+        f"bad.toml:{line}: components.tube.length: 2500 mm; expected a value inside its range, 3 m to 4 m"
+        in refused.err
+    )

@@ -18,7 +18,7 @@ PAGES = {
     "rig derived-capacity": "rig derived-capacity prototype-constant-load --duty 0.4 1 2",
     "design optimum": "design optimum prototype --starts 1 --no-simulation",
     "design temperature": "design temperature prototype",
-    "design tolerance": "design tolerance prototype --samples 16",
+    "design tolerance": "design tolerance prototype --samples 16 --runs 16",
     "estimate": "estimate log.csv --wave photodiode --pressure inlet",
     "compare estimators": "compare estimators --seeds 2 --scenario constant --estimator m-over-t",
     "compare runs": "compare runs one two",

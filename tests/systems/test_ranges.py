@@ -96,7 +96,7 @@ def test_a_run_keeps_its_ranges_and_shows_them(plain_run, ranges):
     assert result.charts["rests-on"].panels
     assert result.tables["ranges"].rows == len(ranges.rows)
     first = result.listings["spans"].rows[0]
-    assert first.values[-1] == "lap ratio, valve, 0.5 to 1.2"
+    assert first.values[-1] == "lap ratio of the valve, 0.5 to 1.2"
     assert "rests-on" not in run_result(plain_run).charts
 
 
@@ -139,3 +139,15 @@ def test_ends_of_a_signal_that_does_not_change():
     row = next(row for row in system.uncertainties if row.setting == "load.pressure")
     assert at_end(system, row, 1).tables["load"].pressure.base == pytest.approx(110e5 + 101325.0)
     assert len(list(at_ends(system))) == 2 * len(system.uncertainties)
+
+
+def test_who_stops_the_runs_gets_no_ranges(plain_run):
+    assert run_ranges(plain_run, stop=lambda: True) is None
+
+
+def test_a_system_without_ranges_has_none():
+    run = run_with(name="buck-converter", until="0.05 s")
+    found = run_ranges(run)
+    assert found is not None
+    assert found.rows == ()
+    assert "rests-on" not in run_result(with_ranges(run, found)).charts

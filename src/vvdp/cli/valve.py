@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from vvdp.systems.bench import RotaryBench
     from vvdp.systems.ranges import Ranges
     from vvdp.systems.system import System
+    from vvdp.valve.operating_point import OperatingPoint
 
 Row = dict[str, Any]
 
@@ -127,12 +128,20 @@ def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averag
         raise ParameterError(f"{bench.system.name}: the formulas have no value here ({problem})") from None
     if averaged and point.warnings:
         point = average_transition(point)
-    numbers = {
+    asked = {
         "flow_m3_s": point.flow,
         "temperature_K": temperature,
         "duty_ratio": set_point.duty_ratio,
         "load_pressure_Pa": load - reference,
         "relief_pressure_Pa": set_point.relief_pressure - reference,
+    }
+    found = {key: float(value) for key, value in (asked | _numbers(point)).items()}
+    return found | {"warnings": [*point.warnings, *bench.relief_limits()]}
+
+
+def _numbers(point: "OperatingPoint") -> dict[str, float]:
+    """What the formulas give at an operating point, by key."""
+    return {
         "pressure_drop_nozzle_Pa": point.nozzle_drop,
         "pressure_drop_centre_section_Pa": point.centre_drop,
         "pressure_drop_outlet_turbine_Pa": point.outlet_drop,
@@ -154,5 +163,3 @@ def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averag
         "nozzle_reynolds_number": point.nozzle_reynolds_number,
         "mean_load_flow_m3_s": point.cycle.load_flow,
     }
-    warnings = [*point.warnings, *bench.relief_limits()]
-    return {key: float(value) for key, value in numbers.items()} | {"warnings": warnings}

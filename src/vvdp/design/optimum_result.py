@@ -7,13 +7,15 @@ from vvdp.base.kinds import NUMBER
 from vvdp.design.conditions import LEFT_OUT, conditions, sentence
 from vvdp.design.optimise import Optimum
 from vvdp.design.optimum_charts import chart_tables, optimum_charts
+from vvdp.design.optimum_ranges import known_quantities, optimum_ranges, ranges_in_words
 from vvdp.design.proof import Proof, simulated_means
 from vvdp.design.quantities import KINDS, LABELS, key
 from vvdp.design.sensitivity import LimitCurve
 from vvdp.design.solver import geometry_of
 from vvdp.design.variables import VARIABLES, value_in
-from vvdp.results.result import Finding, Grade, Listing, Number, Result, Row, Section
+from vvdp.results.result import Finding, Grade, Listing, Number, Result, Row, Section, sentences
 from vvdp.systems.quantities import quantities as summary_quantities
+from vvdp.systems.range_display import result_with_ranges
 
 SOURCE_OPTIMUM = 2.48e5
 """Full-open drop that wang2017, section 2.6, states for its optimum [Pa]."""
@@ -47,8 +49,9 @@ def optimum_result(
     listings = {"variables": _variables(found), "quantities": _quantities(found), "held": _limits_table(found)}
     if proven:
         listings["simulated"] = _simulation_table(found, proven)
-    system = found.problem.system
-    return Result(
+    system, ranges = found.problem.system, optimum_ranges(found)
+    rests_on = sentences(tuple(filter(None, (ranges_in_words(ranges),))))
+    result = Result(
         verb="design optimum",
         title="Optimum of the rotary valve",
         system=system.name,
@@ -60,10 +63,11 @@ def optimum_result(
         tables=chart_tables(found, proven, curves),
         listings=listings,
         charts=charts,
-        findings=(*_findings(found, proven), *doubted),
+        findings=(*_findings(found, proven), *rests_on, *doubted),
         sections=tuple(_sections(found, listings, charts)),
         finished=finished,
     )
+    return result_with_ranges(result, ranges, known_quantities(ranges), "How it was done")
 
 
 def _sections(found: Optimum, listings: Collection[str], charts: Collection[str]) -> Iterator[Section]:

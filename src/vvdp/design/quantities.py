@@ -168,7 +168,8 @@ def switching_condition(at: Setup) -> Condition:
 
 def loose_copy(params: Any) -> Any:
     """A copy of parameters whose fields may be changed, to arrays and symbols too; nothing is checked."""
-    return SimpleNamespace(**{name: getattr(params, name) for name in names(params)})
+    known = vars(params) if isinstance(params, SimpleNamespace) else names(params)
+    return SimpleNamespace(**{name: getattr(params, name) for name in known})
 
 
 def quantities(at: Setup) -> Quantities:

@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from vvdp.base.errors import ParameterError, RunError
+from vvdp.base.errors import RunError
 from vvdp.runs.run import RecordedRun
-from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.batch import case_shape, simulate_batch
 from vvdp.simulation.crew import never
 from vvdp.simulation.link import quiet
 from vvdp.simulation.outcome import Outcome, outcome
@@ -29,8 +29,9 @@ def run_ranges(
     """
     system = run.system
     variants = list(at_ends(system))
-    outcomes = _outcomes(system, [each for each, _ in variants if each is not None], stop, say)
-    if outcomes is None:
+    try:
+        outcomes = _outcomes(system, [each for each, _ in variants if each is not None], stop, say)
+    except KeyboardInterrupt:
         return None
     ready = iter(outcomes)
     found = [reason if variant is None else _numbers(variant, next(ready)) for variant, reason in variants]
@@ -42,14 +43,10 @@ def headline(run: RecordedRun) -> tuple[str, ...]:
     extras = run.system.extras
     if extras is not None and extras.HEADLINE:
         return extras.HEADLINE
-    lines = (line for line in node_lines(run.system, run.summary) if line.low != line.high)
-    wanted = {line.name for line in lines}
-    return tuple(
-        key
-        for key in run.summary
-        for name in wanted
-        if key.startswith(("pressure_m", "speed_m")) and f"_{name}_" in key
-    )
+    names = {line.name for line in node_lines(run.system, run.summary) if line.low != line.high}
+    quantities = ("pressure_mean", "pressure_max", "speed_mean", "speed_max")
+    ends = tuple(f"{quantity}_{name}_" for quantity in quantities for name in names)
+    return tuple(key for key in run.summary if key.startswith(ends))
 
 
 def expected_evaluations(run: RecordedRun) -> float:
@@ -70,17 +67,17 @@ def kept_ranges(run: RecordedRun) -> Ranges | None:
 
 def _outcomes(
     system: System, variants: Sequence[System], stop: Callable[[], bool], say: Callable[[str], None]
-) -> list[Outcome | str] | None:
-    """What the runs of all variants come to, or why they do not end; None where they were stopped."""
-    if not variants:
-        return []
+) -> list[Outcome | str]:
+    """What the runs of all variants come to, or why they do not end. Raises KeyboardInterrupt where somebody stops."""
     cases = [variant.case for variant in variants]
-    try:
-        batch = simulate_batch(system.model, cases, system.stepping, system.average_from, stop=stop, say=say)
-    except ParameterError:  # an end has another shape than the system: each by itself
+    if not cases:
+        return []
+    shape = (system.circuit.digest, case_shape(system.case))
+    if any((variant.circuit.digest, case_shape(variant.case)) != shape for variant in variants):
         return [_alone(variant, stop) for variant in variants]
+    batch = simulate_batch(system.model, cases, system.stepping, system.average_from, stop=stop, say=say)
     if batch.stopped:
-        return None
+        raise KeyboardInterrupt
     found: list[Outcome | str] = []
     for place, variant in enumerate(variants):
         done = batch.outcome(place)
@@ -96,6 +93,9 @@ def _numbers(variant: System, done: Outcome | str) -> Mapping[str, Any] | str:
 def _alone(variant: System, stop: Callable[[], bool]) -> Outcome | str:
     """What one run comes to, means over plain time where no period was passed."""
     try:
-        return outcome(simulate(variant.model, variant.case, variant.stepping, stop=stop), variant.average_from)
+        done = simulate(variant.model, variant.case, variant.stepping, stop=stop)
     except RunError as problem:
         return str(problem)
+    if not done.finished:
+        raise KeyboardInterrupt
+    return outcome(done, variant.average_from)

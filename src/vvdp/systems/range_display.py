@@ -102,7 +102,10 @@ def range_listing(ranges: Ranges, known: Known) -> Listing:
 
 
 def _left_out(ranges: Ranges) -> str:
-    return " ".join(f"Not varied to its end: {setting} ({why})." for setting, why in ranges.left_out.items())
+    reasons: dict[str, list[str]] = {}
+    for setting, why in ranges.left_out.items():
+        reasons.setdefault(why, []).append(setting)
+    return " ".join(f"Not varied: {', '.join(settings)} ({why})." for why, settings in reasons.items())
 
 
 def value_words(row: Sourced) -> str:
