@@ -14,6 +14,7 @@ from hypothesis import settings
 
 if TYPE_CHECKING:
     from vvdp.steady.test_stand import Stand
+    from vvdp.systems.system import System
 
 # Times of single examples say nothing on a shared machine; in continuous integration every run draws the same ones.
 settings.register_profile("local", deadline=None)
@@ -52,13 +53,34 @@ def source_stand() -> "Stand":
     return stand(load_system("prototype-constant-load"))
 
 
+IDEAL = (
+    "oil.pressure_viscosity=0 1/Pa",
+    "pump.displacement=22.2222222 cc/rev",
+    "pump.leakage_conductance=0 m^3/(s*Pa)",
+    "relief_valve.override_pressure=0 bar",
+    "valve.friction_area=2716 mm^2",
+    "valve.jet_exponent=0",
+    "valve.jet_asymmetry=0",
+    "load.area=3.0463 mm^2",
+)
+"""With these the prototype with its load line is as ideal as the one against a source: pump and relief valve without
+loss of their own, jets as wide as the nozzles."""
+
+
 @pytest.fixture(scope="session")
-def orifice_stand() -> "Stand":
-    """The prototype with its load line and orifice."""
-    from vvdp.steady.test_stand import stand
+def ideal_prototype() -> "System":
+    """The prototype with its load line and orifice, `IDEAL`."""
     from vvdp.systems.system import load_system
 
-    return stand(load_system("prototype"))
+    return load_system("prototype", IDEAL)
+
+
+@pytest.fixture(scope="session")
+def orifice_stand(ideal_prototype: "System") -> "Stand":
+    """The ideal prototype with its load line and orifice."""
+    from vvdp.steady.test_stand import stand
+
+    return stand(ideal_prototype)
 
 
 @pytest.fixture(scope="session")

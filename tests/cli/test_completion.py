@@ -34,7 +34,7 @@ def offered(tmp_path):
     [
         (("ma",), ["map"]),
         (("rig", "pr"), ["pressure-drop"]),
-        (("run", "prototype", "--no"), ["--no-report"]),
+        (("run", "prototype", "--no"), ["--no-report", "--no-ranges"]),
         (("run", "proto"), ["prototype", "prototype-constant-load"]),
         (("design", "prototype-"), ["prototype-constant-load"]),
         (("new", "mine", "--from", "buck"), ["buck-converter"]),
@@ -42,7 +42,7 @@ def offered(tmp_path):
         (("run", "su"), ["sub/"]),
         (("run", "sub/"), ["sub/other.toml"]),
         (("run", "prototype", "--set", "operation.duty"), ["operation.duty_ratio=", "operation.duty_ratio=0.5"]),
-        (("design", "prototype", "--set", "pump.displ"), ["pump.displacement=", "pump.displacement=22.2222 cc/rev"]),
+        (("design", "prototype", "--set", "pump.displ"), ["pump.displacement=", "pump.displacement=22.8 cc/rev"]),
         (("run", "mine.toml", "--set", "oil.reference"), ["oil.reference_pressure=", "oil.reference_pressure=0 bar"]),
         (("run", "nothing-such", "--set", "o"), [""]),
     ],

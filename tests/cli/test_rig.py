@@ -72,7 +72,8 @@ def test_numbers_in_si(vvdp, here):
     found = json.loads(vvdp("rig", "pressure-drop", "prototype", "--json", "--no-report", "--out", "r").out)
     assert found["pressure_drop_total_Pa"][0] > 0.0
     assert found["flow_exponent"] == pytest.approx(1.98, abs=0.02)
-    assert found["pressure_drop_nozzle_Pa"][0] == pytest.approx(982.0, rel=2e-3)  # 2 lpm, as vvdp valve has it
+    # 2.052 lpm, a twentieth of what the pump displaces: 3.9269 bar at 40 lpm
+    assert found["pressure_drop_nozzle_Pa"][0] == pytest.approx(392690.0 * (2.052 / 40.0) ** 2, rel=2e-3)
     assert not (here / "r" / "report.html").exists()
 
 

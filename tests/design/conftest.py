@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from vvdp.cli.main import main
-from vvdp.systems.system import System, load_system
+from vvdp.systems.system import System
 
 
 @pytest.fixture(scope="session")
-def prototype() -> System:
-    return load_system("prototype")
+def prototype(ideal_prototype: System) -> System:
+    return ideal_prototype
 
 
 @pytest.fixture

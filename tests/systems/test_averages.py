@@ -29,6 +29,7 @@ def test_parts_of_the_budget_add_up(name, ran):
     losses = sum(found[f"loss_{part}_W"] for part in ("pump", "valve", "relief_valve", "coupling"))
     assert losses == pytest.approx(found["loss_total_W"], rel=5e-3)
     flows = sum(found[f"mean_{k}_flow_m3_s"] for k in ("load", "tank", "leakage"))
+    flows += found["flow_mean_pump_leakage_m3_s"]
     assert flows + found["flow_mean_relief_valve_m3_s"] == pytest.approx(found["mean_pump_flow_m3_s"], rel=5e-3)
     assert found["efficiency"] == pytest.approx(found["load_power_W"] / found["input_power_W"])
 
