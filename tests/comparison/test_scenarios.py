@@ -36,7 +36,7 @@ def test_the_driving_flow_of_the_step_is_the_step():
 
 def test_the_driving_flow_drives_the_motion():
     """The torque balance integrated with that flow gives the speed back, here for the slow start."""
-    valve, _, rho, mu = drive()
+    valve, _, rho, mu, _ = drive()
     motion = Motion(0.0, 150.0, 0.1, 0.5)
 
     def rate(t, y):
