@@ -1,5 +1,7 @@
 """Pumps, motors, rods, shafts and lines as components: by hand, and the same on floats, arrays, symbols."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ from vvdp.components.lines import (
     line,
     line_walls,
 )
-from vvdp.components.machines import MOTOR, PUMP, motor, motor_inertia, pump
+from vvdp.components.machines import CHAMBER_PUMP, MOTOR, PUMP, chamber_pump, motor, motor_inertia, pump
 from vvdp.components.rods import (
     CYLINDER,
     END_STOP,
@@ -47,7 +49,7 @@ from vvdp.components.shafts import (
     shaft_friction,
     torsion_spring,
 )
-from vvdp.fluid.mixture import FluidState
+from vvdp.fluid.mixture import FluidState, fluid_state
 from vvdp.hydraulics.cylinder import Cylinder, Plunger
 from vvdp.hydraulics.friction import RodFriction, ShaftFriction
 from vvdp.hydraulics.line import Line
@@ -59,6 +61,7 @@ from vvdp.hydraulics.shaft import Rotor, TorsionSpring
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.unsteady_friction import LayeredState
 from vvdp.network.component import Role
+from vvdp.network.trial import check_law
 
 ALL = [
     PUMP, MOTOR, DRIVE_COUPLING, CYLINDER, PLUNGER, END_STOP, ROD_FRICTION, SPRING, WEIGHT, LOAD_FORCE,
@@ -97,6 +100,25 @@ def test_pump_by_hand():
     assert got.leakage_flow == pytest.approx(leak, rel=1e-13)
     assert got.shaft == pytest.approx(-(22.8e-6 / REV * 9.95e6 + 1.5), rel=1e-13)
     assert got.losses == pytest.approx((leak * 9.95e6, 1.5 * REV * 30.0), rel=1e-13)
+
+
+def test_a_pump_with_chambers_is_another_component_of_the_same_ports(oil):
+    ideal = Pump(displacement=22.8e-6 / REV, leakage_conductance=2e-12, friction_torque=1.5)
+    real = replace(ideal, precompression=0.0, dead_volume=3e-6 / REV)
+    assert PUMP.suited(ideal) is PUMP and PUMP.suited(real) is CHAMBER_PUMP
+    assert CHAMBER_PUMP.ports == PUMP.ports and list(CHAMBER_PUMP.losses) == [*PUMP.losses, "compression"]
+    check_law(CHAMBER_PUMP, (real,), oil)
+    low, high = fluid_state(1e5, oil), fluid_state(1e7, oil)
+    for speed in (-100.0, 100.0):
+        got = chamber_pump(low, high, ShaftState(0.0, speed), real)
+        assert got.losses.compression > 0.0
+        # the shaft's power goes into the oil and into heat
+        gained = got.inlet * low.enthalpy + got.outlet * high.enthalpy
+        assert -got.shaft * speed == pytest.approx(gained + sum(got.losses), rel=1e-12)
+    as_ideal = chamber_pump(low, high, ShaftState(0.3, 100.0), ideal)
+    plain = pump(low, high, ShaftState(0.3, 100.0), ideal)
+    assert as_ideal[:3] == pytest.approx(plain[:3], rel=1e-14)
+    assert as_ideal.losses == (*plain.losses, 0.0)
 
 
 def test_a_pump_counts_what_it_displaces_at_its_inlet():
