@@ -15,7 +15,7 @@ from vvdp.base.signal import Signal, signal_stop, signal_value
 from vvdp.hydraulics.switching_valve import PulseTrain, pulse_stop, pulse_train
 from vvdp.simulation import run as runs
 from vvdp.simulation.model import Case, Model, Program
-from vvdp.simulation.run import Counted, Method, Stepping, long_run, simulate
+from vvdp.simulation.run import Method, Stepping, long_run, simulate
 
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
 PlainSignal = Annotated[Signal, Kind("plain number", "1", -1e9, 1e9, "1")]
@@ -406,11 +406,11 @@ def test_record_times_are_increasing_and_end_with_the_run():
 
 def test_a_run_that_takes_long_says_so_and_why():
     """By hand: in 2 s it came 1 ms of 10 s far, in 5000 steps and 50 periods."""
-    before, now = Counted(0.0, 100.0, 0.0), Counted(1e-3, 5100.0, 50.0)
+    before, now = runs.Count(0.0, 100.0, 0.0), runs.Count(1e-3, 5100.0, 50.0)
     words = long_run(10.0, 2.0, before, now)
-    assert words == "this run will take about 5.56 h more: 5e+04 periods of 100 steps in a second of its time"
-    assert "about 5.56 h more: 5e+06 steps in a second" in long_run(10.0, 2.0, before, now._replace(marks=0.0))
-    assert long_run(10.0, 2.0, before, Counted(1.0, 5100.0, 50.0)) == ""
+    assert words == "this run will take about 5.55 h more: 5e+04 periods of 100 steps in a second of its time"
+    assert "about 5.55 h more: 5e+06 steps in a second" in long_run(10.0, 2.0, before, now._replace(marks=0.0))
+    assert long_run(10.0, 2.0, before, runs.Count(1.0, 5100.0, 50.0)) == ""
 
 
 def test_it_is_said_once_and_before_the_end(monkeypatch, switching):

@@ -76,6 +76,8 @@ COLUMNS: Mapping[str, tuple[kinds.Kind, str]] = {
     "pressure_min_load_line_Pa": (kinds.GAUGE_PRESSURE, "lowest load pressure"),
     "pressure_max_load_line_Pa": (kinds.GAUGE_PRESSURE, "highest load pressure"),
     "cavitation_volume": (kinds.FLAG, "a pressure falls below the cavitation limit"),
+    "cavitation_port_share": (kinds.FRACTION, "share of the time in which a port cavitates"),
+    "cavitation_number_lowest": (kinds.NUMBER, "cavitation number of the ports, lowest"),
     "second_law": (kinds.FLAG, "no loss gives energy back"),
     "within_validity": (kinds.FLAG, "all laws within their range"),
     "trusted": (kinds.FLAG, "trusted"),
@@ -110,7 +112,7 @@ QUANTITIES: Mapping[str, tuple[kinds.Kind, str]] = {
     "best_efficiency_oil_temperature_K": (kinds.TEMPERATURE, "oil temperature there"),
     "highest_delivered_flow_m3_s": (kinds.FLOW, "largest delivered flow"),
     "largest_periodic_residual": (kinds.NUMBER, "largest residual of the periodic states"),
-    "untrusted_points": (kinds.COUNT, "points whose balances are above the limit"),
+    "untrusted_points": (kinds.COUNT, "points that are not trusted"),
 }
 MOST_LISTINGS, MOST_HEADS = 8, 12
 """Pairs of pump speed and oil temperature that have a listing, and duty ratios in it."""
@@ -267,8 +269,8 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
         yield Finding(text=f"Interrupted: {missing} of {count} points were not run yet.")
     if doubtful := int(numbers.get("untrusted_points", 0.0)):
         yield Finding(
-            text=f"At {doubtful} points the balances are above the limit.",
+            text=f"{doubtful} of {count} points are not to be trusted.",
             grade=Grade.BAD,
             title="Not trusted",
-            remedy="See the column trusted; a smaller run.relative_tolerance helps.",
+            remedy="See the columns second_law and within_validity; `vvdp run` at such a point says what is the matter.",
         )

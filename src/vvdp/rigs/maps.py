@@ -78,6 +78,8 @@ SIMULATED_ONLY = (
     "pressure_min_load_line_Pa",
     "pressure_max_load_line_Pa",
     "cavitation_volume",
+    "cavitation_port_share",
+    "cavitation_number_lowest",
     "second_law",
     "within_validity",
     "trusted",

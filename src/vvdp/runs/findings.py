@@ -74,6 +74,12 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             text=f"{part[:1].upper()}{part[1:]}.",
             remedy="Do not use these numbers. Look for a value with the wrong sign or unit.",
         )
+    yield from _range_warnings(run)
+    if not run.has("settled") and (run.system.extras is not None or not run.varies):
+        yield _settling_warning(run)
+
+
+def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
     for sentence in broken_bounds(run.system, run.summary):
         yield Finding(
             grade=Grade.BAD,
@@ -81,15 +87,17 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             text=f"{sentence[:1].upper()}{sentence[1:]}.",
             remedy="The numbers are those of the equations, not of the machine. docs/design.md tells the ranges.",
         )
-    if not run.has("settled") and (run.system.extras is not None or not run.varies):
-        wanted = " Something prescribed changes over time; then this may be what was asked for." if run.varies else ""
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Not settled",
-            text=f"A mean would still change by more than {percent(SETTLED)} if the run went on.",
-            remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to where it "
-            f"settles.{wanted}",
-        )
+
+
+def _settling_warning(run: RecordedRun) -> Finding:
+    wanted = " Something prescribed changes over time; then this may be what was asked for." if run.varies else ""
+    return Finding(
+        grade=Grade.WARNING,
+        title="Not settled",
+        text=f"A mean would still change by more than {percent(SETTLED)} if the run went on.",
+        remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to where it "
+        f"settles.{wanted}",
+    )
 
 
 def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:

@@ -83,6 +83,7 @@ def averaging_window(run: Run, average_from: float) -> Window:
         return marked_window(run.case, run.mark_times[kept], run.mark_states[kept], inside.size)
     row = min(int(np.searchsorted(run.times, begin)), run.times.size - 1)
     rows = np.searchsorted(run.times, run.times[row] + (run.end - run.times[row]) * np.array([0.0, 1.0, 2.0]) / 3.0)
+    rows = rows.clip(max=run.times.size - 1)
     times, states = np.append(run.times[rows], run.end), np.vstack([run.states[rows], run.final])
     return Window(
         begin=float(times[0]),

@@ -243,7 +243,8 @@ def _carry(
     watcher: "_Watcher",
 ) -> bool:
     """Whether the run came to its end; False where the watcher stopped it."""
-    begun, counted = time.perf_counter(), clock_now(reached.clock)
+    begun = time.perf_counter()
+    counted: Count | None = clock_now(reached.clock)
     status, clock, budget = places.PAUSED, reached.clock, watcher.portion or watcher.pace.first
     turn: AbstractContextManager[Any] = first_call
     bench = loop.workbench(ready.plan, reached.state.size, ready.width.size, ready.pattern)
@@ -277,7 +278,7 @@ def _carry(
         budget = watcher.next_portion(clock[places.EVALUATIONS] - before, time.perf_counter() - began)
 
 
-class Counted(NamedTuple):
+class Count(NamedTuple):
     """How far a run has come: time [s], steps and marks."""
 
     time: float
@@ -285,12 +286,12 @@ class Counted(NamedTuple):
     marks: float
 
 
-def clock_now(clock: Array) -> Counted:
+def clock_now(clock: Array) -> Count:
     """What the clock of a run has counted."""
-    return Counted(*(float(clock[place]) for place in (places.TIME, places.STEPS, places.MARKS)))
+    return Count(*(float(clock[place]) for place in (places.TIME, places.STEPS, places.MARKS)))
 
 
-def long_run(until: float, gone: float, before: Counted, now: Counted) -> str:
+def long_run(until: float, gone: float, before: Count, now: Count) -> str:
     """How long the rest of a run will take and why, from what it counted in the time `gone` [s]; empty where short."""
     span = now.time - before.time
     if not span > 0.0:

@@ -262,7 +262,7 @@ class RotaryBench(Extras):
             "mean_leakage_flow_m3_s": totals.valve_leakage,
             "load_flow_fraction": _ratio(totals.valve_load_flow, pump_flow),
             "mean_load_opening": totals.valve_load_opening,
-            "cavitation_port_share": totals.valve_cavitating,
+            "cavitation_port_share": min(max(totals.valve_cavitating, 0.0), 1.0),
             "cavitation_number_lowest": lowest_cavitation_number(self, found, (run.low[place], run.high[place])),
             "input_power_W": shaft,
             "spool_motor_power_W": motor,

@@ -11,6 +11,7 @@ from vvdp.systems.validity import Bound
 from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
 from vvdp.valve.geometry import barrier_width
 from vvdp.valve.operating_point import nozzle_reynolds_number
+from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.validity import (
     CURVATURE,
     ECCENTRICITY,
@@ -70,19 +71,48 @@ def transition_loss(beyond_open: float, put_in: float) -> float:
 
 
 def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bound]:
-    """The bounds of the laws of valve and spool at what a run has `found`; that of the nozzles where oil flows."""
-    valve, oil = bench.valve, bench.oil
-    temperature = signal_value(0.0, bench.operation.oil_temperature)
-    rho, mu = density(temperature, oil), dynamic_viscosity(temperature, oil)
-    flow, frequency = float(found["mean_pump_flow_m3_s"]), abs(float(found["pwm_frequency_Hz"]))
-    fastest = max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max"))
+    """The bounds of the laws of valve and spool at what a run has `found`."""
     low, high = bench.duty_ratio.extremes
     yield _bound("duty ratio", high, "the spool stands beyond the helix", low=low, least=0.0, most=1.0, kind=DUTY_RATIO)
+    temperature = signal_value(0.0, bench.operation.oil_temperature)
+    rho, mu = density(temperature, bench.oil), dynamic_viscosity(temperature, bench.oil)
+    yield from _flow_bounds(bench, found, rho, mu)
+    yield from _clearance_bounds(bench.valve)
+    fastest = max(abs(float(found[f"speed_{end}_spool_rad_s"])) for end in ("min", "max"))
+    yield _bound(
+        "Taylor number of the clearance",
+        taylor_number(fastest, rho, mu, bench.valve),
+        "vortices brake the spool more than the linear law of friction",
+        most=TAYLOR_NUMBER,
+    )
+    yield _bound(
+        "warming of the film by its shear",
+        sheared_temperature_rise(fastest, mu, HEAT_CONDUCTION, bench.valve),
+        "friction is less than that of oil at its temperature",
+        most=SHEAR_WARMING,
+        kind=TEMPERATURE_DIFFERENCE,
+    )
+
+
+def _flow_bounds(bench: "RotaryBench", found: Mapping[str, Any], rho: float, mu: float) -> Iterator[Bound]:
+    """Of the nozzles where oil flows, and of the volumes where the valve switches."""
+    flow, frequency = float(found["mean_pump_flow_m3_s"]), abs(float(found["pwm_frequency_Hz"]))
     if flow > 0.0:
-        reynolds = float(nozzle_reynolds_number(flow, rho, mu, valve))
+        reynolds = float(nozzle_reynolds_number(flow, rho, mu, bench.valve))
         yield _bound(
             "Reynolds number of the nozzles", reynolds, "the drop of their flow is no longer quadratic", least=LAMINAR
         )
+    if frequency > 0.0:
+        pressure = float(found["pressure_mean_inlet_Pa"]) + bench.reference
+        yield _bound(
+            "pressure waves across the valve during a transition",
+            wave_transits(frequency, pressure, rho, bench.oil, bench.valve),
+            f"at {frequency:.4g} Hz its oil is not under one pressure",
+            least=WAVE_TRANSITS,
+        )
+
+
+def _clearance_bounds(valve: RotaryValve) -> Iterator[Bound]:
     yield _bound(
         "clearance over radius",
         valve.radial_clearance / valve.spool_radius,
@@ -98,27 +128,6 @@ def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bou
         kind=RATIO,
     )
     yield _bound("eccentricity of the spool", valve.eccentricity, "it touches the sleeve", most=ECCENTRICITY)
-    yield _bound(
-        "Taylor number of the clearance",
-        taylor_number(fastest, rho, mu, valve),
-        "vortices brake the spool more than the linear law of friction",
-        most=TAYLOR_NUMBER,
-    )
-    yield _bound(
-        "warming of the film by its shear",
-        sheared_temperature_rise(fastest, mu, HEAT_CONDUCTION, valve),
-        "friction is less than that of oil at its temperature",
-        most=SHEAR_WARMING,
-        kind=TEMPERATURE_DIFFERENCE,
-    )
-    if frequency > 0.0:
-        pressure = float(found["pressure_mean_inlet_Pa"]) + bench.reference
-        yield _bound(
-            "pressure waves across the valve during a transition",
-            wave_transits(frequency, pressure, rho, oil, valve),
-            f"at {frequency:.4g} Hz its oil is not under one pressure",
-            least=WAVE_TRANSITS,
-        )
 
 
 def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
