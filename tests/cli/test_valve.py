@@ -42,11 +42,8 @@ def test_point_of_the_prototype(vvdp):
     assert found["torque_outlet_N_m"] == pytest.approx(0.06580, rel=1e-3)
     assert found["loss_full_open_W"] == pytest.approx(445.1, rel=1e-4)
     assert found["loss_leakage_W"] == pytest.approx(26.3 / 1.1033, rel=2e-3)
-    ideal = (
-        "relief_valve.override_pressure=0 bar",
-        "pump.leakage_conductance=0 m^3/(s*Pa)",
-        "oil.pressure_viscosity=0 1/Pa",
-    )
+    relief, tight = "relief_valve.override_pressure=0 bar", "pump.leakage_conductance=0 m^3/(s*Pa)"
+    ideal = (relief, tight, "oil.pressure_viscosity=0 1/Pa")
     alone = asked(vvdp, "--flow", "40 lpm", *(word for each in ideal for word in ("--set", each)))
     assert alone["loss_transition_W"] == pytest.approx(1333.2, rel=1e-4)
     assert alone["loss_leakage_W"] == pytest.approx(26.3, rel=2e-3)

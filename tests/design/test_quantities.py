@@ -62,9 +62,8 @@ def test_energy_is_counted_once(prototype):
 def test_driven_spool(prototype):
     """A stiff coupling holds the spool at its motor's speed: 3000 rpm and three nozzles are 150 Hz; the motor then
     gives what friction takes beyond the turbines' torque."""
-    driven = load_system(
-        "prototype-constant-load", ["spool_drive.coupling=1000 N*m*s", "operation.spool_motor_speed=3000 rpm"]
-    )
+    motor = ["spool_drive.coupling=1000 N*m*s", "operation.spool_motor_speed=3000 rpm"]
+    driven = load_system("prototype-constant-load", motor)
     at = setup(driven)
     q = quantities(at)
     assert q.pwm_frequency == pytest.approx(150.0, rel=1e-4)

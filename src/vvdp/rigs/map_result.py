@@ -272,5 +272,5 @@ def _findings(found: PumpMap, numbers: Mapping[str, float]) -> Iterator[Finding]
             text=f"{doubtful} of {count} points are not to be trusted.",
             grade=Grade.BAD,
             title="Not trusted",
-            remedy="See the columns second_law and within_validity; `vvdp run` at such a point says what is the matter.",
+            remedy="See the columns second_law and within_validity; `vvdp run` at such a point says what is amiss.",
         )
