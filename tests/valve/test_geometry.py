@@ -201,3 +201,11 @@ def test_skews_are_continuous(prototype, duty):
     for found in skew(angle, duty, prototype):
         assert np.max(np.abs(np.diff(found))) < 3.0 * step
         assert np.max(np.abs(found)) > 0.01
+
+
+@given(angles, duties, laps)
+def test_load_and_tank_change_places_at_the_other_duty_ratio(prototype, angle, duty, lap):
+    """Half a period on, the load's wedges stand where the tank's gaps stood; so do the jets' skews."""
+    valve = replace(prototype, lap_ratio=lap)
+    one, other = skew(angle, duty, valve), skew(angle + np.pi / 3.0, 1.0 - duty, valve)
+    assert (one.load, one.tank) == pytest.approx((other.tank, other.load), abs=1e-11)
