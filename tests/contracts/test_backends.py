@@ -46,6 +46,15 @@ SETTINGS = {
         "pump.friction_torque=2 N*m",
         "operation.tank_pressure=2 bar",
     ],
+    "oil and pump with everything": [
+        "oil.vapour_pressure=0.1 bara",
+        "oil.bulk_modulus_slope=11",
+        "oil.bunsen_coefficient=0.09",
+        "oil.dissolving_time=1 s",
+        "oil.release_time=0.1 s",
+        "pump.precompression=0.2",
+        "pump.dead_volume=5 cc/rev",
+    ],
     "moving": MOVING,
 }
 

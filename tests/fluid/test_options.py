@@ -21,7 +21,7 @@ from vvdp.fluid.mixture import (
     plain_state,
     specific_volume_ratio,
 )
-from vvdp.fluid.oil import density, modulus_at
+from vvdp.fluid.oil import density, kinematic_viscosity, modulus_at
 from vvdp.fluid.parts import air_part, liquid_part, vapour_part
 
 P0 = 101325.0
@@ -133,6 +133,16 @@ def test_modulus_falls_with_temperature(make_oil):
     oil = make_oil(bulk_modulus_fall=5.5e-3)
     assert modulus_at(333.15, oil) == pytest.approx(1.254168e9, rel=1e-6)
     assert modulus_at(313.15, oil) == 1.4e9 == modulus_at(300.0, make_oil())
+
+
+def test_the_rule_for_mineral_oils(make_oil):
+    """docs/models/fluid.md: 1.7 GPa at 40 degC, a slope of 10 and a fall of 5.5e-3 1/K."""
+    thickness = 1e6 * kinematic_viscosity(293.15, make_oil())
+    secant = (1.57 + 0.15 * np.log10(thickness)) * 10.0 ** (0.0024 * (20.0 - 40.0))
+    assert secant == pytest.approx(1.7, abs=0.05)
+    assert 0.0024 * np.log(10.0) == pytest.approx(5.5e-3, abs=5e-5)
+    stiff, rise = make_oil(air_fraction=0.0, bulk_modulus_slope=10.2), 1e7  # (10.2 + 1)/2 = 5.6
+    assert rise / (1.0 - specific_volume_ratio(P0 + rise, stiff)) == pytest.approx(1.4e9 + 5.6 * rise, rel=5e-4)
 
 
 def test_density_holds_where_the_data_sheet_says(make_oil):
