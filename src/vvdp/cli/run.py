@@ -164,6 +164,7 @@ def _print_ranges(run: "RecordedRun") -> None:
     ranges = kept_ranges(run)
     if ranges is not None and ranges.rows:
         listing = range_listing(ranges, quantities(run.system))
+        tell("")
         console().print(listing_grid(listing))
         if listing.note:
             tell(listing.note)

@@ -110,8 +110,8 @@ def _share_table(found: Tolerance) -> Table:
     return Table(
         title="Shares of the variance",
         columns=columns,
-        shown=tuple(each for each in columns if each.endswith(("label", "_index"))),
-        note="The half widths of the 95 % confidence are there as well.",
+        shown=tuple(each for each in columns if each.endswith(("label", "_total_index"))),
+        note="The shares of each input alone and the half widths of the 95 % confidence are there as well.",
     )
 
 

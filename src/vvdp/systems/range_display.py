@@ -7,17 +7,18 @@ from typing import TypeAlias
 
 import numpy as np
 
-from vvdp.base.display import key_suffix
+from vvdp.base.display import display_unit, key_suffix
 from vvdp.base.kinds import Kind
 from vvdp.base.tables import Sourced
+from vvdp.results.cells import shown_cell
 from vvdp.results.chart import Bars, Chart, Colour
 from vvdp.results.result import Column, Listing, Result, Row, Section, Table
 from vvdp.systems.ranges import Ranges, range_text
 
 Known: TypeAlias = Mapping[str, tuple[Kind, str]]
 """Kind and label of numbers by key."""
-RANGES, RESTS_ON, SPANS = "ranges", "rests-on", "spans"
-"""Names of the table, the chart and the listing."""
+RANGES, RESTS_ON, SPANS, ENDS = "ranges", "rests-on", "spans", "ends"
+"""Names of the table, the chart and the listings."""
 ALONE = "one value at a time, all others as they are"
 MOST_BARS, LEAST_BAR, WIDEST_WORDS = 14, 0.05, 16
 """Values in the picture at most; the least share of the longest bar of a panel; letters in a line below it."""
@@ -36,11 +37,11 @@ def result_with_ranges(result: Result, ranges: Ranges, known: Known, before: str
     if not ranges.rows:
         return result
     charts = {RESTS_ON: range_chart(ranges, known)} if any(map(ranges.moves, ranges.nominal)) else {}
-    section = Section(title="What the results rest on", words=(WORDS,), shows=(SPANS, *charts, RANGES))
+    section = Section(title="What the results rest on", words=(WORDS,), shows=(SPANS, *charts, ENDS))
     place = next((at for at, each in enumerate(result.sections) if each.title == before), len(result.sections))
     return replace(
         result,
-        listings={**result.listings, SPANS: range_listing(ranges, known)},
+        listings={**result.listings, SPANS: range_listing(ranges, known), ENDS: end_listing(ranges, known)},
         tables={**result.tables, RANGES: range_table(ranges, known)},
         charts={**result.charts, **charts},
         sections=(*result.sections[:place], section, *result.sections[place:]),
@@ -60,8 +61,19 @@ def range_table(ranges: Ranges, known: Known) -> Table:
         ends, (kind, label) = ranges.ends[key], known[key]
         for place, end in enumerate(("low", "high")):
             columns[_column(key, kind, end)] = Column(ends[:, place], kind, f"{label}, {end} end")
-    shown = tuple(name for name in columns if name not in ("setting", "bar"))
-    return Table(title="What the results rest on", columns=columns, shown=shown)
+    return Table(title="What the results rest on", columns=columns, is_data=True)
+
+
+def end_listing(ranges: Ranges, known: Known) -> Listing:
+    """Every value that has a range, and each number at its lower and at its upper end, as a person reads it."""
+    rows = []
+    for place, row in enumerate(ranges.rows):
+        pairs = ((known[key][0], ranges.ends[key][place]) for key in ranges.nominal)
+        cells = (" / ".join(shown_cell(float(value), kind) for value in pair) for kind, pair in pairs)
+        rows.append(Row(value_words(row), None, (range_text(row), *cells)))
+    heads = tuple(label + display_unit(kind).bracketed_symbol for kind, label in map(known.__getitem__, ranges.nominal))
+    note = "Each number at the lower / at the upper end of the range."
+    return Listing(title="At both ends", heads=("range", *heads), rows=tuple(rows), note=note)
 
 
 def range_chart(ranges: Ranges, known: Known) -> Chart:
