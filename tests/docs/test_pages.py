@@ -74,6 +74,13 @@ def test_the_first_run_ends_as_the_readme_says():
         r"during (\d+) % of each": round(200.0 * transition_fraction(system.tables["valve"]), -1),
         r"relief valve (\d+) W": round(found["loss_relief_valve_W"], -1),
     }
+    for setting, pattern in (
+        ("relief_valve.opening_time=15 ms", r"leave (\d+) %"),
+        ("valve.lap_ratio=0.5", r"nozzles (\d+) %"),
+    ):
+        system = load_system("prototype", [setting])
+        found = summary(system, simulate(system.model, system.case, system.stepping))
+        said[pattern] = round(100.0 * found["efficiency"])
     for pattern, value in said.items():
         assert float(re.search(pattern, " ".join(section.split()))[1].replace(" ", "")) == value, pattern
 

@@ -84,7 +84,7 @@ OVERVIEW = (
     Line("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), SPEED, (), "Valve"),
     Line("share of the time in which a port cavitates", ("cavitation_port_share",), FRACTION, (), "Valve"),
     Line("cavitation number of the ports, lowest", ("cavitation_number_lowest",), NUMBER, (), "Valve"),
-    Line("pump flow", ("mean_pump_flow_m3_s",), FLOW, (), "Flows, mean"),
+    Line("pump flow, displaced", ("mean_pump_flow_m3_s",), FLOW, (), "Flows, mean"),
     Line("flow to the load", ("mean_load_flow_m3_s",), FLOW, ("analytic_load_flow_m3_s",), "Flows, mean"),
     Line("flow to the tank", ("mean_tank_flow_m3_s",), FLOW, (), "Flows, mean"),
     Line("flow over the relief valve", ("flow_mean_relief_valve_m3_s",), FLOW, (), "Flows, mean"),
