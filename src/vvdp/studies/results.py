@@ -28,12 +28,21 @@ class Failure:
     reason: str
 
 
+@dataclass(frozen=True)
+class Doubt:
+    """What is to be known before the numbers of some cases, in the words of the first of them, and which these are."""
+
+    text: str
+    cases: tuple[int, ...]
+
+
 @dataclass(frozen=True, kw_only=True)
 class StudyResults:
     """Inputs (by `table.key`) and outputs of all cases of a study, in SI, in its order; nan where a case has none.
 
     An input is text where it is no number in some case. `missing` are the cases still to be run after an interruption;
-    `ran` says how many were run this time.
+    `doubts` are of the cases that are not trusted, have not settled or lack an efficiency; `ran` says how many were run
+    this time.
     """
 
     study: Study
@@ -45,6 +54,7 @@ class StudyResults:
     missing: tuple[int, ...]
     ran: int
     seconds: float
+    doubts: tuple[Doubt, ...] = ()
 
     @property
     def is_finished(self) -> bool:
@@ -113,6 +123,15 @@ def _findings(results: StudyResults) -> Iterator[Finding]:
     if (more := len(results.failures) - MOST_TOLD) > 0:
         words = "1 more case" if more == 1 else f"{more} more cases"
         yield Finding(text=f"{words} failed; the column failure says why.", grade=Grade.WARNING)
+    for doubt in results.doubts:
+        yield Finding(text=_doubt_words(doubt), grade=Grade.WARNING)
+
+
+def _doubt_words(doubt: Doubt) -> str:
+    """A warning with the cases that it is about."""
+    cases = ", ".join(map(str, doubt.cases[:MOST_TOLD]))
+    more = f" and {len(doubt.cases) - MOST_TOLD} more" if len(doubt.cases) > MOST_TOLD else ""
+    return f"{'case' if len(doubt.cases) == 1 else 'cases'} {cases}{more}: {doubt.text}"
 
 
 def _charts(results: StudyResults, table: Table) -> Iterator[Chart]:

@@ -2,6 +2,7 @@
 
 import functools
 import hashlib
+import math
 import signal
 import threading
 import time
@@ -28,11 +29,12 @@ from vvdp.simulation.outcome import Outcome, Window, outcome
 from vvdp.simulation.run import compiled_loop, simulate
 from vvdp.simulation.values import flat, form, leaf_paths
 from vvdp.studies.engine import HERE, Engine
-from vvdp.studies.results import Failure, StudyResults
+from vvdp.studies.results import Doubt, Failure, StudyResults
 from vvdp.studies.store import Finished, finished_cases, opened_store
 from vvdp.studies.study import Settings, Study
 from vvdp.studies.work import Batching, check_same, kept_batches
 from vvdp.systems.options import lasting
+from vvdp.systems.overview import warnings
 from vvdp.systems.quantities import quantities
 from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import simulated_summary
@@ -264,14 +266,18 @@ def _results(
     closed_forms = base.extras is not None and not set(base.extras.CLOSED_FORMS).isdisjoint(study.outputs)
     rows: list[Mapping[str, float | bool]] = []
     failures: list[Failure] = []
+    doubted: dict[str, tuple[str, list[int]]] = {}
     for case in planned:
         done = finished.get(case.key)
         if done and done.failure:
             failures.append(Failure(case.number, case.settings, done.failure))
         row = done.summary if done else {}
-        extras = _build_system(base, case.settings).extras if row and closed_forms else None
-        if extras is not None:
-            row = {**row, **extras.closed_forms(row)}
+        system = _build_system(base, case.settings) if row and (closed_forms or _is_doubtful(row)) else None
+        if system is not None and _is_doubtful(row):
+            for text in warnings(system, row):
+                doubted.setdefault(text.partition(":")[0], (text, []))[1].append(case.number)
+        if system is not None and system.extras is not None and closed_forms:
+            row = {**row, **system.extras.closed_forms(row)}
         rows.append(row)
     names = list(dict.fromkeys(key for case in planned for key in case.inputs))
     unset = _inputs(base, dict.fromkeys(names, ""))
@@ -289,10 +295,17 @@ def _results(
             for name in study.outputs
         },
         failures=tuple(failures),
+        doubts=tuple(Doubt(text, tuple(cases)) for text, cases in doubted.values()),
         missing=tuple(case.number for case in planned if case.key not in finished),
         ran=ran,
         seconds=seconds,
     )
+
+
+def _is_doubtful(row: Mapping[str, float | bool]) -> bool:
+    """Whether something is to be known before the numbers of a case."""
+    held = all(row.get(flag, True) for flag in ("trusted", "within_validity", "settled"))
+    return not held or any(math.isnan(row.get(key, 0.0)) for key in ("efficiency", "loss_transition_W"))
 
 
 def _column(name: str, values: Sequence[tuple[float | str, Kind]]) -> Column:

@@ -41,7 +41,9 @@ def efficiency(load_power: float, put_in: float, stored: float) -> float:
     load_power, put_in  means [W]
     stored              what the power put in has left in the circuit, mean [W]
     """
-    return float("nan") if efficiency_doubt(load_power, put_in, stored) else load_power / put_in
+    if efficiency_doubt(load_power, put_in, stored):
+        return float("nan")
+    return min(max(load_power / put_in, 0.0), 1.0)
 
 
 def efficiency_doubt(load_power: float, put_in: float, stored: float) -> str:
