@@ -9,6 +9,7 @@ from vvdp.base.errors import ConfigError, ParameterError
 from vvdp.design.quantities import key, quantities, setup
 from vvdp.design.spreads import bench_with, spreads, usual_spreads, with_inputs
 from vvdp.design.tolerance import SIMULATED, WORDS, tolerance
+from vvdp.design.tolerance_runs import simulated_draws
 from vvdp.runs.simulate import run_system
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import centre_resistance, nozzle_resistance, outlet_resistance
@@ -318,3 +319,15 @@ def test_with_a_relief_valve_that_lags_the_efficiency_is_hardly_known():
     assert ends == pytest.approx([0.296, 0.722], abs=0.02)
     assert [frequency.percentiles[each] for each in ("2.5", "97.5")] == pytest.approx([30.5, 89.9], abs=2.0)
     assert max(efficiency.whole, key=efficiency.whole.get) in ("lap_ratio", "relief_valve_opening_time")
+
+
+def test_a_value_with_a_simpler_form_at_its_end_is_varied_all_the_same():
+    """A pump that compresses inside is a simpler one at precompression 1; 1 % of air and 100 bar cost 0.8 points without."""
+    system = load_system("prototype-constant-load", until="0.3 s")
+    taken = [each for each in spreads(system, ["pump.precompression: 0 to 1"]) if each.setting == "pump.precompression"]
+    drawn = simulated_draws(system, taken, ("efficiency",), 8, 1)
+    without, ideal = drawn.ends["efficiency"][0]
+    assert ideal == pytest.approx(drawn.nominal["efficiency"], rel=1e-6)
+    assert ideal - without == pytest.approx(0.0078, abs=0.001)
+    order = np.argsort(drawn.points[:, 0])
+    assert np.all(np.diff(drawn.outputs["efficiency"][order]) > 0.0)

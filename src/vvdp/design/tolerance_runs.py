@@ -10,7 +10,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.tables import Sourced
 from vvdp.design.spreads import Spread, bench_with
 from vvdp.simulation.batch import simulate_batch
-from vvdp.systems.bench import rotary_bench
+from vvdp.systems.bench import RotaryBench, rotary_bench
 from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System
 
@@ -43,7 +43,11 @@ def simulated_draws(
     points: Array = qmc.Sobol(len(taken), seed=seed).random(runs)
     draws = [{each.setting: float(each.quantile(x)) for each, x in zip(taken, row, strict=True)} for row in points]
     ends = [{each.setting: end} for each in taken for end in (each.low, each.high)]
-    values, reasons = _results(system, [{}, *ends, *draws], keys)
+    # A component may have a simpler form at the end of a range: all are run in the form of its middle.
+    middle = bench_with(
+        rotary_bench(system, "design tolerance"), {each.setting: float(each.quantile(0.5)) for each in taken}
+    )
+    values, reasons = _results(system.with_tables(middle.tables), system, [{}, *ends, *draws], keys)
     begin = 1 + len(ends)
     ran = np.array([not reason for reason in reasons[begin:]])
     if reasons[0] or np.count_nonzero(ran) < FEWEST:
@@ -76,18 +80,19 @@ def as_rows(taken: Sequence[Spread]) -> tuple[Sourced, ...]:
 
 
 def _results(
-    system: System, variants: Sequence[Mapping[str, float]], keys: Sequence[str]
+    form: System, system: System, variants: Sequence[Mapping[str, float]], keys: Sequence[str]
 ) -> tuple[dict[str, Array], list[str]]:
-    """The numbers of each variant [SI by setting], nan where it has none, and the reason of that."""
+    """The numbers of each variant of `system` [SI by setting], run in the circuit of `form`; nan where it has none, and
+    the reason of that."""
     bench = rotary_bench(system, "design tolerance")
     cases, places, reasons = [], [], [""] * len(variants)
     for place, values in enumerate(variants):
         try:
-            cases.append(bench_with(bench, values).case)
+            cases.append(RotaryBench(form, bench_with(bench, values).tables).case)
             places.append(place)
         except ParameterError as problem:
             reasons[place] = str(problem)
-    batch = simulate_batch(system.model, cases, system.stepping, system.average_from)
+    batch = simulate_batch(form.model, cases, system.stepping, system.average_from)
     if batch.stopped:
         raise KeyboardInterrupt
     found = {key: np.full(len(variants), np.nan) for key in keys}
@@ -96,7 +101,7 @@ def _results(
         if done is None:
             reasons[place] = batch.reasons[number] or NO_PERIOD
             continue
-        numbers = simulated_summary(done, system)
+        numbers = simulated_summary(done, form)
         for key in keys:
             found[key][place] = numbers[key]
     return found, reasons

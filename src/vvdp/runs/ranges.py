@@ -68,20 +68,24 @@ def kept_ranges(run: RecordedRun) -> Ranges | None:
 def _outcomes(
     system: System, variants: Sequence[System], stop: Callable[[], bool], say: Callable[[str], None]
 ) -> list[Outcome | str]:
-    """What the runs of all variants come to, or why they do not end. Raises KeyboardInterrupt where somebody stops."""
-    cases = [variant.case for variant in variants]
-    if not cases:
-        return []
+    """What the runs of all variants come to, or why they do not end; those of another shape run alone.
+
+    Raises KeyboardInterrupt where somebody stops.
+    """
     shape = (system.circuit.digest, case_shape(system.case))
-    if any((variant.circuit.digest, case_shape(variant.case)) != shape for variant in variants):
+    alike = [(variant.circuit.digest, case_shape(variant.case)) == shape for variant in variants]
+    cases = [variant.case for variant, together in zip(variants, alike, strict=True) if together]
+    if not cases:
         return [_alone(variant, stop) for variant in variants]
     batch = simulate_batch(system.model, cases, system.stepping, system.average_from, stop=stop, say=say)
     if batch.stopped:
         raise KeyboardInterrupt
+    rows = iter(range(len(cases)))
     found: list[Outcome | str] = []
-    for place, variant in enumerate(variants):
-        done = batch.outcome(place)
-        found.append(batch.reasons[place] or (_alone(variant, stop) if done is None else done))
+    for variant, together in zip(variants, alike, strict=True):
+        row = next(rows) if together else None
+        done = None if row is None else batch.reasons[row] or batch.outcome(row)
+        found.append(_alone(variant, stop) if done is None else done)
     return found
 
 
