@@ -54,7 +54,7 @@ class Kind:
 SPEED_UNITS = ("rpm", "rev/s", "rad/s", "deg/s")
 
 PRESSURE_LEVEL = Kind("pressure level", "Pa", 0.0, 1e9, "100 bar", scale=1e5)
-FINE_PRESSURE = replace(PRESSURE_LEVEL, scale=100.0)
+FINE_PRESSURE = replace(PRESSURE_LEVEL, name="pressure of oil that may boil", scale=100.0)
 """Of oil that may boil: at its vapour pressure, little pressure is much vapour."""
 PRESSURE_DIFFERENCE = Kind("pressure difference", "Pa", 0.0, 1e9, "5 bar", scale=1e5)
 FLOW = Kind("volume flow", "m^3/s", -1.0, 1.0, "40 lpm", scale=1e-5)
