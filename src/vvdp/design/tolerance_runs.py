@@ -1,6 +1,7 @@
 """The runs of a tolerance study: a system simulated at evenly spread draws of its inputs, all in lanes."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -43,7 +44,7 @@ def simulated_draws(
     points: Array = qmc.Sobol(len(taken), seed=seed).random(runs)
     draws = [{each.setting: float(each.quantile(x)) for each, x in zip(taken, row, strict=True)} for row in points]
     ends = [{each.setting: end} for each in taken for end in (each.low, each.high)]
-    values, reasons = _results(system, [{}, *ends, *draws], keys)
+    values, reasons = _results(_general_form(system, taken), [{}, *ends, *draws], keys)
     begin = 1 + len(ends)
     ran = np.array([not reason for reason in reasons[begin:]])
     if reasons[0] or np.count_nonzero(ran) < FEWEST:
@@ -73,6 +74,16 @@ def as_rows(taken: Sequence[Spread]) -> tuple[Sourced, ...]:
         )
         for each in taken
     )
+
+
+def _general_form(system: System, taken: Sequence[Spread]) -> System:
+    """The system, drawn so that it holds for all draws: at the end of a spread a component may have a simpler form."""
+    bench = rotary_bench(system, "design tolerance")
+    try:
+        between = bench_with(bench, {each.setting: float(each.quantile(0.5)) for each in taken})
+    except ParameterError:  # what contradicts is told of each draw
+        return system
+    return replace(system, circuit=system.with_tables(between.tables).circuit, redrawn=True)
 
 
 def _results(
