@@ -68,12 +68,12 @@ def listing_grid(listing: "Listing") -> "Grid":
     """A listing as a table of the screen."""
     from vvdp.results.cells import row_unit, shown_cell
 
-    words = [all(isinstance(row.values[place], str) for row in listing.rows) for place in range(len(listing.heads))]
-    numeric = [head for head, is_text in zip(listing.heads, words, strict=True) if not is_text]
-    found = grid("quantity", *listing.heads, "unit", title=listing.title, right=numeric, ends=1)
+    numeric, last = [listing.heads[place] for place in listing.numeric], listing.unit_place
+    heads = [*listing.heads[:last], "unit", *listing.heads[last:]]
+    found = grid("quantity", *heads, title=listing.title, right=numeric, ends=len(heads) - last)
     for row in listing.rows:
-        cells = (shown_cell(value, row.kind) for value in row.values)
-        found.add_row(("  " if row.is_part else "") + row.label, *cells, row_unit(row))
+        cells = [shown_cell(value, row.kind) for value in row.values]
+        found.add_row(("  " if row.is_part else "") + row.label, *cells[:last], row_unit(row), *cells[last:])
     return found
 
 

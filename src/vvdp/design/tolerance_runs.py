@@ -1,6 +1,7 @@
 """The runs of a tolerance study: a system simulated at evenly spread draws of its inputs, all in lanes."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.base.tables import Sourced
 from vvdp.design.spreads import Spread, bench_with
 from vvdp.simulation.batch import simulate_batch
-from vvdp.systems.bench import RotaryBench, rotary_bench
+from vvdp.systems.bench import rotary_bench
 from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System
 
@@ -43,11 +44,7 @@ def simulated_draws(
     points: Array = qmc.Sobol(len(taken), seed=seed).random(runs)
     draws = [{each.setting: float(each.quantile(x)) for each, x in zip(taken, row, strict=True)} for row in points]
     ends = [{each.setting: end} for each in taken for end in (each.low, each.high)]
-    # A component may have a simpler form at the end of a range: all are run in the form of its middle.
-    middle = bench_with(
-        rotary_bench(system, "design tolerance"), {each.setting: float(each.quantile(0.5)) for each in taken}
-    )
-    values, reasons = _results(system.with_tables(middle.tables), system, [{}, *ends, *draws], keys)
+    values, reasons = _results(_general_form(system, taken), [{}, *ends, *draws], keys)
     begin = 1 + len(ends)
     ran = np.array([not reason for reason in reasons[begin:]])
     if reasons[0] or np.count_nonzero(ran) < FEWEST:
@@ -79,20 +76,29 @@ def as_rows(taken: Sequence[Spread]) -> tuple[Sourced, ...]:
     )
 
 
+def _general_form(system: System, taken: Sequence[Spread]) -> System:
+    """The system, drawn so that it holds for all draws: at the end of a spread a component may have a simpler form."""
+    bench = rotary_bench(system, "design tolerance")
+    try:
+        between = bench_with(bench, {each.setting: float(each.quantile(0.5)) for each in taken})
+    except ParameterError:  # what contradicts is told of each draw
+        return system
+    return replace(system, circuit=system.with_tables(between.tables).circuit, redrawn=True)
+
+
 def _results(
-    form: System, system: System, variants: Sequence[Mapping[str, float]], keys: Sequence[str]
+    system: System, variants: Sequence[Mapping[str, float]], keys: Sequence[str]
 ) -> tuple[dict[str, Array], list[str]]:
-    """The numbers of each variant of `system` [SI by setting], run in the circuit of `form`; nan where it has none, and
-    the reason of that."""
+    """The numbers of each variant [SI by setting], nan where it has none, and the reason of that."""
     bench = rotary_bench(system, "design tolerance")
     cases, places, reasons = [], [], [""] * len(variants)
     for place, values in enumerate(variants):
         try:
-            cases.append(RotaryBench(form, bench_with(bench, values).tables).case)
+            cases.append(bench_with(bench, values).case)
             places.append(place)
         except ParameterError as problem:
             reasons[place] = str(problem)
-    batch = simulate_batch(form.model, cases, system.stepping, system.average_from)
+    batch = simulate_batch(system.model, cases, system.stepping, system.average_from)
     if batch.stopped:
         raise KeyboardInterrupt
     found = {key: np.full(len(variants), np.nan) for key in keys}
@@ -101,7 +107,7 @@ def _results(
         if done is None:
             reasons[place] = batch.reasons[number] or NO_PERIOD
             continue
-        numbers = simulated_summary(done, form)
+        numbers = simulated_summary(done, system)
         for key in keys:
             found[key][place] = numbers[key]
     return found, reasons

@@ -88,11 +88,18 @@ def _component(network: Network, part: Part) -> GraphComponent:
         connections={
             name.replace("_", " "): source_words(source, kinds[name])
             for name, source in part.inputs.items()
-            if not (isinstance(source, Signal) and source.is_constant and source.base == defaults[name])
+            if not _is_settled(source, defaults[name])
         },
         labels=tuple(value for values in part.values for value in main_values(values))[:MOST_LABELS],
         position=network.positions.get(part.name),
     )
+
+
+def _is_settled(source: Source, default: float | None) -> bool:
+    """Whether an input follows nothing that a drawing could name: it has its default, or comes of parameters alone."""
+    if isinstance(source, Connection):
+        return all(isinstance(each, Params) for each in source.sources)
+    return isinstance(source, Signal) and source.is_constant and source.base == default
 
 
 def _group(network: Network, name: str, group: Group) -> GraphComponent:

@@ -174,14 +174,16 @@ def _halves(rows: Sequence[Row]) -> list[Sequence[Row]]:
 
 def _listing_table(listing: Listing, rows: Sequence[Row]) -> str:
     noted = any(each.note for each in listing.rows)
-    heads = ["", *map(text, listing.heads), "", *([""] if noted else [])]
-    numeric = [1 + place for place in range(len(listing.heads)) if any(_is_number(row, place) for row in rows)]
+    last = listing.unit_place
+    names = [*map(text, listing.heads)]
+    heads = ["", *names[:last], "", *names[last:], *([""] if noted else [])]
+    numeric = [1 + place for place in range(last) if any(_is_number(row, place) for row in rows)]
     lines, before = [], ""
     for each in rows:
         if each.group != before:
             lines.append(group(text(each.group), len(heads)))
             before = each.group
-        lines.append(_listing_row(each, noted))
+        lines.append(_listing_row(each, last, noted))
     return table(heads, lines, numeric, "listing" if len(listing.heads) <= MOST_SPACED else "wide")
 
 
@@ -189,10 +191,12 @@ def _is_number(row: Row, place: int) -> bool:
     return row.kind is not None or not isinstance(row.values[place], str)
 
 
-def _listing_row(each: Row, noted: bool) -> str:
+def _listing_row(each: Row, last: int, noted: bool) -> str:
+    """A line with its unit behind `last` values; values behind the unit are words."""
     label = f"&emsp;{text(each.label)}" if each.is_part else text(each.label)
-    cells = [label, *(text(shown_cell(value, each.kind)) for value in each.values), text(row_unit(each))]
-    classes = ["", *("n" if _is_number(each, place) else "" for place in range(len(each.values))), "u"]
+    values = [text(shown_cell(value, each.kind)) for value in each.values]
+    cells = [label, *values[:last], text(row_unit(each)), *values[last:]]
+    classes = ["", *("n" if _is_number(each, place) else "" for place in range(last)), "u", *[""] * len(values[last:])]
     if noted:
         cells, classes = [*cells, text(each.note)], [*classes, "q"]
     return row(cells, classes, "part" if each.is_part else "sum" if each.is_sum else "")

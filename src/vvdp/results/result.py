@@ -94,6 +94,17 @@ class Listing:
     rows: tuple[Row, ...]
     note: str = ""
 
+    @property
+    def numeric(self) -> tuple[int, ...]:
+        """Places of the columns that are not all words."""
+        places = range(len(self.heads))
+        return tuple(place for place in places if not all(isinstance(row.values[place], str) for row in self.rows))
+
+    @property
+    def unit_place(self) -> int:
+        """Number of columns before that of the units: they follow the last number, and words follow them."""
+        return self.numeric[-1] + 1 if self.numeric else len(self.heads)
+
 
 class Grade(StrEnum):
     """How grave a finding is."""

@@ -39,6 +39,7 @@ COMPONENTS = {
     "pump_compression": "filling of the pump's chambers",
     "coupling": "spool coupling",
 }
+PUMP_AND_COUPLING = frozenset({"pump_leakage", "pump_friction", "pump_compression", "coupling"})
 FEWEST_SAMPLES = 64
 """Fewest samples from which a spectrum is drawn."""
 SAME = 1e-9
@@ -74,15 +75,13 @@ def causes(run: RecordedRun) -> tuple[Loss, ...]:
     def analytic(key: str) -> float:
         return run.number(f"analytic_loss_{key}_W")
 
-    other = sum(
-        run.number(f"loss_{key}_W") for key in ("pump_leakage", "pump_friction", "pump_compression", "coupling")
-    )
+    other = sum(run.number(f"loss_{key}_W") for key in _loss_names(run) if key in PUMP_AND_COUPLING)
     both = analytic("transition") + analytic("compressibility")
     return (
         Loss("fully open valve", run.number("loss_full_open_W"), analytic("full_open")),
         Loss("transition and compression", run.number("loss_transition_W"), both),
         Loss("valve leakage", run.number("loss_valve_leakage_W"), analytic("leakage")),
-        Loss("pump, coupling", other, analytic("pump")),
+        Loss("pump and coupling", other, analytic("pump")),
     )
 
 

@@ -32,6 +32,7 @@ ANALYTIC = (
 """Keys of the closed forms, in the order of `RotaryBench.closed_forms`."""
 
 LEAKAGE = ("analytic_loss_leakage_W",)
+PUMP = ("loss_pump_leakage_W", "loss_pump_friction_W")
 TRANSITION = ("analytic_loss_transition_W", "analytic_loss_compressibility_W")
 QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
@@ -104,6 +105,8 @@ OVERVIEW = (
     Line("loss, fully open valve", ("loss_full_open_W",), MEAN_POWER, ("analytic_loss_full_open_W",), "Losses"),
     Line("loss, transition and compression", ("loss_transition_W",), MEAN_POWER, TRANSITION, "Losses"),
     Line("loss, leakage of the valve", ("loss_valve_leakage_W",), MEAN_POWER, ("analytic_loss_leakage_W",), "Losses"),
+    Line("loss, leakage and friction of the pump", PUMP, MEAN_POWER, ("analytic_loss_pump_W",), "Losses"),
+    Line("loss, filling of the pump's chambers", ("loss_pump_compression_W",), MEAN_POWER, (), "Losses"),
     Line("power stored in oil and spool", ("stored_power_W",), MEAN_POWER, (), "Losses"),
     Line("input power minus load power", ("loss_total_W",), MEAN_POWER, ("analytic_loss_total_W",), "Losses"),
 )

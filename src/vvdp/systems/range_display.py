@@ -20,7 +20,7 @@ Known: TypeAlias = Mapping[str, tuple[Kind, str]]
 RANGES, RESTS_ON, SPANS, ENDS = "ranges", "rests-on", "spans", "ends"
 """Names of the table, the chart and the listings."""
 ALONE = "one value at a time, all others as they are"
-MOST_BARS, LEAST_BAR, WIDEST_WORDS = 14, 0.05, 16
+MOST_BARS, LEAST_BAR, WIDEST_WORDS = 14, 0.05, 13
 """Values in the picture at most; the least share of the longest bar of a panel; letters in a line below it."""
 WORDS = (
     "Each value was put to both ends of its range, alone; two values that lie elsewhere at once may move a number "
