@@ -22,7 +22,7 @@ def bare_run(
     status = loop.run(
         *ready.linked[:4],
         *(*reached[:3], ready.vectors.params, ready.plan, *reached[3:]),
-        *(ready.atol, ready.rtol, ready.scale, ready.width, ready.pattern, workbench),
+        *(ready.atol, ready.rtol, ready.scale, ready.floor, ready.width, ready.pattern, workbench),
         *(until, 1e6, 0.0, method.value, 1e300, 1),
         *(times, record, np.zeros((times.size, reached.command.size)), np.zeros((times.size, reached.memory.size))),
         *(np.zeros(ROWS), np.zeros((ROWS, n)), y.copy(), y.copy()),

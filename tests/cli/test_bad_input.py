@@ -56,7 +56,7 @@ EDITS = [
     ),
     (
         "speed as frequency",
-        'spool_speed = { value = "1250 rpm"',
+        'spool_speed = { value = "1475 rpm"',
         'spool_speed = { value = "20 Hz"',
         "initial.spool_speed",
         "rpm",

@@ -20,11 +20,11 @@ def test_numbers_stand_side_by_side_with_their_difference(vvdp, here, two_runs, 
     assert found["operation.duty_ratio"] == pytest.approx([0.4, 0.6])
     assert not any("." in key for key in found.keys() - {"operation.pump_speed_rad_s", "operation.duty_ratio"})
     slow, fast = map(summary, two_runs)
-    for key in ("efficiency", "flow_mean_pump_m3_s", "pressure_mean_inlet_Pa", "speed_mean_spool_rad_s"):
+    for key in ("load_power_W", "flow_mean_pump_m3_s", "pressure_mean_inlet_Pa", "speed_mean_spool_rad_s"):
         assert found[key] == [slow[key], fast[key]]
         assert found[f"difference_{key}"] == [0.0, pytest.approx(fast[key] - slow[key])]
     # Flow goes with speed, less what leaks.
-    assert found["flow_mean_pump_m3_s"][1] == pytest.approx(1.5 * found["flow_mean_pump_m3_s"][0], rel=1e-3)
+    assert found["flow_mean_pump_m3_s"][1] == pytest.approx(1.5 * found["flow_mean_pump_m3_s"][0], rel=1e-2)
     assert found["warnings"] == [] and found["finished"] is True
     assert found["out"].startswith("results/compare-runs-")
     keys_as_described("compare runs", {key for key in found if "." not in key})

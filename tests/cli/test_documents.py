@@ -17,6 +17,7 @@ from vvdp.systems.system import load_system, shipped_systems
 DOCUMENTS = Path(__file__).parents[2] / "docs"
 ENDINGS = {
     "m^3/s": "_m3_s",
+    "m^3/rad": "_m3_rad",
     "m^3/s/Pa": "_m3_s_Pa",
     "rad/s": "_rad_s",
     "m/s": "_m_s",

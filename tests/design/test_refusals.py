@@ -286,5 +286,5 @@ def test_a_usual_limit_that_cannot_be_met_is_told_as_such(designing):
     code, _, err = designing("prototype", "--bound", "spool_radius = 20 mm", "--bound", "radial_clearance = 6 um",
                              "--no-simulation", "--starts", "2")  # fmt: skip
     assert code == 1
-    assert "pwm_frequency >= 71.9917 Hz (all else allows " in err
+    assert "pwm_frequency >= 72.0012 Hz (all else allows " in err
     assert "(a usual limit; --no-usual-limits leaves it out)" in err

@@ -39,11 +39,13 @@ def by_scipy(system: System, tolerance: float) -> np.ndarray:
 
 def distance(a: np.ndarray, b: np.ndarray, system: System) -> float:
     """Largest relative distance. What goes into tanks and what comes out of them have a kink wherever a flow turns
-    round, and serve as a measure of throughput; only their difference is compared."""
+    round, and serve as a measure of throughput; only their difference is compared. The time for which a port cavitates
+    grows by leaps within steps and is left out."""
     paths = [path for path, _, _ in leaves(system.case.state)]
     i, o = paths.index("books.taken_in"), paths.index("books.given_out")
-    a, b = (np.concatenate([np.delete(x, [i, o]), [x[i] - x[o]]]) for x in (a, b))
-    scale = np.append(np.delete(scales(system), [i, o]), 1e-6)
+    out = [i, o, *(place for place, path in enumerate(paths) if path.endswith("cavitating"))]
+    a, b = (np.concatenate([np.delete(x, out), [x[i] - x[o]]]) for x in (a, b))
+    scale = np.append(np.delete(scales(system), out), 1e-6)
     return float(np.max(np.abs(a - b) / np.abs(b).clip(scale)))
 
 
@@ -140,4 +142,5 @@ def test_summaries_of_a_batch_are_those_of_single_runs():
         in_batch, single = simulated_summary(found, system), summary(system, alone)
         in_batch |= system.extras.closed_forms(in_batch)
         assert in_batch.keys() == single.keys()
-        assert {k for k in single if in_batch[k] != single[k]} <= {"wall_time_s"}
+        other = {k for k in single if in_batch[k] != single[k] and not np.isnan([in_batch[k], single[k]]).all()}
+        assert other <= {"wall_time_s"}

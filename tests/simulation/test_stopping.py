@@ -15,7 +15,7 @@ from vvdp.simulation import batch as batches
 from vvdp.simulation import places
 from vvdp.simulation import run as runs
 from vvdp.simulation.batch import simulate_batch
-from vvdp.simulation.link import link
+from vvdp.simulation.link import link, quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.prepare import compiled_loop, prepare, start_run
 from vvdp.simulation.run import PROMPT, UNHURRIED, Stepping, simulate
@@ -81,13 +81,13 @@ def test_asking_changes_no_bit():
 
 def test_portions_by_hand():
     """1000 evaluations in 1 ms are 7000 in 7 ms and 200,000 in 200 ms, which is more than 20 times as many."""
-    watched, alone = runs._Watcher(None, lambda: False, None), runs._Watcher(None, None, None)
+    watched, alone = runs._Watcher(None, lambda: False, None, quiet), runs._Watcher(None, None, None, quiet)
     assert (PROMPT.seconds, UNHURRIED.seconds) == (7e-3, 0.2)
     assert watched.next_portion(1000.0, 1e-3) == pytest.approx(7000.0)
     assert alone.next_portion(1000.0, 1e-3) == pytest.approx(20_000.0)
     assert alone.next_portion(1000.0, 0.4) == pytest.approx(500.0)
     assert watched.next_portion(0.0, 1e-3) == 1.0
-    assert runs._Watcher(None, None, 7.0).next_portion(1000.0, 1e-3) == 7.0
+    assert runs._Watcher(None, None, 7.0, quiet).next_portion(1000.0, 1e-3) == 7.0
 
 
 def test_another_thread_sees_the_time_go_on_and_can_end_the_run():
@@ -95,7 +95,7 @@ def test_another_thread_sees_the_time_go_on_and_can_end_the_run():
     chosen = stepping(ENDLESS)
     ready, loop = prepare(MODEL, turning(FAST), chosen), compiled_loop(print)
     reached = start_run(ready, chosen)
-    rows, watcher = runs._Rows(reached, chosen), runs._Watcher(None, None, 1e15)
+    rows, watcher = runs._Rows(reached, chosen), runs._Watcher(None, None, 1e15, quiet)
     with ThreadPoolExecutor(1) as pool:
         run = pool.submit(runs._carry, loop, ready, chosen, reached, rows, turning(FAST), watcher)
         seen = set[float]()

@@ -121,7 +121,10 @@ def _different(runs: Mapping[str, RecordedRun]) -> Iterator[tuple[str, list[Sour
 
 def _are_same(values: Sequence[float], limit: float) -> bool:
     first = values[0]
-    return all(value == first or abs(value - first) <= limit * abs(first) for value in values)
+    return all(
+        value == first or abs(value - first) <= limit * abs(first) or math.isnan(value) and math.isnan(first)
+        for value in values
+    )
 
 
 def _parameters(runs: Mapping[str, RecordedRun]) -> Iterator[Row]:

@@ -71,7 +71,7 @@ def branch_law(density: float, valve: RotaryValve, vapour_pressure: float = 0.0)
     density          [kg/m^3]
     vapour_pressure  of the oil, absolute [Pa]
 
-    Source  wang2017, eqs. 2.3 to 2.5; choking: iec60534
+    Source  wang2017, eqs. 2.3 to 2.5; choking: iec2011
     """
     return BranchLaw(
         nozzle=nozzle_resistance(density, valve),
@@ -283,7 +283,7 @@ def throttled_flow(upstream_pressure: float, downstream_pressure: float, opening
     upstream_pressure, downstream_pressure  at inlet rail and outlet port, absolute [Pa]
     opening                                 open fraction of the branch's ports, 0 to 1 [1]
 
-    Source  wang2017, eqs. 2.3 to 2.5; choking: iec60534
+    Source  wang2017, eqs. 2.3 to 2.5; choking: iec2011
     """
     free = law_flow(upstream_pressure - downstream_pressure, opening, law)
     return choked_flow(free, choking_ratio(free, upstream_pressure, law), law)
@@ -296,7 +296,7 @@ def choking_drop(upstream_pressure: float, law: BranchLaw) -> float:
 
     upstream_pressure  P_1, at the inlet rail, absolute [Pa]
 
-    Source  iec60534
+    Source  iec2011
     """
     left = maximum(upstream_pressure - law.boiling_pressure, law.transition_pressure)
     return law.pressure_recovery * law.pressure_recovery * left
@@ -310,7 +310,7 @@ def choking_ratio(free: BranchFlow, upstream_pressure: float, law: BranchLaw) ->
     free               what flows without choking
     upstream_pressure  P_1, at the inlet rail, absolute [Pa]
 
-    Source  iec60534
+    Source  iec2011
     """
     Q, chokes = maximum(free.full_section_flow, 0.0), law.pressure_recovery > 0.0
     ratio = law.nozzle * Q * Q / select(chokes, choking_drop(upstream_pressure, law), 1.0)
@@ -323,7 +323,7 @@ def choking_ratio_compiled(free: BranchFlow, upstream_pressure: float, law: Bran
     free               what flows without choking
     upstream_pressure  P_1, at the inlet rail, absolute [Pa]
 
-    Source  iec60534
+    Source  iec2011
     """
     if law.pressure_recovery == 0.0:
         return 0.0
@@ -339,7 +339,7 @@ def choked_flow(free: BranchFlow, ratio: float, law: BranchLaw) -> BranchFlow:
     free   what flows without choking
     ratio  `choking_ratio` [1]
 
-    Source  iec60534; the shares are ours, docs/models/rotary-valve.md
+    Source  iec2011; the shares are ours, docs/models/rotary-valve.md
     """
     kept = 1.0 / maximum(ratio, 1.0)
     root = np.sqrt(kept)
@@ -360,7 +360,7 @@ def choked_flow_compiled(free: BranchFlow, ratio: float, law: BranchLaw) -> Bran
     free   what flows without choking
     ratio  `choking_ratio` [1]
 
-    Source  iec60534
+    Source  iec2011
     """
     if ratio <= 1.0:
         return free
