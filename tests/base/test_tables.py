@@ -229,7 +229,10 @@ def test_a_range_stands_beside_a_value() -> None:
     ("entry", "told"),
     [
         ('{ value = "5 mm", range = ["6 mm", "7 mm"] }', "5 mm; expected a value inside its range, 6 mm to 7 mm"),
-        ('{ value = "5 mm", range = ["7 mm", "4 mm"] }', "7 mm to 4 mm as range; expected range = ["),
+        (
+            '{ value = "5 mm", range = ["7 mm", "4 mm"] }',
+            "expected two different ends, the lower one first",
+        ),
         ('{ value = "5 mm", range = "4 mm to 6 mm" }', "'4 mm to 6 mm' as range; expected two ends, range = ["),
         ('{ value = "5 mm", range = ["4 bar", "6 bar"] }', "4 bar"),
         ('{ value = "5 mm", range = ["-1 mm", "6 mm"] }', "-"),

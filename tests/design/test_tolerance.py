@@ -289,18 +289,6 @@ def test_ends_of_each_input_alone_are_in_the_result(simulated):
     assert set(simulated.ranges.nominal) == {key(name, WORDS[name][0]) for name in simulated.scatter}
 
 
-def test_an_input_that_gives_a_component_another_form_acts():
-    """A pump whose chambers are filled from the outlet is another one than the ideal pump that the file has."""
-    taken = [
-        each for each in spreads(load_system(NAME), ["pump.precompression: 0 to 1"]) if each.name == "precompression"
-    ]
-    found = tolerance(load_system(NAME), taken, samples=16, runs=16)
-    low, high = found.ranges.ends["efficiency"][0]
-    alone = [run_system(load_system(NAME, [f"pump.precompression={end}"])).summary["efficiency"] for end in (0, 1)]
-    assert (low, high) == pytest.approx(alone, rel=1e-4)
-    assert high - low > 0.003
-
-
 def test_an_input_that_contradicts_the_system_is_told(bench):
     """An ideal relief valve has no opening time, whatever the draw."""
     taken = spreads(

@@ -10,10 +10,16 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.kinds import SPEED
 from vvdp.report.report import write_report
+from vvdp.report.result_page import listing_html
+from vvdp.results.result import Listing, Row
+from vvdp.runs.bench import causes, components
 from vvdp.runs.result import run_result
 from vvdp.runs.run import open_run
 from vvdp.runs.simulate import run_system
+from vvdp.runs.tables import overview
+from vvdp.systems.bench_overview import OVERVIEW
 from vvdp.systems.quantities import quantities
 from vvdp.systems.system import load_system
 
@@ -114,6 +120,39 @@ def test_numbers_are_in_the_units_people_use(whole, written):
     assert f"{found['efficiency'] * 100:.2f} %" in said
     assert "prototype" in said and "2026-01-02" in said
     assert "vvdp run prototype" in said
+
+
+def test_losses_by_cause_and_by_component_are_all_that_is_lost(whole):
+    """An ideal pump has no loss of its chambers; its leakage counts all the same."""
+    run = open_run(whole)
+    assert "loss_pump_compression_W" not in run.summary and run.number("loss_pump_leakage_W") > 100.0
+    rest = run.number("loss_total_W") - run.number("stored_power_W")
+    for listed in (causes(run), components(run)):
+        assert sum(loss.simulated for loss in listed) == pytest.approx(rest, rel=1e-5)
+
+
+def test_lines_of_the_overview_are_all_that_is_lost(whole):
+    rows = {row.label: row.values for row in overview(open_run(whole), OVERVIEW).rows}
+    for column in (0, 1):
+        parts = [values[column] for label, values in rows.items() if label.startswith("loss, ")]
+        total = rows["input power minus load power"][column]
+        assert sum(part for part in parts if part is not None) == pytest.approx(total, rel=1e-3)
+
+
+def test_words_stand_behind_the_unit(whole):
+    rows = (Row("speed", SPEED, (100.0, 120.0, "lap")), Row("speed", SPEED, (90.0, None, "lag")))
+    listing = Listing(title="", heads=("lowest", "highest", "mostly by"), rows=rows)
+    assert listing.unit_place == 2
+    text = words("<body>" + listing_html(listing))
+    assert re.findall(r"[a-z]+$", text.strip()) and text.index("rpm") < text.index("lap")
+    assert Listing(title="", heads=("a", "b"), rows=(Row("x", None, ("p", "q")),)).unit_place == 2
+
+
+def test_a_drawing_names_no_input_that_comes_of_parameters(written):
+    """The valve is told below which pressure oil evaporates: nothing that a line of the drawing could lead to."""
+    said = words(written)
+    assert "axial position:" in said
+    assert "cavitation pressure:" not in said and "cavitation limit of" not in said
 
 
 def test_a_run_that_balances_is_trusted(written):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from vvdp.runs import ranges as ranges_of_runs
 from vvdp.runs.ranges import expected_evaluations, headline, kept_ranges, run_ranges, with_ranges
 from vvdp.runs.result import run_result
 from vvdp.runs.simulate import run_system
@@ -143,6 +144,15 @@ def test_ends_of_a_signal_that_does_not_change():
 
 def test_who_stops_the_runs_gets_no_ranges(plain_run):
     assert run_ranges(plain_run, stop=lambda: True) is None
+
+
+@pytest.mark.parametrize("step", ["at_ends", "simulated_summary"])
+def test_an_interrupt_between_the_runs_leaves_the_run(plain_run, monkeypatch, step):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ranges_of_runs, step, interrupt)
+    assert run_ranges(plain_run) is None
 
 
 def test_a_system_without_ranges_has_none():

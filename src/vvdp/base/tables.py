@@ -288,12 +288,12 @@ def _read_entry(name: str, key: str, kind: Kind | None, known: Any, entry: Any) 
 
 def _range(ends: Any, of: Sourced) -> tuple[float, float]:
     """The two ends between which a value lies. Raises ParameterError where they are none, or it lies outside."""
-    example = f'range = ["{of.kind.example}", ...], the lower end first'
     if not isinstance(ends, list) or len(ends) != 2:
+        example = f'range = ["{of.kind.example}", ...], the lower end first'
         raise ParameterError(f"{ends!r} as range; expected two ends, {example}")
     low, high = (parse(end, of.kind) for end in ends)
     if not low < high:
-        raise ParameterError(f"{ends[0]} to {ends[1]} as range; expected {example}")
+        raise ParameterError(f"{ends[0]} to {ends[1]} as range; expected two different ends, the lower one first")
     if math.isnan(of.nominal):
         raise ParameterError(f"range {ends[0]} to {ends[1]} of a value that changes; expected one of a constant")
     if not low <= of.nominal <= high:

@@ -28,13 +28,12 @@ def run_ranges(
     What cannot be simulated at an end is left out, and the ranges say why.
     """
     system = run.system
-    variants = list(at_ends(system))
     try:
-        outcomes = _outcomes(system, [each for each, _ in variants if each is not None], stop, say)
-    except KeyboardInterrupt:
+        variants = list(at_ends(system))
+        ready = iter(_outcomes(system, [each for each, _ in variants if each is not None], stop, say))
+        found = [reason if variant is None else _numbers(variant, next(ready)) for variant, reason in variants]
+    except KeyboardInterrupt:  # by whoever stops, or at any moment by Ctrl-C
         return None
-    ready = iter(outcomes)
-    found = [reason if variant is None else _numbers(variant, next(ready)) for variant, reason in variants]
     return ranges_of(system, headline(run), run.summary, found)
 
 
