@@ -66,3 +66,14 @@ def test_a_fault_of_a_setting_is_placed_at_the_option():
         load_system("prototype", ["operation.duty_ratio=-4.5"])
     with pytest.raises(ConfigError, match=r"^--set: operation.duty_ratio: -8.5 is outside"):
         load_system("prototype", ['operation.duty_ratio={sine="0.5", amplitude="9", frequency="5 Hz"}'])
+
+
+def test_a_bad_length_in_a_setting_is_seen_behind_the_option():
+    with pytest.raises(ConfigError, match="run.until: '-5 s' = -5 s is outside"):
+        load_system("prototype-constant-load", ["run.until=-5 s"], until="2 s")
+
+
+def test_a_length_set_before_the_averaging_leaves_means_over_the_second_half():
+    """By the share of the file's 0.5 s in the 0.4 s that are set, they would begin at 2.5 s of 2 s."""
+    system = load_system("prototype-constant-load", ["run.until=0.4 s"], until="2 s")
+    assert (system.stepping.until, system.average_from) == (2.0, 1.0)

@@ -22,7 +22,7 @@ from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
-from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, transition_loss
+from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, switching_limits, transition_loss
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.port_cavitation import lowest_cavitation_number
 from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
@@ -250,7 +250,7 @@ class RotaryBench(Extras):
         delivered = totals.pump_flow
         open_loss = full_open_loss(delivered, rho, self.valve) if delivered > 0.0 else 0.0
         shaft, motor = supplied.pump_shaft, supplied.spool_motor
-        load_power = mean.spent.load if self.makes_pressure else -supplied.load_line
+        load_power = mean.spent.load if self.makes_pressure else -supplied.load_line - supplied.tank
         drops = valve.nozzle + valve.centre_section + valve.outlet_turbine
         turns = float(found["speed_mean_spool_rad_s"])
         place = [path for path, _, _ in leaves(run.case.state)].index("spool.angle")
@@ -336,6 +336,7 @@ class RotaryBench(Extras):
             load_pressure = float(found["pressure_mean_load_line_Pa"]) + self.reference
             point = self.set_point(load_pressure)._replace(flow=self.delivered_flow(load_pressure))
             yield from self.relief_limits()
+            yield from switching_limits(self, found)
             if point.flow > 0.0:
                 yield from range_warnings(point.duty_ratio, point.condition(self.oil), self.valve)
             else:

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import DUTY_RATIO, MEAN_POWER, NUMBER, RATIO, TEMPERATURE_DIFFERENCE
 from vvdp.base.signal import signal_value
+from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.systems.validity import Bound
 from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
 from vvdp.valve.geometry import barrier_width
+from vvdp.valve.losses import compression_regime
 from vvdp.valve.operating_point import nozzle_reynolds_number
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.validity import (
@@ -31,6 +33,13 @@ STORED = 0.02
 input, it would change the efficiency by as much."""
 DUST = 1e-6
 """Share of the power put in by which an efficiency may miss 0 and 1, and a loss 0: the limit of the balances."""
+FILLING = 0.5
+"""Time to fill the inlet, over that in which a port opens, from which on the analytic losses and frequency are a tenth
+off those of the simulation."""
+RIPPLE = 0.2
+"""Amplitude of the pump's flow, over its mean, up to which that moves losses and frequency by less than 3 %."""
+FREE_AIR = 0.03
+"""Free air from which on counting volumes instead of masses puts the analytic losses a tenth off."""
 HEAT_CONDUCTION = 0.13
 """Thermal conductivity of mineral oil [W/(m K)]."""
 
@@ -43,7 +52,7 @@ def efficiency(load_power: float, put_in: float, stored: float) -> float:
     """
     if efficiency_doubt(load_power, put_in, stored):
         return float("nan")
-    return min(max(load_power / put_in, 0.0), 1.0)
+    return min(max(load_power / put_in, 0.0), 1.0) + 0.0  # no -0
 
 
 def efficiency_doubt(load_power: float, put_in: float, stored: float) -> str:
@@ -136,6 +145,34 @@ def _bound(label: str, value: float, otherwise: str, **ends: Any) -> Bound:
     """A bound of a number that is one value, or goes up to it."""
     given: dict[str, Any] = {"low": value, "high": value, "kind": NUMBER} | ends
     return Bound(label=label, otherwise=otherwise, **given)
+
+
+def switching_limits(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[str]:
+    """What of switching, pump and air in a run no quasi-steady average knows, a sentence each."""
+    if found["averaged_periods"] < 1:
+        yield "the valve does not switch"
+    elif (share := filling_share(bench, found)) > FILLING:
+        yield (
+            f"the inlet volume takes {share:.3g} times as long to fill as a port to open, above {FILLING:g}: its "
+            "pressure lags behind the ports, which is in no quasi-steady average"
+        )
+    if bench.pump.ripple_amplitude > RIPPLE:
+        yield f"the pump's flow pulsates by {percent(bench.pump.ripple_amplitude)}, which is in no quasi-steady average"
+    if bench.oil.air_fraction > FREE_AIR:
+        yield f"the oil has {percent(bench.oil.air_fraction)} of free air, whose compression no quasi-steady average has"
+
+
+def filling_share(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
+    """Time that filling the inlet up to the load takes over the time in which a port opens, of a run [1]."""
+    pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
+    return compression_regime(
+        abs(float(found["pwm_frequency_Hz"])),
+        bench.inlet_volume,
+        pressure - bench.tank_pressure,
+        mean_bulk_modulus(pressure, bench.oil),
+        float(found["mean_pump_flow_m3_s"]),
+        bench.valve,
+    )
 
 
 def bench_warnings(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[str]:

@@ -44,6 +44,7 @@ def lasting(table: Table, until: str, settings: Sequence[str] = ()) -> Table:
         share = duration_of(run.get("average_from")) / duration_of(run.get("until"))
     except (ParameterError, ZeroDivisionError):
         share = 0.5
+    share = share if 0.0 <= share < 1.0 else 0.5  # of a run.until that was set as well
     given = {} if "run.average_from" in option_keys(settings) else {"average_from": f"{share * seconds!r} s"}
     lines = {**table.lines, "run.until": SET_BY_OPTION}
     return Table(table.place, {**table.content, "run": {**run, **given, "until": f"{seconds!r} s"}}, lines)

@@ -20,7 +20,7 @@ from vvdp.network.nodes import (
 )
 from vvdp.network.paths import flows_of
 from vvdp.simulation.balance import LIMIT, balance_between
-from vvdp.simulation.outcome import Outcome, outcome
+from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
 from vvdp.systems.extras import Summary as Summary
@@ -67,6 +67,7 @@ def simulated_summary(run: Outcome, system: System) -> Summary:
     if system.extras is not None:
         found |= system.extras.simulation_numbers(run, found | balances)
     found |= balances
+    found["settled"] = window.settled and not is_filling(found)
     found |= validity(system, found)
     found |= {
         "steps": float(run.steps),
@@ -86,6 +87,15 @@ def validity(system: System, found: Mapping[str, Any]) -> Summary:
     if "second_law" in found:
         flags["trusted"] = bool(is_closed(found) and found["second_law"] and valid)
     return flags
+
+
+def is_filling(found: Mapping[str, Any]) -> bool:
+    """Whether more than `SETTLED` of the power put in goes into store, or comes out of it, which ends some day.
+
+    It tells a drift too slow to show in the means. Without power put in they tell all.
+    """
+    put_in = sum(max(value, 0.0) for key, value in found.items() if key.startswith("power_"))
+    return bool(put_in > 0.0 and abs(found.get("stored_power_W", 0.0)) > SETTLED * put_in)
 
 
 def is_closed(found: Mapping[str, Any]) -> bool:

@@ -193,6 +193,8 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
     place = Path(name).stem, Path(name).parent
     table = with_settings(without_other_position(plain, settings), list(settings)) if settings else plain
     if until is not None:
+        if "run.until" in option_keys(settings):
+            _check_overridden(table, place, {"run.until"})
         table = lasting(table, until, settings)
     system = built_system(table, *place)
     if table is not plain:
@@ -201,7 +203,7 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
 
 
 def _check_overridden(plain: Table, place: tuple[str, Path], overridden: set[str]) -> None:
-    """Raises ConfigError where a value of a file that an option stands in for is none: it would hide there."""
+    """Raises ConfigError where a value that an option stands in for is none: it would hide there."""
     try:
         built_system(plain, *place)
     except ConfigError as problem:
