@@ -7,6 +7,7 @@ from vvdp.runs import ranges as ranges_of_runs
 from vvdp.runs.ranges import expected_evaluations, headline, kept_ranges, run_ranges, with_ranges
 from vvdp.runs.result import run_result
 from vvdp.runs.simulate import run_system
+from vvdp.systems.range_display import value_words
 from vvdp.systems.ranges import at_end, at_ends, range_text
 from vvdp.systems.system import load_system
 
@@ -113,6 +114,12 @@ def test_an_end_that_contradicts_other_values_is_left_out_with_its_reason():
     assert low == pytest.approx(run.number("efficiency"), rel=1e-5)
     assert np.isnan(high)
     assert np.isfinite(found.span("efficiency")).all()
+
+
+def test_a_value_is_called_what_a_person_calls_it():
+    named = {row.setting: value_words(row) for row in load_system("prototype").rows}
+    assert named["oil.viscosity_40"] == "viscosity at 40 °C of the oil"
+    assert named["relief_valve.opening_time"] == "opening time of the relief valve"
 
 
 def test_a_value_that_somebody_sets_has_no_range():

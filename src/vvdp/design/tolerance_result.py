@@ -199,6 +199,7 @@ def _distribution_chart(found: Tolerance) -> Chart:
             Lines(
                 lines=(line,),
                 label="draws" if not panels else " ",
+                x_label=textwrap.fill(WORDS[name][1], WIDEST_TITLE),
                 title="95 %: {} to {}".format(*_middle(name, each)),
                 levels=(*ends, nominal),
                 low=0.0,
@@ -210,7 +211,7 @@ def _distribution_chart(found: Tolerance) -> Chart:
         table="distribution",
         panels=tuple(panels),
         side_by_side=True,
-        height=2.4,
+        height=2.6,
     )
 
 

@@ -15,9 +15,9 @@ from vvdp.steady.steady_states import HELD
 
 MANNER = (
     "Steady characteristics, based on ISO 17559, ISO 4409 and ISO 8426: delivered flow and efficiencies over the "
-    "electrical control signal, here the duty ratio, and the load pressure. Against the commanded flow, at duty ratio "
-    "d that is d times displacement times speed: volumetric efficiency is delivered over commanded flow, overall "
-    "efficiency the power that the load takes over that of pump shaft and spool motor. By ISO: the derived flow is "
+    "electrical control signal, here the duty ratio, and the load pressure. The commanded flow at duty ratio d is d "
+    "times displacement times speed. Against it, volumetric efficiency is delivered over commanded flow, overall "
+    "efficiency the power that the load takes over that of pump shaft and spool motor. By ISO, the derived flow is "
     "speed times the derived capacity of the setting, its flow per angle extrapolated to no pressure difference; "
     "volumetric efficiency is the flow, as a volume under the outlet's pressure, over the derived flow, overall "
     "efficiency that volume flow times the pressure difference over the same power. Hydromechanical efficiency is "

@@ -1,5 +1,6 @@
 """What results rest on, as a table and a picture: a bar for each value that has a range, the longest first."""
 
+import re
 import textwrap
 from collections.abc import Mapping
 from dataclasses import replace
@@ -122,7 +123,8 @@ def _left_out(ranges: Ranges) -> str:
 
 def value_words(row: Sourced) -> str:
     """What a person calls a value: its key, and the table that it stands in."""
-    return f"{row.key} of the {row.table.rpartition('.')[2]}".replace("_", " ")
+    name = re.sub(r"^(viscosity)_(\d+)$", r"\1 at \2 °C", row.key)
+    return f"{name} of the {row.table.rpartition('.')[2]}".replace("_", " ")
 
 
 def _column(key: str, kind: Kind, end: str) -> str:
