@@ -69,7 +69,7 @@ def test_a_fault_of_a_setting_is_placed_at_the_option():
 
 
 def test_a_bad_length_in_a_setting_is_seen_behind_the_option():
-    with pytest.raises(ConfigError, match="run.until: '-5 s' = -5 s is outside"):
+    with pytest.raises(ConfigError, match=r"run\.until: '-5 s' = -5 s is outside"):
         load_system("prototype-constant-load", ["run.until=-5 s"], until="2 s")
 
 
