@@ -122,7 +122,7 @@ def _different(runs: Mapping[str, RecordedRun]) -> Iterator[tuple[str, list[Sour
 def _are_same(values: Sequence[float], limit: float) -> bool:
     first = values[0]
     return all(
-        value == first or abs(value - first) <= limit * abs(first) or math.isnan(value) and math.isnan(first)
+        value == first or abs(value - first) <= limit * abs(first) or (math.isnan(value) and math.isnan(first))
         for value in values
     )
 
