@@ -159,7 +159,8 @@ def switching_limits(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator
     if bench.pump.ripple_amplitude > RIPPLE:
         yield f"the pump's flow pulsates by {percent(bench.pump.ripple_amplitude)}, which is in no quasi-steady average"
     if bench.oil.air_fraction > FREE_AIR:
-        yield f"the oil has {percent(bench.oil.air_fraction)} of free air, which no quasi-steady average compresses"
+        air = percent(bench.oil.air_fraction)
+        yield f"the oil has {air} of free air, whose compression is in no quasi-steady average"
 
 
 def filling_share(bench: "RotaryBench", found: Mapping[str, Any]) -> float:

@@ -231,7 +231,7 @@ def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tupl
     if setting <= needed:
         found.append(
             f"the relief setting of {1e-5 * setting:.4g} bar does not exceed the {1e-5 * needed:.4g} bar that the load "
-            f"and the open valve need: the relief valve is open even with the load port fully open"
+            f"and the open valve need over the tank: the relief valve is open even with the load port fully open"
         )
     width, barrier = nozzle_width(valve), barrier_width(valve)
     # 1e-9: zero lap written as a width ratio may round to either side
