@@ -184,14 +184,15 @@ def test_ranges_are_made_where_that_is_quick_or_wanted(vvdp, here, monkeypatch):
             "run", "prototype-constant-load", "--until", "0.1 s", "--no-report", "--out", "out", "--force", *options
         )
         assert answer.code == 0, answer.err
-        return answer.out
+        return answer
 
-    assert "Over the ranges of 12 values" in run()
-    assert "--ranges shows" in run("--no-ranges")
+    assert "Over the ranges of 12 values" in run().out
+    unasked = run("--no-ranges")
+    assert "ranges" not in unasked.out + unasked.err
     monkeypatch.setattr("vvdp.runs.ranges.MOST_EVALUATIONS", 1e3)
-    assert "12 values have a range: --ranges shows how far the results move over them" in run()
-    assert "ranges" not in json.loads(run("--json"))
-    found = json.loads(run("--ranges", "--json"))
+    assert "12 values have a range: --ranges shows how far the results move over them" in run().err
+    assert "ranges" not in json.loads(run("--json").out)
+    found = json.loads(run("--ranges", "--json").out)
     assert found["ranges"]["efficiency"]["by"].keys() == found["ranges"]["loss_total_W"]["by"].keys()
 
 

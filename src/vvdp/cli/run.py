@@ -85,7 +85,10 @@ def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
     from vvdp.runs.ranges import MOST_EVALUATIONS, expected_evaluations, run_ranges, with_ranges
 
     count, expected = len(run.system.uncertainties), expected_evaluations(run)
-    if wanted is False or not count or not run.has("finished") or (wanted is None and expected > MOST_EVALUATIONS):
+    if wanted is False or not count or not run.has("finished"):
+        return run
+    if wanted is None and expected > MOST_EVALUATIONS:
+        say(f"{count} values have a range: --ranges shows how far the results move over them")
         return run
     if expected > MOST_EVALUATIONS:
         say(f"{2 * count} runs at the ends of {count} values")
@@ -168,5 +171,3 @@ def _print_ranges(run: "RecordedRun") -> None:
         console().print(listing_grid(listing))
         if listing.note:
             tell(listing.note)
-    elif run.system.uncertainties:
-        tell(f"{len(run.system.uncertainties)} values have a range: --ranges shows how far the results move over them")
