@@ -344,12 +344,14 @@ def test_simulated_and_analytic_losses_agree_at_the_optimum(limit, tolerance):
     assert run["trusted"]
     assert run["settled"]
     simulated = run["loss_full_open_W"] + run["loss_transition_W"]
-    assert simulated == pytest.approx(
-        run["analytic_loss_full_open_W"] + run["analytic_loss_transition_W"], rel=tolerance
-    )
     after = found.after[0]
     assert simulated == pytest.approx(after.loss_full_open + after.loss_transition, rel=tolerance)
-    assert run["pwm_frequency_Hz"] == pytest.approx(run["analytic_pwm_frequency_Hz"], rel=1e-2)
+    # A run shows them only where they hold: not where a transition takes more than half of the period.
+    assert ("analytic_loss_transition_W" in run) == (after.transition_fraction <= 0.5)
+    if "analytic_loss_transition_W" in run:
+        analytic = run["analytic_loss_full_open_W"] + run["analytic_loss_transition_W"]
+        assert simulated == pytest.approx(analytic, rel=tolerance)
+        assert run["pwm_frequency_Hz"] == pytest.approx(run["analytic_pwm_frequency_Hz"], rel=1e-2)
 
 
 def test_doubts_are_told(published):
