@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ParameterError
-from vvdp.rigs.ripple import estimated_ripple, line_capacity, power_of, ripple
+from vvdp.rigs.ripple import line_capacity, power_of, ripple
 from vvdp.steady.waveform import harmonics
+from vvdp.systems.load_ripple import estimated_ripple
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ from vvdp.results.store import DESCRIPTION, read_result
 from vvdp.rigs.capacity import averaged_flows, capacity_points, derived_capacities
 from vvdp.rigs.efficiencies import EFFICIENCIES, SET, with_efficiencies
 from vvdp.rigs.map_axes import Axes
-from vvdp.rigs.ripple import estimated_ripple, line_capacity
+from vvdp.rigs.ripple import line_capacity
 from vvdp.simulation.link import link, quiet
 from vvdp.simulation.run import compiled_loop
 from vvdp.simulation.values import flat, leaves
@@ -43,6 +43,7 @@ from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import hold_interrupts, silent
 from vvdp.studies.store import Finished, opened_store
 from vvdp.studies.work import Batching, check_same, kept_batches
+from vvdp.systems.load_ripple import estimated_ripple
 from vvdp.valve.losses import full_open_drop
 from vvdp.valve.torque import pwm_frequency
 

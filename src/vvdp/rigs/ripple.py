@@ -10,8 +10,7 @@ from vvdp.base import kinds
 from vvdp.base.arrays import Array
 from vvdp.base.display import number, percent, plain, with_unit
 from vvdp.base.errors import ParameterError
-from vvdp.fluid.mixture import fluid_state
-from vvdp.hydraulics.volume import Vessel, pressure_rate
+from vvdp.hydraulics.volume import Vessel
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Result, Table, numbers_of
 from vvdp.rigs.conditions import conditions, validity_findings, within_validity
@@ -19,6 +18,7 @@ from vvdp.simulation.link import quiet
 from vvdp.steady.steady_states import Steady, steady_states
 from vvdp.steady.test_stand import SetPoint, Stand
 from vvdp.steady.waveform import Waveform, harmonics, waveform
+from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
 
 DUTY_RATIOS = tuple(float(d) for d in np.round(np.linspace(0.15, 0.95, 9), 6))
 FREQUENCIES = (20.0, 30.0, 40.0, 60.0, 80.0, 120.0, 160.0)
@@ -81,9 +81,7 @@ def line_capacity(pressure: float, stand: Stand) -> float:
 
     Source  ours, docs/rigs.md
     """
-    oil, line = stand.bench.oil, load_line(stand)
-    rate = pressure_rate(1.0, 0.0, pressure, fluid_state(pressure, oil), line, oil.reference_pressure)
-    return float(1.0 / rate)
+    return vessel_capacity(pressure, load_line(stand), stand.bench.oil)
 
 
 def load_line(stand: Stand) -> Vessel:
@@ -94,20 +92,6 @@ def load_line(stand: Stand) -> Vessel:
             "load line, such as prototype"
         )
     return stand.bench.load_line
-
-
-def estimated_ripple(delivered: float, pump_flow: float, pwm_frequency: float, capacity: float) -> float:
-    """Peak-to-peak pressure of a line that is filled in pulses and emptied evenly, q (1 - q/Q) / (f C) [Pa].
-
-    Pulses of the pump flow Q last q/(Q f), and more than the load takes flows in by Q - q meanwhile.
-
-    delivered, pump_flow  mean [m^3/s]
-    pwm_frequency         [Hz]
-    capacity              of the line [m^3/Pa]
-
-    Source  ours, docs/rigs.md
-    """
-    return delivered * (1.0 - delivered / pump_flow) / (pwm_frequency * capacity)
 
 
 def with_gas(stand: Stand, size: float) -> Stand:

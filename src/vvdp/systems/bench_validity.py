@@ -8,6 +8,7 @@ from vvdp.base.kinds import DUTY_RATIO, MEAN_POWER, NUMBER, RATIO, TEMPERATURE_D
 from vvdp.base.signal import signal_value
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
 from vvdp.systems.validity import Bound
 from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
 from vvdp.valve.geometry import barrier_width
@@ -38,6 +39,8 @@ FILLING = 0.5
 off those of the simulation."""
 RIPPLE = 0.2
 """Amplitude of the pump's flow, over its mean, up to which that moves losses and frequency by less than 3 %."""
+LOAD_SWING = 0.3
+"""Swing of the load pressure within a period, over its mean, from which on it moves the frequency by a tenth."""
 FREE_AIR = 0.03
 """Free air from which on counting volumes instead of masses puts the analytic losses a tenth off."""
 HEAT_CONDUCTION = 0.13
@@ -156,11 +159,27 @@ def switching_limits(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator
             f"the inlet volume takes {share:.3g} times as long to fill as a port to open, above {FILLING:g}: its "
             "pressure lags behind the ports, which is in no quasi-steady average"
         )
+    if (swing := load_swing(bench, found)) > LOAD_SWING:
+        yield (
+            f"the load line is so stiff that its pressure swings by about {percent(swing)} within a period, above "
+            f"{percent(LOAD_SWING)}, where quasi-steady averages take it as constant"
+        )
     if bench.pump.ripple_amplitude > RIPPLE:
         yield f"the pump's flow pulsates by {percent(bench.pump.ripple_amplitude)}, which is in no quasi-steady average"
     if bench.oil.air_fraction > FREE_AIR:
         air = percent(bench.oil.air_fraction)
         yield f"the oil has {air} of free air, whose compression is in no quasi-steady average"
+
+
+def load_swing(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
+    """Estimated swing of the load pressure within a period, over its mean above the tank's [1]; 0 against a source."""
+    pressure = float(found["pressure_mean_load_line_Pa"]) + bench.reference
+    delivered, frequency = float(found["mean_load_flow_m3_s"]), float(found["pwm_frequency_Hz"])
+    if bench.load_line is None or not (delivered > 0.0 and frequency > 0.0 and pressure > bench.tank_pressure):
+        return 0.0
+    capacity = vessel_capacity(pressure, bench.load_line, bench.oil)
+    swing = estimated_ripple(delivered, float(found["mean_pump_flow_m3_s"]), frequency, capacity)
+    return swing / (pressure - bench.tank_pressure)
 
 
 def filling_share(bench: "RotaryBench", found: Mapping[str, Any]) -> float:
