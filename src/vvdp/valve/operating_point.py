@@ -149,7 +149,7 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     averaged = pwm_frequency(speed_of_cycle(course, rho, mu, valve), valve)
     open_loss = full_open_loss(Q, rho, valve)
     is_tight = set_point.pump_leakage == 0.0
-    transition = transition_loss(at, valve).loss if is_tight else mean_transition_loss(cycle, open_loss)
+    transition = transition_loss(at, valve).loss if is_tight else _mean_transition_loss(cycle, open_loss)
     leakage = leakage_loss(load_pressure - tank, mu, valve)
     compression = compressibility_loss(averaged, inlet_volume, load_pressure, tank, oil)
     regime = compression_regime(
@@ -183,7 +183,7 @@ def operating_point(set_point: SetPoint, inlet_volume: float, oil: Oil, valve: R
     )
 
 
-def mean_transition_loss(cycle: CycleMean, open_loss: float) -> float:
+def _mean_transition_loss(cycle: CycleMean, open_loss: float) -> float:
     """What a PWM period loses on the mean beyond the pump's leakage and the fully open valve [W].
 
     open_loss  of the fully open valve [W]
@@ -193,6 +193,6 @@ def mean_transition_loss(cycle: CycleMean, open_loss: float) -> float:
 
 def average_transition(point: OperatingPoint) -> OperatingPoint:
     """The same with the transition loss from the mean over a PWM period, which holds where its closed form does not."""
-    transition = mean_transition_loss(point.cycle, point.full_open_loss)
+    transition = _mean_transition_loss(point.cycle, point.full_open_loss)
     total = point.total_loss - point.transition_loss + transition
     return point._replace(transition_loss=transition, total_loss=total)
