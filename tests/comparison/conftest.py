@@ -23,7 +23,17 @@ class Still(Params):
 
 def still_step(memory, reading, settings):
     """Believes in one speed whatever comes; the angle stays where it is."""
-    return memory, Estimate(memory.start, settings.speed, np.nan, np.nan, 0.1, 0.1 if reading.edges > 0.0 else 0.0, 0.0)
+    estimate = Estimate(
+        angle=memory.start,
+        speed=settings.speed,
+        angle_deviation=np.nan,
+        speed_deviation=np.nan,
+        innovation=0.1,
+        innovation_deviation=0.1 if reading.edges > 0.0 else 0.0,
+        missed_edges=0.0,
+        standstill=np.nan,
+    )
+    return memory, estimate
 
 
 def contender(name, speed):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Angle, Count, Speed
+from vvdp.base.kinds import Angle, Count, Fraction, Speed
 from vvdp.numerics.kalman import AngleSpeed
 
 
@@ -19,7 +19,7 @@ class Estimate(NamedTuple):
 
     `innovation` is by how much the edge of this sample differed from what was expected, `innovation_deviation` by how
     much it was expected to differ; both are 0 at samples without an edge that was used. `missed_edges` counts the
-    edges that have been passed over since the start.
+    edges that have been passed over since the start. `standstill` is the probability that the wheel stands still.
     """
 
     angle: Angle
@@ -29,6 +29,7 @@ class Estimate(NamedTuple):
     innovation: Angle
     innovation_deviation: Angle
     missed_edges: Count
+    standstill: Fraction
 
 
 def to_estimate(belief: AngleSpeed, innovation: float, innovation_deviation: float, missed_edges: float) -> Estimate:
@@ -43,6 +44,7 @@ def to_estimate(belief: AngleSpeed, innovation: float, innovation_deviation: flo
         innovation=innovation,
         innovation_deviation=innovation_deviation,
         missed_edges=missed_edges,
+        standstill=np.nan,
     )
 
 

@@ -350,6 +350,7 @@ def edge_offset_step(
             innovation=innovation,
             innovation_deviation=deviation,
             missed_edges=estimate.missed_edges,
+            standstill=estimate.standstill,
         ),
         b,
         np.sqrt(M),

@@ -79,4 +79,5 @@ def plain_estimate(angle: float, speed: float) -> Estimate:
         innovation=0.0,
         innovation_deviation=0.0,
         missed_edges=0.0,
+        standstill=np.nan,
     )
