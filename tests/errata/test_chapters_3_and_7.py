@@ -5,7 +5,8 @@ import pint
 import pytest
 from scipy.integrate import quad
 
-from vvdp.estimation.event_filter import event_filter, event_filter_estimator
+from vvdp.estimation.event_filter import event_filter_estimator
+from vvdp.estimation.event_settings import event_filter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.photodiode import LightSpot, photodiode_signal, ramp_width
 from vvdp.sensing.reading import Reading

@@ -6,7 +6,8 @@ And the event filter, compiled, to be run over them.
 import numpy as np
 import pytest
 
-from vvdp.estimation.event_filter import event_filter, event_filter_estimator
+from vvdp.estimation.event_filter import event_filter_estimator
+from vvdp.estimation.event_settings import event_filter
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.replay import Replay

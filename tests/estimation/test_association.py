@@ -16,7 +16,7 @@ from vvdp.estimation.association import (
     irregular_share,
     sector,
 )
-from vvdp.estimation.event_filter import event_filter
+from vvdp.estimation.event_settings import event_filter
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, Shaft, encoder_start, encoder_step
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import edge_angle, equal_wheel

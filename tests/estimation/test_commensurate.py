@@ -21,7 +21,7 @@ from vvdp.estimation.commensurate import (
     hidden_angle,
     hidden_speed,
 )
-from vvdp.estimation.event_filter import event_filter
+from vvdp.estimation.event_settings import event_filter
 from vvdp.sensing.wheel import equal_wheel
 
 WHEEL = equal_wheel(8)

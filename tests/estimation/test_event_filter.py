@@ -12,12 +12,12 @@ from vvdp.estimation.event_filter import (
     Manoeuvre,
     Tally,
     edge_angle_variance,
-    event_filter,
     event_filter_estimator,
     event_filter_start,
     event_filter_step,
     inflate,
 )
+from vvdp.estimation.event_settings import event_filter
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, equal_wheel

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vvdp.estimation.event_filter import event_filter
+from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.index import (
     CERTAIN,
     ONE_TURN,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import write_new
-from vvdp.estimation.event_filter import event_filter
+from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.channel import ChannelInfo
 from vvdp.logs.config import (

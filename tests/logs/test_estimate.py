@@ -10,7 +10,8 @@ from scipy.stats import chi2
 
 import vvdp.logs.estimate as estimating
 from vvdp.base.errors import ConfigError
-from vvdp.estimation.event_filter import event_filter, event_filter_start
+from vvdp.estimation.event_filter import event_filter_start
+from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.config import Option, load_estimation

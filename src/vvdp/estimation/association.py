@@ -102,9 +102,13 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     count_cost = minimum(0.5 * away * away / S, manoeuvre)
     off = edge_angle(nearest, wheel) - sighting.angle
     missed = maximum(nearest - counted, 0.0)  # more than the next by count asks for
-    silence = maximum(maximum(sighting.irregular, RAREST) ** missed, DROPOUT)
-    nearest_cost = 0.5 * off * off / S - np.log(silence)
+    nearest_cost = 0.5 * off * off / S - np.log(maximum(missed_share(sighting.irregular) ** missed, DROPOUT))
     return Association(nearest if nearest_cost < count_cost else counted, 1.0)
+
+
+def missed_share(irregular: float) -> float:
+    """Chance that an edge is missed [1], where a share `irregular` of them was missed or ignored of late."""
+    return maximum(irregular, RAREST)
 
 
 def irregular_share(share: float, irregular: float, regular: float) -> float:

@@ -10,19 +10,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import (
-    AccelerationDensity,
-    AngularVariance,
-    Count,
-    Fraction,
-    Number,
-    Ratio,
-    Speed,
-    SpeedVariance,
-    Time,
-)
-from vvdp.base.params import Params
+from vvdp.base.kinds import AccelerationDensity, AngularVariance, Count, Fraction, Number, Time
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import (
     Association,
@@ -31,13 +19,29 @@ from vvdp.estimation.association import (
     counted_edge,
     first_edge,
     irregular_share,
+    missed_share,
     sector,
 )
-from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
+from vvdp.estimation.doubt import Doubt, carry_on, is_settled, no_doubt
+from vvdp.estimation.estimator import Estimate, Estimator
+from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.index import IndexMemory, index_after_edge, index_start
+from vvdp.estimation.ripple import (
+    Place,
+    Ripple,
+    displacement,
+    of_the_instant,
+    place_of,
+    predict_ripple,
+    ripple_start,
+    seen_variance,
+    update_with_ripple,
+    without_covariance,
+)
+from vvdp.estimation.silence import Heard, Silence, after_silence, is_silent, start_speed
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
-from vvdp.sensing.wheel import CodeWheel, edge_angle, edge_below
+from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, edge_below, nearest_edge
 
 SLACK = 1.0
 """Normalised innovation that counts as none when innovations of one sign are summed up [1]."""
@@ -50,55 +54,6 @@ UNBELIEVABLE = 0.4
 
 BURST = 4.0
 """Edges missed in a row that count as irregular; a longer gap is one dropout [1]."""
-
-
-class EventFilterValues(Params):
-    """The numbers of the event-based Kalman filter, for any wheel; `event_filter` has the usual ones.
-
-    `edge_variance` is the part of the noise that is an angle, the other follows from the interval in which an edge
-    passed, taken at no less than `lowest_speed`. Edges are counted until the speed is known to
-    `association_speed_deviation`. A manoeuvre is declared when the sum of innovations exceeds `manoeuvre_gate`; the
-    acceleration then has `manoeuvre_density`, which fades over `manoeuvre_edges` edges.
-    """
-
-    acceleration_density: AccelerationDensity
-    edge_variance: AngularVariance
-    lowest_speed: Speed
-    angle_variance: AngularVariance
-    speed_variance: SpeedVariance
-    association_speed_deviation: Speed
-    manoeuvre_density: AccelerationDensity
-    manoeuvre_gate: Ratio
-    manoeuvre_edges: Count
-
-    def check(self) -> None:
-        if not self.edge_variance > 0.0:
-            raise ParameterError("EventFilter.edge_variance: 0 rad^2; no edge is known exactly, expected above 0")
-        if not self.manoeuvre_edges >= 1.0:
-            raise ParameterError(f"EventFilter.manoeuvre_edges: {self.manoeuvre_edges:g}; expected at least 1")
-        if self.manoeuvre_density < self.acceleration_density:
-            raise ParameterError(
-                f"EventFilter.manoeuvre_density: {self.manoeuvre_density:g} rad^2/s^3 is below the "
-                f"acceleration_density of {self.acceleration_density:g} rad^2/s^3"
-            )
-
-
-class EventFilter(EventFilterValues):
-    """Settings of the event-based Kalman filter.
-
-    The index of the `wheel` has been found when `index_turns` turns agree about it; 0 where it has none.
-    """
-
-    wheel: CodeWheel
-    index_turns: Count = 0.0
-
-    def check(self) -> None:
-        super().check()
-        if self.index_turns > 0.0 and not self.wheel.has_index:
-            raise ParameterError(
-                f"EventFilter.index_turns: {self.index_turns:g}, but the wheel with edges at {self.wheel.edges} rad "
-                "looks the same after less than a turn; expected 0"
-            )
 
 
 class LastEdge(NamedTuple):
@@ -132,35 +87,31 @@ class Manoeuvre(NamedTuple):
 class EventFilterMemory(NamedTuple):
     """What the filter carries from sample to sample: its belief at `time`, and what it knows of edges and index.
 
-    `time` differs from that of the last edge where another sensor tells the angle between edges.
+    The belief is about the mean course; `ripple` is what the ports add to it. `time` differs from that of the last edge
+    where another sensor tells the angle between edges. `slip` is the variance of the angle that no later edge can tell:
+    the wheel may have turned back while it stood.
     """
 
     time: Time
     belief: AngleSpeed
+    ripple: Ripple
     last: LastEdge
     tally: Tally
     manoeuvre: Manoeuvre
     search: IndexMemory
+    doubt: Doubt
+    slip: AngularVariance
 
 
-def event_filter(wheel: CodeWheel) -> EventFilter:
-    """The published settings, completed; change one with `dataclasses.replace`.
+class Expected(NamedTuple):
+    """Beliefs brought to the time of an edge: of the mean course, the same had a manoeuvre begun at the last edge, of
+    the ripple, and of the instant, which has both; and the variance R of the edge [rad^2]."""
 
-    Source  wang2017, section 3.5; manoeuvre, association and index are ours, docs/models/event-filter.md
-    """
-    return EventFilter(
-        wheel=wheel,
-        acceleration_density=0.25,
-        edge_variance=3.47e-3,  # with the sampling part, 2.06e-3 at 157 rad/s and 1 ms, the published 5.53e-3
-        lowest_speed=2.0 * np.pi,
-        angle_variance=1000.0,
-        speed_variance=1000.0,
-        association_speed_deviation=10.0,
-        manoeuvre_density=2e4,
-        manoeuvre_gate=6.0,
-        manoeuvre_edges=4.0,
-        index_turns=2.0 if wheel.has_index else 0.0,
-    )
+    course: AngleSpeed
+    manoeuvre: AngleSpeed
+    ripple: Ripple
+    instant: AngleSpeed
+    variance: AngularVariance
 
 
 def event_filter_start(settings: EventFilter, time: float, angle: float, speed: float) -> EventFilterMemory:
@@ -176,11 +127,19 @@ def event_filter_start(settings: EventFilter, time: float, angle: float, speed: 
     return EventFilterMemory(
         time=time,
         belief=belief,
+        ripple=ripple_start(settings.ripple_variance),
         last=LastEdge(edge, time),
-        tally=Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE),
+        tally=new_tally(),
         manoeuvre=Manoeuvre(density=q, rise=0.0, fall=0.0),
         search=index_start(wheel),
+        doubt=no_doubt(belief),
+        slip=0.0,
     )
+
+
+def new_tally() -> Tally:
+    """The tally before the first edge."""
+    return Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE)
 
 
 def event_filter_step(
@@ -188,16 +147,89 @@ def event_filter_step(
 ) -> tuple[EventFilterMemory, Estimate]:
     """Memory and estimate after a sample.
 
-    An edge corrects the belief at the time of the edge; the estimate is predicted from there to the sample.
+    An edge corrects the belief at the time of the edge; the estimate is predicted from there to the sample, and takes
+    in that no edge has come since.
 
     Source  wang2017, eqs. 3.5 to 3.10, corrected: docs/errata.md
     """
     innovation, deviation = 0.0, 0.0
     if reading.edges > 0.0:
         memory, innovation, deviation = after_edge(memory, reading, settings)
-    belief = predict(memory.belief, reading.time - memory.time, memory.manoeuvre.density)
-    estimate = to_estimate(belief, innovation, deviation, memory.tally.missed_edges)
+    heard = believed_at(memory, reading.time, settings)
+    estimate = Estimate(
+        angle=heard.angle,
+        speed=heard.speed,
+        angle_deviation=np.sqrt(heard.angle_variance),
+        speed_deviation=np.sqrt(heard.speed_variance),
+        innovation=innovation,
+        innovation_deviation=deviation,
+        missed_edges=memory.tally.missed_edges,
+        standstill=heard.standstill,
+    )
     return memory, estimate
+
+
+def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -> Heard:
+    """What is believed at a `time` [s] up to which no edge has come since the last one."""
+    h, density = time - memory.time, memory.manoeuvre.density
+    instant = predict(memory.belief, h, density)
+    if settings.ripple_order > 0.0:
+        ripple = predict_ripple(memory.ripple, h, settings.ripple_drift)
+        instant = of_the_instant(instant, ripple, settings.ripple_order)
+    b = instant
+    heard = Heard(b.angle, b.speed, b.angle_variance, b.speed_variance, standstill=0.0, halt=0.0, missing_odds=0.0)
+    if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
+        silence = silence_until(memory, time, settings)
+        if is_silent(instant, silence.next_edge, silence.edge_variance):
+            wide = inflate(instant, silence.duration, settings.manoeuvre_density)
+            heard = after_silence(instant, wide, silence)
+    if memory.doubt.odds > -np.inf:
+        heard = doubtful(heard, predict(memory.doubt.belief, h, density), memory.doubt.odds)
+    if memory.slip > 0.0:
+        heard = doubtful_angle(heard, memory.slip)
+    return heard
+
+
+def silence_until(memory: EventFilterMemory, time: float, settings: EventFilter) -> Silence:
+    """The silence between the last edge and `time` [s]."""
+    last, wheel = memory.last, settings.wheel
+    return Silence(
+        duration=time - last.time,
+        last_edge=edge_angle(last.number, wheel),
+        next_edge=edge_angle(last.number + 1.0, wheel),
+        edge_variance=settings.edge_variance,
+        missed=missed_share(memory.tally.irregular),
+        stop_rate=settings.stop_rate,
+        start_variance=settings.speed_variance,
+    )
+
+
+def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
+    """What is believed where another belief has `odds` (their logarithm): mean and variances of both together."""
+    w = 1.0 / (1.0 + np.exp(-odds))
+    angle, speed = other.angle - heard.angle, other.speed - heard.speed
+    return Heard(
+        angle=heard.angle + w * angle,
+        speed=heard.speed + w * speed,
+        angle_variance=(1.0 - w) * heard.angle_variance + w * other.angle_variance + w * (1.0 - w) * angle * angle,
+        speed_variance=(1.0 - w) * heard.speed_variance + w * other.speed_variance + w * (1.0 - w) * speed * speed,
+        standstill=(1.0 - w) * heard.standstill,
+        halt=(1.0 - w) * heard.halt,
+        missing_odds=heard.missing_odds,
+    )
+
+
+def doubtful_angle(heard: Heard, variance: float) -> Heard:
+    """What is believed where the angle has a `variance` [rad^2] more."""
+    return Heard(
+        angle=heard.angle,
+        speed=heard.speed,
+        angle_variance=heard.angle_variance + variance,
+        speed_variance=heard.speed_variance,
+        standstill=heard.standstill,
+        halt=heard.halt,
+        missing_odds=heard.missing_odds,
+    )
 
 
 class EdgeNoise(Protocol):
@@ -221,6 +253,18 @@ def edge_angle_variance(speed: float, edge_interval: float, settings: EdgeNoise)
     return passed * passed / 12.0 + settings.edge_variance
 
 
+def expected_at(memory: EventFilterMemory, reading: Reading, settings: EventFilter) -> Expected:
+    """The beliefs at the time of a reading's edge, before it is taken in."""
+    h = reading.edge_time - memory.time
+    course = predict(memory.belief, h, memory.manoeuvre.density)
+    wide = inflate(predict(memory.belief, h, 0.0), reading.edge_time - memory.last.time, settings.manoeuvre_density)
+    R = edge_angle_variance(course.speed, reading.edge_interval, settings)
+    if settings.ripple_order == 0.0:
+        return Expected(course, wide, memory.ripple, course, R)
+    ripple = predict_ripple(memory.ripple, h, settings.ripple_drift)
+    return Expected(course, wide, ripple, of_the_instant(course, ripple, settings.ripple_order), R)
+
+
 def after_edge(
     memory: EventFilterMemory, reading: Reading, settings: EventFilter
 ) -> tuple[EventFilterMemory, float, float]:
@@ -228,82 +272,202 @@ def after_edge(
 
     Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
     """
-    wheel, q, q_m = settings.wheel, settings.acceleration_density, settings.manoeuvre_density
-    h = reading.edge_time - memory.time
-    prior = predict(memory.belief, h, memory.manoeuvre.density)
-    wide = inflate(predict(memory.belief, h, 0.0), reading.edge_time - memory.last.time, q_m)
-    R = edge_angle_variance(prior.speed, reading.edge_interval, settings)
-    seen = associate(memory, reading, prior, wide, R, settings)
-    edges = memory.tally.ignored + reading.edges
+    expected = expected_at(memory, reading, settings)
+    if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
+        silence = silence_until(memory, reading.edge_time, settings)
+        if is_silent(expected.instant, silence.next_edge, silence.edge_variance):
+            wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
+            heard = after_silence(expected.instant, wide, silence)
+            if heard.halt > 0.5:
+                return start_again(memory, reading, expected, heard, settings)
+    seen = associate(memory, reading, expected, settings)
     if seen.used == 0.0:
-        return skip_edges(memory, edges), 0.0, 0.0
+        return skip_edges(memory, memory.tally.ignored + reading.edges), 0.0, 0.0
+    return take_in(memory, reading, seen.edge, expected, settings)
 
-    associating = memory.tally.associating
-    if associating > 0.0 and memory.manoeuvre.density <= q and vague(prior, wheel) > 0.0:
-        prior, associating = wide, 0.0  # after a long time without edges anything may have happened
-    innovation = edge_angle(seen.edge, wheel) - prior.angle
-    z = associating * innovation / np.sqrt(prior.angle_variance + R)
+
+def take_in(
+    memory: EventFilterMemory, reading: Reading, edge: float, expected: Expected, settings: EventFilter
+) -> tuple[EventFilterMemory, float, float]:
+    """The same after an edge of which the number is known.
+
+    Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
+    """
+    wheel, q, q_m, tally = settings.wheel, settings.acceleration_density, settings.manoeuvre_density, memory.tally
+    prior, ripple, R, associating = expected.course, expected.ripple, expected.variance, tally.associating
+    if associating > 0.0 and memory.manoeuvre.density <= q and vague(expected.instant, wheel) > 0.0:
+        prior, associating = expected.manoeuvre, 0.0  # after a long time without edges anything may have happened
+    place = Place(0.0, 0.0)
+    if settings.ripple_order > 0.0:
+        place = place_of(edge_angle(edge, wheel), settings.ripple_order)
+    innovation = edge_angle(edge, wheel) - prior.angle - displacement(ripple, place)
+    z = associating * innovation / np.sqrt(seen_variance(prior, ripple, place) + R)
     rise = associating * maximum(memory.manoeuvre.rise + z - SLACK, 0.0)
     fall = associating * maximum(memory.manoeuvre.fall - z - SLACK, 0.0)
     density = maximum(memory.manoeuvre.density * (1.0 - 1.0 / settings.manoeuvre_edges), q)
     if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
-        prior, density, rise, fall = wide, q_m, 0.0, 0.0
+        prior, density, rise, fall = expected.manoeuvre, q_m, 0.0, 0.0
 
-    skipped = memory.tally.started * maximum(seen.edge - memory.last.number - edges, 0.0)
-    irregular = irregular_share(memory.tally.irregular, associating * minimum(skipped, BURST), 1.0)
+    skipped = tally.started * maximum(edge - memory.last.number - tally.ignored - reading.edges, 0.0)
+    irregular = irregular_share(tally.irregular, associating * minimum(skipped, BURST), 1.0)
     if irregular > UNBELIEVABLE:
         prior, associating, irregular = reset_speed(prior, settings), 0.0, RELIABLE
 
+    S = seen_variance(prior, ripple, place) + R
     belief = update(prior, innovation, R)
-    speed_limit = settings.association_speed_deviation * settings.association_speed_deviation
-    if vague(belief, wheel) == 0.0 and belief.speed_variance < speed_limit:
+    if settings.ripple_order > 0.0:
+        belief, ripple = update_with_ripple(prior, ripple, place, innovation, R)
+    if knows_edges(belief, settings):
         associating = 1.0
-    number, search = seen.edge, memory.search
-    if settings.index_turns > 0.0 and associating > 0.0:
-        found = index_after_edge(search, number, reading.edge_time, reading.polarity, R, settings.index_turns, wheel)
-        number, search = number + found.edges, found.memory
-        belief = shift_angle(belief, found.edges * sector(wheel))
-    missed = memory.tally.missed_edges + skipped
     after = EventFilterMemory(
         time=reading.edge_time,
         belief=belief,
-        last=LastEdge(number, reading.edge_time),
-        tally=Tally(started=1.0, associating=associating, ignored=0.0, missed_edges=missed, irregular=irregular),
+        ripple=ripple,
+        last=LastEdge(edge, reading.edge_time),
+        tally=Tally(
+            started=1.0,
+            associating=associating,
+            ignored=0.0,
+            missed_edges=tally.missed_edges + skipped,
+            irregular=irregular,
+        ),
         manoeuvre=Manoeuvre(density=density, rise=rise, fall=fall),
-        search=search,
+        search=memory.search,
+        doubt=memory.doubt,
+        slip=memory.slip,
     )
-    return after, innovation, np.sqrt(prior.angle_variance + R)
+    if memory.doubt.odds > -np.inf:
+        after = weigh_doubt(memory, after, reading, R, innovation * innovation / S + np.log(S), settings)
+    if settings.index_turns > 0.0 and after.tally.associating > 0.0:
+        after = look_for_index(after, reading, R, settings)
+    return after, innovation, np.sqrt(S)
 
 
-def associate(
-    memory: EventFilterMemory,
-    reading: Reading,
-    prior: AngleSpeed,
-    wide: AngleSpeed,
-    variance: float,
-    settings: EventFilter,
-) -> Association:
-    """Which edge the last of a reading was: the first, the next by count, or that which the belief tells.
+def look_for_index(
+    memory: EventFilterMemory, reading: Reading, variance: float, settings: EventFilter
+) -> EventFilterMemory:
+    """The memory once the index has been asked about the edge just taken in; mostly the numbers stay.
 
-    prior     belief at the time of the edge
-    wide      the same had a manoeuvre begun at the last edge
     variance  of the angle at which the edge was seen [rad^2]
     """
+    m, wheel = memory, settings.wheel
+    found = index_after_edge(
+        m.search, m.last.number, reading.edge_time, reading.polarity, variance, settings.index_turns, wheel
+    )
+    belief, ripple = m.belief, m.ripple
+    if found.edges != 0.0:
+        belief = shift_angle(belief, found.edges * sector(wheel))
+        ripple = ripple_start(settings.ripple_variance)  # its phase was that of other angles
+    return EventFilterMemory(
+        time=m.time,
+        belief=belief,
+        ripple=ripple,
+        last=LastEdge(m.last.number + found.edges, m.last.time),
+        tally=m.tally,
+        manoeuvre=m.manoeuvre,
+        search=found.memory,
+        doubt=m.doubt,
+        slip=m.slip,
+    )
+
+
+def start_again(
+    memory: EventFilterMemory, reading: Reading, expected: Expected, heard: Heard, settings: EventFilter
+) -> tuple[EventFilterMemory, float, float]:
+    """The memory after the first edge of a wheel that seems to have stood: the next by count, at a speed to be found.
+
+    The belief from before is kept in doubt: perhaps the sensor was silent. Innovation and deviation as `after_edge`.
+
+    heard  what was believed just before the edge
+    """
+    m, tally, wheel, R = memory, memory.tally, settings.wheel, expected.variance
+    silence = silence_until(memory, reading.edge_time, settings)
+    edge = counted_edge(m.last.number, tally.ignored + reading.edges, reading.polarity)
+    speed, variance = start_speed(silence, heard.standstill / heard.halt)
+    course = expected.instant
+    nearest = maximum(nearest_edge(course.angle, reading.polarity, wheel), edge)
+    off, S = edge_angle(nearest, wheel) - course.angle, course.angle_variance + R
+    odds = heard.missing_odds + np.log(sector(wheel) / np.sqrt(TURN * S)) - 0.5 * off * off / S
+    after = EventFilterMemory(
+        time=reading.edge_time,
+        belief=AngleSpeed(edge_angle(edge, wheel), speed, R, 0.0, variance),
+        ripple=without_covariance(m.ripple),
+        last=LastEdge(edge, reading.edge_time),
+        tally=Tally(
+            started=1.0,
+            associating=0.0,
+            ignored=0.0,
+            missed_edges=tally.missed_edges,
+            irregular=tally.irregular,
+        ),
+        manoeuvre=Manoeuvre(density=settings.manoeuvre_density, rise=0.0, fall=0.0),
+        search=index_start(wheel),
+        doubt=Doubt(update(course, off, R), number=nearest, odds=odds, slip=memory.slip, edges=0.0),
+        slip=memory.slip + (silence.next_edge - silence.last_edge) ** 2.0 / 3.0,
+    )
+    return after, edge_angle(edge, wheel) - heard.angle, np.sqrt(heard.angle_variance + R)
+
+
+def weigh_doubt(
+    before: EventFilterMemory,
+    after: EventFilterMemory,
+    reading: Reading,
+    variance: float,
+    surprise: float,
+    settings: EventFilter,
+) -> EventFilterMemory:
+    """The memory once the belief from before a silence has met the same edge: kept beside, taken up or given up.
+
+    before    memory without the edge, `after` with it
+    variance  R, of the edge [rad^2]
+    surprise  nu^2/S + ln S of the edge to the filter that began anew
+    """
+    wheel, density = settings.wheel, settings.acceleration_density
+    edges = before.tally.ignored + reading.edges
+    number = counted_edge(before.doubt.number, edges, reading.polarity)
+    h = reading.edge_time - before.time
+    doubt = carry_on(before.doubt, h, density, (number, edge_angle(number, wheel)), variance, surprise)
+    m, belief, edge, tally, slip = after, after.belief, after.last.number, after.tally, after.slip
+    settled = is_settled(doubt)
+    if settled and doubt.odds > 0.0:
+        missed = doubt.number - edge
+        belief, edge, slip = doubt.belief, doubt.number, doubt.slip
+        tally = Tally(
+            started=1.0,
+            associating=1.0 if knows_edges(belief, settings) else 0.0,
+            ignored=0.0,
+            missed_edges=tally.missed_edges + missed,
+            irregular=irregular_share(tally.irregular, minimum(missed, BURST), 0.0),
+        )
+    return EventFilterMemory(
+        time=m.time,
+        belief=belief,
+        ripple=m.ripple,
+        last=LastEdge(edge, m.last.time),
+        tally=tally,
+        manoeuvre=m.manoeuvre,
+        search=m.search,
+        doubt=no_doubt(belief) if settled else doubt,
+        slip=slip,
+    )
+
+
+def associate(memory: EventFilterMemory, reading: Reading, expected: Expected, settings: EventFilter) -> Association:
+    """Which edge the last of a reading was: the first, the next by count, or that which the belief tells."""
     m, wheel, polarity = memory, settings.wheel, reading.polarity
     if m.tally.started == 0.0:
         return Association(first_edge(m.belief.angle, polarity, wheel), 1.0)
     if m.tally.associating == 0.0:
         return Association(counted_edge(m.last.number, m.tally.ignored + reading.edges, polarity), 1.0)
-    advance = (reading.edge_time - m.last.time) * prior.speed
-    odds = (
-        2.0 * SLACK * (settings.manoeuvre_gate - m.manoeuvre.fall)
-    )  # in doubt the next edge by count is behind: slower
-    S, S_m = prior.angle_variance + variance, wide.angle_variance + variance
+    instant, R = expected.instant, expected.variance
+    # in doubt the next edge by count is behind: slower
+    odds = 2.0 * SLACK * (settings.manoeuvre_gate - m.manoeuvre.fall)
+    more = expected.manoeuvre.angle_variance - expected.course.angle_variance
     sighting = Sighting(
-        angle=prior.angle,
-        advance=advance,
-        variance=S,
-        manoeuvre_variance=S_m,
+        angle=instant.angle,
+        advance=(reading.edge_time - m.last.time) * instant.speed,
+        variance=instant.angle_variance + R,
+        manoeuvre_variance=instant.angle_variance + more + R,
         manoeuvre_odds=odds,
         ignored=m.tally.ignored,
         fresh=reading.edges,
@@ -326,6 +490,12 @@ def inflate(belief: AngleSpeed, duration: float, acceleration_density: float) ->
 def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
     """1 where three deviations of the angle are half a sector or more, else 0."""
     return 1.0 if 6.0 * np.sqrt(belief.angle_variance) >= sector(wheel) else 0.0
+
+
+def knows_edges(belief: AngleSpeed, settings: EventFilter) -> bool:
+    """Whether the belief tells edges better than a count does."""
+    speed_limit = settings.association_speed_deviation * settings.association_speed_deviation
+    return vague(belief, settings.wheel) == 0.0 and belief.speed_variance < speed_limit
 
 
 def reset_speed(belief: AngleSpeed, settings: EventFilter) -> AngleSpeed:
@@ -352,7 +522,15 @@ def skip_edges(memory: EventFilterMemory, edges: float) -> EventFilterMemory:
         irregular=irregular_share(tally.irregular, edges - tally.ignored, 0.0),
     )
     return EventFilterMemory(
-        time=m.time, belief=m.belief, last=m.last, tally=told, manoeuvre=m.manoeuvre, search=m.search
+        time=m.time,
+        belief=m.belief,
+        ripple=m.ripple,
+        last=m.last,
+        tally=told,
+        manoeuvre=m.manoeuvre,
+        search=m.search,
+        doubt=m.doubt,
+        slip=m.slip,
     )
 
 

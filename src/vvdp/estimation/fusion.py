@@ -18,7 +18,6 @@ from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import (
-    EventFilter,
     EventFilterMemory,
     LastEdge,
     Manoeuvre,
@@ -28,6 +27,7 @@ from vvdp.estimation.event_filter import (
     event_filter_start,
     inflate,
 )
+from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.threshold import AngleDrift
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
@@ -410,7 +410,15 @@ def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilter
     )
     last = LastEdge(edge, maximum(m.time - ago, m.last.time))
     return EventFilterMemory(
-        time=m.time, belief=m.belief, last=last, tally=tally, manoeuvre=m.manoeuvre, search=m.search
+        time=m.time,
+        belief=m.belief,
+        ripple=m.ripple,
+        last=last,
+        tally=tally,
+        manoeuvre=m.manoeuvre,
+        search=m.search,
+        doubt=m.doubt,
+        slip=m.slip,
     )
 
 
@@ -421,4 +429,14 @@ def _belief(mean: Array, covariance: Array) -> AngleSpeed:
 def _believing(memory: EventFilterMemory, time: float, belief: AngleSpeed, density: float) -> EventFilterMemory:
     m = memory
     manoeuvre = Manoeuvre(density=density, rise=m.manoeuvre.rise, fall=m.manoeuvre.fall)
-    return EventFilterMemory(time=time, belief=belief, last=m.last, tally=m.tally, manoeuvre=manoeuvre, search=m.search)
+    return EventFilterMemory(
+        time=time,
+        belief=belief,
+        ripple=m.ripple,
+        last=m.last,
+        tally=m.tally,
+        manoeuvre=manoeuvre,
+        search=m.search,
+        doubt=m.doubt,
+        slip=m.slip,
+    )

@@ -19,12 +19,12 @@ from vvdp.base.select import clip, maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.estimation.event_filter import (
-    EventFilter,
     EventFilterMemory,
     edge_angle_variance,
     event_filter_start,
     event_filter_step,
 )
+from vvdp.estimation.event_settings import EventFilter
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, edge_polarity
 

@@ -22,7 +22,7 @@ from vvdp.base.kinds import DUTY_RATIO, FRACTION, FREQUENCY, PRESSURE_LEVEL, TIM
 from vvdp.base.params import field_kinds
 from vvdp.base.tables import Table, nearest, read_flag, read_table, read_text, read_values, read_whole
 from vvdp.base.units import line_to_si, parse
-from vvdp.estimation.event_filter import EventFilter, event_filter
+from vvdp.estimation.event_settings import EventFilter, event_filter
 from vvdp.estimation.fusion import LAG
 from vvdp.estimation.pressure_edges import PressureEdges, pressure_edges
 from vvdp.logs.clock import ClockChoice

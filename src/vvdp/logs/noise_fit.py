@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.estimation.event_filter import EventFilter
+from vvdp.estimation.event_settings import EventFilter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet

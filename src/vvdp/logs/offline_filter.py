@@ -14,12 +14,12 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_filter import (
-    EventFilter,
     EventFilterMemory,
     edge_angle_variance,
     event_filter_start,
     event_filter_step,
 )
+from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
 from vvdp.logs.alignment import Alignment, alignment, edges_needed
 from vvdp.logs.edges import Chosen, Edges, join, no_edges, part, rank_filter

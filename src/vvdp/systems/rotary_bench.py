@@ -10,7 +10,7 @@ from vvdp.base.params import Params
 from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
 from vvdp.components.rotary_valve import duty_position
-from vvdp.estimation.event_filter import EventFilterValues
+from vvdp.estimation.event_settings import EventFilterValues
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.check_valve import CheckPoppet
 from vvdp.hydraulics.pump import Pump

@@ -10,14 +10,8 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length, Speed, Time
 from vvdp.base.params import Params
-from vvdp.estimation.event_filter import (
-    EventFilter,
-    EventFilterMemory,
-    EventFilterValues,
-    event_filter,
-    event_filter_start,
-    event_filter_step,
-)
+from vvdp.estimation.event_filter import EventFilterMemory, event_filter_start, event_filter_step
+from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
 from vvdp.sensing.encoder import (

@@ -26,7 +26,8 @@ from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
 from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
-from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, Tally, edge_angle_variance, event_filter
+from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, Tally, edge_angle_variance, new_tally
+from vvdp.estimation.event_settings import event_filter
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading
@@ -353,7 +354,7 @@ def torque_filter_start(settings: TorqueFilter, time: float, angle: float, speed
         time=time,
         belief=belief,
         edge=edge_below(angle, settings.wheel),
-        tally=Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE),
+        tally=new_tally(),
         change=TorqueChange(rise=0.0, fall=0.0, calm_time=time),
     )
 

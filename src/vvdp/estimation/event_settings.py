@@ -1,0 +1,98 @@
+"""Settings of the event-based Kalman filter.
+
+Source  ours, docs/models/event-filter.md, where a function names no other.
+"""
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import (
+    AccelerationDensity,
+    AngularVariance,
+    Count,
+    Frequency,
+    Ratio,
+    RatioDrift,
+    Speed,
+    SpeedVariance,
+)
+from vvdp.base.params import Params
+from vvdp.sensing.wheel import CodeWheel
+
+
+class EventFilterValues(Params):
+    """The numbers of the event-based Kalman filter, for any wheel; `event_filter` has the usual ones.
+
+    `edge_variance` is the part of the noise that is an angle, the other follows from the interval in which an edge
+    passed, taken at no less than `lowest_speed`. Edges are counted until the speed is known to
+    `association_speed_deviation`. A manoeuvre is declared when the sum of innovations exceeds `manoeuvre_gate`; the
+    acceleration then has `manoeuvre_density`, which fades over `manoeuvre_edges` edges.
+
+    Stops, and slow passages, begin at `stop_rate`; with 0 a silence says nothing. A ripple of `ripple_order` periods a
+    turn is estimated, 0: none; `ripple_variance` is that of its cosine and of its sine part, each over the mean speed,
+    before the first edge, and `ripple_drift` lets them change.
+    """
+
+    acceleration_density: AccelerationDensity
+    edge_variance: AngularVariance
+    lowest_speed: Speed
+    angle_variance: AngularVariance
+    speed_variance: SpeedVariance
+    association_speed_deviation: Speed
+    manoeuvre_density: AccelerationDensity
+    manoeuvre_gate: Ratio
+    manoeuvre_edges: Count
+    stop_rate: Frequency = 0.0
+    ripple_order: Count = 0.0
+    ripple_variance: Ratio = 0.0
+    ripple_drift: RatioDrift = 0.0
+
+    def check(self) -> None:
+        if not self.edge_variance > 0.0:
+            raise ParameterError("EventFilter.edge_variance: 0 rad^2; no edge is known exactly, expected above 0")
+        if not self.manoeuvre_edges >= 1.0:
+            raise ParameterError(f"EventFilter.manoeuvre_edges: {self.manoeuvre_edges:g}; expected at least 1")
+        if self.manoeuvre_density < self.acceleration_density:
+            raise ParameterError(
+                f"EventFilter.manoeuvre_density: {self.manoeuvre_density:g} rad^2/s^3 is below the "
+                f"acceleration_density of {self.acceleration_density:g} rad^2/s^3"
+            )
+
+
+class EventFilter(EventFilterValues):
+    """Settings of the event-based Kalman filter.
+
+    The index of the `wheel` has been found when `index_turns` turns agree about it; 0 where it has none.
+    """
+
+    wheel: CodeWheel
+    index_turns: Count = 0.0
+
+    def check(self) -> None:
+        super().check()
+        if self.index_turns > 0.0 and not self.wheel.has_index:
+            raise ParameterError(
+                f"EventFilter.index_turns: {self.index_turns:g}, but the wheel with edges at {self.wheel.edges} rad "
+                "looks the same after less than a turn; expected 0"
+            )
+
+
+def event_filter(wheel: CodeWheel) -> EventFilter:
+    """The published settings, completed; change one with `dataclasses.replace`.
+
+    Source  wang2017, section 3.5; manoeuvre, association, silence and index are ours, docs/models/event-filter.md
+    """
+    return EventFilter(
+        wheel=wheel,
+        acceleration_density=0.25,
+        edge_variance=3.47e-3,  # with the sampling part, 2.06e-3 at 157 rad/s and 1 ms, the published 5.53e-3
+        lowest_speed=2.0 * np.pi,
+        angle_variance=1000.0,
+        speed_variance=1000.0,
+        association_speed_deviation=10.0,
+        manoeuvre_density=2e4,
+        manoeuvre_gate=6.0,
+        manoeuvre_edges=4.0,
+        stop_rate=0.01,
+        index_turns=2.0 if wheel.has_index else 0.0,
+    )

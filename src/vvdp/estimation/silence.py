@@ -1,0 +1,157 @@
+"""What it says that no edge has come: the belief between two edges, and whether the wheel stands still.
+
+The wheel turns forward only, so that the silence up to now says the same as the angle now: that it lies before the
+next edge, unless edges were missed. Derived in docs/models/event-filter.md, "Silence".
+
+Source  ours, docs/models/event-filter.md, where a function names no other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Angle, AngularVariance, Fraction, Frequency, Number, Speed, SpeedVariance, Time
+from vvdp.base.select import maximum, minimum
+from vvdp.numerics.kalman import AngleSpeed
+from vvdp.numerics.normal import normal_share, truncate
+
+EARLY = 3.5
+"""Deviations before the next edge up to which a silence says nothing: 2e-4 of a belief lies beyond them [1]."""
+
+LEAST = 1e-12
+"""Share of a belief below which a hypothesis is left out [1]."""
+
+DROPOUTS = 0.01
+"""Losses of the sensor, for however long, for each stop of the wheel [1]; assumed."""
+
+STARTED = 0.02
+"""Time from rest to the first edge [s], in which a start is not seen; assumed, about that of a spool of 28 ms."""
+
+
+class Silence(NamedTuple):
+    """A time without an edge: its `duration` since the last one, where that lay and where the next one lies.
+
+    `edge_variance` is the part of an edge's noise that is an angle, `missed` the chance that an edge is missed. Stops,
+    slow passages, and manoeuvres not yet known of begin at `stop_rate`; a wheel that starts again does so with `start_variance`.
+    """
+
+    duration: Time
+    last_edge: Angle
+    next_edge: Angle
+    edge_variance: AngularVariance
+    missed: Fraction
+    stop_rate: Frequency
+    start_variance: SpeedVariance
+
+
+class Heard(NamedTuple):
+    """What is believed in a silence: mean and variances of angle and speed, the probability that the wheel stands and
+    that it stands or turns slowly, and the logarithm of the odds of missed edges against the latter."""
+
+    angle: Angle
+    speed: Speed
+    angle_variance: AngularVariance
+    speed_variance: SpeedVariance
+    standstill: Fraction
+    halt: Fraction
+    missing_odds: Number
+
+
+class Mixture(NamedTuple):
+    """Sums over hypotheses: their weights, and these times the first and second moments about a reference."""
+
+    weight: float
+    angle: float
+    speed: float
+    angle_square: float
+    speed_square: float
+
+
+def is_silent(belief: AngleSpeed, next_edge: float, edge_variance: float) -> bool:
+    """Whether the next edge is so near, or so late, that its absence says something."""
+    ahead = next_edge - belief.angle
+    return ahead <= 0.0 or ahead * ahead < EARLY * EARLY * (belief.angle_variance + edge_variance)
+
+
+def add(sums: Mixture, weight: float, belief: AngleSpeed, about: AngleSpeed) -> Mixture:
+    """The sums with one more hypothesis of a `weight` [1], moments taken about the means of `about`."""
+    w, a, v = weight, belief.angle - about.angle, belief.speed - about.speed
+    return Mixture(
+        sums.weight + w,
+        sums.angle + w * a,
+        sums.speed + w * v,
+        sums.angle_square + w * (belief.angle_variance + a * a),
+        sums.speed_square + w * (belief.speed_variance + v * v),
+    )
+
+
+def reversed_share(belief: AngleSpeed) -> float:
+    """Share of a belief in which the speed is below 0 [1]: a wheel that turns forward only stands there."""
+    return normal_share(-belief.speed / np.sqrt(belief.speed_variance))
+
+
+def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -> Heard:
+    """The belief once a silence is taken in: mean and variance of five hypotheses together.
+
+    The wheel goes on and its next edge is still to come, weight Phi(high) - Phi(low); or that was missed with k - 1
+    more, p^k (1 - Phi(high)); a manoeuvre began at the last edge; the wheel stopped since; or it turns on slowly, at
+    any speed up to that which the silence allows.
+
+    cruise     belief at this time had nothing happened since the last edge
+    manoeuvre  the same had a manoeuvre begun there
+    """
+    s = silence
+    width, ahead = s.next_edge - s.last_edge, s.next_edge - cruise.angle
+    fastest = width / s.duration
+    due = minimum(1.0, fastest / maximum(cruise.speed, 1e-9))  # share of the silence in which an edge was not yet due
+    changed = s.stop_rate * s.duration
+    stopped = changed * (due + reversed_share(manoeuvre)) + reversed_share(cruise)
+
+    deviation = np.sqrt(cruise.angle_variance + s.edge_variance)
+    high, low = ahead / deviation, (ahead - width) / deviation
+    share = normal_share(high)
+    inside = share - normal_share(low)
+    sums = Mixture(0.0, 0.0, 0.0, 0.0, 0.0)
+    if inside > LEAST:
+        sums = add(sums, inside, truncate(cruise, low, high, deviation), cruise)
+    passed = maximum(1.0, np.ceil(-ahead / width))
+    missing = maximum(s.missed**passed, DROPOUTS * stopped) * (1.0 - share)
+    if 1.0 - share > LEAST:
+        sums = add(sums, missing, truncate(cruise, high, np.inf, deviation), cruise)
+
+    wide = np.sqrt(manoeuvre.angle_variance + s.edge_variance)
+    high, low = (s.next_edge - manoeuvre.angle) / wide, (s.last_edge - manoeuvre.angle) / wide
+    inside = normal_share(high) - normal_share(low)
+    if inside > LEAST:
+        sums = add(sums, changed * inside, truncate(manoeuvre, low, high, wide), cruise)
+
+    middle, spread = 0.5 * (s.last_edge + s.next_edge), width * width / 12.0
+    restarting = minimum(s.stop_rate * STARTED, 1.0) * s.start_variance
+    sums = add(sums, stopped, AngleSpeed(middle, 0.0, spread, 0.0, restarting), cruise)
+    slow = AngleSpeed(middle, 0.5 * fastest, spread, 0.0, fastest * fastest / 12.0)
+    sums = add(sums, stopped * due, slow, cruise)
+    angle, speed = sums.angle / sums.weight, sums.speed / sums.weight
+    return Heard(
+        angle=cruise.angle + angle,
+        speed=cruise.speed + speed,
+        angle_variance=sums.angle_square / sums.weight - angle * angle,
+        speed_variance=sums.speed_square / sums.weight - speed * speed,
+        standstill=stopped / sums.weight,
+        halt=stopped * (1.0 + due) / sums.weight,
+        missing_odds=np.log(maximum(missing, 1e-300) / maximum(stopped * (1.0 + due), 1e-300)),
+    )
+
+
+def start_speed(silence: Silence, standstill: float) -> tuple[float, float]:
+    """Mean [rad/s] and variance of the speed at the first edge after a silence.
+
+    A wheel that stood starts with the deviation of `start_variance`, and forward; one that crept is not faster than
+    the silence allows.
+
+    standstill  probability that the wheel stood [1]
+    """
+    fastest, v = silence.next_edge - silence.last_edge, silence.start_variance
+    fastest = fastest / silence.duration
+    mean = standstill * np.sqrt(v) + (1.0 - standstill) * fastest
+    square = standstill * 2.0 * v + (1.0 - standstill) * 4.0 / 3.0 * fastest * fastest
+    return mean, square - mean * mean
