@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-
 from tests.campaign.generator import (
     Course,
     Disc,

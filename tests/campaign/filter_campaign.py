@@ -5,10 +5,10 @@ from dataclasses import fields, replace
 from functools import cache
 
 import numpy as np
-
 from tests.campaign.cases import CLASSES, RATE, UNTIL, Case, case
 from tests.campaign.generator import TURN, sampled
 from tests.campaign.scoring import Errors, errors, independent_edges, pool, wrong_by_a_factor
+
 from vvdp.estimation.event_filter import EventFilter, event_filter, event_filter_estimator
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, equal_wheel

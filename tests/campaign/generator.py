@@ -146,7 +146,7 @@ def with_faults(seen: Passages, missed: float, double: float, rng: np.random.Gen
     times, signs = seen.times[kept], seen.polarities[kept]
     bounces = rng.random(times.size) < double
     room = np.diff(times, append=times[-1:] + np.median(np.diff(times)))[bounces]
-    room = np.minimum(room, np.median(np.diff(times)))
+    room = np.clip(room, 0.0, np.median(np.diff(times)))
     extra = [times[bounces] + share * room for share in (0.02, 0.04)]
     all_times = np.concatenate([times, *extra])
     all_signs = np.concatenate([signs, -signs[bounces], signs[bounces]])

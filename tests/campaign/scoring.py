@@ -39,7 +39,7 @@ def errors(estimated: np.ndarray, true: np.ndarray, deviations: np.ndarray, pitc
     known = begin[np.isfinite(begin)]
     off[:, 0] -= pitch * np.round(np.median(known) / pitch) if known.size else 0.0
     sure = np.isfinite(off).all(axis=1) & np.isfinite(deviations).all(axis=1)
-    z = off[sure] / np.maximum(deviations[sure], 1e-12)
+    z = off[sure] / np.clip(deviations[sure], 1e-12, None)
     return Errors(z[:, 1], z[:, 0], independent)
 
 
@@ -53,7 +53,7 @@ def independent_edges(times: np.ndarray, density: float, variance: float) -> flo
         return 1.0
     apart = float(np.median(np.diff(times)))
     memory = max((variance * apart / density) ** 0.25, apart)
-    return max(1.0, float(np.sum(np.minimum(np.diff(times), memory))) / memory)
+    return max(1.0, float(np.sum(np.clip(np.diff(times), 0.0, memory))) / memory)
 
 
 def pool(all_errors: list[Errors]) -> Honesty:
