@@ -59,6 +59,9 @@ class Draw(NamedTuple):
     missed: float = 0.0
     double: float = 0.0
     uneven: float = 0.0
+    sectors: int = 0
+    """0: any."""
+    sampled: bool = False
 
 
 def steady(w: float, rng: np.random.Generator) -> Draw:
@@ -96,9 +99,9 @@ def ripple(w: float, rng: np.random.Generator) -> Draw:
 
 
 def swinging(w: float, rng: np.random.Generator) -> Draw:
-    """1 Hz by 5 %; to the filter an acceleration that keeps for a tenth of a second."""
+    """1 Hz by 5 %; to the filter an acceleration that keeps for a twentieth of a second."""
     amplitude = 0.05 * w
-    return Draw(swing(w, amplitude, 1.0, rng.uniform(0.0, 6.28)), density=0.05 * (2.0 * np.pi * amplitude) ** 2)
+    return Draw(swing(w, amplitude, 1.0, rng.uniform(0.0, 6.28)), density=0.025 * (2.0 * np.pi * amplitude) ** 2)
 
 
 def walking(w: float, rng: np.random.Generator) -> Draw:
@@ -111,6 +114,11 @@ def missed(w: float, rng: np.random.Generator) -> Draw:
 
 def double(w: float, rng: np.random.Generator) -> Draw:
     return Draw(constant(w), double=rng.uniform(0.02, 0.1))
+
+
+def crowded(w: float, rng: np.random.Generator) -> Draw:
+    """Several edges in a sample."""
+    return Draw(constant(w), sectors=int(rng.choice([40, 50, 60])), sampled=True)
 
 
 def uneven(w: float, rng: np.random.Generator) -> Draw:
@@ -131,17 +139,20 @@ CLASSES: dict[str, Callable[[float, np.random.Generator], Draw]] = {
     "missed": missed,
     "double": double,
     "uneven": uneven,
+    "crowded": crowded,
 }
 
 
 def case(name: str, seed: int) -> Case:
     """Record `seed` of a class."""
-    rng = np.random.default_rng([sorted(CLASSES).index(name), seed])
+    rng = np.random.default_rng([*name.encode(), seed])
     w = rng.uniform(40.0, 180.0)
     drawn = CLASSES[name](w, rng)
-    sectors = int(rng.choice([2, 4, 6, 8, 8, 8, 12, 16, 24, 40, 60]))
+    sectors = drawn.sectors or int(rng.choice([2, 4, 6, 8, 8, 8, 12, 16, 24, 40, 60]))
     pitch = 2.0 * np.pi / sectors
     stamped, told = rng.random(2) < 0.5
+    stamped |= sectors * w / (2.0 * np.pi * RATE) > 0.6  # edges in a sample; but for a class of their own
+    stamped &= not drawn.sampled
     R = (JITTER * pitch) ** 2 + (0.0 if stamped else (w / RATE) ** 2 / 12.0)
     # An index that its neighbours or the noise hide is none.
     indexed = bool(

@@ -1,6 +1,9 @@
-"""`vvdp estimate` over the campaign's records as logs; `python -m tests.campaign.log_campaign` prints what comes of it."""
+"""`vvdp estimate` over the campaign's records as logs; `python -m tests.campaign.log_campaign` prints what comes of
+it."""
 
 import sys
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from enum import Enum
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -9,9 +12,9 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 from tests.campaign.cases import CLASSES, INDEX_SHIFT, RATE, UNTIL, Case, case
-from tests.campaign.filter_campaign import SETTLED, settings_of
+from tests.campaign.filter_campaign import SETTLED, independent, settings_of, true_motion
 from tests.campaign.generator import TURN, rising, sampled
-from tests.campaign.scoring import Errors, errors, independent_edges, pool, wrong_by_a_factor
+from tests.campaign.scoring import Errors, Traces, errors, pool, wrong_by_a_factor
 
 from vvdp.logs.config import FILTER_KINDS, Option, load_estimation
 from vvdp.logs.estimate import estimate, open_for_estimate
@@ -34,7 +37,6 @@ class Logged(NamedTuple):
     logging: Logging
     errors: Errors
     wrong: bool
-    estimated_share: float
     warnings: tuple[str, ...]
 
 
@@ -82,27 +84,20 @@ def run(of: Case, logging: Logging, folder: Path, *, told: bool = True) -> Logge
     with open_for_estimate(path, wanted) as log:
         found = estimate(log, wanted, folder)
     with h5py.File(folder / "result.h5") as file:
-        names = ("time", "angle", "speed", "angle_deviation", "speed_deviation")
-        time, angle, speed, angle_deviation, speed_deviation = (file[name][:] for name in names)
-    part = (time >= SETTLED) & (time < UNTIL)
-    motion = of.motion
-    true = np.column_stack(
-        [np.interp(time, motion.time, x) for x in (motion.turned, np.abs(motion.speed))],
-    )[part]
-    estimated = np.column_stack([angle, speed])[part]
-    estimated[:, 0] += motion.angle[0] * -1.0
-    deviations = np.column_stack([angle_deviation, speed_deviation])[part]
+        time = file["time"][:]
+        part = (time >= SETTLED) & (time < UNTIL)
+        estimated, deviations = (
+            np.column_stack([file[f"{name}{more}"][:][part] for name in ("angle", "speed")])
+            for more in ("", "_deviation")
+        )
+    true = true_motion(of, time[part]) - [of.motion.angle[0], 0.0]
+    traces = Traces(time=time[part], estimated=estimated, true=true, deviations=deviations)
     interval = 1.0 / RATE if logging is Logging.COUNTS else 0.0
-    R = wanted.filter.edge_variance + (of.usual * interval) ** 2 / 12.0
-    late = of.seen.times[of.seen.times > SETTLED]
-    free = independent_edges(late, wanted.filter.acceleration_density, R)
-    rows = np.isfinite(speed[part])
     return Logged(
         case=of,
         logging=logging,
-        errors=errors(estimated, true, deviations, TURN / of.wheel.meant.size, free),
-        wrong=wrong_by_a_factor(time[part][rows], estimated[rows, 1], true[rows, 1], of.usual),
-        estimated_share=float(np.mean(rows)),
+        errors=errors(traces, TURN / of.wheel.meant.size, independent(of, wanted.filter, interval)),
+        wrong=wrong_by_a_factor(traces, of.usual),
         warnings=tuple(each.title for each in found.findings if each.grade is not Grade.PLAIN),
     )
 
@@ -114,24 +109,27 @@ def one(name: str, seed: int, *, told: bool = True) -> Logged:
         return run(case(name, seed), logging, Path(folder), told=told)
 
 
-def table(records: int, names: list[str]) -> str:
-    """Coverage and NEES of each class over so many records."""
-    lines = [
-        f"{'class':10} {'speed cov':>9} {'angle cov':>9} {'speed NEES':>10} {'angle NEES':>10} {'band':>13} "
-        f"{'wrong (of these unsaid)':>24}  first warnings"
-    ]
-    for name in names:
-        ran = [one(name, seed) for seed in range(records)]
-        h = pool([each.errors for each in ran])
-        wrong = [each for each in ran if each.wrong]
-        first = sorted({each.warnings[0] for each in ran if each.warnings})
-        lines.append(
-            f"{name:10} {h.speed_coverage:9.3f} {h.angle_coverage:9.3f} {h.speed_nees:10.3g} {h.angle_nees:10.3g} "
-            f"{h.low:5.2f} to {h.high:4.2f} {len(wrong):12} ({sum(not each.warnings for each in wrong)}) of {records}  "
-            f"{'; '.join(first)}"
-        )
-    return "\n".join(lines)
+def pooled_row(name: str, ran: Sequence[Logged]) -> str:
+    """A line of the table."""
+    h = pool([each.errors for each in ran])
+    wrong = [each for each in ran if each.wrong]
+    first = Counter(each.warnings[0] for each in ran if each.warnings)
+    return (
+        f"{name:9} {h.speed_coverage:6.3f} {h.angle_coverage:6.3f} {h.speed_nees:9.3g} {h.angle_nees:9.3g} "
+        f"{h.low:5.2f} {h.high:4.2f} {h.still_coverage:6.3f} {len(wrong):6} {sum(not each.warnings for each in wrong):6}"
+        f"  {'; '.join(f'{title} {count}' for title, count in first.items())}"
+    )
+
+
+def table(records: int, names: Iterable[str]) -> str:
+    """What each class comes to over so many records."""
+    heading = (
+        "          coverage      NEES                band      still  wrong factor\n"
+        "class      speed  angle     speed     angle  from   to  cover.  speeds unsaid  first warnings"
+    )
+    rows = [pooled_row(name, [one(name, seed) for seed in range(records)]) for name in names]
+    return "\n".join([heading, *rows])
 
 
 if __name__ == "__main__":
-    print(table(int(sys.argv[1]) if len(sys.argv) > 1 else 6, sys.argv[2:] or list(CLASSES)))
+    print(table(int(sys.argv[1]) if len(sys.argv) > 1 else 6, sys.argv[2:] or CLASSES))

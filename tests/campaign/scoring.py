@@ -12,16 +12,25 @@ OVER = 0.5
 """Outside of these ratios to the truth over so many seconds a mean speed is wrong by a factor."""
 
 
+REST = 0.1
+"""After so many seconds at rest a wheel stands still."""
+
+
 class Errors(NamedTuple):
-    """Errors over stated deviations at the samples that count, and how many of them are independent."""
+    """Errors over stated deviations at the samples that count, and how many of them are independent.
+
+    What is said of a wheel that has stood for a while is `still`, and apart: there every deviation covers.
+    """
 
     speed: np.ndarray
     angle: np.ndarray
     independent: float
+    still: np.ndarray
 
 
 class Honesty(NamedTuple):
-    """Shares of errors within two deviations, means of the squares of errors over deviations, and their band."""
+    """Shares of errors within two deviations, means of the squares of errors over deviations, and their band; and the
+    lesser share of speed and angle while the wheel stands, NaN where it never does."""
 
     speed_coverage: float
     angle_coverage: float
@@ -29,18 +38,38 @@ class Honesty(NamedTuple):
     angle_nees: float
     low: float
     high: float
+    still_coverage: float
 
 
-def errors(estimated: np.ndarray, true: np.ndarray, deviations: np.ndarray, pitch: float, independent: float) -> Errors:
-    """Columns (angle, speed) of each; the angle turned through, whole multiples of `pitch` by which the wheel may
-    have stood elsewhere at the start taken off."""
+class Traces(NamedTuple):
+    """Columns (angle turned through, speed) of what was estimated, of the truth, and of the stated deviations, at the
+    samples of `time`."""
+
+    time: np.ndarray
+    estimated: np.ndarray
+    true: np.ndarray
+    deviations: np.ndarray
+
+
+def errors(traces: Traces, pitch: float, independent: float) -> Errors:
+    """The errors of the traces, whole multiples of `pitch` by which the wheel may have stood elsewhere at the start
+    taken off the angle."""
+    _, estimated, true, deviations = traces
     off = estimated - true
     begin = off[: max(1, off.shape[0] // 10), 0]
     known = begin[np.isfinite(begin)]
     off[:, 0] -= pitch * np.round(np.median(known) / pitch) if known.size else 0.0
     sure = np.isfinite(off).all(axis=1) & np.isfinite(deviations).all(axis=1)
     z = off[sure] / np.clip(deviations[sure], 1e-12, None)
-    return Errors(z[:, 1], z[:, 0], independent)
+    still = stands(traces)[sure]
+    return Errors(z[~still, 1], z[~still, 0], independent, z[still])
+
+
+def stands(traces: Traces) -> np.ndarray:
+    """Where the wheel has stood for `REST`."""
+    moved_at = np.where(traces.true[:, 1] != 0.0, traces.time, -np.inf)
+    found: np.ndarray = traces.time - np.maximum.accumulate(moved_at) > REST
+    return found
 
 
 def independent_edges(times: np.ndarray, density: float, variance: float) -> float:
@@ -60,6 +89,7 @@ def pool(all_errors: list[Errors]) -> Honesty:
     """What the records of one class come to together."""
     speed = np.concatenate([each.speed for each in all_errors])
     angle = np.concatenate([each.angle for each in all_errors])
+    still = np.concatenate([each.still for each in all_errors])
     low, high = band(sum(each.independent for each in all_errors))
     return Honesty(
         speed_coverage=coverage(speed),
@@ -68,6 +98,7 @@ def pool(all_errors: list[Errors]) -> Honesty:
         angle_nees=float(np.mean(angle**2)),
         low=low,
         high=high,
+        still_coverage=min(coverage(column) for column in still.T) if still.size else np.nan,
     )
 
 
@@ -82,12 +113,12 @@ def band(independent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def wrong_by_a_factor(time: np.ndarray, estimated: np.ndarray, true: np.ndarray, usual: float) -> bool:
+def wrong_by_a_factor(traces: Traces, usual: float) -> bool:
     """Whether the mean of the estimated speed over some half a second is no such speed at all; less than a twentieth
     of the `usual` one is as good as none."""
-    dt = float(np.median(np.diff(time)))
-    n = min(time.size, max(1, round(OVER / dt)))
+    known = np.isfinite(traces.estimated[:, 1])
+    n = min(np.count_nonzero(known), max(1, round(OVER / float(np.median(np.diff(traces.time))))))
     weights = np.ones(n) / n
-    said, was = (np.convolve(each, weights, mode="valid") for each in (estimated, true))
+    said, was = (np.convolve(each[known, 1], weights, mode="valid") for each in (traces.estimated, traces.true))
     low, high = WRONG
     return bool(np.any(((said < low * was) | (said > high * was)) & (np.abs(said - was) > 0.05 * usual)))
