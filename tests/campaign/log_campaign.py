@@ -90,7 +90,7 @@ def run(of: Case, logging: Logging, folder: Path, *, told: bool = True) -> Logge
             np.column_stack([file[f"{name}{more}"][:][part] for name in ("angle", "speed")])
             for more in ("", "_deviation")
         )
-    true = true_motion(of, time[part]) - [of.motion.angle[0], 0.0]
+    true = true_motion(of, time[part])
     traces = Traces(time=time[part], estimated=estimated, true=true, deviations=deviations)
     interval = 1.0 / RATE if logging is Logging.COUNTS else 0.0
     return Logged(
@@ -114,9 +114,10 @@ def pooled_row(name: str, ran: Sequence[Logged]) -> str:
     h = pool([each.errors for each in ran])
     wrong = [each for each in ran if each.wrong]
     first = Counter(each.warnings[0] for each in ran if each.warnings)
+    unsaid = sum(not each.warnings for each in wrong)
     return (
         f"{name:9} {h.speed_coverage:6.3f} {h.angle_coverage:6.3f} {h.speed_nees:9.3g} {h.angle_nees:9.3g} "
-        f"{h.low:5.2f} {h.high:4.2f} {h.still_coverage:6.3f} {len(wrong):6} {sum(not each.warnings for each in wrong):6}"
+        f"{h.low:5.2f} {h.high:4.2f} {h.still_coverage:6.3f} {len(wrong):6} {unsaid:6}"
         f"  {'; '.join(f'{title} {count}' for title, count in first.items())}"
     )
 

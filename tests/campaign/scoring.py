@@ -67,8 +67,10 @@ def errors(traces: Traces, pitch: float, independent: float) -> Errors:
 
 def stands(traces: Traces) -> np.ndarray:
     """Where the wheel has stood for `REST`."""
-    moved_at = np.where(traces.true[:, 1] != 0.0, traces.time, -np.inf)
-    found: np.ndarray = traces.time - np.maximum.accumulate(moved_at) > REST
+    moving = np.flatnonzero(traces.true[:, 1] != 0.0)
+    last = np.searchsorted(moving, np.arange(traces.time.size), side="right") - 1
+    since = traces.time - np.where(last >= 0, traces.time[moving[last]], -np.inf)
+    found: np.ndarray = since > REST
     return found
 
 
