@@ -13,7 +13,7 @@ from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import equal_wheel
 from vvdp.simulation.run import simulate
 from vvdp.simulation.values import flat
-from vvdp.systems.spool_encoder import estimate_errors
+from vvdp.systems.spool_estimate import estimate_errors
 from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system, system_table
 
@@ -63,20 +63,35 @@ def test_angle_and_speed_are_found(ran):
 
 def test_missed_edges_are_known_and_cost_no_sector(ran):
     found, run = ran("prototype", ["encoder.missed_edges=0.2"], "2 s")
-    spool, edges = run.state.spool, run.command.encoder._asdict()
-    errors = estimate_errors(run.times, spool.angle, spool.speed, edges)[0][run.times > 0.5]
-    assert np.max(np.abs(errors)) < 0.5 * SECTOR
+    errors = estimate_errors(run.command.encoder._asdict(), run.memory["encoder"].encoder._asdict())[0]
+    assert np.max(np.abs(errors[run.times > 0.5])) < 0.5 * SECTOR
+    spool = run.state.spool
     count = (spool.angle[-1] - spool.angle[0]) / SECTOR
     chance = np.sqrt(count * 0.2 * 0.8)
     assert abs(found["spool_missed_edges"] - 0.2 * count) < 4.0 * chance + 8.0  # and a turn before the filter knows
 
 
-def test_errors_are_those_of_the_carried_on_angle_within_half_a_turn():
-    """2 rad + 10 rad/s x 0.01 s = 2.1 rad, against 2 rad + 1 turn: 0.1 rad too far; the speed is 1 rad/s too high."""
-    told = {"time": np.array([0.99]), "angle": np.array([2.0]), "speed": np.array([10.0])}
-    angle, speed = estimate_errors(np.array([1.0]), np.array([2.0 + 2.0 * np.pi]), np.array([9.0]), told)
+def test_errors_are_those_at_the_last_sample_within_half_a_turn():
+    """2.1 rad against 2 rad and a turn more: 0.1 rad too far; 10 rad/s against 9 rad/s: 1 rad/s too fast."""
+    told = {"angle": np.array([2.1]), "speed": np.array([10.0])}
+    angle, speed = estimate_errors(told, {"angle": np.array([2.0 + 2.0 * np.pi]), "speed": np.array([9.0])})
     assert angle == pytest.approx([0.1])
     assert speed == pytest.approx([1.0])
+
+
+def test_errors_over_a_reversal_are_against_what_the_spool_has_turned_through():
+    """There and back by 0.3 rad: the wheel has seen 0.6 rad pass, at 4 rad/s and at 4 rad/s."""
+    sampled = {"angle": np.array([1.0, 1.3, 1.0]), "speed": np.array([4.0, 4.0, -4.0])}
+    told = {"angle": np.array([1.0, 1.3, 1.6]), "speed": np.array([4.0, 4.0, 4.0])}
+    assert estimate_errors(told, sampled) == pytest.approx(np.zeros((2, 3)), abs=1e-15)
+
+
+def test_the_encoder_remembers_the_spool_of_the_last_sample(ran):
+    """Rows at the samples show what was held until then: the spool one row before."""
+    _, run = ran("prototype", ["run.window=0 s"], "0.2 s")
+    spool, sampled = run.state.spool, run.memory["encoder"].encoder
+    for shown, true in ((sampled.time, run.times), (sampled.angle, spool.angle), (sampled.speed, spool.speed)):
+        assert shown[1:] == pytest.approx(true[:-1], rel=1e-12)
 
 
 def test_a_short_run_has_no_errors_to_tell(ran):

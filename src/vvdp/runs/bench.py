@@ -21,12 +21,14 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.base.signal import signal_value
+from vvdp.estimation.estimator import Estimate
 from vvdp.numerics.spectrum import line_spectrum
 from vvdp.results.result import Column, Finding, Grade, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import without_dust
+from vvdp.sensing.encoder import Shaft
 from vvdp.systems.bench import BenchSeries, RotaryBench
-from vvdp.systems.spool_encoder import estimate_errors
+from vvdp.systems.spool_estimate import estimate_errors
 
 COMPONENTS = {
     "nozzle": "nozzles",
@@ -167,7 +169,7 @@ def bench_series(run: RecordedRun, bench: RotaryBench) -> Table:
         "duty_ratio": Column(duty, DUTY_RATIO, "duty ratio", "d"),
     }
     if bench.is_watched:
-        columns |= _estimate(run, bench, series)
+        columns |= _estimate(run, series)
     return Table(title="Recorded series", columns=columns, is_data=True)
 
 
@@ -189,11 +191,11 @@ def _mean(run: RecordedRun, total: str, datum: float, kind: Kind, label: str) ->
     return Column(run.over_periods(means), kind, label)
 
 
-def _estimate(run: RecordedRun, bench: RotaryBench, series: BenchSeries) -> dict[str, Column]:
+def _estimate(run: RecordedRun, series: BenchSeries) -> dict[str, Column]:
     """The spool as its encoder sees it, its errors, and two standard deviations around none."""
-    shown = bench.estimate(run.command)
-    errors = dict(zip(("angle", "speed"), estimate_errors(run.times, series.spool_angle, series.spool_speed, shown),
-                      strict=True))  # fmt: skip
+    shown = {name: run.command(f"encoder.{name}") for name in Estimate._fields}
+    sampled = {name: run.memory(f"encoder.encoder.{name}") for name in Shaft._fields}
+    errors = dict(zip(("angle", "speed"), estimate_errors(shown, sampled), strict=True))
     found = {
         "spool_speed_rad_s": Column(series.spool_speed, SPEED, "true"),
         "estimated_speed_rad_s": Column(shown["speed"], SPEED, "estimated"),

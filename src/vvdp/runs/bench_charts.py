@@ -11,7 +11,7 @@ from vvdp.results.result import Table
 from vvdp.runs.charts import SERIES, detail_words, upright, whole_words
 from vvdp.runs.run import RecordedRun
 from vvdp.systems.bench import RotaryBench
-from vvdp.systems.spool_encoder import SETTLED
+from vvdp.systems.spool_estimate import SETTLED
 
 CYCLE, SPECTRUM = "cycle", "amplitudes"
 """Names of the tables beside that of the series."""

@@ -91,6 +91,10 @@ class RecordedRun:
         """A recorded command, as "program.field", over `times` [SI]."""
         return self.record.commands[path].values
 
+    def memory(self, path: str) -> Array:
+        """What a program remembered, as "program.field", over `times` [SI]."""
+        return self.record.memory[path].values
+
     @property
     def volumes(self) -> tuple[str, ...]:
         """Names of the nodes that make their own pressure, but for those inside of a pipe."""

@@ -25,7 +25,7 @@ from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation,
 from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, switching_limits, transition_loss
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.port_cavitation import lowest_cavitation_number
-from vvdp.systems.spool_encoder import SETTLED, SpoolEstimate, estimate_errors
+from vvdp.systems.spool_estimate import SETTLED, estimate_errors
 from vvdp.systems.validity import Bound
 from vvdp.valve.flow_map import quasi_steady_mean
 from vvdp.valve.losses import full_open_loss, range_warnings
@@ -290,7 +290,7 @@ class RotaryBench(Extras):
         if not self.is_watched or np.count_nonzero(late) < 2:
             return {}
         estimate = run.command.encoder
-        errors = estimate_errors(run.times, run.state.spool.angle, run.state.spool.speed, estimate._asdict())
+        errors = estimate_errors(estimate._asdict(), run.memory["encoder"].encoder._asdict())
         t = run.times[late]
         angle, speed = (float(np.sqrt(np.trapezoid(e[late] ** 2, t) / (t[-1] - t[0]))) for e in errors)
         return {
@@ -364,10 +364,6 @@ class RotaryBench(Extras):
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """What is to be known before the numbers of a bench, in sentences."""
         return bench_warnings(self, found)
-
-    def estimate(self, command: Callable[[str], Array]) -> dict[str, Array]:
-        """What is believed of a watched spool, by field of `SpoolEstimate`; `command` gives a series by its path."""
-        return {name: command(f"encoder.{name}") for name in SpoolEstimate._fields}
 
     def operating_point(self, load_pressure: float) -> OperatingPoint:
         """The valve's analytic drops, speeds and losses at the start, against `load_pressure` [Pa, absolute]."""

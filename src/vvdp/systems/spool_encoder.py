@@ -1,15 +1,12 @@
 """A spool that is watched: encoder and event-based Kalman filter run along at every sample."""
 
-from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import NamedTuple
 
-import numpy as np
-
-from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length, Speed, Time
+from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length
 from vvdp.base.params import Params
+from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import EventFilterMemory, event_filter_start, event_filter_step
 from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
 from vvdp.network.network import Network
@@ -25,9 +22,6 @@ from vvdp.sensing.encoder import (
 )
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.wheel import equal_wheel
-
-SETTLED = 0.5
-"""From this time of a run on the errors of the estimate are counted [s]: the filter has found speed and index."""
 
 
 class EncoderTable(Params):
@@ -49,19 +43,6 @@ class EncoderTable(Params):
         if self.sectors % 1.0 or self.seed % 1.0:
             raise ParameterError(f"sectors = {self.sectors:g}, seed = {self.seed:g}; expected whole numbers")
         encoder_of(self)  # here, where the line of the table is known
-
-
-class SpoolEstimate(NamedTuple):
-    """What is believed of the spool, and the time of the sample at which it was."""
-
-    time: Time
-    angle: Angle
-    speed: Speed
-    angle_deviation: Angle
-    speed_deviation: Speed
-    innovation: Angle
-    innovation_deviation: Angle
-    missed_edges: Count
 
 
 class WatchMemory(NamedTuple):
@@ -88,22 +69,10 @@ def watch_start(settings: WatchSettings) -> WatchMemory:
     )
 
 
-def watch_step(
-    t: float, memory: WatchMemory, reading: Shaft, settings: WatchSettings
-) -> tuple[WatchMemory, SpoolEstimate]:
+def watch_step(t: float, memory: WatchMemory, reading: Shaft, settings: WatchSettings) -> tuple[WatchMemory, Estimate]:
     """Encoder and event filter take a sample; what they believe of the spool is shown."""
     encoder, seen = encoder_step(memory.encoder, reading, settings.encoder)
-    remembered, e = event_filter_step(memory.filter, seen, settings.filter)
-    estimate = SpoolEstimate(
-        time=t,
-        angle=e.angle,
-        speed=e.speed,
-        angle_deviation=e.angle_deviation,
-        speed_deviation=e.speed_deviation,
-        innovation=e.innovation,
-        innovation_deviation=e.innovation_deviation,
-        missed_edges=e.missed_edges,
-    )
+    remembered, estimate = event_filter_step(memory.filter, seen, settings.filter)
     return WatchMemory(encoder, remembered), estimate
 
 
@@ -128,28 +97,6 @@ def add_encoder(net: Network, spool: str, table: EncoderTable, values: EventFilt
     settings = WatchSettings(
         encoder=encoder, filter=replace(event_filter(encoder.wheel), **numbers), angle=angle, seed=table.seed
     )
-    unknown = SpoolEstimate(
-        time=0.0,
-        angle=0.0,
-        speed=0.0,
-        angle_deviation=float(np.sqrt(values.angle_variance)),
-        speed_deviation=float(np.sqrt(values.speed_variance)),
-        innovation=0.0,
-        innovation_deviation=0.0,
-        missed_edges=0.0,
-    )
+    unknown = to_estimate(watch_start(settings).filter.belief, 0.0, 0.0, 0.0)
     watch = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
     net.program("encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"})
-
-
-def estimate_errors(
-    times: Array, spool_angle: Array, spool_speed: Array, shown: Mapping[str, Array]
-) -> tuple[Array, Array]:
-    """Errors of the estimate at recorded `times` [s]: of the angle, within half a turn [rad], and of the speed [rad/s].
-
-    Between samples the estimate is carried on at its own speed, as a controller would. Arguments and results have the
-    shape (rows,); `shown` holds the columns of `SpoolEstimate`.
-    """
-    ahead = times - shown["time"]
-    error = shown["angle"] + ahead * shown["speed"] - spool_angle
-    return np.pi - np.mod(np.pi - error, 2.0 * np.pi), shown["speed"] - spool_speed
