@@ -1,4 +1,4 @@
-"""The event filter's update compiled against filterpy's, and what a sample costs every estimator."""
+"""The event filter's update against filterpy's, what a sample costs every estimator, and the smoother by its parts."""
 
 from functools import partial
 from typing import NamedTuple
@@ -11,7 +11,9 @@ from vvdp.base.kinds import AccelerationDensity, AngularVariance
 from vvdp.base.params import Params
 from vvdp.comparison.estimators import contenders
 from vvdp.comparison.scenarios import scenarios
+from vvdp.comparison.smoothing import run_compiled
 from vvdp.comparison.trials import compiled_encoder, compiled_step, run_estimator, simulate_record
+from vvdp.estimation.smoother import filter_edges, smooth_edges, smoothed_at
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.simulation.replay import Replay
 
@@ -87,10 +89,34 @@ def cost_per_sample(samples: int, rounds: int) -> None:
             report("  over event-filter", spread(ratios(times, name, "event-filter"), "times"))
 
 
+def cost_of_smoothing(edges: int, rounds: int) -> None:
+    """A record of edges at 198 a second forward, back, and at an instant for each between them, compiled."""
+    random, R, q = np.random.default_rng(2), 5.5e-3, 0.25
+    times = np.cumsum(random.uniform(4e-3, 6e-3, edges))
+    angles, variances = 155.0 * times + np.sqrt(R) * random.standard_normal(edges), np.full(edges, R)
+    prior = AngleSpeed(angles[0], 155.0, 1000.0, 0.0, 1000.0)
+    instants = random.uniform(times[0], times[-1], edges)
+    instants.sort()
+    record = smooth_edges(times, angles, variances, q, prior, run_compiled)
+    smoothed_at(instants, record, run_compiled)
+    found = interleaved(
+        {
+            "an edge forward": lambda: filter_edges(times, angles, variances, q, prior, run_compiled),
+            "an edge forward and back": lambda: smooth_edges(times, angles, variances, q, prior, run_compiled),
+            "an instant between two": lambda: smoothed_at(instants, record, run_compiled),
+            "an instant between two, not compiled": lambda: smoothed_at(instants, record),
+        },
+        rounds,
+    )
+    for name, taken in found.items():
+        report(f"smoother, {name}", spread(taken, "ns", 1e9 / edges), listed=True)
+
+
 def main(short: bool) -> None:
-    """Both questions, on one core."""
+    """All three questions, on one core."""
     against_filterpy(1 if short else ROUNDS)
     cost_per_sample(*((2000, 1) if short else (SAMPLES, ROUNDS)))
+    cost_of_smoothing(*((2000, 1) if short else (SAMPLES, ROUNDS)))
 
 
 if __name__ == "__main__":

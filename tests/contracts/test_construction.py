@@ -16,6 +16,7 @@ ALLOWED = {
     ("simulation/prepare.py", "Reached"): OWN_ORDER,
     ("simulation/batch.py", "Reached"): OWN_ORDER,
     ("estimation/smoother.py", "Forward"): "a row of the record's own numbers, as the compiled replay takes it",
+    ("estimation/smoother.py", "Between"): "a row of the columns stacked in its order, as the compiled replay takes it",
 }
 """Places, by file and class, with the reason why the order of the fields is known to be right there."""
 

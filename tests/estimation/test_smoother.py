@@ -16,6 +16,8 @@ from vvdp.estimation.smoother import (
     SpeedWalk,
     filter_edges,
     filtered_step,
+    run_on_columns,
+    run_plainly,
     smooth_edges,
     smoothed_at,
     smoothed_portions,
@@ -151,6 +153,47 @@ def test_any_time_equals_the_dense_posterior(short_record):
     rows = np.ravel(np.column_stack([2 * pick, 2 * pick + 1]))
     motion = smoothed_at(asked, smooth_edges(times, angles, variances, q, PRIOR))
     assert_beliefs(motion, mean[rows], covariance[np.ix_(rows, rows)])
+
+
+def bridged_by_matrices(times, record):
+    """Angle and speed (2, n), covariance (2, 2, n) between edges, with the joint covariance of both neighbours."""
+    left = np.searchsorted(record.times, times, side="right") - 1
+    h = record.times[left + 1] - record.times[left]
+    s = (times - record.times[left]) / h
+    r = 1.0 - s
+    weights = np.array(
+        [
+            [r * r * (1.0 + 2.0 * s), h * s * r * r, s * s * (1.0 + 2.0 * r), -h * s * s * r],
+            [-6.0 * s * r / h, r * (r - 2.0 * s), 6.0 * s * r / h, s * (s - 2.0 * r)],
+        ]
+    )
+    motion = np.array(record.beliefs)
+    blocks = motion[[2, 3, 3, 4]].reshape(2, 2, -1)
+    before, after, lagged = blocks[..., left], blocks[..., left + 1], np.moveaxis(record.lagged[left], 0, -1)
+    joint = np.empty((4, 4, left.size))
+    joint[:2, :2], joint[2:, 2:], joint[:2, 2:], joint[2:, :2] = before, after, lagged, lagged.swapaxes(0, 1)
+    turned = motion[0, left + 1] - motion[0, left]
+    states = np.stack([np.zeros_like(turned), motion[1, left], turned, motion[1, left + 1]])
+    mean = np.einsum("ikn,kn->in", weights, states)
+    q = record.acceleration_density
+    rest = [[(h * s * r) ** 3 / 3.0, (h * s * r) ** 2 * (r - s) / 2.0],
+            [(h * s * r) ** 2 * (r - s) / 2.0, h * s * r * (1.0 - 3.0 * s * r)]]  # fmt: skip
+    mean[0] += motion[0, left]
+    return mean, np.einsum("ikn,kln,jln->ijn", weights, joint, weights) + q * np.array(rest)
+
+
+@pytest.mark.parametrize("run", [run_plainly, run_on_columns, compiled])
+def test_the_bridge_is_that_of_the_joint_covariance_of_both_neighbours(long_record, run):
+    """Written out in scalars it is the product of matrices to 1e-12, however it is run."""
+    times, _, angles, variances = long_record
+    record = smooth_edges(times, angles, variances, 20.0, PRIOR)
+    asked = np.random.default_rng(3).uniform(times[0], times[-1], 2000)
+    mean, P = bridged_by_matrices(asked, record)
+    motion = smoothed_at(asked, record, run)
+    np.testing.assert_allclose(np.array(motion[:2]), mean, rtol=1e-12)
+    np.testing.assert_allclose(motion.angle_variance, P[0, 0], rtol=1e-12)
+    np.testing.assert_allclose(motion.speed_variance, P[1, 1], rtol=1e-12)
+    assert np.all(abs(motion.covariance - P[0, 1]) < 1e-12 * np.sqrt(P[0, 0] * P[1, 1]))
 
 
 def test_the_bridge_meets_both_ends(short_record):

@@ -53,12 +53,13 @@ def smoothed_traces(time: Array, shown: Array, settings: EventFilter) -> Traces:
         return Traces(unknown, unknown, unknown, unknown)
     mean_speed = float((angles[-1] - angles[0]) / (times[-1] - times[0]))
     prior = AngleSpeed(float(angles[0]), mean_speed, settings.angle_variance, 0.0, settings.speed_variance)
-    motion = smooth_edges(times, angles, variances, settings.acceleration_density, prior, _compiled_run)
-    there = smoothed_at(time, motion)
+    motion = smooth_edges(times, angles, variances, settings.acceleration_density, prior, run_compiled)
+    there = smoothed_at(time, motion, run_compiled)
     return Traces(there.angle, there.speed, unknown, unknown)
 
 
-def _compiled_run(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
+def run_compiled(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
+    """A step of the smoother taken over rows, compiled once in each process: the memory reached, and what was shown."""
     if step not in _compiled:
         _compiled[step] = Replay(step, memory, row, settings)
     replayed = _compiled[step](memory, rows, settings)

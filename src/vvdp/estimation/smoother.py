@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.conservation import NOTHING, Nothing
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import AccelerationDensity
 from vvdp.base.params import Params
@@ -68,6 +69,28 @@ class Drawn(NamedTuple):
     angle_variance: float
     covariance: float
     speed_variance: float
+    angle_angle: float
+    angle_speed: float
+    speed_angle: float
+    speed_speed: float
+
+
+class Between(NamedTuple):
+    """An instant between two edges: `since` the first [s], `interval` between both [s], the smoothed beliefs at both
+    with their covariances as in `Drawn`; `turned` is how much further on the second angle lies [rad]."""
+
+    since: float
+    interval: float
+    angle: float
+    speed: float
+    angle_variance: float
+    covariance: float
+    speed_variance: float
+    turned: float
+    later_speed: float
+    later_angle_variance: float
+    later_covariance: float
+    later_speed_variance: float
     angle_angle: float
     angle_speed: float
     speed_angle: float
@@ -153,6 +176,46 @@ def smoothed_step(memory: Reached, row: Forward, walk: SpeedWalk) -> tuple[Reach
     return Reached(row.time, belief), drawn
 
 
+def bridged_step(memory: Nothing, row: Between, walk: SpeedWalk) -> tuple[Nothing, AngleSpeed]:
+    """The belief at an instant between two edges; it takes floats or arrays.
+
+    With s = since/h and r = 1 - s the mean is the cubic through both angles with both speeds as slopes; what
+    neither edge tells has the covariance q [[h^3 s^3 r^3/3, h^2 s^2 r^2 (r - s)/2], [., h s r (1 - 3 s r)]].
+
+    Source  ours, docs/models/smoother.md
+    """
+    h, q = row.interval, walk.acceleration_density
+    s = row.since / h
+    r = 1.0 - s
+    sr = s * r
+    # What the angle at the instant takes of angle and speed at the edge before and at the one after; then the speed.
+    a1, a2, a3, a4 = r * r * (1.0 + 2.0 * s), h * r * sr, s * s * (1.0 + 2.0 * r), -h * s * sr
+    w1, w2, w3, w4 = -6.0 * sr / h, r * (r - 2.0 * s), 6.0 * sr / h, s * (s - 2.0 * r)
+    P11, P12, P22 = row.angle_variance, row.covariance, row.speed_variance
+    N11, N12, N22 = row.later_angle_variance, row.later_covariance, row.later_speed_variance
+    C11, C12, C21, C22 = row.angle_angle, row.angle_speed, row.speed_angle, row.speed_speed
+    # Covariances of the speed at the instant with the four.
+    v1, v2 = P11 * w1 + P12 * w2 + C11 * w3 + C12 * w4, P12 * w1 + P22 * w2 + C21 * w3 + C22 * w4
+    v3, v4 = C11 * w1 + C21 * w2 + N11 * w3 + N12 * w4, C12 * w1 + C22 * w2 + N12 * w3 + N22 * w4
+    before = a1 * (P11 * a1 + 2.0 * P12 * a2) + a2 * a2 * P22
+    after = a3 * (N11 * a3 + 2.0 * N12 * a4) + a4 * a4 * N22
+    across = a1 * (C11 * a3 + C12 * a4) + a2 * (C21 * a3 + C22 * a4)
+    return memory, AngleSpeed(
+        # The angle is counted from that of the edge before: it may be large, and the weights of both angles sum to 1.
+        row.angle + (a2 * row.speed + a3 * row.turned + a4 * row.later_speed),
+        w2 * row.speed + w3 * row.turned + w4 * row.later_speed,
+        before + after + 2.0 * across + q * (h * sr) * (h * sr) * (h * sr) / 3.0,
+        a1 * v1 + a2 * v2 + a3 * v3 + a4 * v4 + q * (h * sr) * (h * sr) * (r - s) / 2.0,
+        w1 * v1 + w2 * v2 + w3 * v3 + w4 * v4 + q * h * sr * (1.0 - 3.0 * sr),
+    )
+
+
+def run_on_columns(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
+    """A step without memory taken over all rows at once, its row made of columns; else as `run_plainly`."""
+    _, shown = step(memory, type(row)._make(rows.T), settings)
+    return memory, np.column_stack(shown)
+
+
 def run_plainly(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:
     """A step taken over rows in plain Python: the memory reached, and what was shown, shape (rows, numbers shown)."""
     make, shown = type(row)._make, []
@@ -232,23 +295,36 @@ def _rows(times: Array, angles: Array, variances: Array) -> Array:
     return rows
 
 
-def smoothed_at(times: Array, smoothed: Smoothed) -> Beliefs:
+def smoothed_at(times: Array, smoothed: Smoothed, run: Run = run_on_columns) -> Beliefs:
     """The motion at any `times` [s], shape (m,), given all edges.
 
-    Between two edges, h apart, with s = (t - t_k)/h and r = 1 - s, the mean is the cubic through both angles with both
-    speeds as slopes, A x_k + B x_k+1, and what neither edge tells has the covariance
-    q [[h^3 s^3 r^3/3, h^2 s^2 r^2 (r - s)/2], [., h s r (1 - 3 s r)]]. Outside of the edges the nearest state is
-    carried on, with noise that grows both ways.
+    Outside of the edges the nearest state is carried on, with noise that grows both ways.
+
+    run  what takes `bridged_step` over rows: `run_on_columns`, or a compiled one
     """
     t, n = np.asarray(times, float), smoothed.times.size
-    left = np.clip(np.searchsorted(smoothed.times, t, side="right") - 1, 0, n - 1)
-    states = np.column_stack(smoothed.beliefs)[left]
-    outside = _predict_either_way(states, t - smoothed.times[left], smoothed.acceleration_density)
-    inside = (t >= smoothed.times[0]) & (t < smoothed.times[-1])
-    motion = np.array(outside)
-    if inside.any():
-        motion[:, inside] = _bridge(t[inside], left[inside], smoothed)
-    return Beliefs(*motion)
+    left = np.searchsorted(smoothed.times, t, side="right") - 1
+    outside = (left < 0) | (left >= n - 1)
+    motion = np.empty((t.size, 5))
+    if not outside.all():
+        rows = np.take(_bridges(smoothed), np.clip(left, 0, n - 2), axis=0)
+        rows[:, 0] = t - rows[:, 0]
+        walk = SpeedWalk(acceleration_density=smoothed.acceleration_density)
+        motion = run(bridged_step, NOTHING, Between(*rows[0].tolist()), walk, rows)[1]
+    if outside.any():
+        nearest = np.clip(left[outside], 0, n - 1)
+        states, since = np.column_stack(smoothed.beliefs)[nearest], t[outside] - smoothed.times[nearest]
+        motion[outside] = np.column_stack(_predict_either_way(states, since, smoothed.acceleration_density))
+    return Beliefs(*motion.T)
+
+
+def _bridges(smoothed: Smoothed) -> Array:
+    """The columns of `Between` for each interval, with the time of the edge before for `since`, shape (n - 1, 16)."""
+    ends, times = np.column_stack(smoothed.beliefs), smoothed.times
+    turned = np.diff(smoothed.beliefs.angle)
+    return np.column_stack(
+        [times[:-1], np.diff(times), ends[:-1], turned, ends[1:, 1:], smoothed.lagged.reshape(-1, 4)]
+    )
 
 
 def _predict_either_way(states: Array, duration: Array, q: float) -> Beliefs:
@@ -261,40 +337,6 @@ def _predict_either_way(states: Array, duration: Array, q: float) -> Beliefs:
         P11 + h * (2.0 * P12 + h * P22) + q * away**3 / 3.0,
         P12 + h * P22 + q * h * away / 2.0,
         P22 + q * away,
-    )
-
-
-def _bridge(t: Array, left: Array, smoothed: Smoothed) -> Beliefs:
-    q, right = smoothed.acceleration_density, left + 1
-    h = smoothed.times[right] - smoothed.times[left]
-    s = (t - smoothed.times[left]) / h
-    r = 1.0 - s
-    # Rows: what angle and speed at t take of (angle, speed) at the edge before and of (angle, speed) at the one after.
-    weights = np.array(
-        [
-            [r * r * (1.0 + 2.0 * s), h * s * r * r, s * s * (1.0 + 2.0 * r), -h * s * s * r],
-            [-6.0 * s * r / h, r * (r - 2.0 * s), 6.0 * s * r / h, s * (s - 2.0 * r)],
-        ]
-    )
-    ends = np.column_stack(smoothed.beliefs)
-    before, after = ends[left], ends[right]
-    joint = np.empty((left.size, 4, 4))
-    for block, covariances in (((0, 1), before), ((2, 3), after)):
-        i, j = block
-        joint[:, i, i], joint[:, i, j], joint[:, j, i], joint[:, j, j] = covariances[:, [2, 3, 3, 4]].T
-    joint[:, :2, 2:] = smoothed.lagged[left]
-    joint[:, 2:, :2] = smoothed.lagged[left].transpose(0, 2, 1)
-    # The angle is counted from that of the edge before: it may be large, and the weights of both angles sum to 1.
-    turned = after[:, 0] - before[:, 0]
-    states = np.stack([np.zeros_like(turned), before[:, 1], turned, after[:, 1]])
-    angle, speed = np.einsum("ikn,kn->in", weights, states)
-    P = np.einsum("ikn,nkl,jln->ijn", weights, joint, weights)
-    return Beliefs(
-        before[:, 0] + angle,
-        speed,
-        P[0, 0] + q * (h * s * r) ** 3 / 3.0,
-        P[0, 1] + q * (h * s * r) ** 2 * (r - s) / 2.0,
-        P[1, 1] + q * h * s * r * (1.0 - 3.0 * s * r),
     )
 
 

@@ -25,7 +25,7 @@ from vvdp.base.files import write_whole
 from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.estimation.fusion import fusion
 from vvdp.estimation.pressure_edges import PressureSample, pressure_edges_start, pressure_edges_step
-from vvdp.estimation.smoother import Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
+from vvdp.estimation.smoother import Run, Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
 from vvdp.logs.channel import Log, Portion
 from vvdp.logs.charts import Excerpt
 from vvdp.logs.clock import ClockChoice, seconds
@@ -717,7 +717,7 @@ class _Run:
             begin, end = np.searchsorted(pieces, [piece, piece + 0.5])
             self._heed()
             for smoothed in self._smooth(int(first), int(last), run):
-                self._write_smoothed(smoothed, int(begin), int(end))
+                self._write_smoothed(smoothed, int(begin), int(end), run)
                 try:
                     progress(self._smoothed_rows / pieces.size)
                 except KeyboardInterrupt:
@@ -730,7 +730,7 @@ class _Run:
                 f"The second pass was stopped; from {time:.6g} s of piece {piece:g} on the smoothed columns are NaN."
             )
 
-    def _smooth(self, first: int, last: int, run: Any) -> Iterator[Smoothed]:
+    def _smooth(self, first: int, last: int, run: Run) -> Iterator[Smoothed]:
         file, q = self.store.file["edges"], self.wanted.filter.acceleration_density
         portions = list(range(first, last, SMOOTHED_EDGES))
 
@@ -752,7 +752,7 @@ class _Run:
         overlap = smoothing_overlap(q, float(np.median(variance)), period, FORGOTTEN)
         yield from smoothed_portions((columns(begin) for begin in portions), q, start, overlap, run)
 
-    def _write_smoothed(self, smoothed: Smoothed, begin: int, end: int) -> None:
+    def _write_smoothed(self, smoothed: Smoothed, begin: int, end: int, run: Run) -> None:
         file = self.store.file
         times = file["time"][begin:end]
         a, b = np.searchsorted(times, smoothed.times[[0, -1]])
@@ -762,7 +762,7 @@ class _Run:
             return
         for start in range(int(a), int(b), SMOOTHED_EDGES):
             stop = min(start + SMOOTHED_EDGES, int(b))
-            motion = smoothed_at(times[start:stop], smoothed)
+            motion = smoothed_at(times[start:stop], smoothed, run)
             values = (motion.angle, motion.speed, np.sqrt(motion.angle_variance), np.sqrt(motion.speed_variance))
             for name, column in zip(SMOOTHED, values, strict=True):
                 file[name][begin + start : begin + stop] = column
