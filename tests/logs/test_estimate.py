@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from scipy.stats import chi2
+from tests.logs.records import titles
 
 import vvdp.logs.estimate as estimating
 from vvdp.base.errors import ConfigError
@@ -14,14 +15,13 @@ from vvdp.estimation.event_filter import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges
-from vvdp.logs.config import Option, load_estimation
+from vvdp.logs.config import load_estimation
 from vvdp.logs.edges import Edges
-from vvdp.logs.estimate import estimate, open_for_estimate
 from vvdp.logs.estimate_result import ROWS_IN_CHUNK, Store
 from vvdp.logs.offline_filter import OfflineFilter, Waves, bridged_time, fused_step, tracked_step
 from vvdp.numerics.kalman import AngleSpeed, predict
-from vvdp.results.result import Grade, json_value
-from vvdp.results.store import finite, read_meta, read_result
+from vvdp.results.result import Grade
+from vvdp.results.store import read_meta, read_result
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
@@ -52,55 +52,6 @@ def brightness(angles, wheel, spot=0.49):
     near = np.argmin(np.abs(away), axis=1)
     sign = np.where(near % 2 == 0, 1.0, -1.0)
     return np.clip(0.5 + sign * away[np.arange(angles.size), near] / spot, 0.0, 1.0)
-
-
-class Kept:
-    """What an estimation has left in a directory."""
-
-    def __init__(self, directory):
-        self.directory, self.result = directory, read_result(directory)
-        known = {key: json_value(each) for key, each in self.result.numbers.items()}
-        self.summary = finite(known) | {"finished": self.result.finished}
-        self.config = (directory / "estimate.toml").read_text("utf-8")
-        self.findings = [finding for finding in self.result.findings if finding.title]
-
-    def column(self, name):
-        with h5py.File(self.directory / "result.h5") as file:
-            return file[name][:]
-
-    def size(self, name):
-        return self.column(name).size
-
-    def has(self, name):
-        with h5py.File(self.directory / "result.h5") as file:
-            return name in file
-
-
-@pytest.fixture
-def estimated(tmp_path):
-    """Writes channels (name: values, unit, and the sample rate of those without a clock beside them) to a file, runs an
-    estimation, and gives what it kept."""
-
-    def run(channels, progress=lambda done: None, **keys):
-        path = tmp_path / "log.h5"
-        with h5py.File(path, "w") as file:
-            for name, (values, unit, *rate) in channels.items():
-                file[name] = values
-                file[name].attrs["units"] = unit
-                if rate:
-                    file[name].attrs["sample_rate"] = rate[0]
-        wanted = load_estimation(None, [Option(key.replace("__", "."), key, value) for key, value in keys.items()])
-        folder = tmp_path / f"out{len(list(tmp_path.glob('out*')))}"
-        folder.mkdir()
-        with open_for_estimate(path, wanted) as log:
-            estimate(log, wanted, folder, progress=progress)
-        return Kept(folder)
-
-    return run
-
-
-def titles(kept):
-    return {finding.title for finding in kept.findings}
 
 
 def stamped(times):

@@ -43,8 +43,7 @@ def alignment(edges: Edges, wheel: CodeWheel) -> Alignment:
     n = len(wheel.edges)
     steps = sectors_passed(edges)
     numbers = np.concatenate([[0.0], np.cumsum(steps)])
-    first = np.flatnonzero(numbers <= max(n, 2))[-1]
-    speed = float(TURN / n * numbers[first] / (edges.times[first] - edges.times[0]))
+    speed = first_speed(edges.times, numbers, n)
     plain = 1 if edges.polarities[0] < 0.0 else 0
     known = edges.polarities[0] != 0.0
     if wheel.has_index and known and n == 2:  # of two sectors the polarity tells which
@@ -63,6 +62,16 @@ def alignment(edges: Edges, wheel: CodeWheel) -> Alignment:
     if not found:
         return Alignment(plain, speed, False)
     return Alignment(int(candidates[best]), speed, True)
+
+
+def first_speed(times: Array, numbers: Array, sectors: int) -> float:
+    """The mean speed over the first turn [rad/s], or from the first two times that differ where a turn is faster than
+    that; 0 where no times differ."""
+    later = np.flatnonzero(times > times[0])
+    if not later.size:
+        return 0.0
+    end = max(int(np.flatnonzero(numbers <= max(sectors, 2))[-1]), int(later[0]))
+    return float(TURN / sectors * numbers[end] / (times[end] - times[0]))
 
 
 def sectors_passed(edges: Edges) -> Array:

@@ -253,7 +253,8 @@ class CountEdges:
         )  # fmt: skip
         at = np.flatnonzero(forward > 0.0)
         widths = times[at + 1] - times[at]
-        return Edges(0.5 * (times[at + 1] + times[at]), widths, np.zeros(at.size), forward[at])
+        # Of several edges in an interval the last one, evenly spaced, lies in the last part of it.
+        return Edges(times[at + 1] - 0.5 * widths / forward[at], widths, np.zeros(at.size), forward[at])
 
     def _over_the_end(self, count: float, step: float) -> float:
         """What a large step was: a rollover, a reset (then nothing is known to have passed), or a real jump."""

@@ -795,6 +795,9 @@ class _Run:
             )
         if self.sums.edges > FEWEST_EDGES:
             apart = (self.sums.end - self.sums.begin) / (self.sums.edges - 1.0)
+            if isinstance(self.finder, CountEdges) and apart < LONGEST_BRIDGED:
+                steps = self.tracker.left_out if self.tracker is not None else 0
+                return f"{edges} in channel {channel!r}, in only {steps} steps; {needed}, so read the counter faster"
             return (
                 f"{edges} in channel {channel!r}, {apart:.4g} s apart on average: the spool is not rotating; look at "
                 f"the unit of the times ({needed} with less than {LONGEST_BRIDGED:g} s between them)"
