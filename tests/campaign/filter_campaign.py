@@ -11,7 +11,8 @@ from tests.campaign.cases import CLASSES, RATE, UNTIL, Case, case
 from tests.campaign.generator import TURN, sampled
 from tests.campaign.scoring import Errors, Traces, coverage, errors, independent_edges, pool, stands, wrong_by_a_factor
 
-from vvdp.estimation.event_filter import EventFilter, event_filter, event_filter_estimator
+from vvdp.estimation.event_filter import event_filter_estimator
+from vvdp.estimation.event_settings import EventFilter, event_filter
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, equal_wheel
 from vvdp.simulation.replay import Replay

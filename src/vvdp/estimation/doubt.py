@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.kinds import AngularVariance, Count, Number
-from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.numerics.kalman import AngleSpeed, update
 
 DECIDED = 4.0
 """Logarithm of the odds at which one of the two is taken [1]."""
@@ -39,24 +39,20 @@ def no_doubt(belief: AngleSpeed) -> Doubt:
     return Doubt(belief, number=0.0, odds=-np.inf, slip=0.0, edges=0.0)
 
 
-def carry_on(
-    doubt: Doubt, duration: float, density: float, seen: tuple[float, float], variance: float, surprise: float
-) -> Doubt:
+def carry_on(doubt: Doubt, prior: AngleSpeed, seen: tuple[float, float], variance: float, surprise: float) -> Doubt:
     """The doubt after one more edge.
 
-    duration  since the last edge [s]
-    density   of the acceleration [rad^2/s^3]
-    seen      number and angle [rad] of the edge, had the wheel turned on
+    prior     the belief at the time of the edge, had the wheel turned on
+    seen      number and angle [rad] of the edge then
     variance  of an edge, R [rad^2]
-    surprise  of the filter that begins anew: nu^2/S + ln S
+    surprise  of the filter that begins anew: nu^2/S + ln S, and what edges missed by this belief but not by that cost
     """
-    prior = predict(doubt.belief, duration, density)
     number, angle = seen
     innovation = angle - prior.angle
     S = prior.angle_variance + variance
-    gain = 0.5 * (surprise - innovation * innovation / S - np.log(S))
+    odds = doubt.odds + 0.5 * (surprise - innovation * innovation / S - np.log(S))
     belief = update(prior, innovation, variance)
-    return Doubt(belief, number=number, odds=doubt.odds + gain, slip=doubt.slip, edges=doubt.edges + 1.0)
+    return Doubt(belief, number=number, odds=odds, slip=doubt.slip, edges=doubt.edges + 1.0)
 
 
 def is_settled(doubt: Doubt) -> bool:

@@ -273,7 +273,7 @@ def after_edge(
     Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
     """
     expected = expected_at(memory, reading, settings)
-    if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
+    if settings.stop_rate > 0.0 and memory.tally.associating > 0.0:
         silence = silence_until(memory, reading.edge_time, settings)
         if is_silent(expected.instant, silence.next_edge, silence.edge_variance):
             wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
@@ -422,11 +422,12 @@ def weigh_doubt(
     variance  R, of the edge [rad^2]
     surprise  nu^2/S + ln S of the edge to the filter that began anew
     """
-    wheel, density = settings.wheel, settings.acceleration_density
-    edges = before.tally.ignored + reading.edges
-    number = counted_edge(before.doubt.number, edges, reading.polarity)
-    h = reading.edge_time - before.time
-    doubt = carry_on(before.doubt, h, density, (number, edge_angle(number, wheel)), variance, surprise)
+    wheel, q, polarity = settings.wheel, settings.acceleration_density, reading.polarity
+    prior = predict(before.doubt.belief, reading.edge_time - before.time, q)
+    counted = counted_edge(before.doubt.number, before.tally.ignored + reading.edges, polarity)
+    number = maximum(nearest_edge(prior.angle, polarity, wheel), counted)
+    cost = 2.0 * (number - counted) * np.log(missed_share(before.tally.irregular))
+    doubt = carry_on(before.doubt, prior, (number, edge_angle(number, wheel)), variance, surprise + cost)
     m, belief, edge, tally, slip = after, after.belief, after.last.number, after.tally, after.slip
     settled = is_settled(doubt)
     if settled and doubt.odds > 0.0:

@@ -32,7 +32,8 @@ class Silence(NamedTuple):
     """A time without an edge: its `duration` since the last one, where that lay and where the next one lies.
 
     `edge_variance` is the part of an edge's noise that is an angle, `missed` the chance that an edge is missed. Stops,
-    slow passages, and manoeuvres not yet known of begin at `stop_rate`; a wheel that starts again does so with `start_variance`.
+    slow passages, and manoeuvres not yet known of begin at `stop_rate`; a wheel that starts again does so with
+    `start_variance`.
     """
 
     duration: Time
