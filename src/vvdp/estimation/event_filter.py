@@ -179,7 +179,7 @@ def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -
     b = instant
     heard = Heard(b.angle, b.speed, b.angle_variance, b.speed_variance, standstill=0.0, halt=0.0, missing_odds=0.0)
     if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
-        silence = silence_until(memory, time, settings)
+        silence = silence_until(memory, time, memory.tally.ignored + 1.0, settings)
         if is_silent(instant, silence.next_edge, silence.edge_variance):
             wide = inflate(instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(instant, wide, silence)
@@ -190,13 +190,13 @@ def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -
     return heard
 
 
-def silence_until(memory: EventFilterMemory, time: float, settings: EventFilter) -> Silence:
-    """The silence between the last edge and `time` [s]."""
+def silence_until(memory: EventFilterMemory, time: float, edges: float, settings: EventFilter) -> Silence:
+    """The silence between the last edge and `time` [s], in which fewer than `edges` came; those may be bounce."""
     last, wheel = memory.last, settings.wheel
     return Silence(
         duration=time - last.time,
         last_edge=edge_angle(last.number, wheel),
-        next_edge=edge_angle(last.number + 1.0, wheel),
+        next_edge=edge_angle(last.number + edges, wheel),
         edge_variance=settings.edge_variance,
         missed=missed_share(memory.tally.irregular),
         stop_rate=settings.stop_rate,
@@ -274,7 +274,7 @@ def after_edge(
     """
     expected = expected_at(memory, reading, settings)
     if settings.stop_rate > 0.0 and memory.tally.associating > 0.0:
-        silence = silence_until(memory, reading.edge_time, settings)
+        silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
         if is_silent(expected.instant, silence.next_edge, silence.edge_variance):
             wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(expected.instant, wide, silence)
@@ -381,7 +381,7 @@ def start_again(
     heard  what was believed just before the edge
     """
     m, tally, wheel, R = memory, memory.tally, settings.wheel, expected.variance
-    silence = silence_until(memory, reading.edge_time, settings)
+    silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
     edge = counted_edge(m.last.number, tally.ignored + reading.edges, reading.polarity)
     speed, variance = start_speed(silence, heard.standstill / heard.halt)
     course = expected.instant
