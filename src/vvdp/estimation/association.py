@@ -20,6 +20,12 @@ REMEMBERED = 64.0
 RAREST = 1e-3
 """Least share of missed edges that is reckoned with [1]."""
 
+UNWATCHED = 5.0
+"""Edges that what is taken for granted of the sensor is worth before any is seen [1]."""
+
+MOST_MISSED = 32.0
+"""Edges beyond which it makes no difference how many are missed in a row [1]."""
+
 DROPOUT = 1e-6
 """Chance at an edge that the sensor falls silent, for however long [1]."""
 
@@ -109,6 +115,25 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
 def missed_share(irregular: float) -> float:
     """Chance that an edge is missed [1], where a share `irregular` of them was missed or ignored of late."""
     return maximum(irregular, RAREST)
+
+
+def missed_in_a_row(irregular: float, watched: float, edges: float) -> float:
+    """Chance that so many `edges` are missed one after another [1], where their share is known from few.
+
+    A share p with the beta distribution of a = p n, b = (1 - p) n, n = `watched` + 5, makes each miss the next one
+    likelier: a/n (a + 1)/(n + 1) (a + 2)/(n + 2) ...
+
+    irregular  share of edges that were missed or ignored of late [1]
+    watched    edges that this share rests on [1]
+
+    Source  johnson2005, beta-binomial distribution, section 6.2.2; the 5 is ours, docs/models/event-filter.md
+    """
+    n = minimum(watched, REMEMBERED) + UNWATCHED
+    a = missed_share(irregular) * n
+    chance = 1.0
+    for i in range(int(minimum(edges, MOST_MISSED))):
+        chance *= (a + i) / (n + i)
+    return chance
 
 
 def irregular_share(share: float, irregular: float, regular: float) -> float:

@@ -66,7 +66,8 @@ class LastEdge(NamedTuple):
 class Tally(NamedTuple):
     """How edges are told: `started` is 1 after the first, `associating` once the belief tells them and none counts.
 
-    `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored.
+    `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored,
+    and rests on `watched` edges.
     """
 
     started: Fraction
@@ -74,6 +75,7 @@ class Tally(NamedTuple):
     ignored: Count
     missed_edges: Count
     irregular: Fraction
+    watched: Count
 
 
 class Manoeuvre(NamedTuple):
@@ -139,7 +141,7 @@ def event_filter_start(settings: EventFilter, time: float, angle: float, speed: 
 
 def new_tally() -> Tally:
     """The tally before the first edge."""
-    return Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE)
+    return Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE, watched=0.0)
 
 
 def event_filter_step(
@@ -198,7 +200,8 @@ def silence_until(memory: EventFilterMemory, time: float, edges: float, settings
         last_edge=edge_angle(last.number, wheel),
         next_edge=edge_angle(last.number + edges, wheel),
         edge_variance=settings.edge_variance,
-        missed=missed_share(memory.tally.irregular),
+        irregular=memory.tally.irregular,
+        watched=memory.tally.watched,
         stop_rate=settings.stop_rate,
         start_variance=settings.speed_variance,
     )
@@ -310,8 +313,9 @@ def take_in(
 
     skipped = tally.started * maximum(edge - memory.last.number - tally.ignored - reading.edges, 0.0)
     irregular = irregular_share(tally.irregular, associating * minimum(skipped, BURST), 1.0)
+    watched = tally.watched + associating
     if irregular > UNBELIEVABLE:
-        prior, associating, irregular = reset_speed(prior, settings), 0.0, RELIABLE
+        prior, associating, irregular, watched = reset_speed(prior, settings), 0.0, RELIABLE, 0.0
 
     S = seen_variance(prior, ripple, place) + R
     belief = update(prior, innovation, R)
@@ -330,6 +334,7 @@ def take_in(
             ignored=0.0,
             missed_edges=tally.missed_edges + skipped,
             irregular=irregular,
+            watched=watched,
         ),
         manoeuvre=Manoeuvre(density=density, rise=rise, fall=fall),
         search=memory.search,
@@ -399,6 +404,7 @@ def start_again(
             ignored=0.0,
             missed_edges=tally.missed_edges,
             irregular=tally.irregular,
+            watched=tally.watched,
         ),
         manoeuvre=Manoeuvre(density=settings.manoeuvre_density, rise=0.0, fall=0.0),
         search=index_start(wheel),
@@ -439,6 +445,7 @@ def weigh_doubt(
             ignored=0.0,
             missed_edges=tally.missed_edges + missed,
             irregular=irregular_share(tally.irregular, minimum(missed, BURST), 0.0),
+            watched=tally.watched,
         )
     return EventFilterMemory(
         time=m.time,
@@ -521,6 +528,7 @@ def skip_edges(memory: EventFilterMemory, edges: float) -> EventFilterMemory:
         ignored=edges,
         missed_edges=tally.missed_edges,
         irregular=irregular_share(tally.irregular, edges - tally.ignored, 0.0),
+        watched=tally.watched,
     )
     return EventFilterMemory(
         time=m.time,

@@ -407,6 +407,7 @@ def _counted_on(memory: EventFilterMemory, settings: EventFilter) -> EventFilter
         ignored=0.0,
         missed_edges=m.tally.missed_edges + maximum(edge - m.last.number - m.tally.ignored, 0.0),
         irregular=m.tally.irregular,
+        watched=m.tally.watched,
     )
     last = LastEdge(edge, maximum(m.time - ago, m.last.time))
     return EventFilterMemory(

@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Angle, AngularVariance, Fraction, Frequency, Number, Speed, SpeedVariance, Time
+from vvdp.base.kinds import Angle, AngularVariance, Count, Fraction, Frequency, Number, Speed, SpeedVariance, Time
 from vvdp.base.select import maximum, minimum
+from vvdp.estimation.association import missed_in_a_row
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.numerics.normal import normal_share, truncate
 
@@ -31,7 +32,8 @@ STARTED = 0.02
 class Silence(NamedTuple):
     """A time without an edge: its `duration` since the last one, where that lay and where the next one lies.
 
-    `edge_variance` is the part of an edge's noise that is an angle, `missed` the chance that an edge is missed. Stops,
+    `edge_variance` is the part of an edge's noise that is an angle; `irregular`, the share of edges that were missed or
+    ignored of late, rests on `watched` ones. Stops,
     slow passages, and manoeuvres not yet known of begin at `stop_rate`; a wheel that starts again does so with
     `start_variance`.
     """
@@ -40,7 +42,8 @@ class Silence(NamedTuple):
     last_edge: Angle
     next_edge: Angle
     edge_variance: AngularVariance
-    missed: Fraction
+    irregular: Fraction
+    watched: Count
     stop_rate: Frequency
     start_variance: SpeedVariance
 
@@ -95,7 +98,7 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
     """The belief once a silence is taken in: mean and variance of five hypotheses together.
 
     The wheel goes on and its next edge is still to come, weight Phi(high) - Phi(low); or that was missed with k - 1
-    more, p^k (1 - Phi(high)); a manoeuvre began at the last edge; the wheel stopped since; or it turns on slowly, at
+    more, p_k (1 - Phi(high)); a manoeuvre began at the last edge; the wheel stopped since; or it turns on slowly, at
     any speed up to that which the silence allows.
 
     cruise     belief at this time had nothing happened since the last edge
@@ -116,7 +119,7 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
     if inside > LEAST:
         sums = add(sums, inside, truncate(cruise, low, high, deviation), cruise)
     passed = maximum(1.0, np.ceil(-ahead / width))
-    missing = maximum(s.missed**passed, DROPOUTS * stopped) * (1.0 - share)
+    missing = maximum(missed_in_a_row(s.irregular, s.watched, passed), DROPOUTS * stopped) * (1.0 - share)
     if 1.0 - share > LEAST:
         sums = add(sums, missing, truncate(cruise, high, np.inf, deviation), cruise)
 

@@ -417,6 +417,7 @@ def _after_edge(
                 ignored=edges,
                 missed_edges=m.tally.missed_edges,
                 irregular=irregular_share(m.tally.irregular, reading.edges, 0.0),
+                watched=m.tally.watched,
             )
             ignoring = TorqueFilterMemory(time=m.time, belief=m.belief, edge=m.edge, tally=tally, change=m.change)
             return ignoring, 0.0, 0.0
@@ -444,6 +445,7 @@ def _after_edge(
         ignored=0.0,
         missed_edges=m.tally.missed_edges + skipped,
         irregular=irregular,
+        watched=m.tally.watched + 1.0,
     )
     calm_time = reading.edge_time if maximum(rise, fall) == 0.0 else m.change.calm_time
     change = TorqueChange(rise=rise, fall=fall, calm_time=calm_time)
