@@ -51,10 +51,12 @@ class Sighting(NamedTuple):
 
 
 class Association(NamedTuple):
-    """Number of the edge that was seen, and 1 where it is to be used, 0 where it was none."""
+    """Number of the edge that was seen, 1 where it is to be used, 0 where it was none, and what the angle's variance
+    grows by since it may have been another [rad^2]."""
 
     edge: float
     used: float
+    slip: AngularVariance
 
 
 def sector(wheel: CodeWheel) -> float:
@@ -99,9 +101,9 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     early = sighting.advance < 0.5 * next_sector
     far = away * away > FARTHEST * FARTHEST * sighting.manoeuvre_variance
     if fresh < 0.5 or (early and far):
-        return Association(counted, 0.0)
+        return Association(counted, 0.0, 0.0)
     if nearest <= last or nearest == counted:
-        return Association(counted, 1.0)
+        return Association(counted, 1.0, 0.0)
 
     S, S_m = sighting.variance, sighting.manoeuvre_variance
     manoeuvre = sighting.manoeuvre_odds + 0.5 * away * away / S_m + 0.5 * np.log(S_m / S)
@@ -109,7 +111,9 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     off = edge_angle(nearest, wheel) - sighting.angle
     missed = maximum(nearest - counted, 0.0)  # more than the next by count asks for
     nearest_cost = 0.5 * off * off / S - np.log(maximum(missed_share(sighting.irregular) ** missed, DROPOUT))
-    return Association(nearest if nearest_cost < count_cost else counted, 1.0)
+    between = edge_angle(nearest, wheel) - edge_angle(counted, wheel)
+    slip = between * between / (1.0 + np.exp(abs(nearest_cost - count_cost)))
+    return Association(nearest if nearest_cost < count_cost else counted, 1.0, slip)
 
 
 def missed_share(irregular: float) -> float:

@@ -52,6 +52,9 @@ RELIABLE = 0.01
 UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
 
+UNREST = 32.0
+"""Edges over which what a manoeuvre leaves behind fades [1]."""
+
 BURST = 4.0
 """Edges missed in a row that count as irregular; a longer gap is one dropout [1]."""
 
@@ -79,9 +82,11 @@ class Tally(NamedTuple):
 
 
 class Manoeuvre(NamedTuple):
-    """Density of the acceleration, and the sums of innovations that tell when the speed changes."""
+    """Density of the acceleration, and what it falls to at first after a manoeuvre, for others follow; the sums of
+    innovations that tell when the speed changes."""
 
     density: AccelerationDensity
+    unrest: AccelerationDensity
     rise: Number
     fall: Number
 
@@ -132,7 +137,7 @@ def event_filter_start(settings: EventFilter, time: float, angle: float, speed: 
         ripple=ripple_start(settings.ripple_variance),
         last=LastEdge(edge, time),
         tally=new_tally(),
-        manoeuvre=Manoeuvre(density=q, rise=0.0, fall=0.0),
+        manoeuvre=Manoeuvre(density=q, unrest=q, rise=0.0, fall=0.0),
         search=index_start(wheel),
         doubt=no_doubt(belief),
         slip=0.0,
@@ -286,17 +291,18 @@ def after_edge(
     seen = associate(memory, reading, expected, settings)
     if seen.used == 0.0:
         return skip_edges(memory, memory.tally.ignored + reading.edges), 0.0, 0.0
-    return take_in(memory, reading, seen.edge, expected, settings)
+    return take_in(memory, reading, seen, expected, settings)
 
 
 def take_in(
-    memory: EventFilterMemory, reading: Reading, edge: float, expected: Expected, settings: EventFilter
+    memory: EventFilterMemory, reading: Reading, seen: Association, expected: Expected, settings: EventFilter
 ) -> tuple[EventFilterMemory, float, float]:
     """The same after an edge of which the number is known.
 
     Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
     """
     wheel, q, q_m, tally = settings.wheel, settings.acceleration_density, settings.manoeuvre_density, memory.tally
+    edge = seen.edge
     prior, ripple, R, associating = expected.course, expected.ripple, expected.variance, tally.associating
     if associating > 0.0 and memory.manoeuvre.density <= q and vague(expected.instant, wheel) > 0.0:
         prior, associating = expected.manoeuvre, 0.0  # after a long time without edges anything may have happened
@@ -307,9 +313,10 @@ def take_in(
     z = associating * innovation / np.sqrt(seen_variance(prior, ripple, place) + R)
     rise = associating * maximum(memory.manoeuvre.rise + z - SLACK, 0.0)
     fall = associating * maximum(memory.manoeuvre.fall - z - SLACK, 0.0)
-    density = maximum(memory.manoeuvre.density * (1.0 - 1.0 / settings.manoeuvre_edges), q)
+    unrest = maximum(memory.manoeuvre.unrest * (1.0 - 1.0 / UNREST), q)
+    density = maximum(memory.manoeuvre.density * (1.0 - 1.0 / settings.manoeuvre_edges), unrest)
     if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
-        prior, density, rise, fall = expected.manoeuvre, q_m, 0.0, 0.0
+        prior, density, unrest, rise, fall = expected.manoeuvre, q_m, np.sqrt(q * q_m), 0.0, 0.0
 
     skipped = tally.started * maximum(edge - memory.last.number - tally.ignored - reading.edges, 0.0)
     irregular = irregular_share(tally.irregular, associating * minimum(skipped, BURST), 1.0)
@@ -336,10 +343,10 @@ def take_in(
             irregular=irregular,
             watched=watched,
         ),
-        manoeuvre=Manoeuvre(density=density, rise=rise, fall=fall),
+        manoeuvre=Manoeuvre(density=density, unrest=unrest, rise=rise, fall=fall),
         search=memory.search,
         doubt=memory.doubt,
-        slip=memory.slip,
+        slip=memory.slip + seen.slip,
     )
     if memory.doubt.odds > -np.inf:
         after = weigh_doubt(memory, after, reading, R, innovation * innovation / S + np.log(S), settings)
@@ -406,7 +413,7 @@ def start_again(
             irregular=tally.irregular,
             watched=tally.watched,
         ),
-        manoeuvre=Manoeuvre(density=settings.manoeuvre_density, rise=0.0, fall=0.0),
+        manoeuvre=Manoeuvre(density=settings.manoeuvre_density, unrest=settings.manoeuvre_density, rise=0.0, fall=0.0),
         search=index_start(wheel),
         doubt=Doubt(update(course, off, R), number=nearest, odds=odds, slip=memory.slip, edges=0.0),
         slip=memory.slip + (silence.next_edge - silence.last_edge) ** 2.0 / 3.0,
@@ -464,9 +471,9 @@ def associate(memory: EventFilterMemory, reading: Reading, expected: Expected, s
     """Which edge the last of a reading was: the first, the next by count, or that which the belief tells."""
     m, wheel, polarity = memory, settings.wheel, reading.polarity
     if m.tally.started == 0.0:
-        return Association(first_edge(m.belief.angle, polarity, wheel), 1.0)
+        return Association(first_edge(m.belief.angle, polarity, wheel), 1.0, 0.0)
     if m.tally.associating == 0.0:
-        return Association(counted_edge(m.last.number, m.tally.ignored + reading.edges, polarity), 1.0)
+        return Association(counted_edge(m.last.number, m.tally.ignored + reading.edges, polarity), 1.0, 0.0)
     instant, R = expected.instant, expected.variance
     # in doubt the next edge by count is behind: slower
     odds = 2.0 * SLACK * (settings.manoeuvre_gate - m.manoeuvre.fall)

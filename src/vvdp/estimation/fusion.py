@@ -429,7 +429,7 @@ def _belief(mean: Array, covariance: Array) -> AngleSpeed:
 
 def _believing(memory: EventFilterMemory, time: float, belief: AngleSpeed, density: float) -> EventFilterMemory:
     m = memory
-    manoeuvre = Manoeuvre(density=density, rise=m.manoeuvre.rise, fall=m.manoeuvre.fall)
+    manoeuvre = Manoeuvre(density=density, unrest=m.manoeuvre.unrest, rise=m.manoeuvre.rise, fall=m.manoeuvre.fall)
     return EventFilterMemory(
         time=time,
         belief=belief,
