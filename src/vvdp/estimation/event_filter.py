@@ -19,7 +19,7 @@ from vvdp.estimation.association import (
     counted_edge,
     first_edge,
     irregular_share,
-    missed_share,
+    missed_in_a_row,
     sector,
 )
 from vvdp.estimation.doubt import Doubt, carry_on, is_settled, no_doubt
@@ -38,7 +38,7 @@ from vvdp.estimation.ripple import (
     update_with_ripple,
     without_covariance,
 )
-from vvdp.estimation.silence import Heard, Silence, after_silence, is_silent, start_speed
+from vvdp.estimation.silence import Heard, Silence, after_silence, is_silent, start_speed, turned_back
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, edge_below, nearest_edge
@@ -281,16 +281,19 @@ def after_edge(
     Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
     """
     expected = expected_at(memory, reading, settings)
-    if settings.stop_rate > 0.0 and memory.tally.associating > 0.0:
+    slip = 0.0
+    if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
         silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
         if is_silent(expected.instant, silence.next_edge, silence.edge_variance):
             wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(expected.instant, wide, silence)
-            if heard.halt > 0.5:
+            if heard.halt > 0.5 and memory.tally.associating > 0.0:
                 return start_again(memory, reading, expected, heard, settings)
+            slip = memory.tally.associating * turned_back(heard.halt, silence)
     seen = associate(memory, reading, expected, settings)
     if seen.used == 0.0:
         return skip_edges(memory, memory.tally.ignored + reading.edges), 0.0, 0.0
+    seen = Association(seen.edge, seen.used, seen.slip + slip)
     return take_in(memory, reading, seen, expected, settings)
 
 
@@ -392,7 +395,7 @@ def start_again(
 
     heard  what was believed just before the edge
     """
-    m, tally, wheel, R = memory, memory.tally, settings.wheel, expected.variance
+    m, tally, wheel, R, q_m = memory, memory.tally, settings.wheel, expected.variance, settings.manoeuvre_density
     silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
     edge = counted_edge(m.last.number, tally.ignored + reading.edges, reading.polarity)
     speed, variance = start_speed(silence, heard.standstill / heard.halt)
@@ -413,10 +416,10 @@ def start_again(
             irregular=tally.irregular,
             watched=tally.watched,
         ),
-        manoeuvre=Manoeuvre(density=settings.manoeuvre_density, unrest=settings.manoeuvre_density, rise=0.0, fall=0.0),
+        manoeuvre=Manoeuvre(density=q_m, unrest=np.sqrt(q_m * settings.acceleration_density), rise=0.0, fall=0.0),
         search=index_start(wheel),
         doubt=Doubt(update(course, off, R), number=nearest, odds=odds, slip=memory.slip, edges=0.0),
-        slip=memory.slip + (silence.next_edge - silence.last_edge) ** 2.0 / 3.0,
+        slip=memory.slip + turned_back(1.0, silence),
     )
     return after, edge_angle(edge, wheel) - heard.angle, np.sqrt(heard.angle_variance + R)
 
@@ -439,7 +442,7 @@ def weigh_doubt(
     prior = predict(before.doubt.belief, reading.edge_time - before.time, q)
     counted = counted_edge(before.doubt.number, before.tally.ignored + reading.edges, polarity)
     number = maximum(nearest_edge(prior.angle, polarity, wheel), counted)
-    cost = 2.0 * (number - counted) * np.log(missed_share(before.tally.irregular))
+    cost = 2.0 * np.log(missed_in_a_row(before.tally.irregular, before.tally.watched, number - counted))
     doubt = carry_on(before.doubt, prior, (number, edge_angle(number, wheel)), variance, surprise + cost)
     m, belief, edge, tally, slip = after, after.belief, after.last.number, after.tally, after.slip
     settled = is_settled(doubt)

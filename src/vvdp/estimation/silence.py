@@ -25,6 +25,9 @@ LEAST = 1e-12
 DROPOUTS = 0.01
 """Losses of the sensor, for however long, for each stop of the wheel [1]; assumed."""
 
+UNLIKELY = 0.05
+"""Probability of a halt below which the wheel is not taken to have turned back [1]."""
+
 STARTED = 0.02
 """Time from rest to the first edge [s], in which a start is not seen; assumed, about that of a spool of 28 ms."""
 
@@ -159,3 +162,14 @@ def start_speed(silence: Silence, standstill: float) -> tuple[float, float]:
     mean = standstill * np.sqrt(v) + (1.0 - standstill) * fastest
     square = standstill * 2.0 * v + (1.0 - standstill) * 4.0 / 3.0 * fastest * fastest
     return mean, square - mean * mean
+
+
+def turned_back(halt: float, silence: Silence) -> float:
+    """Variance of the angle turned through that a wheel leaves which may have turned back meanwhile [rad^2]: w^2/3.
+
+    Forward, a sector w passes; back, up to two of them or none. Where a halt is unlikely nothing is reckoned with.
+
+    halt  probability that the wheel stood or crept [1]
+    """
+    width = silence.next_edge - silence.last_edge
+    return width * width / 3.0 if halt > UNLIKELY else 0.0
