@@ -55,6 +55,12 @@ UNBELIEVABLE = 0.4
 UNREST = 32.0
 """Edges over which what a manoeuvre leaves behind fades [1]."""
 
+HARDLY = 4.0
+"""Logarithm of a likelihood ratio below which a manoeuvre is not suspected [1]."""
+
+SUSPECTED = 3.0
+"""Sectors for which a manoeuvre has gone on when it is suspected [1]."""
+
 BURST = 4.0
 """Edges missed in a row that count as irregular; a longer gap is one dropout [1]."""
 
@@ -192,9 +198,22 @@ def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -
             heard = after_silence(instant, wide, silence)
     if memory.doubt.odds > -np.inf:
         heard = doubtful(heard, predict(memory.doubt.belief, h, density), memory.doubt.odds)
-    if memory.slip > 0.0:
-        heard = doubtful_angle(heard, memory.slip)
-    return heard
+    period = sector(settings.wheel) / maximum(b.speed, settings.lowest_speed)
+    density, lasting = suspected_density(memory, period, settings), h + SUSPECTED * period
+    return blur(heard, memory.slip + density * lasting * lasting * lasting / 3.0, density * lasting)
+
+
+def suspected_density(memory: EventFilterMemory, period: float, settings: EventFilter) -> float:
+    """Density of the acceleration that a manoeuvre not yet declared may have [rad^2/s^3].
+
+    The sums of innovations are the logarithm of its likelihood ratio, halved; the odds before are those of a change
+    within a sector, which takes the time `period` [s].
+    """
+    ratio = 2.0 * SLACK * maximum(memory.manoeuvre.rise, memory.manoeuvre.fall)
+    if ratio < HARDLY:
+        return 0.0
+    odds = np.exp(ratio) * settings.stop_rate * period
+    return odds / (1.0 + odds) * settings.manoeuvre_density
 
 
 def silence_until(memory: EventFilterMemory, time: float, edges: float, settings: EventFilter) -> Silence:
@@ -227,13 +246,13 @@ def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
     )
 
 
-def doubtful_angle(heard: Heard, variance: float) -> Heard:
-    """What is believed where the angle has a `variance` [rad^2] more."""
+def blur(heard: Heard, angle_variance: float, speed_variance: float) -> Heard:
+    """What is believed where angle and speed have these variances more [rad^2, rad^2/s^2]."""
     return Heard(
         angle=heard.angle,
         speed=heard.speed,
-        angle_variance=heard.angle_variance + variance,
-        speed_variance=heard.speed_variance,
+        angle_variance=heard.angle_variance + angle_variance,
+        speed_variance=heard.speed_variance + speed_variance,
         standstill=heard.standstill,
         halt=heard.halt,
         missing_odds=heard.missing_odds,
