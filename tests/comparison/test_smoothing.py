@@ -7,7 +7,7 @@ from vvdp.comparison.estimators import contenders
 from vvdp.comparison.scenarios import scenarios
 from vvdp.comparison.smoothing import smoothed_traces, used_edge_step
 from vvdp.comparison.trials import compare, compiled_encoder, compiled_step, simulate_record
-from vvdp.estimation.event_filter import event_filter_start
+from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel

@@ -11,7 +11,7 @@ from tests.logs.records import titles
 
 import vvdp.logs.estimate as estimating
 from vvdp.base.errors import ConfigError
-from vvdp.estimation.event_filter import event_filter_start
+from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges

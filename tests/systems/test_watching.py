@@ -7,7 +7,8 @@ import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.base.tables import Table
-from vvdp.estimation.event_filter import event_filter_start, event_filter_step
+from vvdp.estimation.event_filter import event_filter_step
+from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import EventFilterValues, event_filter
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import equal_wheel

@@ -29,7 +29,8 @@ from vvdp.estimation.baselines.time_stamping import time_stamping, time_stamping
 from vvdp.estimation.baselines.torque_filter import TorqueFilter, TorqueReading, torque_filter, torque_filter_estimator
 from vvdp.estimation.baselines.tracking_loop import tracking_loop, tracking_loop_estimator
 from vvdp.estimation.estimator import Estimator
-from vvdp.estimation.event_filter import event_filter_estimator, event_filter_start
+from vvdp.estimation.event_filter import event_filter_estimator
+from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import EventFilter, event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start, fusion_step, pressure_edge_angle
 from vvdp.estimation.threshold import (

@@ -11,7 +11,8 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import Angle, AngularVariance, Time
 from vvdp.base.params import Params
 from vvdp.comparison.scores import Traces
-from vvdp.estimation.event_filter import EventFilterMemory, edge_angle_variance, event_filter_step
+from vvdp.estimation.event_filter import edge_angle_variance, event_filter_step
+from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.smoother import Step, smooth_edges, smoothed_at
 from vvdp.numerics.kalman import AngleSpeed

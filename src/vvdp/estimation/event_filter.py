@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from vvdp.base.kinds import AccelerationDensity, AngularVariance, Count, Fraction, Number, Time
+from vvdp.base.kinds import AngularVariance
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import (
     Association,
@@ -22,10 +22,12 @@ from vvdp.estimation.association import (
     missed_in_a_row,
     sector,
 )
+from vvdp.estimation.between_edges import SLACK, believed_at, heard_estimate, inflate, silence_until
 from vvdp.estimation.doubt import Doubt, carry_on, is_settled, no_doubt
 from vvdp.estimation.estimator import Estimate, Estimator
+from vvdp.estimation.event_memory import RELIABLE, EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.estimation.index import IndexMemory, index_after_edge, index_start
+from vvdp.estimation.index import index_after_edge, index_start
 from vvdp.estimation.ripple import (
     Place,
     Ripple,
@@ -38,16 +40,10 @@ from vvdp.estimation.ripple import (
     update_with_ripple,
     without_covariance,
 )
-from vvdp.estimation.silence import Heard, Silence, after_silence, is_silent, start_speed, turned_back
+from vvdp.estimation.silence import Heard, after_silence, is_silent, start_speed, turned_back
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
-from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, edge_below, nearest_edge
-
-SLACK = 1.0
-"""Normalised innovation that counts as none when innovations of one sign are summed up [1]."""
-
-RELIABLE = 0.01
-"""Share of irregular edges that is assumed at first [1]."""
+from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, nearest_edge
 
 UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
@@ -55,65 +51,8 @@ UNBELIEVABLE = 0.4
 UNREST = 32.0
 """Edges over which what a manoeuvre leaves behind fades [1]."""
 
-HARDLY = 4.0
-"""Logarithm of a likelihood ratio below which a manoeuvre is not suspected [1]."""
-
-SUSPECTED = 3.0
-"""Sectors for which a manoeuvre has gone on when it is suspected [1]."""
-
 BURST = 4.0
 """Edges missed in a row that count as irregular; a longer gap is one dropout [1]."""
-
-
-class LastEdge(NamedTuple):
-    """Number and time of the last edge that was used."""
-
-    number: Number
-    time: Time
-
-
-class Tally(NamedTuple):
-    """How edges are told: `started` is 1 after the first, `associating` once the belief tells them and none counts.
-
-    `ignored` edges have come since the last used one; `irregular` is the share of edges that were missed or ignored,
-    and rests on `watched` edges.
-    """
-
-    started: Fraction
-    associating: Fraction
-    ignored: Count
-    missed_edges: Count
-    irregular: Fraction
-    watched: Count
-
-
-class Manoeuvre(NamedTuple):
-    """Density of the acceleration, and what it falls to at first after a manoeuvre, for others follow; the sums of
-    innovations that tell when the speed changes."""
-
-    density: AccelerationDensity
-    unrest: AccelerationDensity
-    rise: Number
-    fall: Number
-
-
-class EventFilterMemory(NamedTuple):
-    """What the filter carries from sample to sample: its belief at `time`, and what it knows of edges and index.
-
-    The belief is about the mean course; `ripple` is what the ports add to it. `time` differs from that of the last edge
-    where another sensor tells the angle between edges. `slip` is the variance of the angle that no later edge can tell:
-    the wheel may have turned back while it stood.
-    """
-
-    time: Time
-    belief: AngleSpeed
-    ripple: Ripple
-    last: LastEdge
-    tally: Tally
-    manoeuvre: Manoeuvre
-    search: IndexMemory
-    doubt: Doubt
-    slip: AngularVariance
 
 
 class Expected(NamedTuple):
@@ -125,34 +64,6 @@ class Expected(NamedTuple):
     ripple: Ripple
     instant: AngleSpeed
     variance: AngularVariance
-
-
-def event_filter_start(settings: EventFilter, time: float, angle: float, speed: float) -> EventFilterMemory:
-    """Memory before the first sample.
-
-    time   [s]
-    angle  where the wheel stands, as far as is known [rad]
-    speed  expected [rad/s]
-    """
-    belief = AngleSpeed(angle, speed, settings.angle_variance, 0.0, settings.speed_variance)
-    q, wheel = settings.acceleration_density, settings.wheel
-    edge = edge_below(angle, wheel)
-    return EventFilterMemory(
-        time=time,
-        belief=belief,
-        ripple=ripple_start(settings.ripple_variance),
-        last=LastEdge(edge, time),
-        tally=new_tally(),
-        manoeuvre=Manoeuvre(density=q, unrest=q, rise=0.0, fall=0.0),
-        search=index_start(wheel),
-        doubt=no_doubt(belief),
-        slip=0.0,
-    )
-
-
-def new_tally() -> Tally:
-    """The tally before the first edge."""
-    return Tally(started=0.0, associating=0.0, ignored=0.0, missed_edges=0.0, irregular=RELIABLE, watched=0.0)
 
 
 def event_filter_step(
@@ -169,94 +80,7 @@ def event_filter_step(
     if reading.edges > 0.0:
         memory, innovation, deviation = after_edge(memory, reading, settings)
     heard = believed_at(memory, reading.time, settings)
-    estimate = Estimate(
-        angle=heard.angle,
-        speed=heard.speed,
-        angle_deviation=np.sqrt(heard.angle_variance),
-        speed_deviation=np.sqrt(heard.speed_variance),
-        innovation=innovation,
-        innovation_deviation=deviation,
-        missed_edges=memory.tally.missed_edges,
-        standstill=heard.standstill,
-    )
-    return memory, estimate
-
-
-def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -> Heard:
-    """What is believed at a `time` [s] up to which no edge has come since the last one."""
-    h, density = time - memory.time, memory.manoeuvre.density
-    instant = predict(memory.belief, h, density)
-    if settings.ripple_order > 0.0:
-        ripple = predict_ripple(memory.ripple, h, settings.ripple_drift)
-        instant = of_the_instant(instant, ripple, settings.ripple_order)
-    b = instant
-    heard = Heard(b.angle, b.speed, b.angle_variance, b.speed_variance, standstill=0.0, halt=0.0, missing_odds=0.0)
-    if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
-        silence = silence_until(memory, time, memory.tally.ignored + 1.0, settings)
-        if is_silent(instant, silence.next_edge, silence.edge_variance):
-            wide = inflate(instant, silence.duration, settings.manoeuvre_density)
-            heard = after_silence(instant, wide, silence)
-    if memory.doubt.odds > -np.inf:
-        heard = doubtful(heard, predict(memory.doubt.belief, h, density), memory.doubt.odds)
-    period = sector(settings.wheel) / maximum(b.speed, settings.lowest_speed)
-    density, lasting = suspected_density(memory, period, settings), h + SUSPECTED * period
-    return blur(heard, memory.slip + density * lasting * lasting * lasting / 3.0, density * lasting)
-
-
-def suspected_density(memory: EventFilterMemory, period: float, settings: EventFilter) -> float:
-    """Density of the acceleration that a manoeuvre not yet declared may have [rad^2/s^3].
-
-    The sums of innovations are the logarithm of its likelihood ratio, halved; the odds before are those of a change
-    within a sector, which takes the time `period` [s].
-    """
-    ratio = 2.0 * SLACK * maximum(memory.manoeuvre.rise, memory.manoeuvre.fall)
-    if ratio < HARDLY:
-        return 0.0
-    odds = np.exp(ratio) * settings.stop_rate * period
-    return odds / (1.0 + odds) * settings.manoeuvre_density
-
-
-def silence_until(memory: EventFilterMemory, time: float, edges: float, settings: EventFilter) -> Silence:
-    """The silence between the last edge and `time` [s], in which fewer than `edges` came; those may be bounce."""
-    last, wheel = memory.last, settings.wheel
-    return Silence(
-        duration=time - last.time,
-        last_edge=edge_angle(last.number, wheel),
-        next_edge=edge_angle(last.number + edges, wheel),
-        edge_variance=settings.edge_variance,
-        irregular=memory.tally.irregular,
-        watched=memory.tally.watched,
-        stop_rate=settings.stop_rate,
-        start_variance=settings.speed_variance,
-    )
-
-
-def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
-    """What is believed where another belief has `odds` (their logarithm): mean and variances of both together."""
-    w = 1.0 / (1.0 + np.exp(-odds))
-    angle, speed = other.angle - heard.angle, other.speed - heard.speed
-    return Heard(
-        angle=heard.angle + w * angle,
-        speed=heard.speed + w * speed,
-        angle_variance=(1.0 - w) * heard.angle_variance + w * other.angle_variance + w * (1.0 - w) * angle * angle,
-        speed_variance=(1.0 - w) * heard.speed_variance + w * other.speed_variance + w * (1.0 - w) * speed * speed,
-        standstill=(1.0 - w) * heard.standstill,
-        halt=(1.0 - w) * heard.halt,
-        missing_odds=heard.missing_odds,
-    )
-
-
-def blur(heard: Heard, angle_variance: float, speed_variance: float) -> Heard:
-    """What is believed where angle and speed have these variances more [rad^2, rad^2/s^2]."""
-    return Heard(
-        angle=heard.angle,
-        speed=heard.speed,
-        angle_variance=heard.angle_variance + angle_variance,
-        speed_variance=heard.speed_variance + speed_variance,
-        standstill=heard.standstill,
-        halt=heard.halt,
-        missing_odds=heard.missing_odds,
-    )
+    return memory, heard_estimate(heard, innovation, deviation, memory.tally.missed_edges)
 
 
 class EdgeNoise(Protocol):
@@ -277,7 +101,8 @@ def edge_angle_variance(speed: float, edge_interval: float, settings: EdgeNoise)
     Source  wang2017, eq. 3.4, with the threshold's part an angle: docs/errata.md
     """
     passed = maximum(speed, settings.lowest_speed) * edge_interval
-    return passed * passed / 12.0 + settings.edge_variance
+    variance: float = passed * passed / 12.0 + settings.edge_variance
+    return variance
 
 
 def expected_at(memory: EventFilterMemory, reading: Reading, settings: EventFilter) -> Expected:
@@ -512,16 +337,6 @@ def associate(memory: EventFilterMemory, reading: Reading, expected: Expected, s
         irregular=m.tally.irregular,
     )
     return associated_edge(m.last.number, sighting, wheel)
-
-
-def inflate(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
-    """The belief when the acceleration has had an `acceleration_density` [rad^2/s^3] more for the last `duration` [s].
-
-    P + q [[h^3/3, h^2/2], [h^2/2, h]].
-    """
-    b, h, q = belief, duration, acceleration_density
-    P11, P12 = b.angle_variance + q * h * h * h / 3.0, b.covariance + 0.5 * q * h * h
-    return AngleSpeed(b.angle, b.speed, P11, P12, b.speed_variance + q * h)
 
 
 def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:

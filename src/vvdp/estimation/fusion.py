@@ -16,18 +16,12 @@ from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Rati
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
-from vvdp.estimation.estimator import Estimate, to_estimate
-from vvdp.estimation.event_filter import (
-    EventFilterMemory,
-    LastEdge,
-    Manoeuvre,
-    Tally,
-    after_edge,
-    edge_angle_variance,
-    event_filter_start,
-    inflate,
-)
+from vvdp.estimation.between_edges import believed_at, heard_estimate, heard_plainly, inflate
+from vvdp.estimation.estimator import Estimate
+from vvdp.estimation.event_filter import after_edge, edge_angle_variance
+from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
+from vvdp.estimation.silence import Heard
 from vvdp.estimation.threshold import AngleDrift
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
@@ -38,6 +32,9 @@ LAG = Kind("lag", "s", -1.0, 1.0, "0.2 ms")
 
 TimeVariance = Annotated[float, TIME_VARIANCE]
 Lag = Annotated[float, LAG]
+
+PATIENT_PITCHES = 1.5
+"""Periods of the pressure wave without an edge after which the pressure is taken to be silent too [1]."""
 
 SILENT_SECTORS = 4.0
 """Sectors that pass without an edge until the encoder counts as lost."""
@@ -79,6 +76,11 @@ class Fusion(Params):
             raise ParameterError(
                 f"Fusion: pressure_variance {self.pressure_variance:g} rad^2 and duty_sensor_variance "
                 f"{self.duty_sensor_variance:g}; no sensor is exact, expected both above 0"
+            )
+        if self.filter.ripple_order > 0.0:
+            raise ParameterError(
+                f"Fusion.filter: a ripple of order {self.filter.ripple_order:g}; with the pressure none can be "
+                "estimated, expected ripple_order = 0"
             )
 
 
@@ -200,9 +202,8 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
         memory, innovation, deviation = _after_encoder(memory, encoder, settings)
     if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.tally.associating > 0.0:
         memory = _after_pressure_edge(memory, reading, settings)
-    last = memory.filter
-    belief = predict(last.belief, encoder.time - last.time, last.manoeuvre.density)
-    estimate = to_estimate(belief, innovation, deviation, last.tally.missed_edges)
+    heard = _heard(memory, encoder.time, settings)
+    estimate = heard_estimate(heard, innovation, deviation, memory.filter.tally.missed_edges)
     shown = FusionEstimate(
         estimate=estimate,
         phase=memory.mean[2],
@@ -213,6 +214,15 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
         lag_deviation=np.sqrt(memory.covariance[4, 4]),
     )
     return memory, shown
+
+
+def _heard(memory: FusionMemory, time: float, settings: Fusion) -> Heard:
+    """What is believed at `time` [s]. While the pressure tells that the spool turns, a silent encoder says nothing."""
+    last, doubts, pitch = memory.filter, memory.doubts, 2.0 * np.pi / settings.sections
+    since = time - doubts.agreed_time
+    if doubts.agreed_time > doubts.encoder_time and since * last.belief.speed < PATIENT_PITCHES * pitch:
+        return heard_plainly(predict(last.belief, time - last.time, last.manoeuvre.density))
+    return believed_at(last, time, settings.filter)
 
 
 def lag_of_phases(speeds: Array, phases: Array) -> tuple[float, float]:

@@ -13,12 +13,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.estimator import Estimate
-from vvdp.estimation.event_filter import (
-    EventFilterMemory,
-    edge_angle_variance,
-    event_filter_start,
-    event_filter_step,
-)
+from vvdp.estimation.event_filter import edge_angle_variance, event_filter_step
+from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
 from vvdp.logs.alignment import Alignment, alignment, edges_needed

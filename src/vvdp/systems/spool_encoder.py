@@ -7,7 +7,8 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Count, Fraction, FractionSignal, Length
 from vvdp.base.params import Params
 from vvdp.estimation.estimator import Estimate, to_estimate
-from vvdp.estimation.event_filter import EventFilterMemory, event_filter_start, event_filter_step
+from vvdp.estimation.event_filter import event_filter_step
+from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter, EventFilterValues, event_filter
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType

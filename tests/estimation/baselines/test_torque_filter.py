@@ -31,7 +31,7 @@ from vvdp.estimation.baselines.torque_filter import (
     torque_filter_step,
     update_spool,
 )
-from vvdp.estimation.event_filter import Tally
+from vvdp.estimation.event_memory import Tally
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed, predict, update_n
 from vvdp.sensing.reading import Reading

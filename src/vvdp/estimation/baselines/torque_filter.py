@@ -25,8 +25,10 @@ from vvdp.base.kinds import (
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
+from vvdp.estimation.between_edges import SLACK
 from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
-from vvdp.estimation.event_filter import BURST, RELIABLE, SLACK, UNBELIEVABLE, Tally, edge_angle_variance, new_tally
+from vvdp.estimation.event_filter import BURST, UNBELIEVABLE, edge_angle_variance
+from vvdp.estimation.event_memory import RELIABLE, Tally, new_tally
 from vvdp.estimation.event_settings import event_filter
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed

@@ -1,0 +1,140 @@
+"""What the event-based Kalman filter believes at any time up to which no edge has come since the last one.
+
+Source  ours, docs/models/event-filter.md, where a function names no other.
+"""
+
+import numpy as np
+
+from vvdp.base.select import maximum
+from vvdp.estimation.association import sector
+from vvdp.estimation.estimator import Estimate
+from vvdp.estimation.event_memory import EventFilterMemory
+from vvdp.estimation.event_settings import EventFilter
+from vvdp.estimation.ripple import of_the_instant, predict_ripple
+from vvdp.estimation.silence import Heard, Silence, after_silence, is_silent
+from vvdp.numerics.kalman import AngleSpeed, predict
+from vvdp.sensing.wheel import edge_angle
+
+SLACK = 1.0
+"""Normalised innovation that counts as none when innovations of one sign are summed up [1]."""
+
+HARDLY = 4.0
+"""Logarithm of a likelihood ratio below which a manoeuvre is not suspected [1]."""
+
+SUSPECTED = 3.0
+"""Sectors for which a manoeuvre has gone on when it is suspected [1]."""
+
+
+def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -> Heard:
+    """What is believed at a `time` [s] up to which no edge has come since the last one."""
+    h, density = time - memory.time, memory.manoeuvre.density
+    instant = predict(memory.belief, h, density)
+    if settings.ripple_order > 0.0:
+        ripple = predict_ripple(memory.ripple, h, settings.ripple_drift)
+        instant = of_the_instant(instant, ripple, settings.ripple_order)
+    heard = heard_plainly(instant)
+    if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
+        silence = silence_until(memory, time, memory.tally.ignored + 1.0, settings)
+        if is_silent(instant, silence.next_edge, silence.edge_variance):
+            wide = inflate(instant, silence.duration, settings.manoeuvre_density)
+            heard = after_silence(instant, wide, silence)
+    if memory.doubt.odds > -np.inf:
+        heard = doubtful(heard, predict(memory.doubt.belief, h, density), memory.doubt.odds)
+    period = sector(settings.wheel) / maximum(instant.speed, settings.lowest_speed)
+    density, lasting = suspected_density(memory, period, settings), h + SUSPECTED * period
+    return blur(heard, memory.slip + density * lasting * lasting * lasting / 3.0, density * lasting)
+
+
+def heard_plainly(belief: AngleSpeed) -> Heard:
+    """A belief to which a silence says nothing."""
+    b = belief
+    return Heard(
+        angle=b.angle,
+        speed=b.speed,
+        angle_variance=b.angle_variance,
+        speed_variance=b.speed_variance,
+        standstill=0.0,
+        halt=0.0,
+        missing_odds=0.0,
+    )
+
+
+def suspected_density(memory: EventFilterMemory, period: float, settings: EventFilter) -> float:
+    """Density of the acceleration that a manoeuvre not yet declared may have [rad^2/s^3].
+
+    The sums of innovations are the logarithm of its likelihood ratio, halved; the odds before are those of a change
+    within a sector, which takes the time `period` [s].
+    """
+    ratio = 2.0 * SLACK * maximum(memory.manoeuvre.rise, memory.manoeuvre.fall)
+    if ratio < HARDLY:
+        return 0.0
+    odds = np.exp(ratio) * settings.stop_rate * period
+    density: float = odds / (1.0 + odds) * settings.manoeuvre_density
+    return density
+
+
+def heard_estimate(heard: Heard, innovation: float, innovation_deviation: float, missed_edges: float) -> Estimate:
+    """The estimate that is made of what is believed at a sample; arguments as in `Estimate`."""
+    return Estimate(
+        angle=heard.angle,
+        speed=heard.speed,
+        angle_deviation=np.sqrt(heard.angle_variance),
+        speed_deviation=np.sqrt(heard.speed_variance),
+        innovation=innovation,
+        innovation_deviation=innovation_deviation,
+        missed_edges=missed_edges,
+        standstill=heard.standstill,
+    )
+
+
+def silence_until(memory: EventFilterMemory, time: float, edges: float, settings: EventFilter) -> Silence:
+    """The silence between the last edge and `time` [s], in which fewer than `edges` came; those may be bounce."""
+    last, wheel = memory.last, settings.wheel
+    return Silence(
+        duration=time - last.time,
+        last_edge=edge_angle(last.number, wheel),
+        next_edge=edge_angle(last.number + edges, wheel),
+        edge_variance=settings.edge_variance,
+        irregular=memory.tally.irregular,
+        watched=memory.tally.watched,
+        stop_rate=settings.stop_rate,
+        start_variance=settings.speed_variance,
+    )
+
+
+def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
+    """What is believed where another belief has `odds` (their logarithm): mean and variances of both together."""
+    w = 1.0 / (1.0 + np.exp(-odds))
+    angle, speed = other.angle - heard.angle, other.speed - heard.speed
+    return Heard(
+        angle=heard.angle + w * angle,
+        speed=heard.speed + w * speed,
+        angle_variance=(1.0 - w) * heard.angle_variance + w * other.angle_variance + w * (1.0 - w) * angle * angle,
+        speed_variance=(1.0 - w) * heard.speed_variance + w * other.speed_variance + w * (1.0 - w) * speed * speed,
+        standstill=(1.0 - w) * heard.standstill,
+        halt=(1.0 - w) * heard.halt,
+        missing_odds=heard.missing_odds,
+    )
+
+
+def blur(heard: Heard, angle_variance: float, speed_variance: float) -> Heard:
+    """What is believed where angle and speed have these variances more [rad^2, rad^2/s^2]."""
+    return Heard(
+        angle=heard.angle,
+        speed=heard.speed,
+        angle_variance=heard.angle_variance + angle_variance,
+        speed_variance=heard.speed_variance + speed_variance,
+        standstill=heard.standstill,
+        halt=heard.halt,
+        missing_odds=heard.missing_odds,
+    )
+
+
+def inflate(belief: AngleSpeed, duration: float, acceleration_density: float) -> AngleSpeed:
+    """The belief when the acceleration has had an `acceleration_density` [rad^2/s^3] more for the last `duration` [s].
+
+    P + q [[h^3/3, h^2/2], [h^2/2, h]].
+    """
+    b, h, q = belief, duration, acceleration_density
+    P11, P12 = b.angle_variance + q * h * h * h / 3.0, b.covariance + 0.5 * q * h * h
+    return AngleSpeed(b.angle, b.speed, P11, P12, b.speed_variance + q * h)
