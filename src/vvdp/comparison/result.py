@@ -51,20 +51,20 @@ FIGURES: Mapping[str, tuple[Kind, str]] = {
     "speed_error_95_rad_s": (SPEED_ERROR, "speed, mean 95 %"),
     "speed_error_worst_rad_s": (SPEED_ERROR, "worst"),
     "speed_error_mean_rad_s": (SPEED_ERROR, "mean"),
+    "speed_coverage": (FRACTION, "within 2 σ"),
     "angle_error_rms_rad": (ANGLE_ERROR, "angle rms"),
     "angle_error_rms_low_rad": (ANGLE_ERROR, "angle rms, exceeded by 95 % of the runs"),
     "angle_error_rms_high_rad": (ANGLE_ERROR, "angle rms, exceeded by 5 % of the runs"),
     "angle_error_95_rad": (ANGLE_ERROR, "angle, mean 95 %"),
     "angle_error_worst_rad": (ANGLE_ERROR, "worst"),
     "angle_error_mean_rad": (ANGLE_ERROR, "mean"),
+    "angle_coverage": (FRACTION, "within 2 σ"),
     "settling_median_s": (TIME, "settles"),
     "settling_90_s": (TIME, "settles, 90 % of the runs"),
     "settled": (FRACTION, "share that settles"),
     "delay_s": (TIME, "delay"),
     "lost_sectors": (NUMBER, "lost"),
     "nis": (NUMBER, "NIS"),
-    "speed_coverage": (FRACTION, "speed within 2 σ"),
-    "angle_coverage": (FRACTION, "angle within 2 σ"),
 }
 """Kind and label of each figure of a score."""
 SHOWN = (
