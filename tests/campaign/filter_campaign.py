@@ -126,8 +126,8 @@ def pooled_row(name: str, ran: Sequence[Outcome]) -> str:
 def table(records: int, names: Iterable[str]) -> str:
     """What each class comes to over so many records."""
     heading = (
-        "          coverage      NEES                band       speed rms  worst record's coverage    wrong standing\n"
-        "class      speed  angle     speed     angle  from   to   [rad/s]  speed       angle         factor cover. ms"
+        "          coverage      NEES                band       speed rms  worst record's coverage wrong  standing\n"
+        "class      speed  angle     speed     angle  from   to  [rad/s]  speed       angle     factor  cover. after ms"
     )
     rows = [pooled_row(name, [run(case(name, seed)) for seed in range(records)]) for name in names]
     return "\n".join([heading, *rows])

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from vvdp.base.errors import ParameterError
-from vvdp.comparison.motion import Motion
+from vvdp.comparison.motion import Lag
 from vvdp.comparison.scenarios import (
     LPM,
     commensurate_turns,
@@ -37,7 +37,7 @@ def test_the_driving_flow_of_the_step_is_the_step():
 def test_the_driving_flow_drives_the_motion():
     """The torque balance integrated with that flow gives the speed back, here for the slow start."""
     valve, _, rho, mu, _ = drive()
-    motion = Motion(0.0, 150.0, 0.1, 0.5)
+    motion = Lag(0.0, 150.0, 0.1, 0.5)
 
     def rate(t, y):
         flow = driving_flow(motion, np.array([t]))[0]

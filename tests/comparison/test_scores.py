@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vvdp.comparison.motion import Motion, steady
+from vvdp.comparison.motion import Lag, Ramps, steady
 from vvdp.comparison.result import FIGURES
 from vvdp.comparison.scores import (
     Score,
@@ -14,11 +14,12 @@ from vvdp.comparison.scores import (
     score,
     settling_time,
     summary,
+    undirected,
 )
 
 SECTOR = np.pi / 4
 TIME = np.arange(3000) * 1e-3
-STEP = Motion(70.0, 150.0, 1.0, 0.03)
+STEP = Lag(70.0, 150.0, 1.0, 0.03)
 
 
 def truth(motion):
@@ -29,7 +30,14 @@ def scored(angle_error, speed_error, motion=None, deviation=0.0):
     motion = motion or steady(150.0)
     true = truth(motion)
     still = np.zeros(TIME.size)
-    traces = Traces(true.angle + angle_error, true.speed + speed_error, still + 0.2, still + deviation)
+    traces = Traces(
+        angle=true.angle + angle_error,
+        speed=true.speed + speed_error,
+        innovation=still + 0.2,
+        innovation_deviation=still + deviation,
+        angle_deviation=still + 0.02,
+        speed_deviation=still + (1.0 if deviation >= 0.0 else np.nan),
+    )
     return score(traces, true, motion, 0.5, SECTOR)
 
 
@@ -63,6 +71,22 @@ def test_sectors_lost_on_the_way_are_counted():
     found = scored(lost, 0.0)
     assert found.lost_sectors == 5.0
     assert found.angle_worst == pytest.approx(3 * SECTOR)
+
+
+def test_coverage_is_the_share_within_two_deviations():
+    """Deviations of 0.02 rad and 1 rad/s; the speed is 3 off for the last second of the 2.5 that count."""
+    found = scored(0.03, np.where(TIME < 2.0, 1.9, 3.0))
+    assert found.angle_coverage == 1.0 and scored(0.05, 0.0).angle_coverage == 0.0
+    assert found.speed_coverage == pytest.approx(0.6, abs=1e-3)
+    assert np.isnan(scored(0.0, 0.0, deviation=np.nan).speed_coverage)
+
+
+def test_of_a_reversal_the_way_counts_and_not_the_direction():
+    """From 100 to -100 rad/s within 1 s: at 2.9 s it has turned through 100 + 50 + 90 = 240 rad."""
+    motion = Ramps((0.0, 1.0, 2.0), (100.0, 100.0, -100.0))
+    found = undirected(truth(motion), motion)
+    assert found.angle[2900] == pytest.approx(240.0) and found.speed[2900] == pytest.approx(100.0)
+    assert found.angle[500] == pytest.approx(50.0)
 
 
 def test_nis_counts_only_edges_that_were_used():
@@ -102,7 +126,7 @@ def test_a_delay_beyond_what_is_sought_is_not_measured():
 
 def test_a_lag_delays_by_about_its_time_constant():
     """Through a further lag of 10 ms a slow ramp comes 10 ms late."""
-    slow = Motion(0.0, 150.0, 0.2, 1.0)
+    slow = Lag(0.0, 150.0, 0.2, 1.0)
     shown = np.empty(TIME.size)
     shown[0], keep = 0.0, np.exp(-1e-3 / 0.01)
     for k in range(1, TIME.size):

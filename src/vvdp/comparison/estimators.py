@@ -129,7 +129,9 @@ def with_flow(scenario: Scenario, record: Record) -> Array:
     """
     random = np.random.default_rng([record.seed, 4])
     time = record.truth.time
-    flow = driving_flow(scenario.motion, time - 0.5 / scenario.rate) * (1.0 + FLOW_DEVIATION * random.standard_normal())
+    flow = driving_flow(scenario.motion.driven, time - 0.5 / scenario.rate) * (
+        1.0 + FLOW_DEVIATION * random.standard_normal()
+    )
     temperature = np.full(time.size, WARM_OIL + TEMPERATURE_DEVIATION * random.standard_normal())
     return np.column_stack([record.readings, flow, temperature])
 
@@ -143,16 +145,15 @@ def with_pressure(scenario: Scenario, record: Record) -> Array:
     random = np.random.default_rng([record.seed, 5])
     time, angle, _ = record.truth
     phase = random.uniform(-0.5 * WAVE, 0.5 * WAVE)
-    pulses = np.arange(np.floor(angle[0] / WAVE) - 2.0, np.ceil(angle[-1] / WAVE) + 3.0)
-    edges, last, polarity = np.zeros(time.size), np.zeros(time.size), np.zeros(time.size)
-    for sign in (1.0, -1.0):
-        places = pressure_edge_angle(pulses, sign, DUTY_RATIO, phase, 0.0, 0.0, 3.0)  # type: ignore[arg-type]
-        seen = places + PRESSURE_DEVIATION * random.standard_normal(pulses.size)
-        at = np.searchsorted(angle, seen)
-        inside = (at > 0) & (at < time.size)
-        np.add.at(edges, at[inside], 1.0)
-        later = inside & (seen > last[np.clip(at, 0, time.size - 1)])
-        last[at[later]], polarity[at[later]] = seen[later], sign
+    pulses = np.arange(np.floor(angle.min() / WAVE) - 2.0, np.ceil(angle.max() / WAVE) + 3.0)
+    signs = np.repeat([1.0, -1.0], pulses.size)
+    places = pressure_edge_angle(np.tile(pulses, 2), signs, DUTY_RATIO, phase, 0.0, 0.0, 3.0)  # type: ignore[arg-type]
+    seen = places + PRESSURE_DEVIATION * random.standard_normal(signs.size)
+    order = np.argsort(seen)
+    behind = np.searchsorted(seen[order], angle, side="right")
+    passed = np.diff(behind, prepend=behind[0])
+    edges, last = np.abs(passed), np.where(passed > 0, behind - 1, np.clip(behind, 0, signs.size - 1))
+    polarity = np.where(passed == 0, 0.0, np.sign(passed) * signs[order][last])  # backwards a pulse ends where it began
     period = np.full(time.size, 1.0 / scenario.rate)
     duty = DUTY_RATIO + DUTY_DEVIATION * random.standard_normal(time.size)
     return np.column_stack([record.readings, edges, time - 0.5 * period, period, polarity, duty])

@@ -41,7 +41,8 @@ DEFINITIONS = (
     "turn, relative to the unknown index. Settling: from the step on until the speed stays within 5 % of the step of "
     "its final value, median over the runs; a dash where it does not. Delay: the shift of the true speed that comes "
     "closest to the estimate. Lost: sectors gained or lost in a run, on average. NIS: mean normalised innovation "
-    "squared, 1 where the stated uncertainty is right."
+    "squared, 1 where the stated uncertainty is right. Within 2 σ: share of errors within two stated deviations, 95 % "
+    "where they are right, a dash where none are stated."
 )
 FIGURES: Mapping[str, tuple[Kind, str]] = {
     "speed_error_rms_rad_s": (SPEED_ERROR, "speed rms"),
@@ -50,12 +51,14 @@ FIGURES: Mapping[str, tuple[Kind, str]] = {
     "speed_error_95_rad_s": (SPEED_ERROR, "speed, mean 95 %"),
     "speed_error_worst_rad_s": (SPEED_ERROR, "worst"),
     "speed_error_mean_rad_s": (SPEED_ERROR, "mean"),
+    "speed_coverage": (FRACTION, "within 2 σ"),
     "angle_error_rms_rad": (ANGLE_ERROR, "angle rms"),
     "angle_error_rms_low_rad": (ANGLE_ERROR, "angle rms, exceeded by 95 % of the runs"),
     "angle_error_rms_high_rad": (ANGLE_ERROR, "angle rms, exceeded by 5 % of the runs"),
     "angle_error_95_rad": (ANGLE_ERROR, "angle, mean 95 %"),
     "angle_error_worst_rad": (ANGLE_ERROR, "worst"),
     "angle_error_mean_rad": (ANGLE_ERROR, "mean"),
+    "angle_coverage": (FRACTION, "within 2 σ"),
     "settling_median_s": (TIME, "settles"),
     "settling_90_s": (TIME, "settles, 90 % of the runs"),
     "settled": (FRACTION, "share that settles"),
@@ -66,8 +69,8 @@ FIGURES: Mapping[str, tuple[Kind, str]] = {
 """Kind and label of each figure of a score."""
 SHOWN = (
     "scenario", "estimator", "speed_error_rms_rad_s", "speed_error_95_rad_s", "speed_error_worst_rad_s",
-    "speed_error_mean_rad_s", "angle_error_rms_rad", "angle_error_95_rad", "angle_error_worst_rad", "lost_sectors",
-    "nis", "settling_median_s", "delay_s",
+    "speed_error_mean_rad_s", "speed_coverage", "angle_error_rms_rad", "angle_error_95_rad", "angle_error_worst_rad",
+    "angle_coverage", "lost_sectors", "nis", "settling_median_s", "delay_s",
 )  # fmt: skip
 
 
@@ -199,12 +202,12 @@ def _trace_table(traced: Traced) -> Table:
 def scenario_tables(found: Comparison, result: Result) -> dict[str, Table]:
     """The scores of each scenario that was run, in a table of its own, as a screen has room for."""
     table = result.tables["comparison"]
-    keys = ("estimator", "speed_error_rms_rad_s", "speed_error_95_rad_s", "angle_error_rms_rad", "angle_error_95_rad",
-            "lost_sectors", "nis")  # fmt: skip
+    keys = ("estimator", "speed_error_rms_rad_s", "speed_error_95_rad_s", "speed_coverage", "angle_error_rms_rad",
+            "angle_error_95_rad", "angle_coverage", "lost_sectors", "nis")  # fmt: skip
     tables = {}
     for name, played in found.scenarios_run.items():
         here = table["scenario"] == name
-        chosen = (*keys, "settling_median_s", "delay_s") if played.changes else keys
+        chosen = (*keys, "settling_median_s", "delay_s") if played.is_step else keys
         columns = {key: Column(column.values[here], column.kind, column.label, column.symbol)
                    for key, column in table.columns.items()}  # fmt: skip
         tables[name] = Table(title=f"{name}: {played.title}", columns=columns, shown=chosen)

@@ -19,10 +19,10 @@ class Traced:
 
 
 class Played(NamedTuple):
-    """A scenario as it was run: whether its speed changes, and how many seeds it got."""
+    """A scenario as it was run: whether it is a step of the speed, and how many seeds it got."""
 
     title: str
-    changes: bool
+    is_step: bool
     runs: int
 
 
@@ -59,5 +59,5 @@ class Comparison:
 
     @property
     def first_step(self) -> str | None:
-        """The first scenario in which the speed changes."""
-        return next((name for name, played in self.scenarios_run.items() if played.changes), None)
+        """The first scenario in which the speed goes over to another."""
+        return next((name for name, played in self.scenarios_run.items() if played.is_step), None)

@@ -9,7 +9,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant, ramp
-from vvdp.comparison.motion import Motion, steady
+from vvdp.comparison.motion import Lag, Motion, Ramps, Ripple, steady
 from vvdp.comparison.scores import Truth
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity, film_ratios
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, capture_unit
@@ -31,6 +31,9 @@ LPM = 1e-3 / 60.0
 SLOW_FLOW, FAST_FLOW = 26.7 * LPM, 40.0 * LPM
 """Pump flows before and after the step [m^3/s]: wang2017, section 3.6."""
 WARM_OIL = 313.15
+
+SLOW_SPOOL, FAST_SPOOL = 126.7, 133.0
+"""Between which speeds the spool swings while it switches [rad/s]: ours, docs/comparison.md."""
 
 RATE = 1000.0
 """At which the published encoder was sampled [Hz]: wang2017, section 3.5."""
@@ -132,7 +135,7 @@ def drive() -> Drive:
     return Drive(bench.valve, bench.oil, density(WARM_OIL, bench.oil), viscosity, thickening)
 
 
-def flow_step(at: float) -> Motion:
+def flow_step(at: float) -> Lag:
     """The spool of the prototype, fully open and spun by its flow, when that steps from 26.7 to 40 lpm at `at` [s].
 
     At a constant flow the balance of torques is linear in the speed, so the spool follows as a first-order lag.
@@ -141,10 +144,21 @@ def flow_step(at: float) -> Motion:
     """
     valve, _, rho, mu, _ = drive()
     before, after = (equilibrium_speed(flow, rho, mu, valve) for flow in (SLOW_FLOW, FAST_FLOW))
-    return Motion(float(before), float(after), at, float(spool_time_constant(FAST_FLOW, rho, mu, valve)))
+    return Lag(float(before), float(after), at, float(spool_time_constant(FAST_FLOW, rho, mu, valve)))
 
 
-def driving_flow(motion: Motion, time: Array) -> Array:
+def pwm_ripple() -> Ripple:
+    """The spool of the prototype within its PWM periods: from `SLOW_SPOOL` to `FAST_SPOOL` and back, three a turn.
+
+    The mean over time is the geometric mean of the two: sqrt(126.7 133) = 129.8 rad/s.
+
+    Source  ours, docs/comparison.md
+    """
+    share = (FAST_SPOOL - SLOW_SPOOL) / (FAST_SPOOL + SLOW_SPOOL)
+    return Ripple(float(np.sqrt(FAST_SPOOL * SLOW_SPOOL)), share, 3.0)
+
+
+def driving_flow(motion: Lag, time: Array) -> Array:
     """The flow that makes the prototype's spool move as `motion` says [m^3/s], positive.
 
     From J omega' = rho Q^2 (R_in/A_in + R_out/A_out,eff) - (k_f + rho R_out^2 Q) omega, quadratic in Q.
@@ -185,7 +199,7 @@ def scenarios(sectors: int = SECTORS, rate: float = RATE) -> tuple[Scenario, ...
         ),
         scenario("step", "pump flow steps from 26.7 to 40 lpm at 1 s", flow_step(1.0)),
         scenario(
-            "start", "from rest to 24.7 Hz, time constant 0.5 s", Motion(0.0, USUAL_TURNS * TURN, 0.2, 0.5), until=4.0
+            "start", "from rest to 24.7 Hz, time constant 0.5 s", Lag(0.0, USUAL_TURNS * TURN, 0.2, 0.5), until=4.0
         ),
         scenario("missed-edges", "24.7 Hz, a fifth of the edges missed", usual, faulty(missed_edges=0.2)),
         scenario("double-edges", "24.7 Hz, one edge in twenty bounces", usual, faulty(double_edges=0.05)),
@@ -203,6 +217,19 @@ def scenarios(sectors: int = SECTORS, rate: float = RATE) -> tuple[Scenario, ...
         scenario("eccentric", "24.7 Hz, wheel off centre by 0.05 of its radius", usual, faulty(eccentricity=0.05)),
         scenario(
             "captured", "24.7 Hz, sharp edges, each stamped", usual, replace(sharp, acquisition=capture_unit(0.0))
+        ),
+        scenario("pwm-ripple", "126.7 to 133 rad/s within a PWM period, three of them a turn", pwm_ripple()),
+        scenario(
+            "stop",
+            "155 rad/s, jammed within 50 ms at 2 s, free again at 4 s",
+            Ramps((0.0, 2.0, 2.05, 4.0, 4.05), (155.0, 155.0, 0.0, 0.0, 155.0)),
+            until=5.5,
+        ),
+        scenario(
+            "reversal",
+            "from 100 rad/s forward to 100 rad/s backward within 1 s",
+            Ramps((0.0, 1.8, 2.8), (100.0, 100.0, -100.0)),
+            until=4.5,
         ),
     )
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.comparison.motion import Motion
+from vvdp.comparison.motion import Lag, Motion
 from vvdp.sensing.wheel import TURN
 
 ALIGNED_OVER = 0.1
@@ -28,6 +28,7 @@ class Score(NamedTuple):
     been taken off that fits best at the begin: a wheel without an index does not tell it. `tail` is what is exceeded in
     5 % of the time; `settling` is infinite where the speed does not stay within 5 % of the step; `delay` is by how much
     the true speed has to be shifted to come closest to the estimate; `lost_sectors` were gained or lost on the way.
+    Coverage is the share of errors within two of the stated deviations.
     """
 
     angle_mean_square: float  # [rad^2]
@@ -42,6 +43,8 @@ class Score(NamedTuple):
     delay: float  # [s]
     lost_sectors: float
     nis: float
+    angle_coverage: float
+    speed_coverage: float
 
 
 class Traces(NamedTuple):
@@ -51,6 +54,8 @@ class Traces(NamedTuple):
     speed: Array
     innovation: Array
     innovation_deviation: Array
+    angle_deviation: Array
+    speed_deviation: Array
 
 
 class Truth(NamedTuple):
@@ -61,8 +66,17 @@ class Truth(NamedTuple):
     speed: Array
 
 
+def undirected(truth: Truth, motion: Motion) -> Truth:
+    """The angle turned through and the speed, whichever way: an encoder with one track does not tell it."""
+    angle = truth.angle - motion.angle(truth.time) + motion.turned(truth.time)
+    return Truth(truth.time, angle, np.abs(truth.speed))
+
+
 def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sector: float) -> Score:
-    """The score of one run from `scored_from` [s] on, on a wheel with sectors `sector` [rad] wide."""
+    """The score of one run from `scored_from` [s] on, on a wheel with sectors `sector` [rad] wide.
+
+    The truth has no direction, see `undirected`.
+    """
     part = truth.time >= scored_from
     time = truth.time[part]
     apart = traces.angle[part] - truth.angle[part]
@@ -81,11 +95,18 @@ def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sect
         speed_tail=speed_off.tail,
         speed_worst=speed_off.worst,
         speed_bias=speed_off.bias,
-        settling=settling_time(truth.time, traces.speed, motion),
-        delay=equivalent_delay(time, traces.speed[part], motion),
+        settling=settling_time(truth.time, traces.speed, motion.step) if motion.step else np.nan,
+        delay=equivalent_delay(time, traces.speed[part], motion.step) if motion.step else np.nan,
         lost_sectors=abs(float(np.round((at_end - at_begin) / sector))),
         nis=_mean_nis(traces.innovation[part], traces.innovation_deviation[part]),
+        angle_coverage=coverage(angle, traces.angle_deviation[part]),
+        speed_coverage=coverage(speed, traces.speed_deviation[part]),
     )
+
+
+def coverage(error: Array, deviation: Array) -> float:
+    """Share of errors within two stated deviations, NaN where none are stated."""
+    return float(np.mean(np.abs(error) <= 2.0 * deviation)) if np.isfinite(deviation).any() else np.nan
 
 
 class _Size(NamedTuple):
@@ -113,13 +134,11 @@ def _mean_nis(innovation: Array, deviation: Array) -> float:
     return float(np.mean((innovation[used] / deviation[used]) ** 2)) if np.any(used) else np.nan
 
 
-def settling_time(time: Array, speed: Array, motion: Motion) -> float:
+def settling_time(time: Array, speed: Array, motion: Lag) -> float:
     """Time after the step from which on `speed` stays within 5 % of the step of its final value [s].
 
-    NaN where the speed does not change; infinite where the last sample lies outside still.
+    Infinite where the last sample lies outside still.
     """
-    if not motion.changes:
-        return np.nan
     outside = ~(np.abs(speed - motion.after) <= BAND * abs(motion.after - motion.before))  # NaN is
     late = np.flatnonzero(outside & (time >= motion.change_at))
     if not late.size:
@@ -129,14 +148,12 @@ def settling_time(time: Array, speed: Array, motion: Motion) -> float:
     return float(time[late[-1] + 1] - motion.change_at)
 
 
-def equivalent_delay(time: Array, speed: Array, motion: Motion) -> float:
+def equivalent_delay(time: Array, speed: Array, motion: Lag) -> float:
     """The lag L >= 0 for which the true speed at t - L comes closest to `speed` at t in the mean square [s].
 
-    Sought on the grid of the samples, then between them by a parabola. NaN where the speed does not change; infinite
-    where it is longer than `LONGEST_DELAY`.
+    Sought on the grid of the samples, then between them by a parabola; infinite where it is longer than
+    `LONGEST_DELAY`.
     """
-    if not motion.changes:
-        return np.nan
     thin = max(1, time.size // MOST_SAMPLES)
     time, speed = time[::thin], speed[::thin]
     period = float(time[-1] - time[0]) / (time.size - 1)
@@ -184,6 +201,7 @@ def summary(scores: Array) -> dict[str, Measured]:
         found[f"{name}_error_95_{unit}"] = _mean(column[f"{name}_tail"])
         found[f"{name}_error_worst_{unit}"] = Measured(float(np.max(column[f"{name}_worst"])))
         found[f"{name}_error_mean_{unit}"] = _mean(column[f"{name}_bias"])
+        found[f"{name}_coverage"] = _mean(column[f"{name}_coverage"])
     found["settling_median_s"] = quantile(column["settling"], 0.5)
     found["settling_90_s"] = quantile(column["settling"], 0.9)
     found["settled"] = _mean(np.where(np.isnan(column["settling"]), np.nan, np.isfinite(column["settling"])))

@@ -51,12 +51,19 @@ def smoothed_traces(time: Array, shown: Array, settings: EventFilter) -> Traces:
     times, angles, variances, _ = shown[shown[:, 3] > 0.0].T
     unknown = np.full(time.size, np.nan)
     if times.size < 2:
-        return Traces(unknown, unknown, unknown, unknown)
+        return Traces(*[unknown] * len(Traces._fields))
     mean_speed = float((angles[-1] - angles[0]) / (times[-1] - times[0]))
     prior = AngleSpeed(float(angles[0]), mean_speed, settings.angle_variance, 0.0, settings.speed_variance)
     motion = smooth_edges(times, angles, variances, settings.acceleration_density, prior, run_compiled)
     there = smoothed_at(time, motion, run_compiled)
-    return Traces(there.angle, there.speed, unknown, unknown)
+    return Traces(
+        angle=there.angle,
+        speed=there.speed,
+        innovation=unknown,
+        innovation_deviation=unknown,
+        angle_deviation=np.sqrt(there.angle_variance),
+        speed_deviation=np.sqrt(there.speed_variance),
+    )
 
 
 def run_compiled(step: Step, memory: Any, row: Any, settings: Params, rows: Array) -> tuple[Any, Array]:

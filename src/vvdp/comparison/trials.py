@@ -17,7 +17,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.comparison.estimators import AdaptingSettings, Contender, adapting_start
 from vvdp.comparison.results import Comparison, Entered, Played, Traced
 from vvdp.comparison.scenarios import Record, Scenario
-from vvdp.comparison.scores import Measured, Score, Traces, Truth, score, summary
+from vvdp.comparison.scores import Measured, Score, Traces, Truth, score, summary, undirected
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
@@ -90,14 +90,15 @@ class _Field:
 
     def run(self, scenario: Scenario, seed: int) -> _Ran:
         record = simulate_record(scenario, self.encoders[scenario.name], seed)
+        truth = undirected(record.truth, scenario.motion)
         scores: dict[str, Score] = {}
         speeds: dict[str, Array] = {}
         for contender in self.contenders:
             traces = self.traces(contender, scenario, record)
-            scores[contender.name] = score(traces, record.truth, scenario.motion, scenario.scored_from, scenario.sector)
+            scores[contender.name] = score(traces, truth, scenario.motion, scenario.scored_from, scenario.sector)
             speeds[contender.name] = traces.speed
         shown = seed == 0 and scenario.name == self.traced
-        traced = Traced(scenario.name, record.truth.time, record.truth.speed, speeds) if shown else None
+        traced = Traced(scenario.name, truth.time, truth.speed, speeds) if shown else None
         return _Ran(scenario.name, seed, scores, traced)
 
     def traces(self, contender: Contender, scenario: Scenario, record: Record) -> Traces:
@@ -144,7 +145,7 @@ def compare(
             f"{len(scenarios)} scenarios, {len(contenders)} estimators and {seeds} seeds; expected at least one each"
         )
     began = time.perf_counter()
-    traced = next((scenario for scenario in scenarios if scenario.motion.changes), scenarios[0])
+    traced = next((scenario for scenario in scenarios if scenario.motion.step), scenarios[0])
     by_name = {each.name: each for each in scenarios}
     plan = _Plan(
         name=secrets.token_hex(8), scenarios=by_name, contenders=contenders, traced=traced.name, cache=cache, say=say
@@ -161,7 +162,9 @@ def compare(
         sectors=scenarios[0].sectors,
         rate=scenarios[0].rate,
         seeds=seeds,
-        scenarios={each.name: Played(each.title, each.motion.changes, len(runs[each.name])) for each in scenarios},
+        scenarios={
+            each.name: Played(each.title, each.motion.step is not None, len(runs[each.name])) for each in scenarios
+        },
         estimators={each.name: Entered(each.title, each.afterwards is None) for each in contenders},
         scores={
             (name, contender.name): summary(np.array([ran.scores[contender.name] for ran in found]))

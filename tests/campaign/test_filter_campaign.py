@@ -1,0 +1,59 @@
+"""The event filter is as sure as it may be, whatever the motion and whatever the edges."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.campaign.cases import CLASSES, case
+from tests.campaign.filter_campaign import Outcome, pooled_row, run, told_within
+from tests.campaign.scoring import pool
+
+QUICK, SLOW = 4, 36
+"""Records of each class: 56 in the suite, 504 in the slow one."""
+SECTORS_TO_TELL = 4.0
+"""Sectors that should have passed until a standstill is told: 20 ms at 25 turns a second and eight sectors."""
+
+records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
+
+
+@cache
+def outcomes(name: str, records: int) -> tuple[Outcome, ...]:
+    return tuple(run(case(name, seed)) for seed in range(records))
+
+
+@records
+@pytest.mark.parametrize("name", CLASSES)
+def test_two_deviations_cover_speed_and_angle(name, records):
+    ran = outcomes(name, records)
+    found = pool([each.errors for each in ran])
+    assert 0.90 <= found.speed_coverage <= 0.99 and 0.90 <= found.angle_coverage <= 0.99, pooled_row(name, ran)
+
+
+@records
+@pytest.mark.parametrize("name", CLASSES)
+def test_errors_are_as_large_as_stated(name, records):
+    ran = outcomes(name, records)
+    found = pool([each.errors for each in ran])
+    assert found.low <= found.speed_nees <= found.high, pooled_row(name, ran)
+    assert found.low <= found.angle_nees <= found.high, pooled_row(name, ran)
+
+
+@records
+@pytest.mark.parametrize("name", CLASSES)
+def test_no_speed_is_wrong_by_a_factor(name, records):
+    assert [each.case.seed for each in outcomes(name, records) if each.wrong] == []
+
+
+@records
+@pytest.mark.parametrize("name", ["stop", "jam"])
+def test_a_standstill_is_told_and_covered(name, records):
+    ran = [each for each in outcomes(name, records) if each.errors.still.size]
+    assert pool([each.errors for each in ran]).still_coverage >= 0.9
+    sectors = [told_within(each) * each.case.usual * each.case.wheel.meant.size / (2.0 * np.pi) for each in ran]
+    assert np.median(sectors) <= SECTORS_TO_TELL + (0.5 * 0.05 / 0.005 if name == "stop" else 0.0)
+
+
+@pytest.mark.parametrize("name", ["steady", "missed", "double", "step"])
+def test_a_wheel_that_turns_is_not_said_to_stand(name):
+    for each in outcomes(name, QUICK):
+        assert np.mean(each.standstill > 0.5) < 0.01, each.case.seed

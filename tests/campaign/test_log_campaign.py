@@ -1,0 +1,40 @@
+"""`vvdp estimate` on the campaign's records: as sure as it may be, and no speed wrong by a factor without a word."""
+
+from functools import cache
+
+import pytest
+from tests.campaign.cases import CLASSES
+from tests.campaign.log_campaign import Logged, one, pooled_row
+from tests.campaign.scoring import pool
+
+QUICK, SLOW = 3, 36
+
+records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
+
+
+@cache
+def logged(name: str, records: int) -> tuple[Logged, ...]:
+    return tuple(one(name, seed) for seed in range(records))
+
+
+@records
+@pytest.mark.parametrize("name", CLASSES)
+def test_two_deviations_cover_speed_and_angle(name, records):
+    ran = logged(name, records)
+    found = pool([each.errors for each in ran])
+    assert 0.90 <= found.speed_coverage <= 0.99 and 0.90 <= found.angle_coverage <= 0.99, pooled_row(name, ran)
+
+
+@records
+@pytest.mark.parametrize("name", CLASSES)
+def test_errors_are_as_large_as_stated(name, records):
+    ran = logged(name, records)
+    found = pool([each.errors for each in ran])
+    assert found.low <= found.speed_nees <= found.high, pooled_row(name, ran)
+    assert found.low <= found.angle_nees <= found.high, pooled_row(name, ran)
+
+
+@records
+@pytest.mark.parametrize("name", CLASSES)
+def test_no_speed_is_wrong_by_a_factor_without_a_word(name, records):
+    assert [each.case.seed for each in logged(name, records) if each.wrong and not each.warnings] == []
