@@ -31,14 +31,14 @@ def shown(times, angle_error=0.0, speed_error=0.0, standstill=0.0):
 
 
 def test_numbers_by_hand():
-    """From 0.5 to 4.5 s; for 1 s the speed is 6 rad/s off, else 1: (36 + 3)/4 in the mean square, a quarter outside."""
+    """From 0.5 to 4.5 s; for 1 s the speed is 6 rad/s off, else 3: (36 + 27)/4 in the mean square, a quarter outside."""
     times = np.linspace(0.0, 4.5, 4501)
-    off = np.where((times > 1.0) & (times <= 2.0), 6.0, -1.0)
+    off = np.where((times > 1.0) & (times <= 2.0), 6.0, -3.0)
     found = estimate_numbers(times, *shown(times, 0.05, off, np.where(times > 4.2, 1.0, np.nan)), 0.0)
-    assert found["spool_speed_error_rms_rad_s"] == pytest.approx(np.sqrt(39.0 / 4.0), rel=1e-3)
+    assert found["spool_speed_error_rms_rad_s"] == pytest.approx(np.sqrt(63.0 / 4.0), rel=1e-3)
     assert found["spool_speed_deviation_rms_rad_s"] == pytest.approx(2.0)
     assert found["spool_speed_coverage"] == pytest.approx(0.75, abs=1e-3)
-    assert found["spool_speed_nees"] == pytest.approx(39.0 / 16.0, rel=1e-3)
+    assert found["spool_speed_nees"] == pytest.approx(63.0 / 16.0, rel=1e-3)
     assert found["spool_speed_errors"] == 3.0  # below, above, below
     assert (found["spool_angle_coverage"], found["spool_angle_errors"]) == (pytest.approx(1.0), 1.0)
     assert found["spool_angle_nees"] == pytest.approx(0.25)
