@@ -81,3 +81,10 @@ def update_n(
     left = np.eye(mean.size) - np.outer(k, observation)
     P = np.dot(np.dot(left, covariance), left.T.copy()) + measurement_variance * np.outer(k, k)
     return mean + innovation * k, 0.5 * (P + P.T)
+
+
+def chance_band(count: int) -> tuple[float, float]:
+    """Where the mean of `count` squared normalised errors lies with a chance of 95 % if their deviations are true."""
+    from scipy.stats import chi2
+
+    return float(chi2.ppf(0.025, count)) / count, float(chi2.ppf(0.975, count)) / count

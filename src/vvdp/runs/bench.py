@@ -28,7 +28,7 @@ from vvdp.runs.run import RecordedRun
 from vvdp.runs.tables import without_dust
 from vvdp.sensing.encoder import Shaft
 from vvdp.systems.bench import BenchSeries, RotaryBench
-from vvdp.systems.spool_estimate import estimate_errors
+from vvdp.systems.spool_estimate import STATED, UNITS, estimate_errors, of_what
 
 COMPONENTS = {
     "nozzle": "nozzles",
@@ -169,7 +169,7 @@ def bench_series(run: RecordedRun, bench: RotaryBench) -> Table:
         "duty_ratio": Column(duty, DUTY_RATIO, "duty ratio", "d"),
     }
     if bench.is_watched:
-        columns |= _estimate(run, series)
+        columns |= _estimate(run, bench, series)
     return Table(title="Recorded series", columns=columns, is_data=True)
 
 
@@ -191,20 +191,22 @@ def _mean(run: RecordedRun, total: str, datum: float, kind: Kind, label: str) ->
     return Column(run.over_periods(means), kind, label)
 
 
-def _estimate(run: RecordedRun, series: BenchSeries) -> dict[str, Column]:
-    """The spool as its encoder sees it, its errors, and two standard deviations around none."""
+def _estimate(run: RecordedRun, bench: RotaryBench, series: BenchSeries) -> dict[str, Column]:
+    """The spool as its encoder sees it, its errors, and two stated deviations around none."""
     shown = {name: run.command(f"encoder.{name}") for name in Estimate._fields}
     sampled = {name: run.memory(f"encoder.encoder.{name}") for name in Shaft._fields}
-    errors = dict(zip(("angle", "speed"), estimate_errors(shown, sampled), strict=True))
-    found = {
-        "spool_speed_rad_s": Column(series.spool_speed, SPEED, "true"),
-        "estimated_speed_rad_s": Column(shown["speed"], SPEED, "estimated"),
-    }
-    for name, kind, suffix in (("angle", ANGLE, "rad"), ("speed", SPEED, "rad_s")):
-        found[f"{name}_error_{suffix}"] = Column(errors[name], kind, f"{name} error")
-        for end, sign in (("low", -2.0), ("high", 2.0)):
+    pitch = bench.averaging_angle
+    errors = estimate_errors(shown, sampled, pitch)
+    found = {"spool_speed_rad_s": Column(series.spool_speed, SPEED, "true, of the instant")}
+    if pitch > 0.0:
+        found["spool_speed_mean_rad_s"] = Column(errors.true_speed, SPEED, f"true{of_what(pitch)}")
+    found["estimated_speed_rad_s"] = Column(shown["speed"], SPEED, f"estimated{of_what(pitch)}")
+    for name, words, error in (("angle", "angle", errors.angle), ("speed", f"speed{of_what(pitch)}", errors.speed)):
+        kind, unit = UNITS[name]
+        found[f"{name}_error_{unit}"] = Column(error, kind, f"error of the {words}")
+        for end, sign in (("low", -STATED), ("high", STATED)):
             band: Array = sign * shown[f"{name}_deviation"]
-            found[f"{name}_band_{end}_{suffix}"] = Column(band, kind, f"two standard deviations of the {name}")
+            found[f"{name}_band_{end}_{unit}"] = Column(band, kind, f"two stated deviations of the {words}")
     return found
 
 

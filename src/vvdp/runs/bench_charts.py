@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vvdp.base.display import with_unit
-from vvdp.base.kinds import ANGLE, FREQUENCY, SPEED
+from vvdp.base.display import percent, with_unit
+from vvdp.base.kinds import FREQUENCY
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Table
 from vvdp.runs.charts import SERIES, detail_words, upright, whole_words
 from vvdp.runs.run import RecordedRun
 from vvdp.systems.bench import RotaryBench
-from vvdp.systems.spool_estimate import SETTLED
+from vvdp.systems.spool_estimate import SETTLED, UNITS, of_what
 
 CYCLE, SPECTRUM = "cycle", "amplitudes"
 """Names of the tables beside that of the series."""
@@ -34,7 +34,7 @@ def bench_charts(run: RecordedRun, bench: RotaryBench, series: Table, more: dict
     yield _whole(run)
     yield _speed(run, bench)
     if bench.is_watched:
-        yield _estimate(run, series)
+        yield _estimate(run, bench, series)
     if SPECTRUM in more:
         yield _spectrum(more[SPECTRUM])
 
@@ -104,37 +104,44 @@ def _speed(run: RecordedRun, bench: RotaryBench) -> Chart:
     return Chart(name="speed", caption=caption, table=SERIES, panels=tuple(panels), height=height)
 
 
-def _estimate(run: RecordedRun, series: Table) -> Chart:
+def _estimate(run: RecordedRun, bench: RotaryBench, series: Table) -> Chart:
+    of_speed = f"speed{of_what(bench.averaging_angle)}"
     caption = (
-        "The spool as its encoder and the event-based Kalman filter see it. Top: speed, true and estimated. Middle: "
-        "error of the angle, within half a turn; until the index of the code wheel is found the angle is off by whole "
-        "sectors. Bottom: error of the speed. Bands: two standard deviations, as the filter states them; it takes the "
-        "acceleration as noise, so the speed's ripple within each PWM period lies outside."
+        f"The spool as its encoder and the event-based Kalman filter see it. Top: {of_speed}, true and estimated. "
+        "Middle: error of the angle, within half a turn; until the index of the code wheel is found the angle is off "
+        f"by whole sectors. Bottom: error of the {of_speed}. Bands: two standard deviations, as the filter states them."
     )
-    if "spool_angle_error_rms_rad" in run.summary:
-        angle = with_unit(run.number("spool_angle_error_rms_rad"), ANGLE, 3)
-        speed = with_unit(run.number("spool_speed_error_rms_rad_s"), SPEED, 3)
-        caption += f" Root mean square from {SETTLED:g} s on: {angle} and {speed}."
+    if "spool_angle_coverage" in run.summary:
+        caption += f" From {SETTLED:g} s on:"
+        for name, words in (("angle", " the angle"), ("speed", f"; the {of_speed}")):
+            kind, unit = UNITS[name]
+            error = with_unit(run.number(f"spool_{name}_error_rms_{unit}"), kind, 3)
+            covered = percent(run.number(f"spool_{name}_coverage"))
+            caption += f"{words} is {error} off, root mean square, {covered} of the time inside of its band"
+        caption += "."
     settled = run.times >= min(SETTLED, 0.5 * run.times[-1])
     true = series["spool_speed_rad_s"][settled]
-    room = max(1.5 * float(np.ptp(true)), 0.02 * float(np.abs(true).max()))
+    room = max(0.5 * float(np.ptp(true)), 0.02 * float(np.abs(true).max()))
+    lines = [
+        Line(x="time_s", y="spool_speed_rad_s", colour=Colour.TANK, width=0.9),
+        Line(x="time_s", y="estimated_speed_rad_s", colour=Colour.LOAD, width=1.1),
+    ]
+    if "spool_speed_mean_rad_s" in series.columns:
+        lines.insert(1, Line(x="time_s", y="spool_speed_mean_rad_s", colour=Colour.INK, stroke=Stroke.DASHED))
     speeds = Lines(
-        lines=(
-            Line(x="time_s", y="spool_speed_rad_s", colour=Colour.TANK, width=0.9),
-            Line(x="time_s", y="estimated_speed_rad_s", colour=Colour.LOAD, width=1.1),
-        ),
+        lines=tuple(lines),
         label="speed",
         low=float(true.min()) - room,  # the search at the start would flatten all that follows
         high=float(true.max()) + room,
         height=1.3,
     )
-    errors = (_error(series, name, suffix, settled) for name, suffix in (("angle", "rad"), ("speed", "rad_s")))
-    panels = (speeds, *errors)
+    panels = (speeds, *(_error(series, name, settled) for name in UNITS))
     return Chart(name="estimate", caption=caption, table=SERIES, panels=panels, height=4.3)
 
 
-def _error(series: Table, name: str, suffix: str, settled: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Lines:
-    error, low, high = f"{name}_error_{suffix}", f"{name}_band_low_{suffix}", f"{name}_band_high_{suffix}"
+def _error(series: Table, name: str, settled: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Lines:
+    unit = UNITS[name][1]
+    error, low, high = f"{name}_error_{unit}", f"{name}_band_low_{unit}", f"{name}_band_high_{unit}"
     reach = 2.4 * max(float(np.abs(series[key][settled]).max()) for key in (error, high))
     lines = (Line(x="time_s", y=error, colour=Colour.LOAD, width=0.8, low=low, high=high),)
     return Lines(lines=lines, label=f"{name} error", low=-reach, high=reach)

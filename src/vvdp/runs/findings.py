@@ -13,6 +13,7 @@ from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.bench_validity import efficiency_doubt
 from vvdp.systems.overview import impossible_part, loss_lines, node_lines, power_lines
+from vvdp.systems.spool_estimate import estimate_doubts
 from vvdp.systems.summary import is_closed
 from vvdp.systems.validity import broken_bounds
 
@@ -134,6 +135,14 @@ def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
             "opening the spool stood at.",
             remedy="If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the "
             "run last longer.",
+        )
+    for sentence in estimate_doubts(run.summary, bench.averaging_angle):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="The estimate does not know how good it is",
+            text=f"{sentence[:1].upper()}{sentence[1:]}.",
+            remedy="Look at what spool_filter expects: edge_variance of the edges, acceleration_density of the speed, "
+            "ripple_order and ripple_variance of its ripple within a PWM period.",
         )
 
 

@@ -25,7 +25,7 @@ from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation,
 from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, switching_limits, transition_loss
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.port_cavitation import lowest_cavitation_number
-from vvdp.systems.spool_estimate import SETTLED, estimate_errors
+from vvdp.systems.spool_estimate import estimate_lines, estimate_numbers, estimate_quantities
 from vvdp.systems.validity import Bound
 from vvdp.valve.flow_map import quasi_steady_mean
 from vvdp.valve.losses import full_open_loss, range_warnings
@@ -90,6 +90,9 @@ class RotaryBench(Extras):
         self.operation: DutyOperation | AxialOperation = given["operation"]
         self.load: OrificeLoad | PressureLoad = given["load"]
         self.load_line: Vessel | None = given.get("load_line")
+        if self.is_watched:
+            self.QUANTITIES = QUANTITIES | estimate_quantities(self.averaging_angle)
+            self.OVERVIEW = (*OVERVIEW, *estimate_lines(self.averaging_angle))
 
     @property
     def makes_pressure(self) -> bool:
@@ -156,6 +159,13 @@ class RotaryBench(Extras):
     def is_watched(self) -> bool:
         """Whether an encoder watches the spool."""
         return "encoder" in self.tables
+
+    @property
+    def averaging_angle(self) -> float:
+        """Angle over which the estimated speed of a watched spool is a mean [rad]; 0 where it is of the instant."""
+        settings = self.tables.get("spool_filter")
+        leaves_ripple = settings is not None and settings.ripple_order == 0.0
+        return 2.0 * np.pi / self.valve.sections if leaves_ripple else 0.0
 
     @property
     def is_steady(self) -> bool:
@@ -282,22 +292,11 @@ class RotaryBench(Extras):
         }
 
     def record_numbers(self, run: Run) -> Summary:
-        """How far the estimate of a watched spool was off, from `SETTLED` on; empty for a shorter run, or no encoder.
-
-        Root means square over time, by the trapezoidal rule over the recorded rows.
-        """
-        late = run.times >= SETTLED
-        if not self.is_watched or np.count_nonzero(late) < 2:
+        """How good the estimate of a watched spool was; empty for a short run, or without an encoder."""
+        if not self.is_watched:
             return {}
-        estimate = run.command.encoder
-        errors = estimate_errors(estimate._asdict(), run.memory["encoder"].encoder._asdict())
-        t = run.times[late]
-        angle, speed = (float(np.sqrt(np.trapezoid(e[late] ** 2, t) / (t[-1] - t[0]))) for e in errors)
-        return {
-            "spool_angle_error_rms_rad": angle,
-            "spool_speed_error_rms_rad_s": speed,
-            "spool_missed_edges": float(estimate.missed_edges[-1]),
-        }
+        estimate, sampled = run.command.encoder._asdict(), run.memory["encoder"].encoder._asdict()
+        return estimate_numbers(run.times, estimate, sampled, self.averaging_angle)
 
     def closed_forms(self, found: Mapping[str, float | bool]) -> Summary:
         """The analytic results at the mean load pressure, to stand beside the simulated ones in `found`.

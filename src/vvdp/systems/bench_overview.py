@@ -1,9 +1,6 @@
 """The numbers of a test bench of the rotary valve: what each means, and the lines that a person is shown."""
 
-from collections.abc import Mapping
-
 from vvdp.base.kinds import (
-    ANGLE,
     COUNT,
     EFFICIENCY,
     FLAG,
@@ -34,7 +31,7 @@ ANALYTIC = (
 LEAKAGE = ("analytic_loss_leakage_W",)
 PUMP = ("loss_pump_leakage_W", "loss_pump_friction_W")
 TRANSITION = ("analytic_loss_transition_W", "analytic_loss_compressibility_W")
-QUANTITIES: Mapping[str, tuple[Kind, str]] = {
+QUANTITIES: dict[str, tuple[Kind, str]] = {
     "pwm_frequency_Hz": (FREQUENCY, "PWM frequency"),
     "mean_pump_flow_m3_s": (FLOW, "pump flow, mean"),
     "mean_load_flow_m3_s": (FLOW, "flow to the load, mean"),
@@ -59,9 +56,6 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "loss_transition_W": (MEAN_POWER, "loss by transition and compression"),
     "loss_total_W": (MEAN_POWER, "input power minus load power"),
     "steady": (FLAG, "nothing prescribed changes"),
-    "spool_angle_error_rms_rad": (ANGLE, "spool angle, error of the estimate"),
-    "spool_speed_error_rms_rad_s": (SPEED, "spool speed, error of the estimate"),
-    "spool_missed_edges": (COUNT, "edges that the encoder missed"),
     "analytic_pwm_frequency_Hz": (FREQUENCY, "PWM frequency, analytic"),
     "analytic_pwm_frequency_full_open_Hz": (FREQUENCY, "PWM frequency, analytic, valve fully open"),
     "analytic_loss_full_open_W": (MEAN_POWER, "loss of the fully open valve, analytic"),
@@ -74,15 +68,13 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
 }
 """What a bench adds to a summary."""
 
-OVERVIEW = (
+OVERVIEW: tuple[Line, ...] = (
     Line("PWM frequency", ("pwm_frequency_Hz",), FREQUENCY, ("analytic_pwm_frequency_Hz",), "Valve"),
     Line("PWM periods averaged", ("averaged_periods",), COUNT, (), "Valve"),
     Line("spool speed, mean", ("speed_mean_spool_rad_s",), SPEED, (), "Valve"),
     Line("spool speed, lowest", ("speed_min_spool_rad_s",), SPEED, (), "Valve"),
     Line("spool speed, highest", ("speed_max_spool_rad_s",), SPEED, (), "Valve"),
     Line("open fraction of the load port, mean", ("mean_load_opening",), FRACTION, (), "Valve"),
-    Line("spool angle, error of the estimate", ("spool_angle_error_rms_rad",), ANGLE, (), "Valve"),
-    Line("spool speed, error of the estimate", ("spool_speed_error_rms_rad_s",), SPEED, (), "Valve"),
     Line("share of the time in which a port cavitates", ("cavitation_port_share",), FRACTION, (), "Valve"),
     Line("cavitation number of the ports, lowest", ("cavitation_number_lowest",), NUMBER, (), "Valve"),
     Line("pump flow, displaced", ("mean_pump_flow_m3_s",), FLOW, (), "Flows, mean"),

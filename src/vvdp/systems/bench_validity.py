@@ -9,6 +9,7 @@ from vvdp.base.signal import signal_value
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
+from vvdp.systems.spool_estimate import estimate_doubts
 from vvdp.systems.validity import Bound
 from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
 from vvdp.valve.geometry import barrier_width
@@ -209,3 +210,4 @@ def bench_warnings(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[s
         yield f"the input power of {power:.4g} W exceeds the motor's {rated:.4g} W"
     for limit in bench.closed_form_limits(found):
         yield f"no analytic results: {limit}"
+    yield from estimate_doubts(found, bench.averaging_angle)

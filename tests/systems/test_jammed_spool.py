@@ -1,0 +1,96 @@
+"""A spool that jams while the bench runs: how soon the program that watches it says so, and what it states."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from vvdp.base.arrays import Array
+from vvdp.base.signal import step
+from vvdp.components.shafts import LOAD_TORQUE
+from vvdp.estimation.estimator import Estimate
+from vvdp.hydraulics.friction import smooth_sign
+from vvdp.network.build import build
+from vvdp.network.nodes import Connection
+from vvdp.simulation.run import simulate
+from vvdp.systems.rotary_bench import orifice_load
+from vvdp.systems.summary import Summary, summary
+from vvdp.systems.system import load_system
+
+SETTINGS = (
+    "run.window=0 s",
+    "encoder.noise=0.12",
+    "spool_filter.stop_rate=0.01 Hz",
+    "spool_filter.ripple_order=3",
+    "spool_filter.ripple_variance=6e-5",
+)
+SOON = 0.02
+"""Time within which a jam is to be told [s]: half a turn at 25 turns/s, four sectors."""
+JAMS = tuple(0.8 + 0.0073 * i for i in range(8))
+"""When the spool jams [s]: at other angles, and at other places between two samples."""
+
+
+class Jam(NamedTuple):
+    """What is found of a run in which the spool jams: the estimate of each sample, its time and the true speed."""
+
+    numbers: Summary
+    times: Array
+    speed: Array
+    estimate: Estimate
+
+
+def jam_torque(torque, speed):
+    """Dry friction [N m] that brakes the spool."""
+    return -torque * smooth_sign(speed, 0.02)
+
+
+def jam(at, torque, seed, until):
+    """A run of the prototype in which dry friction of `torque` [N m] seizes the spool `at` a time [s]."""
+    system = load_system("prototype", [*SETTINGS, f"encoder.seed={seed}"], until=until)
+    network = orifice_load(**system.tables)
+    friction = Connection(jam_torque, (step(0.0, torque, at), "spool.speed"))
+    network.add("jam", LOAD_TORQUE, shaft="spool", torque=friction)
+    system = replace(system, circuit=build(network))
+    run = simulate(system.model, system.case, system.stepping)
+    sampled = run.memory["encoder"].encoder
+    return Jam(summary(system, run), sampled.time, sampled.speed, run.command.encoder)
+
+
+@pytest.fixture(scope="module")
+def jams():
+    """Five newton metres stop the spool within 2 ms, each time with other noise."""
+    return {at: jam(at, 5.0, seed, "1.1 s") for seed, at in enumerate(JAMS, start=1)}
+
+
+def test_a_jam_is_told_within_20_ms(jams):
+    for at, found in jams.items():
+        before, after = found.times <= at, found.times > at + SOON
+        assert found.speed[before][-1] == pytest.approx(154.7, abs=5.0)
+        assert np.all(np.abs(found.speed[found.times > at + 0.003]) < 0.01)
+        told = found.times[found.estimate.standstill > 0.5]
+        assert told[0] > at
+        assert told[0] - at < SOON
+        assert np.all(found.estimate.standstill[after] > 0.5)
+        assert found.numbers["standstill_time_s"] == pytest.approx(1.1 - told[0], abs=0.003)
+
+
+def test_the_speed_is_known_to_fall_when_the_jam_is_told(jams):
+    for at, found in jams.items():
+        after = found.times > at + SOON
+        assert np.all(found.estimate.speed[after] < 0.1 * 154.7)
+
+
+def test_the_stated_deviations_hold_through_the_jam(jams):
+    """Shares of the time from 0.5 s on, over all jams; a single run has few independent errors of the angle."""
+    for name in ("angle", "speed"):
+        covered = np.array([found.numbers[f"spool_{name}_coverage"] for found in jams.values()])
+        assert 0.90 <= covered.mean() <= 0.99, (name, covered)
+        assert covered.min() > 0.90, (name, covered)
+
+
+def test_a_spool_that_turns_is_never_said_to_stand():
+    found = jam(10.0, 5.0, 3, "3 s")
+    assert found.times[-1] > 2.9
+    assert np.max(found.estimate.standstill) < 0.1
+    assert found.numbers["standstill_time_s"] == 0.0
