@@ -277,7 +277,7 @@ class _Run:
 
     def __init__(self, log: Log, wanted: Estimation, store: Store, say: Callable[[str], None]) -> None:
         self.log, self.wanted, self.store, self.say = log, wanted, store, say
-        self.sums = Sums(len(wanted.wheel.edges))
+        self.sums = Sums(len(wanted.wheel.edges), wanted.sections)
         self.period = 0.0
         self.tracker: OfflineFilter | None = None
         narrowest = min(sector_widths(wanted.wheel)) * len(wanted.wheel.edges) / TURN
