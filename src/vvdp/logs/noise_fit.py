@@ -12,7 +12,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.logs.turn_pattern import Ripple, ripple_in
+from vvdp.logs.turn_pattern import SpeedRipple, ripple_in
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
@@ -402,7 +402,7 @@ class Explained:
     """The same on a wheel whose edges lie where the log has them; None where that explains nothing more."""
     offsets: Array
     """By how much each edge of that wheel lies further on, less what the ripple makes of it [rad]."""
-    ripple: Ripple | None
+    ripple: SpeedRipple | None
     """Of the speed, locked to the turn; edges cannot tell it from a wheel with these offsets. None: none stands out."""
     settings_gain: float
     """By which ln L is higher with the fitted settings than with those in use, on the same wheel."""
@@ -506,7 +506,7 @@ class Pattern(NamedTuple):
 
     wheel: Fit | None
     offsets: Array
-    ripple: Ripple | None
+    ripple: SpeedRipple | None
     own_offsets: Array
 
 

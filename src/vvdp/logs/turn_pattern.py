@@ -20,7 +20,7 @@ CHANCE = 0.05
 """A ripple stands out where the wheel's other offsets would make as much of it with less than this chance."""
 
 
-class Ripple(NamedTuple):
+class SpeedRipple(NamedTuple):
     """A speed of mean (1 + cosine cos(order angle) + sine sin(order angle)), both parts with a standard `error` [1].
 
     The error is by how much the offsets that are no ripple differ among themselves: the wheel may have as much of it.
@@ -39,8 +39,8 @@ class Ripple(NamedTuple):
     def offsets(self, angles: Array) -> Array:
         """How much further on [rad] edges at these `angles` [rad] seem to lie.
 
-        theta = phi + A cos(N theta) + B sin(N theta), with phi the walk, has the speed phi' (1 + N B cos - N A sin) to
-        the first order, and an edge at theta is seen at phi, as if it lay A cos + B sin before its place.
+        theta = phi + (a sin N theta - b cos N theta)/N, where phi is the mean course, has the speed
+        phi' (1 + a cos N theta + b sin N theta) to the first order; an edge at theta is met at phi.
         """
         N, at = self.order, self.order * angles
         seeming: Array = (self.sine * np.cos(at) - self.cosine * np.sin(at)) / N
@@ -52,7 +52,7 @@ def is_whole(order: int, edges: int) -> bool:
     return edges > max(2 * order, 3)
 
 
-def ripple_in(offsets: Array, angles: Array, sections: int) -> Ripple | None:
+def ripple_in(offsets: Array, angles: Array, sections: int) -> SpeedRipple | None:
     """The ripple in the offsets [rad] of edges at `angles` [rad]; None where there is none that stands out.
 
     It is that of the spool's `sections`, or another that explains the offsets nearly alone.
@@ -71,11 +71,12 @@ def ripple_in(offsets: Array, angles: Array, sections: int) -> Ripple | None:
     return None
 
 
-def _fit_ripple(offsets: Array, angles: Array, order: int) -> tuple[Ripple, float]:
+def _fit_ripple(offsets: Array, angles: Array, order: int) -> tuple[SpeedRipple, float]:
     """The likeliest ripple of an order, and the sum of the squares of what it leaves [rad^2]."""
-    waves = np.column_stack([-np.sin(order * angles), np.cos(order * angles), np.full(angles.size, order)]) / order
+    at = order * angles
+    waves = np.column_stack([-np.sin(at) / order, np.cos(at) / order, np.ones(angles.size)])
     inverse = np.linalg.inv(waves.T @ waves)
     found = inverse @ waves.T @ offsets
     left = float(np.sum((offsets - waves @ found) ** 2))
     error = float(np.sqrt(left / (offsets.size - 3) * np.mean(np.diag(inverse)[:2])))
-    return Ripple(order, float(found[0]), float(found[1]), error), left
+    return SpeedRipple(order, float(found[0]), float(found[1]), error), left
