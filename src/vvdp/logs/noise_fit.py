@@ -456,15 +456,37 @@ class Explained:
         return refitted.log_likelihood - self.plain.log_likelihood - _price(self.likelihood, period)
 
 
-def fitted_filter(settings: EventFilter, noise: Noise) -> EventFilter:
-    """The filter with this noise; a manoeuvre is no calmer than the rest."""
-    q = noise.acceleration_density
-    return replace(
+def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
+    """The filter with what a log is best explained by; a manoeuvre is no calmer than the rest."""
+    q, ripple = told.advised.acceleration_density, told.ripple
+    found = replace(
         settings,
         acceleration_density=q,
-        edge_variance=noise.edge_variance,
+        edge_variance=told.advised.edge_variance,
         manoeuvre_density=max(settings.manoeuvre_density, q),
     )
+    if ripple is None:
+        return found
+    return replace(
+        found,
+        ripple_order=float(ripple.order),
+        ripple_variance=0.5 * ripple.amplitude**2 + ripple.error**2,
+        ripple_drift=careful_drift(ripple, told.advised.edge_variance, told.likelihood.period),
+    )
+
+
+def careful_drift(ripple: SpeedRipple, edge_variance: float, period: float) -> float:
+    """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log tells.
+
+    That is to its standard error, and to a^2/2, the ripple of twice the order that one of the first order leaves out. Of
+    edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
+
+    edge_variance  R [rad^2]
+
+    Source  ours, docs/logs.md
+    """
+    known, told = ripple.error**2 + ripple.amplitude**4 / 4.0, 2.0 * ripple.order**2 * edge_variance
+    return known**2 / (period * (known + told))
 
 
 def fit_noise(
@@ -486,7 +508,7 @@ def fit_noise(
     scatter = fitted.noise.edge_variance * passed.times.size / (passed.times.size - learnt)
     return Explained(
         used=used,
-        advised=Noise(density, scatter + float(np.mean(pattern.offsets**2))),
+        advised=Noise(density, scatter + float(np.mean(pattern.own_offsets**2))),
         plain=plain,
         wheel=pattern.wheel,
         offsets=pattern.own_offsets,
