@@ -127,19 +127,69 @@ def test_the_wheel_is_told_from_the_speed():
     edges, _ = wandering(2000, Noise(50.0, 4e-4), 7)
     numbers = np.arange(2000.0)
     edges = edges._replace(numbers=numbers)
-    none = fit_noise(edges, 8, Noise(50.0, 4e-4))
+    # a ripple at 4 per turn cannot be seen whole by 8 edges: all that repeats is the wheel's
+    none = fit_noise(edges, 8, Noise(50.0, 4e-4), 4)
     assert none.wheel is None and none.settings_gain < 10.0 and not none.matters
     # an edge that lies further on is measured at an angle that is smaller than where it is
     seen = edges._replace(angles=edges.angles - places[np.mod(numbers, 8).astype(int)])
-    found = fit_noise(seen, 8, Noise(50.0, 4e-4))
+    found = fit_noise(seen, 8, Noise(50.0, 4e-4), 4)
     assert found.wheel is not None and found.wheel_gain > 100.0
     # 250 turns: 2 % of a deviation of 0.02 rad each, and a little more since the speed wanders
     assert np.allclose(found.offsets, places - np.mean(places), atol=0.008)
     q, R = found.wheel.noise
     assert abs(np.log(q / 50.0)) < 4.0 * found.wheel.errors[0] and abs(np.log(R / 4e-4)) < 4.0 * found.wheel.errors[1]
-    assert found.advised.edge_variance == pytest.approx(R + np.mean(found.offsets**2))
+    # 7 of 2000 degrees of freedom went into the offsets, which the filter is not told of
+    assert found.advised.edge_variance == pytest.approx(R * 2000.0 / 1993.0 + np.mean(found.offsets**2))
+    assert found.ripple is None
     assert found.period_gain(9) < 0.0 and found.period_gain(2) == 0.0
     assert found.period_gain(10) < 0.5 * found.wheel_gain  # what it shares with 8: even and odd edges
+
+
+def rippling(turns, order, amplitude, jitter=0.0, step=1e-9):
+    """Times of exact edges at which a spool passes whose speed is SPEED (1 + amplitude cos(order angle))."""
+    angles = PITCH * np.arange(1.0, 8.0 * turns + 1.0)
+    # t = int d theta/(SPEED (1 + a cos N theta)): with the half angle, over whole waves and the rest of one
+    waves, rest = np.divmod(order * angles + np.pi, TURN)
+    root = np.sqrt(1.0 - amplitude**2)
+    half = np.arctan(np.sqrt((1.0 - amplitude) / (1.0 + amplitude)) * np.tan(0.5 * (rest - np.pi)))
+    times = (TURN * waves + 2.0 * half) / (order * SPEED * root)
+    times = times + np.random.default_rng(2).normal(0.0, jitter / SPEED, times.size) if jitter else times
+    return passed(np.round(0.3 + times, 9) if step else times, angles)
+
+
+def test_a_ripple_of_the_speed_is_not_taken_for_the_wheel():
+    found = fit_noise(rippling(250, 3, 0.032), 8, Noise(0.25, 3.47e-3), 3)
+    assert found.ripple.order == 3 and found.ripple.amplitude == pytest.approx(0.032, rel=1e-3)
+    assert found.ripple.sine == pytest.approx(0.0, abs=1e-4)
+    # the wave of twice the frequency that is left, a^2/(4 N) = 8.5e-5 rad, and no more, is the wheel's
+    assert np.sqrt(np.mean(found.offsets**2)) == pytest.approx(0.032**2 / 12.0 / np.sqrt(2.0), rel=0.02)
+    jittered = fit_noise(rippling(250, 3, 0.032, jitter=0.01), 8, Noise(0.25, 3.47e-3), 3)
+    assert abs(jittered.ripple.cosine - 0.032) < 4.0 * jittered.ripple.error < 0.01
+
+
+def test_exact_edges_are_no_surer_than_the_pattern_that_was_learnt_lets_them_be():
+    # Without the pattern the times' step of 1 ns would be the floor, 1.2e-15 rad^2. One edge among the 2000 - 7 that
+    # tell may be as far off as those of the pattern, (0.032/3)^2/2 = 5.7e-5 rad^2.
+    found = fit_noise(rippling(250, 3, 0.032), 8, Noise(0.25, 3.47e-3), 3)
+    assert found.wheel.at_floor[1]
+    assert found.wheel.noise.edge_variance == pytest.approx((0.032 / 3.0) ** 2 / 2.0 / 1993.0, rel=0.01)
+    even = fit_noise(rippling(250, 3, 0.0), 8, Noise(0.25, 3.47e-3), 3)
+    assert even.wheel is None and even.advised.edge_variance < 1e-14
+
+
+def test_offsets_that_were_learnt_leave_fewer_degrees_of_freedom():
+    # 64 edges of a known wheel in 40 records; plain maximum likelihood would find 57/64 of the variance. What is
+    # advised contains the mean square of the offsets as found, that of the true ones and 7/64 R of their errors.
+    places, R, advised = 0.1 * np.array([1.0, -1.0, 0.5, 0.0, -0.5, 0.0, 0.3, -0.3]), 4e-4, []
+    numbers = np.arange(64)
+    for seed in range(40):
+        angles = numbers * PITCH + np.random.default_rng(seed).normal(0.0, np.sqrt(R), 64) - places[numbers % 8]
+        edges = passed(numbers * PITCH / SPEED, angles)._replace(numbers=numbers.astype(float))
+        found = fit_noise(edges, 8, Noise(1e-3, R), 3)
+        assert found.wheel is not None
+        advised.append(found.advised.edge_variance - np.mean(places**2))
+    # a standard error of sqrt(2/57/40) = 3 %, and of the offsets' cross term as much again; three times both
+    assert np.mean(advised) == pytest.approx(R * (1.0 + 7.0 / 64.0), rel=0.13)
 
 
 def test_the_speed_error_is_what_a_filter_has():

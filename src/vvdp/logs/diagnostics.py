@@ -76,6 +76,7 @@ class Sums:
     """Everything that is added up while a record goes by."""
 
     sectors: int
+    sections: int
     samples: int = 0
     not_numbers: int = 0
     gaps: int = 0
@@ -222,7 +223,7 @@ class Sums:
         """What the longest pieces are best explained by, with the settings in use; None where they are too short. To be
         asked when all has gone by: it is worked out once."""
         if self._explained is None and (passed := self._longest.pick(used.edge_variance)) is not None:
-            self._explained = fit_noise(passed, self.sectors, used)
+            self._explained = fit_noise(passed, self.sectors, used, self.sections)
         return self._explained
 
     def period_of_pattern(self, hidden_variance: float) -> tuple[int, float, float] | None:

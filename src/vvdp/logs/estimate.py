@@ -234,7 +234,7 @@ def _fit_settings(log: Log, wanted: Estimation, say: Callable[[str], None]) -> E
         why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
         return replace(wanted, fit=False)
-    return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told.advised))
+    return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told))
 
 
 def _hash(path: Path) -> str:
@@ -277,7 +277,7 @@ class _Run:
 
     def __init__(self, log: Log, wanted: Estimation, store: Store, say: Callable[[str], None]) -> None:
         self.log, self.wanted, self.store, self.say = log, wanted, store, say
-        self.sums = Sums(len(wanted.wheel.edges))
+        self.sums = Sums(len(wanted.wheel.edges), wanted.sections)
         self.period = 0.0
         self.tracker: OfflineFilter | None = None
         narrowest = min(sector_widths(wanted.wheel)) * len(wanted.wheel.edges) / TURN

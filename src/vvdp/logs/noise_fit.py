@@ -12,6 +12,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
+from vvdp.logs.turn_pattern import SpeedRipple, ripple_in
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
@@ -200,6 +201,7 @@ class Likelihood:
         self._durations = np.where(self._first, 0.0, np.diff(passed.times, prepend=passed.times[0]))
         self._replay = Replay(passage_step, passage_start(), Passage(0.0, 0.0, 0.0, 1.0), Noise(1.0, 1.0), say=say)
         self._rows = self._rows_of(passed.angles)
+        self._learnt = 0.0
         self.period = float(np.median(self.steps))
         turned = np.diff(passed.angles, prepend=passed.angles[0])[~self._first]
         self.speed = float(np.sum(turned) / np.sum(self.steps))
@@ -240,9 +242,10 @@ class Likelihood:
     @property
     def variance_floor(self) -> float:
         """The edge variance below which nothing can be told [rad^2]: (omega dt)^2/12 from the step in which the times
-        are written, what the rounding of angles makes, and the standard error sqrt(2/n) of the part from sampling."""
+        are written, what the rounding of angles makes, the standard error sqrt(2/n) of the part from sampling, and what
+        one edge tells that is as far off as those of a pattern that was taken off."""
         n = self.passed.times.size
-        rounding = float(np.spacing(np.max(np.abs(self.passed.angles)))) ** 2
+        rounding = max(float(np.spacing(np.max(np.abs(self.passed.angles)))) ** 2, self._learnt)
         if self.sampling_variance > 0.0:
             return max(self.sampling_variance * float(np.sqrt(2.0 / n)), rounding)
         return max((self.speed * time_resolution(self.passed.times)) ** 2 / 12.0, rounding)
@@ -254,7 +257,14 @@ class Likelihood:
         changed.__dict__ |= self.__dict__
         changed.passed = moved
         changed._rows = changed._rows_of(moved.angles)
+        changed._learnt = float(np.mean(offsets**2)) / (moved.times.size - offsets.size + 1)
         return changed
+
+    def wheel_angles(self, period: int) -> Array:
+        """Where on the wheel the edges lie that follow one another after `period` [rad]; evenly where none passed."""
+        found: Array = np.array(np.arange(period) * (TURN / period), float)
+        found[self._places(period)] = self.passed.angles
+        return found
 
     def _places(self, period: int) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
         found: np.ndarray[tuple[int], np.dtype[np.int64]] = np.mod(self.passed.numbers, period).astype(np.int64)
@@ -385,12 +395,15 @@ class Explained:
 
     used: Noise
     advised: Noise
-    """What to set: the fit, and offsets of the wheel's edges that the filter is not told of as noise."""
+    """What to set: the fit, and what of the pattern the filter is not told of as noise."""
     plain: Fit
     """The likeliest settings if the wheel is as it was described."""
     wheel: Fit | None
     """The same on a wheel whose edges lie where the log has them; None where that explains nothing more."""
     offsets: Array
+    """By how much each edge of that wheel lies further on, less what the ripple makes of it [rad]."""
+    ripple: SpeedRipple | None
+    """Of the speed, locked to the turn; edges cannot tell it from a wheel with these offsets. None: none stands out."""
     settings_gain: float
     """By which ln L is higher with the fitted settings than with those in use, on the same wheel."""
     used_errors: Errors
@@ -443,38 +456,63 @@ class Explained:
         return refitted.log_likelihood - self.plain.log_likelihood - _price(self.likelihood, period)
 
 
-def fitted_filter(settings: EventFilter, noise: Noise) -> EventFilter:
-    """The filter with this noise; a manoeuvre is no calmer than the rest."""
-    q = noise.acceleration_density
-    return replace(
+def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
+    """The filter with what a log is best explained by; a manoeuvre is no calmer than the rest."""
+    q, ripple = told.advised.acceleration_density, told.ripple
+    found = replace(
         settings,
         acceleration_density=q,
-        edge_variance=noise.edge_variance,
+        edge_variance=told.advised.edge_variance,
         manoeuvre_density=max(settings.manoeuvre_density, q),
+    )
+    if ripple is None:
+        return found
+    return replace(
+        found,
+        ripple_order=float(ripple.order),
+        ripple_variance=0.5 * ripple.amplitude**2 + ripple.error**2,
+        ripple_drift=careful_drift(ripple, told.advised.edge_variance, told.likelihood.period),
     )
 
 
-def fit_noise(passed: Passed, sectors: int, used: Noise, say: Callable[[str], None] = quiet) -> Explained:
-    """What these edges of a wheel with `sectors` are best explained by: their settings, or where the wheel's edges lie.
+def careful_drift(ripple: SpeedRipple, edge_variance: float, period: float) -> float:
+    """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log tells.
+
+    That is to its standard error, and to a^2/2, the ripple of twice the order that one of the first order leaves out. Of
+    edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
+
+    edge_variance  R [rad^2]
+
+    Source  ours, docs/logs.md
+    """
+    known, told = ripple.error**2 + ripple.amplitude**4 / 4.0, 2.0 * ripple.order**2 * edge_variance
+    return known**2 / (period * (known + told))
+
+
+def fit_noise(
+    passed: Passed, sectors: int, used: Noise, sections: int, say: Callable[[str], None] = quiet
+) -> Explained:
+    """What these edges of a wheel with `sectors` are best explained by: their settings, or what repeats with the turn,
+    a ripple of the speed (of the spool's `sections`) or the places of the wheel's edges.
 
     Source  ours, docs/logs.md
     """
     likelihood = Likelihood(passed, sectors, say)
     plain = fit(likelihood)
-    wheel, offsets, own = None, np.zeros(sectors), likelihood
-    if _fit_statement(likelihood, sectors):
-        placed, found = _fit_positions(likelihood, plain, sectors)
-        if placed.log_likelihood - plain.log_likelihood - _price(likelihood, sectors) > CLEAR:
-            wheel, offsets, own = placed, found, likelihood.without(found)
-    fitted = wheel if wheel is not None else plain
+    pattern = _find_pattern(likelihood, plain, sections)
+    own = likelihood if pattern.wheel is None else likelihood.without(pattern.offsets)
+    fitted = plain if pattern.wheel is None else pattern.wheel
     (nu, S), (mu, S_fitted) = own.surprises(used), own.surprises(fitted.noise)
     density = _careful_density(own, fitted, used) if fitted.at_floor[0] else fitted.noise.acceleration_density
+    learnt = 0 if pattern.wheel is None else sectors - 1
+    scatter = fitted.noise.edge_variance * passed.times.size / (passed.times.size - learnt)
     return Explained(
         used=used,
-        advised=Noise(density, fitted.noise.edge_variance + float(np.mean(offsets**2))),
+        advised=Noise(density, scatter + float(np.mean(pattern.own_offsets**2))),
         plain=plain,
-        wheel=wheel,
-        offsets=offsets,
+        wheel=pattern.wheel,
+        offsets=pattern.own_offsets,
+        ripple=pattern.ripple,
         settings_gain=fitted.log_likelihood - own.logarithm(used),
         used_errors=speed_errors(own, used, fitted.noise),
         fitted_errors=speed_errors(own, Noise(density, fitted.noise.edge_variance), fitted.noise),
@@ -482,6 +520,30 @@ def fit_noise(passed: Passed, sectors: int, used: Noise, say: Callable[[str], No
         outliers=float(np.mean(mu * mu > FAR * FAR * S_fitted)),
         likelihood=likelihood,
     )
+
+
+class Pattern(NamedTuple):
+    """What repeats with every turn: the fit without it, if it is real, where the edges seem to lie, and of that the
+    ripple and the offsets [rad] that are the wheel's own."""
+
+    wheel: Fit | None
+    offsets: Array
+    ripple: SpeedRipple | None
+    own_offsets: Array
+
+
+def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
+    sectors = likelihood.sectors
+    nothing = Pattern(None, np.zeros(sectors), None, np.zeros(sectors))
+    if not _fit_statement(likelihood, sectors):
+        return nothing
+    placed, offsets = _fit_positions(likelihood, plain, sectors)
+    if placed.log_likelihood - plain.log_likelihood - _price(likelihood, sectors) <= CLEAR:
+        return nothing
+    angles = likelihood.wheel_angles(sectors)
+    ripple = ripple_in(offsets, angles, sections)
+    left = offsets if ripple is None else offsets - ripple.offsets(angles)
+    return Pattern(placed, offsets, ripple, left - np.mean(left))
 
 
 def _careful_density(likelihood: Likelihood, fitted: Fit, used: Noise) -> float:
