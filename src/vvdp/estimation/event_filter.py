@@ -163,7 +163,8 @@ def take_in(
     unrest = maximum(memory.manoeuvre.unrest * (1.0 - 1.0 / UNREST), q)
     density = maximum(memory.manoeuvre.density * (1.0 - 1.0 / settings.manoeuvre_edges), unrest)
     if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
-        prior, density, unrest, rise, fall = expected.manoeuvre, q_m, np.sqrt(q * q_m), 0.0, 0.0
+        prior, density, rise, fall = expected.manoeuvre, q_m, 0.0, 0.0
+        unrest = np.sqrt(q * q_m) if tally.watched > UNREST else unrest  # at the start nothing has calmed down yet
 
     skipped = tally.started * maximum(edge - memory.last.number - tally.ignored - reading.edges, 0.0)
     irregular = irregular_share(tally.irregular, associating * minimum(skipped, BURST), 1.0)

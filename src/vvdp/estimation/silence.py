@@ -74,6 +74,9 @@ class Mixture(NamedTuple):
     speed_square: float
 
 
+NOTHING = Mixture(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 def is_silent(belief: AngleSpeed, next_edge: float, edge_variance: float) -> bool:
     """Whether the next edge is so near, or so late, that its absence says something."""
     ahead = next_edge - belief.angle
@@ -98,10 +101,10 @@ def reversed_share(belief: AngleSpeed) -> float:
 
 
 def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -> Heard:
-    """The belief once a silence is taken in: mean and variance of five hypotheses together.
+    """The belief once a silence is taken in: the mean of the likelier of two groups, and the scatter of both about it.
 
-    The wheel goes on and its next edge is still to come, weight Phi(high) - Phi(low); or that was missed with k - 1
-    more, p_k (1 - Phi(high)); a manoeuvre began at the last edge; the wheel stopped since; or it turns on slowly, at
+    The wheel goes on: its next edge is still to come, weight Phi(high) - Phi(low), was missed with k - 1 more,
+    p_k (1 - Phi(high)), or a manoeuvre began at the last edge. Or it halts: it stopped since, or turns on slowly, at
     any speed up to that which the silence allows.
 
     cruise     belief at this time had nothing happened since the last edge
@@ -118,7 +121,7 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
     high, low = ahead / deviation, (ahead - width) / deviation
     share = normal_share(high)
     inside = share - normal_share(low)
-    sums = Mixture(0.0, 0.0, 0.0, 0.0, 0.0)
+    sums = NOTHING
     if inside > LEAST:
         sums = add(sums, inside, truncate(cruise, low, high, deviation), cruise)
     passed = maximum(1.0, np.ceil(-ahead / width))
@@ -134,18 +137,27 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
 
     middle, spread = 0.5 * (s.last_edge + s.next_edge), width * width / 12.0
     restarting = minimum(s.stop_rate * STARTED, 1.0) * s.start_variance
-    sums = add(sums, stopped, AngleSpeed(middle, 0.0, spread, 0.0, restarting), cruise)
     slow = AngleSpeed(middle, 0.5 * fastest, spread, 0.0, fastest * fastest / 12.0)
-    sums = add(sums, stopped * due, slow, cruise)
-    angle, speed = sums.angle / sums.weight, sums.speed / sums.weight
+    halted = add(NOTHING, stopped, AngleSpeed(middle, 0.0, spread, 0.0, restarting), cruise)
+    halted = add(halted, stopped * due, slow, cruise)
+    whole = sums.weight + halted.weight
+    angle, speed = halted.angle / halted.weight, halted.speed / halted.weight
+    if sums.weight > halted.weight:
+        angle, speed = sums.angle / sums.weight, sums.speed / sums.weight
     return Heard(
         angle=cruise.angle + angle,
         speed=cruise.speed + speed,
-        angle_variance=sums.angle_square / sums.weight - angle * angle,
-        speed_variance=sums.speed_square / sums.weight - speed * speed,
-        standstill=stopped / sums.weight,
-        halt=stopped * (1.0 + due) / sums.weight,
-        missing_odds=np.log(maximum(missing, 1e-300) / maximum(stopped * (1.0 + due), 1e-300)),
+        angle_variance=(
+            (sums.angle_square + halted.angle_square - 2.0 * angle * (sums.angle + halted.angle)) / whole
+            + angle * angle
+        ),
+        speed_variance=(
+            (sums.speed_square + halted.speed_square - 2.0 * speed * (sums.speed + halted.speed)) / whole
+            + speed * speed
+        ),
+        standstill=stopped / whole,
+        halt=halted.weight / whole,
+        missing_odds=np.log(maximum(missing, 1e-300) / maximum(halted.weight, 1e-300)),
     )
 
 
