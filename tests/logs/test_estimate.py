@@ -730,7 +730,7 @@ def test_rows_are_written_by_whole_chunks(tmp_path):
 
 
 @pytest.mark.parametrize("portion", [1_000_000, 2_000])
-def test_the_pressure_carries_the_angle_where_the_encoder_is_silent(estimated, monkeypatch, portion):
+def test_the_pressure_carries_the_angle_where_the_encoder_is_late(estimated, monkeypatch, portion):
     monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
     t = np.arange(0.0, 6.0, 2e-4)
     speed = SPEED * (1.0 + 0.02 * np.sin(TURN * 0.5 * t))

@@ -39,5 +39,5 @@ def test_prints_on_several_pages(printed):
     assert 5 <= pages <= 20  # head, course, losses, computation, parameters: a table must not run off one long page
 
 
-def test_console_is_silent(printed):
+def test_console_is_late(printed):
     assert "CONSOLE" not in printed[1]

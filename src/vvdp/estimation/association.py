@@ -20,6 +20,9 @@ REMEMBERED = 64.0
 RAREST = 1e-3
 """Least share of missed edges that is reckoned with [1]."""
 
+BURSTY = 16.0
+"""Edges that the share of missed ones is worth at most: sensors miss several in a row [1]."""
+
 UNWATCHED = 5.0
 """Edges that what is taken for granted of the sensor is worth before any is seen [1]."""
 
@@ -132,7 +135,7 @@ def missed_in_a_row(irregular: float, watched: float, edges: float) -> float:
 
     Source  johnson2005, beta-binomial distribution, section 6.2.2; the 5 is ours, docs/models/event-filter.md
     """
-    n = minimum(watched, REMEMBERED) + UNWATCHED
+    n = minimum(watched, BURSTY) + UNWATCHED
     a = missed_share(irregular) * n
     chance = 1.0
     for i in range(int(minimum(edges, MOST_MISSED))):

@@ -11,7 +11,7 @@ from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.ripple import of_the_instant, predict_ripple
-from vvdp.estimation.silence import Heard, Silence, after_silence, is_silent
+from vvdp.estimation.silence import Heard, Silence, after_silence, is_late
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.wheel import edge_angle
 
@@ -35,7 +35,7 @@ def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -
     heard = heard_plainly(instant)
     if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
         silence = silence_until(memory, time, memory.tally.ignored + 1.0, settings)
-        if is_silent(instant, silence.next_edge, silence.edge_variance):
+        if is_late(instant, silence):
             wide = inflate(instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(instant, wide, silence)
     if memory.doubt.odds > -np.inf:

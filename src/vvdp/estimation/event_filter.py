@@ -40,7 +40,7 @@ from vvdp.estimation.ripple import (
     update_with_ripple,
     without_covariance,
 )
-from vvdp.estimation.silence import Heard, after_silence, is_silent, start_speed, turned_back
+from vvdp.estimation.silence import Heard, after_silence, is_late, start_speed, turned_back
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, nearest_edge
@@ -128,7 +128,7 @@ def after_edge(
     slip = 0.0
     if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
         silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
-        if is_silent(expected.instant, silence.next_edge, silence.edge_variance):
+        if is_late(expected.instant, silence):
             wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(expected.instant, wide, silence)
             if heard.halt > 0.5 and memory.tally.associating > 0.0:

@@ -16,8 +16,8 @@ from vvdp.estimation.association import missed_in_a_row
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.numerics.normal import normal_share, truncate
 
-EARLY = 3.5
-"""Deviations before the next edge up to which a silence says nothing: 2e-4 of a belief lies beyond them [1]."""
+LATE = 2.0
+"""Deviations after which an edge that was due is late, and its absence is heard [1]."""
 
 LEAST = 1e-12
 """Share of a belief below which a hypothesis is left out [1]."""
@@ -77,10 +77,11 @@ class Mixture(NamedTuple):
 NOTHING = Mixture(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def is_silent(belief: AngleSpeed, next_edge: float, edge_variance: float) -> bool:
-    """Whether the next edge is so near, or so late, that its absence says something."""
-    ahead = next_edge - belief.angle
-    return ahead <= 0.0 or ahead * ahead < EARLY * EARLY * (belief.angle_variance + edge_variance)
+def is_late(belief: AngleSpeed, silence: Silence) -> bool:
+    """Whether the next edge should clearly have come by now, or the angle is not known to half a sector any more."""
+    over, half = belief.angle - silence.next_edge, 0.5 * (silence.next_edge - silence.last_edge)
+    S = belief.angle_variance + silence.edge_variance
+    return S > half * half or (over > 0.0 and (over > half or over * over > LATE * LATE * S))
 
 
 def add(sums: Mixture, weight: float, belief: AngleSpeed, about: AngleSpeed) -> Mixture:
