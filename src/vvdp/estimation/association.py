@@ -20,7 +20,7 @@ REMEMBERED = 64.0
 RAREST = 1e-3
 """Least share of missed edges that is reckoned with [1]."""
 
-BURSTY = 16.0
+BURSTY = 32.0
 """Edges that the share of missed ones is worth at most: sensors miss several in a row [1]."""
 
 UNWATCHED = 5.0

@@ -51,6 +51,9 @@ UNBELIEVABLE = 0.4
 UNREST = 32.0
 """Edges over which what a manoeuvre leaves behind fades [1]."""
 
+TELLABLE = (0.25 * TURN) ** 2.0
+"""Variance of the angle below which a turn that agrees with the index confirms it [rad^2]."""
+
 BURST = 4.0
 """Edges missed in a row that count as irregular; a longer gap is one dropout [1]."""
 
@@ -133,12 +136,20 @@ def after_edge(
             heard = after_silence(expected.instant, wide, silence)
             if heard.halt > 0.5 and memory.tally.associating > 0.0:
                 return start_again(memory, reading, expected, heard, settings)
-            slip = memory.tally.associating * turned_back(heard.halt, silence)
+            slip = memory.tally.associating * turned_back(heard.halt, arrival_density(expected, silence), silence)
     seen = associate(memory, reading, expected, settings)
     if seen.used == 0.0:
         return skip_edges(memory, memory.tally.ignored + reading.edges), 0.0, 0.0
     seen = Association(seen.edge, seen.used, seen.slip + slip)
     return take_in(memory, reading, seen, expected, settings)
+
+
+def arrival_density(expected: Expected, silence: Silence) -> float:
+    """Density in time with which the next edge comes now if the wheel goes on as believed [1/s]: omega N(nu; S)."""
+    instant, S = expected.instant, expected.instant.angle_variance + expected.variance
+    off = silence.next_edge - instant.angle
+    density: float = maximum(instant.speed, 0.0) * np.exp(-0.5 * off * off / S) / np.sqrt(TURN * S)
+    return density
 
 
 def take_in(
@@ -214,7 +225,10 @@ def look_for_index(
     found = index_after_edge(
         m.search, m.last.number, reading.edge_time, reading.polarity, variance, settings.index_turns, wheel
     )
-    belief, ripple = m.belief, m.ripple
+    belief, ripple, slip = m.belief, m.ripple, m.slip
+    after = found.memory
+    if after.turn_start == m.last.number and after.found > 0.0 and after.verdict == 0.0 and slip < TELLABLE:
+        slip = 0.0
     if found.edges != 0.0:
         belief = shift_angle(belief, found.edges * sector(wheel))
         ripple = ripple_start(settings.ripple_variance)  # its phase was that of other angles
@@ -227,7 +241,7 @@ def look_for_index(
         manoeuvre=m.manoeuvre,
         search=found.memory,
         doubt=m.doubt,
-        slip=m.slip,
+        slip=slip,
     )
 
 
@@ -264,7 +278,7 @@ def start_again(
         manoeuvre=Manoeuvre(density=q_m, unrest=np.sqrt(q_m * settings.acceleration_density), rise=0.0, fall=0.0),
         search=index_start(wheel),
         doubt=Doubt(update(course, off, R), number=nearest, odds=odds, slip=memory.slip, edges=0.0),
-        slip=memory.slip + turned_back(1.0, silence),
+        slip=memory.slip + turned_back(1.0, 0.0, silence),
     )
     return after, edge_angle(edge, wheel) - heard.angle, np.sqrt(heard.angle_variance + R)
 

@@ -28,6 +28,9 @@ DROPOUTS = 0.01
 UNLIKELY = 0.05
 """Probability of a halt below which the wheel is not taken to have turned back [1]."""
 
+STARTS = 10.0
+"""How often a wheel that stands starts again [1/s]; assumed."""
+
 STARTED = 0.02
 """Time from rest to the first edge [s], in which a start is not seen; assumed, about that of a spool of 28 ms."""
 
@@ -177,12 +180,15 @@ def start_speed(silence: Silence, standstill: float) -> tuple[float, float]:
     return mean, square - mean * mean
 
 
-def turned_back(halt: float, silence: Silence) -> float:
+def turned_back(halt: float, arrival: float, silence: Silence) -> float:
     """Variance of the angle turned through that a wheel leaves which may have turned back meanwhile [rad^2]: w^2/3.
 
-    Forward, a sector w passes; back, up to two of them or none. Where a halt is unlikely nothing is reckoned with.
+    Forward, a sector w passes; back, up to two of them or none. Where a halt is unlikely, once the edge has come,
+    nothing is reckoned with.
 
-    halt  probability that the wheel stood or crept [1]
+    halt     probability that the wheel stood or crept, just before the edge [1]
+    arrival  density in time with which the edge was expected of a wheel that goes on [1/s]
     """
     width = silence.next_edge - silence.last_edge
-    return width * width / 3.0 if halt > UNLIKELY else 0.0
+    stood = halt * STARTS / (halt * STARTS + (1.0 - halt) * arrival)
+    return width * width / 3.0 if stood > UNLIKELY else 0.0
