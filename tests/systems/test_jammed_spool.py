@@ -96,6 +96,19 @@ def test_the_stated_deviations_hold_through_the_jam(jams):
         assert covered.min() > 0.90, (name, covered)
 
 
+def test_a_spool_jams_with_the_motor_that_drives_it():
+    """As from the command line: a stiff coupling, and a motor that stops."""
+    driven = (
+        "spool_drive.coupling=1 N*m*s",
+        'operation.spool_motor_speed={step = ["1500 rpm", "0 rpm"], at = "0.8 s"}',
+    )
+    system = load_system("prototype", [*SETTINGS, *driven], until="1 s")
+    run = simulate(system.model, system.case, system.stepping)
+    told = run.memory["encoder"].encoder.time[run.command.encoder.standstill > 0.5]
+    assert 0.8 < told[0] < 0.8 + SOON
+    assert summary(system, run)["standstill_time_s"] == pytest.approx(1.0 - told[0], abs=0.003)
+
+
 def test_a_spool_that_turns_is_never_said_to_stand():
     found = jam(10.0, 5.0, 3, "3 s")
     assert found.times[-1] > 2.9
