@@ -7,16 +7,21 @@ import numpy as np
 import pytest
 
 from vvdp.base.arrays import Array
+from vvdp.base.display import percent
 from vvdp.base.signal import step
 from vvdp.components.shafts import LOAD_TORQUE
 from vvdp.estimation.estimator import Estimate
 from vvdp.hydraulics.friction import smooth_sign
 from vvdp.network.build import build
 from vvdp.network.nodes import Connection
-from vvdp.simulation.run import simulate
+from vvdp.runs.bench import bench_series
+from vvdp.runs.bench_charts import bench_charts
+from vvdp.runs.run import RecordedRun
+from vvdp.simulation.record import record_of
+from vvdp.simulation.run import Run, simulate
 from vvdp.systems.rotary_bench import orifice_load
 from vvdp.systems.summary import Summary, summary
-from vvdp.systems.system import load_system
+from vvdp.systems.system import System, load_system
 
 SETTINGS = (
     "run.window=0 s",
@@ -32,8 +37,10 @@ JAMS = tuple(0.8 + 0.0073 * i for i in range(8))
 
 
 class Jam(NamedTuple):
-    """What is found of a run in which the spool jams: the estimate of each sample, its time and the true speed."""
+    """A run in which the spool jams: its numbers, the estimate of each sample, its time and the true speed."""
 
+    system: System
+    run: Run
     numbers: Summary
     times: Array
     speed: Array
@@ -54,7 +61,7 @@ def jam(at, torque, seed, until):
     system = replace(system, circuit=build(network))
     run = simulate(system.model, system.case, system.stepping)
     sampled = run.memory["encoder"].encoder
-    return Jam(summary(system, run), sampled.time, sampled.speed, run.command.encoder)
+    return Jam(system, run, summary(system, run), sampled.time, sampled.speed, run.command.encoder)
 
 
 @pytest.fixture(scope="module")
@@ -89,8 +96,37 @@ def test_the_stated_deviations_hold_through_the_jam(jams):
         assert covered.min() > 0.90, (name, covered)
 
 
+def test_a_spool_jams_with_the_motor_that_drives_it():
+    """As from the command line: a stiff coupling, and a motor that stops."""
+    driven = (
+        "spool_drive.coupling=1 N*m*s",
+        'operation.spool_motor_speed={step = ["1500 rpm", "0 rpm"], at = "0.8 s"}',
+    )
+    system = load_system("prototype", [*SETTINGS, *driven], until="1 s")
+    run = simulate(system.model, system.case, system.stepping)
+    told = run.memory["encoder"].encoder.time[run.command.encoder.standstill > 0.5]
+    assert 0.8 < told[0] < 0.8 + SOON
+    assert summary(system, run)["standstill_time_s"] == pytest.approx(1.0 - told[0], abs=0.003)
+
+
 def test_a_spool_that_turns_is_never_said_to_stand():
     found = jam(10.0, 5.0, 3, "3 s")
     assert found.times[-1] > 2.9
     assert np.max(found.estimate.standstill) < 0.1
     assert found.numbers["standstill_time_s"] == 0.0
+
+
+def test_the_page_shows_the_errors_that_the_numbers_count(jams):
+    """The share of the time in which the drawn error lies inside of the drawn band is the coverage of the summary."""
+    found = jams[JAMS[0]]
+    shown = RecordedRun(found.system, record_of(found.run), found.numbers, {})
+    series = bench_series(shown, found.system.extras)
+    late = series["time_s"] >= 0.5
+    t = series["time_s"][late]
+    for name, unit in (("angle", "rad"), ("speed", "rad_s")):
+        error, band = (series[f"{name}_{column}_{unit}"][late] for column in ("error", "band_high"))
+        share = np.trapezoid(1.0 * (np.abs(error) <= band), t) / (t[-1] - t[0])
+        assert share == pytest.approx(found.numbers[f"spool_{name}_coverage"], abs=1e-12)
+    chart = next(c for c in bench_charts(shown, found.system.extras, series, {}) if c.name == "estimate")
+    assert [panel.label for panel in chart.panels] == ["speed", "angle error", "speed error", "standstill"]
+    assert percent(found.numbers["spool_speed_coverage"]) in chart.caption

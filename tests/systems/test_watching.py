@@ -19,6 +19,15 @@ from vvdp.systems.summary import summary
 from vvdp.systems.system import built_system, load_system, system_table
 
 SECTOR = 2.0 * np.pi / 8.0
+RIPPLE = (
+    "run.window=0 s",
+    "encoder.noise=0.12",
+    "spool_filter.stop_rate=0.01 Hz",
+    "spool_filter.ripple_order=3",
+    "spool_filter.ripple_variance=6e-5",
+    "spool_filter.ripple_drift=1e-5 1/s",
+)
+"""The ripple of the speed as a state, and edges that scatter as the filter expects."""
 
 
 def without(*tables):
@@ -57,6 +66,19 @@ def test_angle_and_speed_are_found(ran):
     assert found["spool_angle_error_rms_rad"] < 0.06
     assert found["spool_missed_edges"] == 0.0
     assert found["spool_speed_error_rms_rad_s"] < 0.3  # of the mean over a PWM period
+
+
+def test_the_estimate_knows_how_good_it_is(ran):
+    """Two stated deviations hold 90 to 99 % of the errors; pooled, as half a second has few independent ones."""
+    runs = [ran("prototype", [*RIPPLE, f"encoder.seed={seed}"], "1 s")[0] for seed in range(1, 9)]
+    for name in ("angle", "speed"):
+        covered, nees = (np.mean([found[f"spool_{name}_{key}"] for found in runs]) for key in ("coverage", "nees"))
+        assert 0.90 <= covered <= 0.99, name
+        assert 0.4 < nees < 1.3, name
+    error, stated = (
+        np.mean([found[f"spool_speed_{key}_rms_rad_s"] for found in runs]) for key in ("error", "deviation")
+    )
+    assert stated == pytest.approx(error, rel=0.35)
 
 
 def test_missed_edges_are_known_and_cost_no_sector(ran):

@@ -85,6 +85,6 @@ def update_n(
 
 def chance_band(count: int) -> tuple[float, float]:
     """Where the mean of `count` squared normalised errors lies with a chance of 95 % if their deviations are true."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
-    return float(chi2.ppf(0.025, count)) / count, float(chi2.ppf(0.975, count)) / count
+    return float(chdtri(count, 0.975)) / count, float(chdtri(count, 0.025)) / count

@@ -12,6 +12,7 @@ from vvdp.base.kinds import (
     DURATION,
     DUTY_RATIO,
     FLOW,
+    FRACTION,
     FREQUENCY,
     GAUGE_PRESSURE,
     MEAN_POWER,
@@ -197,16 +198,17 @@ def _estimate(run: RecordedRun, bench: RotaryBench, series: BenchSeries) -> dict
     sampled = {name: run.memory(f"encoder.encoder.{name}") for name in Shaft._fields}
     pitch = bench.averaging_angle
     errors = estimate_errors(shown, sampled, pitch)
-    found = {"spool_speed_rad_s": Column(series.spool_speed, SPEED, "true, of the instant")}
+    found = {"spool_speed_rad_s": Column(series.spool_speed, SPEED, f"true speed{of_what(0.0)}")}
     if pitch > 0.0:
-        found["spool_speed_mean_rad_s"] = Column(errors.true_speed, SPEED, f"true{of_what(pitch)}")
-    found["estimated_speed_rad_s"] = Column(shown["speed"], SPEED, f"estimated{of_what(pitch)}")
+        found["spool_speed_mean_rad_s"] = Column(errors.true_speed, SPEED, f"true speed{of_what(pitch)}")
+    found["estimated_speed_rad_s"] = Column(shown["speed"], SPEED, f"estimated speed{of_what(pitch)}")
     for name, words, error in (("angle", "angle", errors.angle), ("speed", f"speed{of_what(pitch)}", errors.speed)):
         kind, unit = UNITS[name]
         found[f"{name}_error_{unit}"] = Column(error, kind, f"error of the {words}")
         for end, sign in (("low", -STATED), ("high", STATED)):
             band: Array = sign * shown[f"{name}_deviation"]
             found[f"{name}_band_{end}_{unit}"] = Column(band, kind, f"two stated deviations of the {words}")
+    found["standstill"] = Column(shown["standstill"], FRACTION, "probability that the spool stands")
     return found
 
 

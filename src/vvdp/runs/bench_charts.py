@@ -15,6 +15,8 @@ from vvdp.systems.spool_estimate import SETTLED, UNITS, of_what
 
 CYCLE, SPECTRUM = "cycle", "amplitudes"
 """Names of the tables beside that of the series."""
+SHOWN = 0.99
+"""Share of the errors and of their bands to which the scale of their figure is fitted."""
 
 
 def bench_charts(run: RecordedRun, bench: RotaryBench, series: Table, more: dict[str, Table]) -> Iterator[Chart]:
@@ -135,14 +137,18 @@ def _estimate(run: RecordedRun, bench: RotaryBench, series: Table) -> Chart:
         high=float(true.max()) + room,
         height=1.3,
     )
-    panels = (speeds, *(_error(series, name, settled) for name in UNITS))
-    return Chart(name="estimate", caption=caption, table=SERIES, panels=panels, height=4.3)
+    panels = [speeds, *(_error(series, name, settled) for name in UNITS)]
+    if run.number("standstill_time_s") > 0.0:
+        standstill = Line(x="time_s", y="standstill", colour=Colour.INK, width=0.9)
+        panels.append(Lines(lines=(standstill,), label="standstill", low=0.0, high=1.0, height=0.7))
+        caption += " Below: how probable it is by the estimate that the spool stands."
+    return Chart(name="estimate", caption=caption, table=SERIES, panels=tuple(panels), height=1.6 + 0.9 * len(panels))
 
 
 def _error(series: Table, name: str, settled: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Lines:
     unit = UNITS[name][1]
     error, low, high = f"{name}_error_{unit}", f"{name}_band_low_{unit}", f"{name}_band_high_{unit}"
-    reach = 2.4 * max(float(np.abs(series[key][settled]).max()) for key in (error, high))
+    reach = 2.4 * max(float(np.quantile(np.abs(series[key][settled]), SHOWN)) for key in (error, high))
     lines = (Line(x="time_s", y=error, colour=Colour.LOAD, width=0.8, low=low, high=high),)
     return Lines(lines=lines, label=f"{name} error", low=-reach, high=reach)
 

@@ -136,6 +136,10 @@ def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
             remedy="If the spool should turn, look at initial.spool_speed, spool_drive and the friction; or let the "
             "run last longer.",
         )
+    yield from _estimate_warnings(run, bench)
+
+
+def _estimate_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:
     for sentence in estimate_doubts(run.summary, bench.averaging_angle):
         yield Finding(
             grade=Grade.WARNING,

@@ -128,10 +128,11 @@ def estimate_doubts(found: Mapping[str, Any], pitch: float) -> Iterator[str]:
     """
     for name, words in (("angle", "angle"), ("speed", f"speed{of_what(pitch)}")):
         kind, unit = UNITS[name]
-        share, nees = found.get(f"spool_{name}_coverage", 0.95), found.get(f"spool_{name}_nees", 1.0)
-        low, high = chance_band(int(found.get(f"spool_{name}_errors", 1)))
-        too_sure = share < COVERAGE[0] and nees > high
-        if too_sure or (share > COVERAGE[1] and MODEST**2 * nees < low):
+        share = found.get(f"spool_{name}_coverage")
+        if share is None or COVERAGE[0] <= share <= COVERAGE[1]:
+            continue
+        nees, (low, high) = found[f"spool_{name}_nees"], chance_band(int(found[f"spool_{name}_errors"]))
+        if nees > high if share < COVERAGE[0] else MODEST**2 * nees < low:
             stated, true = (found[f"spool_{name}_{which}_rms_{unit}"] for which in ("deviation", "error"))
             yield (
                 f"the estimate of the spool states {with_unit(stated, kind, 3)} ({words}) and errs by "
