@@ -22,6 +22,9 @@ CLEARLY = 0.5
 """Where there is only one stretch, its best course has less than this share of the squares of the second best; so has a
 wheel that turns the other way than before."""
 REFINEMENTS = 5
+STARTING = 1.3
+"""Times between the first edges that are longer by this factor than what is usual there are those of a wheel that
+starts."""
 VAGUE = 0.3
 """An edge known within more than this share of a sector's time does not tell whether others were missed."""
 
@@ -108,7 +111,8 @@ def first_speed(times: Array, numbers: Array, sectors: int) -> float:
 
 def sectors_passed(edges: Edges, neighbours: int = NEIGHBOURS) -> Array:
     """How many sectors lie between each edge and the one before it: as counted, or more where the time and the
-    polarity say that edges are missing. Times that are only known to a part of a sector say nothing."""
+    polarity say that edges are missing. Times that are only known to a part of a sector say nothing, nor do those of a
+    wheel that starts from rest."""
     times = np.diff(edges.times)
     counts = edges.counts[1:]
     usual = usual_steps(times / counts, neighbours)
@@ -118,7 +122,8 @@ def sectors_passed(edges: Edges, neighbours: int = NEIGHBOURS) -> Array:
     # The neighbour of the right parity, on the side of the time that was measured.
     many = np.where(wrong, np.where((times / usual > many) | (many == 1.0), many + 1.0, many - 1.0), many)
     vague = edges.intervals[1:] > VAGUE * usual
-    plain = (counts > 1.0) | ((signs == 0.0) & (vague | (times < 1.6 * usual)))
+    starting = np.logical_and.accumulate(times > STARTING * usual * counts)
+    plain = (counts > 1.0) | starting | ((signs == 0.0) & (vague | (times < 1.6 * usual)))
     found: Array = np.where(plain, counts, many)
     return found
 
@@ -126,8 +131,8 @@ def sectors_passed(edges: Edges, neighbours: int = NEIGHBOURS) -> Array:
 def usual_steps(steps: Array, neighbours: int = NEIGHBOURS) -> Array:
     """The time that a sector takes around each of the times between edges [s].
 
-    First the lower quartile of the neighbours, so that missed edges do not pass for the rule; then, again and again, the
-    time of the nearest of them over the sectors that it makes.
+    First the lower quartile of the neighbours, so that missed edges do not pass for the rule; then, again and again,
+    the time of the nearest of them over the sectors that it makes.
     """
     size = min(neighbours, steps.size)
     begin = np.clip(np.arange(steps.size) - size // 2, 0, steps.size - size)

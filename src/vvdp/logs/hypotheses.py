@@ -9,6 +9,7 @@ docs/logs.md.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -44,11 +45,11 @@ class Sectors(Enum):
 
 class Hypothesis(NamedTuple):
     """What the edges of a log may be: angles of those that pass in a turn forward [rad], the first 0, and what is
-    exchanged; an even wheel has no `index`."""
+    exchanged; an even wheel has no index."""
 
     sectors: Sectors
     edges: tuple[float, ...]
-    index: bool
+    has_index: bool
     polarity: float
     direction: float
 
@@ -62,13 +63,13 @@ class Verdict(NamedTuple):
     """What the beginning of a record says of the wheel.
 
     `likeliest` is what is to be assumed in place of the wheel that was `described`, likelier by `gain` (logarithm of
-    the ratio); `index` whether its index shows, None where it has none or nothing is clear. `polarity` (1 as logged, -1
-    inverted) and `direction` (1, -1) are NaN where they cannot be told.
+    the ratio); `index_shows` whether its index does, None where it has none or nothing is clear. `polarity` (1 as
+    logged, -1 inverted) and `direction` (1, -1) are NaN where they cannot be told.
     """
 
     described: CodeWheel
     likeliest: Hypothesis
-    index: bool | None = None
+    index_shows: bool | None = None
     polarity: float = np.nan
     direction: float = np.nan
     gain: float = 0.0
@@ -96,7 +97,7 @@ def judge(edges: Edges, wheel: CodeWheel) -> Verdict:
     """
     told = Hypothesis(Sectors.AS_TOLD, wheel.edges, True, 1.0, 1.0)
     if not wheel.has_index or len(wheel.edges) == 2:
-        return Verdict(wheel, told._replace(index=wheel.has_index))
+        return Verdict(wheel, told._replace(has_index=wheel.has_index))
     record = _Record.of(steadiest(edges, len(wheel.edges)), len(wheel.edges))
     if record is None:
         return Verdict(wheel, told)
@@ -136,7 +137,8 @@ def steadiest(edges: Edges, sectors: int) -> Edges:
     usual = usual_steps(np.diff(edges.times) / edges.counts[1:])
     pauses = np.flatnonzero(np.diff(edges.times) > PAUSE * usual * edges.counts[1:]) + 1
     ends = [0, *pauses.tolist(), edges.times.size]
-    first, last = max(zip(ends[:-1], ends[1:], strict=True), key=lambda each: min(each[1] - each[0], size))
+    longest = max(end - begin for begin, end in pairwise(ends))
+    first, last = next(each for each in pairwise(ends) if each[1] - each[0] >= min(size, 0.5 * longest))
     begins = sorted({*np.linspace(first, max(last - size, first), WINDOWS).astype(int).tolist()})
     spreads = [float(np.std(np.log(np.fmax(usual[i : min(i + size, last) - 1], 1e-300)))) for i in begins]
     chosen = begins[0] if spreads[0] < 2.0 * min(spreads) + 0.02 else begins[int(np.argmin(spreads))]
@@ -158,7 +160,9 @@ class _Record:
     def of(cls, edges: Edges, sectors: int) -> "_Record | None":
         """The stretch; None where it is too short."""
         ahead = np.concatenate([[True], np.diff(edges.times) > 0.0])
-        numbers = np.concatenate([[0.0], np.cumsum(sectors_passed(edges, FAR_NEIGHBOURS))])[ahead] if edges.times.size > 2 else ahead
+        if edges.times.size < 3:
+            return None
+        numbers = np.concatenate([[0.0], np.cumsum(sectors_passed(edges, FAR_NEIGHBOURS))])[ahead]
         if numbers.size < 2 * sectors or sectors > MOST_PLACES or numbers[-1] < FEWEST_TURNS * sectors:
             return None
         known = edges.polarities != 0.0
@@ -200,7 +204,7 @@ class _Record:
         return Verdict(
             described=described,
             likeliest=chosen.hypothesis,
-            index=True if shows else (False if chosen is even else None),
+            index_shows=True if shows else (False if chosen is even else None),
             polarity=as_told_by("polarity"),
             direction=as_told_by("direction"),
             gain=told.cost - chosen.cost,
@@ -209,12 +213,12 @@ class _Record:
     def cost(self, hypothesis: Hypothesis, squares: float) -> float:
         """Minus the logarithm of the likelihood, the scale of the noise the likeliest, and Schwarz's price, ln(n)/2, of
         the first edge and of each departure."""
-        n, chosen = self.times.size, hypothesis.index + hypothesis.departures
+        n, chosen = self.times.size, hypothesis.has_index + hypothesis.departures
         return 0.5 * n * float(np.log(max(squares, 1e-300))) + 0.5 * chosen * float(np.log(n))
 
     def score(self, tried: tuple[Hypothesis, ...], noise: Noise) -> tuple[list[_Scored], float]:
-        """The squares that each hypothesis leaves, with a noise told for the wheel of `sectors`, and those that are left
-        where each edge may lie anywhere."""
+        """The squares that each hypothesis leaves, with a noise told for the wheel of `sectors`, and those that are
+        left where each edge may lie anywhere."""
         found: dict[Hypothesis, _Scored] = {}
         floor = np.inf
         for period in sorted({len(each.edges) for each in tried}):
@@ -244,7 +248,7 @@ class _Record:
         # Met backwards, rising edges fall.
         sign = self.parity * hypothesis.polarity * hypothesis.direction
         begin, step = (0, 1) if sign == 0.0 else ((0, 2) if sign > 0.0 else (1, 2))
-        for first in range(begin, edges.size, step) if hypothesis.index else (0,):
+        for first in range(begin, edges.size, step) if hypothesis.has_index else (0,):
             yield np.roll(own, -first)
 
 

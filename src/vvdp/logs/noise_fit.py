@@ -204,7 +204,7 @@ class Likelihood:
         self._learnt = 0.0
         self.period = float(np.median(self.steps))
         turned = np.diff(passed.angles, prepend=passed.angles[0])[~self._first]
-        self.speed = float(np.sum(turned) / np.sum(self.steps))
+        self.speed = abs(float(np.sum(turned) / np.sum(self.steps)))
 
     def _rows_of(self, angles: Array) -> Array:
         steps = np.where(self._first, 0.0, np.diff(angles, prepend=angles[0]))

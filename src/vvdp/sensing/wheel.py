@@ -68,8 +68,8 @@ def wheel_of_widths(widths: Sequence[float]) -> CodeWheel:
 def mirror_wheel(wheel: CodeWheel) -> CodeWheel:
     """The wheel as it passes backwards, mirrored about its edge 0, which stays where it is.
 
-    Edge k becomes edge -k, at the angle 2 e - a of the edge 0 at e and itself at a. Even numbers stay even; rising edges
-    pass as falling ones, so polarities have to change their sign.
+    Edge k becomes edge -k, at the angle 2 e - a of the edge 0 at e and itself at a. Even numbers stay even; rising
+    edges pass as falling ones, so polarities have to change their sign.
     Raises ParameterError where the wheel does not begin at an edge, so that a mirrored edge would lie beyond a turn.
     """
     first = wheel.edges[0]
