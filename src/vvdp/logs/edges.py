@@ -25,6 +25,9 @@ SHORTEST = 0.15
 """Edges closer than this share of the usual time between edges are one edge that bounced, or a glitch."""
 NEIGHBOURS = 16
 """So many times between edges before, and after, say what is usual there."""
+JUMPING = 0.15
+"""A channel that goes through this share of its range from sample to sample is a wave sampled too slowly, or noise: a
+wave of ten samples a sector goes through a tenth, Gaussian noise through 0.18."""
 WHOLE = 1e-3
 """How far a count may lie from a whole number."""
 LONGEST_BAND = 100_000
@@ -57,6 +60,14 @@ def join(parts: Sequence[Edges]) -> Edges:
 def part(edges: Edges, chosen: slice | Chosen) -> Edges:
     """Some of the edges."""
     return Edges(*(column[chosen] for column in edges))
+
+
+def known_times(edges: Edges) -> Array:
+    """When each edge is known to have passed [s], at the end of its interval, or of the last part of that of several
+    edges; not after the sample itself for the rounding of times."""
+    ends = edges.times + 0.5 * edges.intervals / edges.counts
+    found: Array = np.fmax(ends - 1e-6 * edges.intervals, edges.times)
+    return found
 
 
 class Plateaus(NamedTuple):
@@ -115,6 +126,8 @@ class WaveEdges:
     """The threshold of each portion."""
     lost: int = 0
     """Edges that fell into a gap of the record."""
+    jumps: float = 0.0
+    """Where no two levels were seen so far: the share of its range that the wave goes through from sample to sample."""
     slopes: float = 0.0
     """Sum of the slopes at the crossings [unit of the channel/s]."""
     found: int = 0
@@ -145,6 +158,7 @@ class WaveEdges:
             self.plateaus = seen
         level, band = self.level, self.band
         if not np.isfinite(level):
+            self.jumps = float(np.mean(np.abs(np.diff(values))) / np.ptp(values)) if np.ptp(values) > 0.0 else 0.0
             return no_edges()
         self.levels.append(level)
         kept = self._times.size
@@ -276,6 +290,8 @@ class StampEdges:
     """Edges from one column of times, or from two, of the rising and the falling ones, which are merged."""
 
     apart: bool
+    tick: float = 0.0
+    """In which the times are written [s], where that matters."""
     backward: int = 0
     """Times that lie before the one above them; they are put in order where that is possible."""
     not_numbers: int = 0
@@ -291,7 +307,7 @@ class StampEdges:
         rising, falling = rising[np.isfinite(rising)], falling[np.isfinite(falling)]
         self.backward += int(np.count_nonzero(np.diff(rising) < 0.0) + np.count_nonzero(np.diff(falling) < 0.0))
         if not self.apart:
-            return Edges(rising, *(np.zeros(rising.size), np.zeros(rising.size), np.ones(rising.size)))
+            return Edges(rising, np.full(rising.size, self.tick), np.zeros(rising.size), np.ones(rising.size))
         both = [np.concatenate([kept, new]) for kept, new in zip(self._waiting, (rising, falling), strict=True)]
         self._ended = tuple(  # type: ignore[assignment]
             float(new[-1]) if new.size else end for new, end in zip((rising, falling), self._ended, strict=True)
@@ -303,7 +319,7 @@ class StampEdges:
         self._waiting = both[0][both[0] > until], both[1][both[1] > until]
         order = np.argsort(times[ready], kind="stable")
         times, polarities = times[ready][order], polarities[ready][order]
-        return Edges(times, np.zeros(times.size), polarities, np.ones(times.size))
+        return Edges(times, np.full(times.size, self.tick), polarities, np.ones(times.size))
 
     def _count_no_numbers(self, rising: Array, falling: Array) -> None:
         """Takes in what is no time. In a list of events, with one column filled in each row, only empty rows count."""

@@ -26,19 +26,34 @@ from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.estimation.fusion import fusion
 from vvdp.estimation.pressure_edges import PressureSample, pressure_edges_start, pressure_edges_step
 from vvdp.estimation.smoother import Run, Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
+from vvdp.logs.beginning import Beginning, beginning, edges_looked_at, taken_so
 from vvdp.logs.channel import Log, Portion
 from vvdp.logs.charts import Excerpt
 from vvdp.logs.clock import ClockChoice, seconds
 from vvdp.logs.config import Counts, Estimation, InletPressure, Stamps, Wave, source_channels
 from vvdp.logs.config_text import config_text
-from vvdp.logs.diagnostics import Sums, findings, numbers_in_doubt, settings_of, summary
-from vvdp.logs.edges import GAP, Chosen, CountEdges, Debounce, Edges, StampEdges, WaveEdges, join, no_edges, part
+from vvdp.logs.diagnostics import numbers_in_doubt, settings_of, summary
+from vvdp.logs.edges import (
+    GAP,
+    JUMPING,
+    Chosen,
+    CountEdges,
+    Debounce,
+    Edges,
+    StampEdges,
+    WaveEdges,
+    join,
+    no_edges,
+    part,
+)
 from vvdp.logs.estimate_result import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Store
+from vvdp.logs.findings import findings
 from vvdp.logs.noise_fit import fitted_filter
 from vvdp.logs.offline_filter import FEWEST_EDGES, LONGEST_BRIDGED, FilteredRows, OfflineFilter, Waves, no_waves
 from vvdp.logs.quantity import Conversion, to_si
 from vvdp.logs.result import Outcome, estimate_result
 from vvdp.logs.source import open_log
+from vvdp.logs.sums import Sums
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
@@ -166,9 +181,10 @@ def estimate(
     before anything was reached.
     """
     began = time.perf_counter()
-    wanted = _fit_settings(log, wanted, say)
+    beginning, wanted = _look_at_beginning(log, wanted, say)
+    wanted = _fit_settings(log, wanted, beginning, say)
     with Store(folder / "result.h5") as store:
-        run = _Run(log, wanted, store, say)
+        run = _Run(log, wanted, store, say, beginning)
         passes = 2.0 if wanted.smooth else 1.0
         run.through(lambda done: progress(done / passes))
         if not run.sums.rows:
@@ -220,12 +236,23 @@ def _meta(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _fit_settings(log: Log, wanted: Estimation, say: Callable[[str], None]) -> Estimation:
+def _look_at_beginning(log: Log, wanted: Estimation, say: Callable[[str], None]) -> tuple[Beginning, Estimation]:
+    """What the first edges of the log say of the wheel and of the clock, and the estimation that takes the wheel so."""
+    with TemporaryDirectory() as place, Store(Path(place) / "first.h5") as store:
+        run = _Run(log, wanted, store, say, None)
+        run.through(lambda done: None, edges_looked_at(wanted.wheel))
+        if run.sums.interruptions:
+            raise KeyboardInterrupt
+        found = beginning(run.first_edges, wanted)
+    return found, taken_so(wanted, found.verdict)
+
+
+def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Callable[[str], None]) -> Estimation:
     """The estimation with the settings that the beginning of the log speaks for, if it asks for them."""
     if not wanted.fit:
         return wanted
     with TemporaryDirectory() as place, Store(Path(place) / "first.h5") as store:
-        run = _Run(log, wanted, store, say)
+        run = _Run(log, wanted, store, say, beginning)
         run.through(lambda done: None, FITTED_EDGES)
         if run.sums.interruptions:
             raise KeyboardInterrupt
@@ -273,10 +300,15 @@ class _Pressure:
 
 
 class _Run:
-    """One pass over a log."""
+    """One pass over a log; without a `beginning` it only gathers edges."""
 
-    def __init__(self, log: Log, wanted: Estimation, store: Store, say: Callable[[str], None]) -> None:
+    def __init__(
+        self, log: Log, wanted: Estimation, store: Store, say: Callable[[str], None], beginning: Beginning | None
+    ) -> None:
         self.log, self.wanted, self.store, self.say = log, wanted, store, say
+        self.beginning = beginning
+        self.first_edges: list[Edges] = []
+        """Without a beginning: edges up to each end of a clock."""
         self.sums = Sums(len(wanted.wheel.edges), wanted.sections)
         self.period = 0.0
         self.tracker: OfflineFilter | None = None
@@ -293,8 +325,10 @@ class _Run:
             case Counts():
                 self.finder = CountEdges()
             case Stamps(falling=falling):
-                self.finder = StampEdges(bool(falling))
+                self.finder = StampEdges(bool(falling), beginning.tick if beginning is not None else 0.0)
         self.sums.finder = self.finder
+        if beginning is not None:
+            self.sums.verdict, self.sums.tick = beginning.verdict, beginning.tick
         self._interrupted: Callable[[], bool] = lambda: False
         self._stamp_units = self._units_of_stamps()
         self._smoothed_rows = 0
@@ -489,6 +523,11 @@ class _Run:
         self._track(self.debounce.push(found), last=False)
 
     def _track(self, settled: Edges, *, last: bool) -> None:
+        if self.beginning is None:
+            self.sums.edges += float(np.sum(settled.counts))
+            before = self.first_edges.pop() if self.first_edges else no_edges()
+            self.first_edges += [join([before, settled]), *([no_edges()] if last else [])]
+            return
         if self.tracker is None:
             self.tracker = self._tracker()
         tracker = self.tracker
@@ -507,11 +546,15 @@ class _Run:
         usual = USUAL_RATE if not self.period else min(USUAL_RATE, 1.0 / self.period)
         rate = self.wanted.output_rate or _round_rate(usual)
         self.sums.rate = rate
-        wanted, together = self.wanted, None
+        wanted, together, direction = self.wanted, None, 1.0
+        settings = wanted.filter
+        if self.beginning is not None:
+            direction = self.beginning.verdict.likeliest.direction
+            settings = replace(settings, stop_rate=0.0) if self.beginning.coarse else settings
         if wanted.pressure is not None and wanted.pressure.fused:
             told = wanted.pressure
             together = replace(
-                fusion(wanted.filter),
+                fusion(settings),
                 sections=float(wanted.sections),
                 duty_excess=told.duty_excess,
                 lag=told.lag,
@@ -520,7 +563,7 @@ class _Run:
         more = {**(PRESSURE_ROW if self.pressure is not None else {}), **(FUSED_ROWS if together is not None else {})}
         self.store.columns("", {**ROWS, **more})
         self.store.columns("edges", EDGES)
-        tracker = OfflineFilter(wanted.filter, rate, wanted.sections, together, self.say)
+        tracker = OfflineFilter(settings, rate, wanted.sections, together, self.say, direction)
         if together is not None and self.pressure is not None:
             tracker.add_pressure_edges(self.pressure.waves)
         return tracker
@@ -656,7 +699,7 @@ class _Run:
         pressure = self.pressure
         assert pressure is not None
         rises = np.concatenate([[pressure.rise_angle], np.where(rising, angles, np.nan)])  # NaN after a falling edge
-        shares = ((angles - rises[:-1]) * (self.wanted.sections / TURN))[~rising]
+        shares = (np.abs(angles - rises[:-1]) * (self.wanted.sections / TURN))[~rising]
         excess = self.wanted.pressure.duty_excess if self.wanted.pressure is not None else 0.0
         self.sums.duties(shares[(shares > 0.0) & (shares < 1.0)] - excess)
         pressure.rise_angle = float(rises[-1])
@@ -744,10 +787,10 @@ class _Run:
         t, angle, variance = columns(first)
         if t.size < 2 or not q > 0.0:
             return
-        start = AngleSpeed(
-            float(angle[0]), self.sums.speed.mean, self.wanted.filter.angle_variance, 0.0,
-            self.wanted.filter.speed_variance,
-        )  # fmt: skip
+        turns = min(t.size - 1, 2 * self.sums.sectors)
+        speed = float((angle[turns] - angle[0]) / (t[turns] - t[0]))
+        settings = self.wanted.filter
+        start = AngleSpeed(float(angle[0]), speed, settings.angle_variance, 0.0, settings.speed_variance)
         period = float(np.median(np.diff(t)))
         overlap = smoothing_overlap(q, float(np.median(variance)), period, FORGOTTEN)
         yield from smoothed_portions((columns(begin) for begin in portions), q, start, overlap, run)
@@ -773,6 +816,12 @@ class _Run:
         """Why there is no estimate."""
         edges = f"{self.sums.edges:g} edges were found"
         channel = self.wanted.source.channel
+        if isinstance(self.finder, WaveEdges) and not self.sums.edges and self.finder.jumps > JUMPING:
+            return (
+                f"channel {channel!r} goes through {100.0 * self.finder.jumps:.0f} % of its range from one sample to "
+                "the next: there are too few samples for each sector (three at least are needed to see where the wave "
+                "rises and falls), or it is noise; sample faster, or give threshold.level in a config"
+            )
         if isinstance(self.finder, WaveEdges) and not np.isfinite(self.finder.level):
             return (
                 f"channel {channel!r} does not go up and down between two levels, so there is no threshold and no "

@@ -20,12 +20,13 @@ ROWS_IN_CHUNK = 65536
 ROWS: Mapping[str, tuple[str, str]] = {
     "time": ("s", "time, uniform within a piece of the record"),
     "piece": ("1", "piece of the record; the filter starts anew with each"),
-    "angle": ("rad", "spool angle, unwrapped"),
+    "angle": ("rad", "spool angle, unwrapped; it falls while the spool turns backwards"),
     "angle_in_turn": ("rad", "spool angle within the turn"),
-    "speed": ("rad/s", "spool speed"),
+    "speed": ("rad/s", "spool speed, negative backwards"),
     "angle_deviation": ("rad", "standard deviation of the spool angle"),
     "speed_deviation": ("rad/s", "standard deviation of the spool speed"),
     "pwm_frequency": ("Hz", "PWM frequency"),
+    "standstill": ("1", "probability that the spool stands still"),
 }
 PRESSURE_ROW = {"inlet_pressure": ("Pa", "inlet pressure (absolute)")}
 FUSED_ROWS = {
@@ -46,7 +47,7 @@ EDGES: Mapping[str, tuple[str, str]] = {
     "piece": ("1", "piece of the record"),
     "number": ("1", "number of the edge, counted along the unwrapped angle"),
     "sector": ("1", "number of the edge on the wheel"),
-    "polarity": ("1", "+1 rising, -1 falling, 0 unknown"),
+    "polarity": ("1", "+1 where the edge rises forward, -1 where it falls, 0 unknown"),
     "angle": ("rad", "angle at which the edge lies"),
     "variance": ("rad^2", "variance of that angle as measured"),
     "innovation": ("rad", "by how much the edge differs from what was expected; NaN where it was not used"),

@@ -204,7 +204,7 @@ class Likelihood:
         self._learnt = 0.0
         self.period = float(np.median(self.steps))
         turned = np.diff(passed.angles, prepend=passed.angles[0])[~self._first]
-        self.speed = float(np.sum(turned) / np.sum(self.steps))
+        self.speed = abs(float(np.sum(turned) / np.sum(self.steps)))
 
     def _rows_of(self, angles: Array) -> Array:
         steps = np.where(self._first, 0.0, np.diff(angles, prepend=angles[0]))
@@ -270,6 +270,14 @@ class Likelihood:
         found: np.ndarray[tuple[int], np.dtype[np.int64]] = np.mod(self.passed.numbers, period).astype(np.int64)
         return found
 
+    def white(self, noise: Noise, period: int) -> tuple[Array, Array]:
+        """Innovations over their deviations [1], and by how much each of them grows with the place of each edge, after
+        `period` the first again [1/rad]; one row for each edge that has an innovation."""
+        nu, S = self.surprises(noise)
+        places, root = self._places(period), np.sqrt(S)
+        columns = [self.surprises(noise, (places == j).astype(float))[0] / root for j in range(period)]
+        return nu / root, np.column_stack(columns)
+
     def offsets(self, noise: Noise, period: int) -> Array:
         """How much further on [rad] the edges lie that follow one another after `period`, mean of all zero.
 
@@ -278,10 +286,8 @@ class Likelihood:
 
         Source  ours, docs/logs.md
         """
-        nu, S = self.surprises(noise)
-        places, root = self._places(period), np.sqrt(S)
-        columns = [self.surprises(noise, (places == j).astype(float))[0] / root for j in range(period - 1)]
-        found = np.linalg.lstsq(np.column_stack(columns), -nu / root, rcond=1e-10)[0]
+        nu, responses = self.white(noise, period)
+        found = np.linalg.lstsq(responses[:, :-1], -nu, rcond=1e-10)[0]
         every = np.append(found, 0.0)
         shifted: Array = every - np.mean(every)
         return shifted

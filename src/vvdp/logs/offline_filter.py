@@ -6,7 +6,7 @@ at the beginning of a piece also from those after it. After a cut the filter sta
 """
 
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +17,9 @@ from vvdp.estimation.event_filter import edge_angle_variance, event_filter_step
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
-from vvdp.logs.alignment import Alignment, alignment, edges_needed
-from vvdp.logs.edges import Chosen, Edges, join, no_edges, part, rank_filter
+from vvdp.logs.alignment import Alignment, edges_needed, met_wheel, start
+from vvdp.logs.edges import Chosen, Edges, join, known_times, no_edges, part, rank_filter
+from vvdp.logs.passages import SEEN_AFTER, SEEN_BEFORE, slow_passages
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, edge_angle
@@ -44,7 +45,7 @@ NAMED_TIMES = 5
 
 
 class Shown(NamedTuple):
-    """What is kept of each row: the estimate, and the number of the last edge."""
+    """What is kept of each row: the estimate, and the number of the last edge, on the wheel as it was met."""
 
     angle: float
     speed: float
@@ -53,6 +54,7 @@ class Shown(NamedTuple):
     innovation: float
     innovation_deviation: float
     missed_edges: float
+    standstill: float
     edge: float
 
 
@@ -76,8 +78,12 @@ def shown_with(estimate: Estimate, edge: float) -> Shown:
         innovation=e.innovation,
         innovation_deviation=e.innovation_deviation,
         missed_edges=e.missed_edges,
+        standstill=e.standstill,
         edge=edge,
     )
+
+
+SPEED, STANDSTILL, EDGE = (Shown._fields.index(name) for name in ("speed", "standstill", "edge"))
 
 
 class FusedShown(NamedTuple):
@@ -127,16 +133,30 @@ class FilteredRows(NamedTuple):
     """Of each row, whether it counts."""
 
 
+class LastEdge(NamedTuple):
+    """The last edge that was used: its time [s] and its number along the spool, and the speed since [rad/s]."""
+
+    time: float
+    number: float
+    speed: float
+    standstill: float = 0.0
+
+
 @dataclass
 class _Piece:
     memory: EventFilterMemory | FusionMemory
+    direction: float
     edges: int = 0
     settled_at: float = np.inf
     missed: float = 0.0
 
 
 class OfflineFilter:
-    """Takes settled edges, gives rows and edges with what the filter makes of them."""
+    """Takes settled edges, gives rows and edges with what the filter makes of them.
+
+    Of a wheel with an index each piece finds its direction; backwards the filter, which only knows a wheel that turns
+    forward, runs over the mirrored one, and angles, numbers and speeds are given with their signs.
+    """
 
     def __init__(
         self,
@@ -145,6 +165,7 @@ class OfflineFilter:
         sections: int,
         fusion: Fusion | None = None,
         say: Callable[[str], None] = quiet,
+        direction: float = 1.0,
     ) -> None:
         example = Reading(0.0, 0.0, 0.0, 0.0, 0.0)
         if fusion is None:
@@ -161,12 +182,21 @@ class OfflineFilter:
             )
             self._replay = Replay(fused_step, fusion_start(fusion, 0.0, 0.0, 0.0), both, fusion, say=say)
         self._fusion, self._waves = fusion, no_waves()
+        self._met = {sign: _met_settings(settings, fusion, sign) for sign in (1.0, -1.0)}
         self._filter, self.rate, self._sections = settings, rate, sections
+        self._direction = direction
         self._sectors = len(settings.wheel.edges)
+        self._wanted = max(edges_needed(settings.wheel), 2 * SEEN_AFTER)  # edges that tell how a piece begins
         self._pending = no_edges()
         self._piece: _Piece | None = None
         self._steps = np.empty(0)
-        self._last: tuple[float, float, float] | None = None  # time, number and speed at the last edge
+        self._last: LastEdge | None = None
+        self._history = np.empty(0)  # the last times of edges of the piece
+        self._looked_past = -np.inf  # slow passages up to here are done with
+        self.slow_passages: list[float] = []
+        """When the wheel nearly stood still, and did not turn back as far as is known [s]."""
+        self.reversals: list[float] = []
+        """When it turned back [s]."""
         self._next: int | None = None  # number of the next row
         self.pieces = 0
         self.left_out = 0
@@ -204,7 +234,7 @@ class OfflineFilter:
 
     def _can_bridge(self, times: Array) -> Chosen:
         """Of each of the next edges, whether the time since the edge before it can be bridged."""
-        before = self._last[0] if self._piece is not None and self._last is not None else float(times[0])
+        before = self._last.time if self._piece is not None and self._last is not None else float(times[0])
         steps = np.diff(times, prepend=before)
         if self._piece is None:  # the first edge of a piece has nothing before it
             limits = np.concatenate([[np.inf], _longest(_usual(steps[1:]), steps[1:], self._filter)])
@@ -221,7 +251,7 @@ class OfflineFilter:
 
     def _segment(self, last: bool) -> Generator[FilteredRows, None, bool]:
         """Takes in the pending edges up to the next cut; false where more have to be known first."""
-        wanted = edges_needed(self._filter.wheel)
+        wanted = self._wanted
         looked_at = self._pending.times[: max(EDGES_AT_ONCE, wanted)]
         cuts = np.flatnonzero(~self._can_bridge(looked_at))
         end = int(cuts[0]) if cuts.size else looked_at.size
@@ -238,46 +268,78 @@ class OfflineFilter:
             before = first
         else:
             assert self._last is not None
-            before = self._last[0]
-        taken = part(self._pending, slice(0, end))
-        self._pending = part(self._pending, slice(end, None))
-        if end:
-            steps = np.diff(taken.times, prepend=before)[0 if self._steps.size else 1 :]
-            self.longest_bridged = max(self.longest_bridged, float(np.max(steps, initial=0.0)))
-            self._steps = np.concatenate([self._steps, steps])[-RECENT:]
-            yield from self._rows(taken, float(taken.times[-1] + 0.5 * taken.intervals[-1]))
-        if cuts.size:
+            before = self._last.time
+        whole = bool(cuts.size) or (last and looked_at.size == self._pending.times.size)
+        known, turned = self._until_turn(end, whole)
+        if known:
+            yield from self._take(part(self._pending, slice(0, known)), before)
+            self._pending = part(self._pending, slice(known, None))
+        if turned or (cuts.size and known == end):
             yield from self._rows(no_edges(), min(self._lasting(), float(self._pending.times[0])))
             self._end(forget=False)
-        return True
+        return turned or known > 0
+
+    def _take(self, taken: Edges, before: float) -> Iterator[FilteredRows]:
+        """Edges of a piece, with the rows up to the last of them; `before` is the time of the edge before them [s]."""
+        steps = np.diff(taken.times, prepend=before)[0 if self._steps.size else 1 :]
+        self.longest_bridged = max(self.longest_bridged, float(np.max(steps, initial=0.0)))
+        self._steps = np.concatenate([self._steps, steps])[-RECENT:]
+        self._history = np.concatenate([self._history, taken.times])[-SEEN_BEFORE - 1 :]
+        yield from self._rows(taken, float(known_times(taken)[-1]))
+
+    def _until_turn(self, end: int, whole: bool) -> tuple[int, bool]:
+        """How many of the pending edges, up to `end`, go on as before, as far as is known, and whether the wheel turns
+        back then; `whole`: the piece has no more of them."""
+        assert self._piece is not None
+        times, wanted = self._pending.times[:end], self._wanted
+        seen = np.concatenate([self._history, times])
+        for step in slow_passages(np.diff(seen)):
+            i = step + 1 - self._history.size
+            if i < 0 or times[i] <= self._looked_past:
+                continue
+            if end - i < wanted and not whole:
+                return i, False
+            self._looked_past = float(times[i])
+            after = part(self._pending, slice(i, min(i + wanted, end)))
+            if start(after, self._filter.wheel, self._piece.direction).direction != self._piece.direction:
+                self.reversals.append(float(0.5 * (seen[step] + seen[step + 1])))
+                return i, True
+            self.slow_passages.append(float(0.5 * (seen[step] + seen[step + 1])))
+        return (end if whole else max(end - SEEN_AFTER, 0)), False
 
     def _begin(self, first: Edges) -> None:
-        found = alignment(first, self._filter.wheel)
+        direction, found = start(first, self._filter.wheel, self._direction)
         self.alignments.append(found)
-        number = self._continue_count(found, float(first.times[0]), float(first.polarities[0]))
+        settings = self._met[direction]
+        met_filter = settings.filter if isinstance(settings, Fusion) else settings
+        number = self._continue_count(found, direction, float(first.times[0]), direction * float(first.polarities[0]))
         half = 0.5 * TURN / self._sectors
-        angle = edge_angle(number, self._filter.wheel) - half  # the filter takes the edge half a sector ahead
+        angle = edge_angle(number, met_filter.wheel) - half  # the filter takes the edge half a sector ahead
         time = float(first.times[0])
-        if self._fusion is None:
-            self._piece = _Piece(event_filter_start(self._filter, time, angle, found.speed))
-        else:
-            self._piece = _Piece(fusion_start(self._fusion, time, angle, found.speed))
+        memory = (
+            fusion_start(settings, time, angle, found.speed)
+            if isinstance(settings, Fusion)
+            else event_filter_start(settings, time, angle, found.speed)
+        )
+        self._piece = _Piece(memory, direction)
+        self._direction, self._history = direction, np.empty(0)
         self.pieces += 1
 
-    def _continue_count(self, found: Alignment, time: float, polarity: float) -> float:
-        """The number of a piece's first edge: on the turn that the last speed would have reached."""
+    def _continue_count(self, found: Alignment, direction: float, time: float, polarity: float) -> float:
+        """The number of a piece's first edge on the wheel as it is met: on the turn that the last speed would have
+        reached; where the wheel has turned back, its last edge again."""
         if self._last is None:
             return float(found.number)
-        last_time, last_number, speed = self._last
-        n = self._sectors
-        expected = last_number + max(1.0, (time - last_time) * speed * n / TURN)
+        n, same, before = self._sectors, direction == self._direction, direction * self._last.number
+        pace = self._last.speed if self._last.standstill < 0.5 else 0.0
+        expected = before + max(1.0, (time - self._last.time) * pace * n / TURN) if same else before
         if found.index_found:
             number = found.number + n * np.round((expected - found.number) / n)
-            return float(number if number > last_number else number + n)
+            return float(number if number > before or not same else number + n)
         number = np.round(expected)
         if polarity != 0.0 and (number % 2 == 0) != (polarity > 0.0):
             number += 1
-        return float(max(number, last_number + 1.0))
+        return float(max(number, before + 1.0) if same else number)
 
     def _end(self, *, forget: bool) -> None:
         """Closes a piece; with `forget` also its clock, and the next piece may lie at any time."""
@@ -287,14 +349,15 @@ class OfflineFilter:
         self._steps = np.empty(0)
         if forget:
             if self._last is not None:
-                self._last = (0.0, self._last[1], 0.0)
+                self._last = LastEdge(0.0, self._last.number, 0.0)
+            self._looked_past = -np.inf
             self._next, self.reached, self._covered_to = None, -np.inf, None
             self._waves = no_waves()
 
     def _lasting(self) -> float:
         """Until when rows can be given without another edge [s]."""
         assert self._last is not None
-        end, reach = self._last[0], self._reach()
+        end, reach = self._last.time, self._reach()
         if self._fusion is not None:
             for time in self._waves.times[self._waves.times > end].tolist():
                 if time > end + reach:
@@ -312,7 +375,7 @@ class OfflineFilter:
         """The filter over these edges and over the rows up to `until` [s]."""
         piece = self._piece
         assert piece is not None
-        known = edges.times + 0.5 * edges.intervals
+        known = known_times(edges)
         if self._next is None:
             self._next = int(np.ceil(float(known[0]) * self.rate - 1e-9)) if known.size else 0
         elif piece.edges == 0 and known.size:
@@ -335,25 +398,30 @@ class OfflineFilter:
             for start in range(self._next, begin, ROWS_AT_ONCE):
                 grid = np.arange(start, min(start + ROWS_AT_ONCE, begin)) / self.rate
                 nothing = np.full((grid.size, len(self._replay.columns)), np.nan)
+                nothing[:, STANDSTILL] = self._last.standstill if self._last is not None else np.nan
                 yield FilteredRows(self._by_name(grid, nothing), self._no_edges(), np.zeros(grid.size, bool))
         self._next = max(begin, self._next)
 
     def _step(self, piece: _Piece, edges: Edges, grid: Array) -> FilteredRows:
-        known = edges.times + 0.5 * edges.intervals
+        known = known_times(edges)
         m = known.size
         rows = np.zeros((m + grid.size, 5))
-        rows[:m] = np.column_stack([known, edges.counts, edges.times, edges.intervals, edges.polarities])
+        polarities = piece.direction * edges.polarities
+        rows[:m] = np.column_stack([known, edges.counts, edges.times, edges.intervals, polarities])
         rows[m:, 0] = grid
         if self._fusion is not None:
             rows = self._with_waves(rows)
         order = np.argsort(rows[:, 0], kind="stable")
-        done = self._replay(piece.memory, rows[order])
+        done = self._replay(piece.memory, rows[order], self._met[piece.direction])
         piece.memory = done.memory
         shown = np.empty_like(done.shown)
         shown[order] = done.shown
         columns = self._of_edges(piece, edges, shown[:m]) if m else self._no_edges()
         if grid.size:
             self.reached = float(grid[-1])
+            if self._last is not None and grid[-1] >= self._last.time:
+                speed, standstill = shown[m + grid.size - 1, [SPEED, STANDSTILL]].tolist()
+                self._last = self._last._replace(speed=speed, standstill=standstill)
         settled = grid >= piece.settled_at
         return FilteredRows(self._by_name(grid, shown[m : m + grid.size]), columns, settled)
 
@@ -371,8 +439,8 @@ class OfflineFilter:
         return found
 
     def _of_edges(self, piece: _Piece, edges: Edges, shown: Array) -> dict[str, Array]:
-        m = edges.times.size
-        speed, nu, deviation, number = shown[:, 1], shown[:, 4], shown[:, 5], shown[:, 7]
+        m, sign = edges.times.size, piece.direction
+        speed, nu, deviation, number = shown[:, SPEED], sign * shown[:, 4], shown[:, 5], sign * shown[:, EDGE]
         used = deviation > 0.0
         place = piece.edges + np.arange(m)
         settling = SETTLING_TURNS * self._sectors
@@ -383,7 +451,7 @@ class OfflineFilter:
         before = float(edges.times[0]) if self._covered_to is None else self._covered_to
         self.covered += float(edges.times[-1]) - before
         self._covered_to = float(edges.times[-1])
-        self._last = (float(edges.times[-1]), float(number[-1]), float(speed[-1]))
+        self._last = LastEdge(float(edges.times[-1]), float(number[-1]), float(speed[-1]))
         sector = np.mod(number, self._sectors)
         angle = TURN * np.floor(number / self._sectors) + np.array(self._filter.wheel.edges)[sector.astype(int)]
         variance = edge_angle_variance(speed, edges.intervals, self._filter)  # type: ignore[arg-type]
@@ -394,7 +462,7 @@ class OfflineFilter:
             "piece": np.full(m, float(self.pieces)),
             "number": number + nothing,
             "sector": sector + nothing,
-            "polarity": edges.polarities,
+            "polarity": sign * edges.polarities,
             "angle": angle + nothing,
             "variance": np.asarray(variance),
             "innovation": nu + nothing,
@@ -407,8 +475,11 @@ class OfflineFilter:
         return {}
 
     def _by_name(self, grid: Array, shown: Array) -> dict[str, Array]:
-        angle, speed = shown[:, 0], shown[:, 1]
-        more = {} if self._fusion is None else dict(zip(FUSED_COLUMNS, shown[:, 8:].T, strict=True))
+        sign = self._direction
+        angle, speed = sign * shown[:, 0], sign * shown[:, SPEED]
+        more = {} if self._fusion is None else dict(zip(FUSED_COLUMNS, shown[:, EDGE + 1 :].T, strict=True))
+        if more:
+            more["pressure_phase"] = sign * more["pressure_phase"]
         return more | {
             "time": grid,
             "piece": np.full(grid.size, float(self.pieces)),
@@ -417,8 +488,16 @@ class OfflineFilter:
             "speed": speed,
             "angle_deviation": shown[:, 2],
             "speed_deviation": shown[:, 3],
-            "pwm_frequency": speed * self._sections / TURN,
+            "pwm_frequency": np.abs(speed) * self._sections / TURN,
+            "standstill": shown[:, STANDSTILL],
         }
+
+
+def _met_settings(settings: EventFilter, fusion: Fusion | None, direction: float) -> EventFilter | Fusion:
+    """The settings for the wheel as it is met in a direction."""
+    wheel = met_wheel(settings.wheel, direction) if settings.wheel.has_index else settings.wheel
+    as_met = replace(settings, wheel=wheel)
+    return as_met if fusion is None else replace(fusion, filter=as_met)
 
 
 def bridged_time(period: float, settings: EventFilter) -> float:

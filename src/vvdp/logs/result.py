@@ -26,8 +26,8 @@ from vvdp.base.kinds import (
 )
 from vvdp.logs.charts import Excerpt, Figure, pressure_figure, pressure_fold, wave_figure
 from vvdp.logs.config import Counts, Estimation, Stamps, Wave, source_channels
-from vvdp.logs.diagnostics import Sums
 from vvdp.logs.speed_charts import innovation_figure, seen_stretch, speed_detail, speed_figure
+from vvdp.logs.sums import Sums
 from vvdp.logs.wheel_charts import TABLE, wheel_figure, wheel_table
 from vvdp.results.result import Badge, Finding, Grade, Listing, Number, Result, Row, Section, numbers_of
 
@@ -44,6 +44,9 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "sample_rate_Hz": (FREQUENCY, "sample rate"),
     "output_rate_Hz": (FREQUENCY, "rate of the result"),
     "sectors": (COUNT, "sectors of the wheel"),
+    "sectors_assumed": (FLAG, "number of sectors assumed"),
+    "polarity": (NUMBER, "polarity, 1 as logged, -1 inverted"),
+    "direction": (NUMBER, "direction, 1 forward, -1 backward"),
     "edges": (COUNT, "edges"),
     "missed_edges": (COUNT, "missed edges"),
     "double_edges": (COUNT, "double edges"),
@@ -59,6 +62,8 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "pwm_frequency_mean_Hz": (FREQUENCY, "PWM frequency, mean"),
     "angle_deviation_mean_rad": (ANGLE, "standard deviation of the angle, stated by the filter"),
     "speed_deviation_mean_rad_s": (SPEED, "standard deviation of the speed, stated by the filter"),
+    "speed_deviation_rms_rad_s": (SPEED, "the same, root mean square"),
+    "standstill_time_s": (DURATION, "time at a standstill"),
     "nis_mean": (RATIO, "squared innovations over their expected variance, mean"),
     "nis_edges": (COUNT, "edges in that mean"),
     "nis_low": (RATIO, "by chance it would lie above"),
@@ -89,11 +94,12 @@ IN_CHANNEL_UNIT = ("threshold", "threshold_suggested", "wave_swing", "wave_noise
 LISTED: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "speed-numbers": ("Speed", (
         "spool_speed_mean_rad_s", "spool_speed_std_rad_s", "spool_speed_min_rad_s", "spool_speed_max_rad_s",
-        "pwm_frequency_mean_Hz", "angle_deviation_mean_rad", "speed_deviation_mean_rad_s",
+        "pwm_frequency_mean_Hz", "angle_deviation_mean_rad", "speed_deviation_mean_rad_s", "speed_deviation_rms_rad_s",
+        "standstill_time_s",
     )),
     "edge-numbers": ("Edges", (
-        "edges", "missed_edges", "double_edges", "pieces", "edge_offset_max_rad", "nis_mean",
-        "acceleration_density_rad2_s3", "edge_variance_rad2",
+        "sectors", "polarity", "direction", "edges", "missed_edges", "double_edges", "pieces",
+        "edge_offset_max_rad", "nis_mean", "acceleration_density_rad2_s3", "edge_variance_rad2",
     )),
     "record-numbers": ("Record", (
         "duration_s", "estimated_share", "samples", "sample_rate_Hz", "output_rate_Hz", "gaps", "not_numbers",
@@ -145,7 +151,7 @@ def estimate_result(outcome: Outcome) -> Result:
         tables={TABLE: wheel} | {name: table for each in figures for name, table in each.tables.items()},
         charts={each.chart.name: each.chart for each in figures},
         badges=tuple(_badges(outcome)),
-        findings=(*outcome.findings, Finding(text=_in_words(outcome.sums, numbers["pwm_frequency_mean_Hz"]))),
+        findings=(*outcome.findings, Finding(text=_in_words(outcome, numbers["pwm_frequency_mean_Hz"]))),
         sections=_sections(tuple(listings), tuple(each.chart.name for each in figures), outcome),
         seconds=outcome.seconds,
         finished=not outcome.sums.interruptions,
@@ -222,7 +228,8 @@ def _count_text(count: float, word: str) -> str:
     return f"{plain(count, 12)} {word}{'' if count == 1 else 's'}"
 
 
-def _in_words(sums: Sums, frequency: Number) -> str:
+def _in_words(outcome: Outcome, frequency: Number) -> str:
+    sums = outcome.sums
     speed = sums.speed if sums.speed.count else sums.early_speed
     passed = f"{_count_text(sums.edges, 'edge')} of a wheel with {sums.sectors} sectors passed"
     missed = f", {plain(sums.missed)} more did not show" if sums.missed else ""
@@ -236,7 +243,17 @@ def _in_words(sums: Sums, frequency: Number) -> str:
         f"In {with_unit(sums.measured, DURATION)}, {passed}{missed}. The spool turned at "
         f"{with_unit(speed.mean, SPEED, 5)} on average, standard deviation {with_unit(speed.deviation, SPEED, 3)}, "
         f"which is a PWM frequency of {with_unit(frequency.value, FREQUENCY)}. "
-        f"{settled}"
+        f"{settled}{_granted(outcome)}"
+    )
+
+
+def _granted(outcome: Outcome) -> str:
+    """What the edges themselves cannot tell of how many of them pass in a turn."""
+    n = outcome.sums.sectors
+    if outcome.summary["index_found"]:
+        return ""
+    return (
+        f" That {n} edges pass in a turn, rising and falling ones, was taken for granted: such a wheel does not tell."
     )
 
 

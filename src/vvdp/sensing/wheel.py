@@ -65,6 +65,17 @@ def wheel_of_widths(widths: Sequence[float]) -> CodeWheel:
     return CodeWheel(tuple(float(x) for x in TURN * ends[:-1] / ends[-1]))
 
 
+def mirror_wheel(wheel: CodeWheel) -> CodeWheel:
+    """The wheel as it passes backwards, mirrored about its edge 0, which stays where it is.
+
+    Edge k becomes edge -k, at the angle 2 e - a of the edge 0 at e and itself at a. Even numbers stay even; rising
+    edges pass as falling ones, so polarities have to change their sign.
+    Raises ParameterError where the wheel does not begin at an edge, so that a mirrored edge would lie beyond a turn.
+    """
+    first = wheel.edges[0]
+    return CodeWheel((first, *(2.0 * first + TURN - edge for edge in wheel.edges[:0:-1])))
+
+
 def sector_widths(wheel: CodeWheel) -> tuple[float, ...]:
     """Widths of the sectors [rad], the one after edge 0 first."""
     return tuple(float(x) for x in np.diff([*wheel.edges, wheel.edges[0] + TURN]))
