@@ -133,7 +133,7 @@ def with_flow(scenario: Scenario, record: Record) -> Array:
     """
     random = np.random.default_rng([record.seed, 4])
     time = record.truth.time
-    flow = driving_flow(scenario.motion.driven, time - 0.5 / scenario.rate) * (
+    flow = driving_flow(scenario.motion.by_flow, time - 0.5 / scenario.rate) * (
         1.0 + FLOW_DEVIATION * random.standard_normal()
     )
     temperature = np.full(time.size, WARM_OIL + TEMPERATURE_DEVIATION * random.standard_normal())
