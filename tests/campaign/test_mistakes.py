@@ -15,7 +15,7 @@ seeds = pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.ma
 @pytest.mark.parametrize("name", MISTAKES)
 def test_no_speed_is_wrong_by_a_factor_unless_the_first_warning_says_so(name, seed):
     came = found(MISTAKES[name], seed)
-    said = SAID.get(name, "sectors|edges a turn|edges per turn|edges pass in a turn")
+    said = SAID.get(name, "number of sectors|sectors were|edges a turn|edges per turn")
     assert not came.wrong or re.search(said, came.warnings[0] if came.warnings else ""), (came.mean / came.true, came)
 
 
