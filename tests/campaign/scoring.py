@@ -116,11 +116,12 @@ def band(independent: float) -> tuple[float, float]:
 
 
 def wrong_by_a_factor(traces: Traces, usual: float) -> bool:
-    """Whether the mean of the estimated speed over some half a second is no such speed at all; less than a twentieth
-    of the `usual` one is as good as none."""
+    """Whether the mean of the estimated speed over some half a second is no such speed at all, and two of the stated
+    deviations do not say so; less than a twentieth of the `usual` speed is as good as none."""
     known = np.isfinite(traces.estimated[:, 1])
     n = min(np.count_nonzero(known), max(1, round(OVER / float(np.median(np.diff(traces.time))))))
     weights = np.ones(n) / n
-    said, was = (np.convolve(each[known, 1], weights, mode="valid") for each in (traces.estimated, traces.true))
+    said, was, deviation = (np.convolve(each[known, 1], weights, mode="valid") for each in traces[1:])
     low, high = WRONG
-    return bool(np.any(((said < low * was) | (said > high * was)) & (np.abs(said - was) > 0.05 * usual)))
+    off = np.abs(said - was)
+    return bool(np.any(((said < low * was) | (said > high * was)) & (off > 0.05 * usual) & (off > 2.0 * deviation)))

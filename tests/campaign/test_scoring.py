@@ -60,6 +60,11 @@ def test_a_factor_is_told(off, wrong):
     assert wrong_by_a_factor(traces(off_speed=short), 100.0) is False
 
 
+def test_a_deviation_may_say_it():
+    assert wrong_by_a_factor(traces(off_speed=30.0, deviation=14.0), 100.0) is True
+    assert wrong_by_a_factor(traces(off_speed=30.0, deviation=16.0), 100.0) is False
+
+
 def test_next_to_nothing_is_no_factor():
     stopped = np.where(TIME < 1.0, 100.0, 0.0)
     assert wrong_by_a_factor(traces(off_speed=4.0, speed=stopped), 100.0) is False
