@@ -77,6 +77,13 @@ def test_a_reversal_by_hand():
     assert motion.travel(at) == pytest.approx([100.0, 125.0, 150.0, 250.0])
 
 
+def test_a_reversal_to_another_speed_turns_where_its_line_crosses_zero():
+    """From 100 to -50 rad/s within 1.5 s: 50 rad within the first second, 12.5 back within the rest."""
+    motion = Ramps((0.0, 1.5), (100.0, -50.0))
+    assert motion.angle(np.array([1.5])) == pytest.approx([37.5])
+    assert motion.travel(np.array([1.0, 1.5, 2.5])) == pytest.approx([50.0, 62.5, 112.5])
+
+
 def test_what_the_flow_alone_would_do():
     assert Ripple(10.0, 0.6, 1.0).by_flow == steady(10.0)
     assert Ramps((0.0, 1.0, 2.0), (100.0, 100.0, -100.0)).by_flow == steady(100.0)
