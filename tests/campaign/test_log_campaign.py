@@ -6,6 +6,7 @@ import pytest
 from tests.campaign.cases import CLASSES
 from tests.campaign.log_campaign import Logged, one, pooled_row
 from tests.campaign.scoring import coverage, pool
+from tests.campaign.test_filter_campaign import WITHIN_THE_MODEL
 
 QUICK, SLOW = 3, 36
 
@@ -26,7 +27,7 @@ def test_two_deviations_cover_speed_and_angle(name, records):
 
 
 @records
-@pytest.mark.parametrize("name", CLASSES)
+@pytest.mark.parametrize("name", WITHIN_THE_MODEL)
 def test_errors_are_as_large_as_stated(name, records):
     ran = logged(name, records)
     found = pool([each.errors for each in ran])
