@@ -28,6 +28,8 @@ RATE = 1000.0
 INDEX_SHIFT = 0.25
 DENSITY = 0.25
 """White acceleration of every motion, that which the filter reckons with by default [rad^2/s^3]."""
+EDGES_TO_KNOW = 4.0
+"""Edges that must have come, or failed to come, before a sudden change can be known."""
 JITTER = 0.075
 """Of an edge, in sectors: 0.059 rad at 8 sectors, the filter's default."""
 
@@ -48,6 +50,8 @@ class Case(NamedTuple):
     edge_variance: float  # [rad^2]
     ripple_order: float
     ripple_variance: float
+    sudden: tuple[tuple[float, float], ...]
+    """From when to when nobody can know of a change yet [s]."""
 
 
 class Draw(NamedTuple):
@@ -59,6 +63,8 @@ class Draw(NamedTuple):
     missed: float = 0.0
     double: float = 0.0
     uneven: float = 0.0
+    sudden: tuple[tuple[float, float], ...] = ()
+    """When the speed begins to change, and when it has changed [s]."""
     sectors: int = 0
     """0: any."""
     sampled: bool = False
@@ -73,21 +79,26 @@ def slope(w: float, rng: np.random.Generator) -> Draw:
 
 
 def step_of_speed(w: float, rng: np.random.Generator) -> Draw:
-    return Draw(step(w, w * rng.choice([0.55, 0.8, 1.25, 1.9]), rng.uniform(1.2, 1.7), 0.028))
+    after, at = w * rng.choice([0.55, 0.8, 1.25, 1.9]), rng.uniform(1.2, 1.7)
+    return Draw(step(w, after, at, 0.028), sudden=((at, at + 3.0 * 0.028),))
 
 
 def stopped(w: float, rng: np.random.Generator) -> Draw:
     at = rng.uniform(1.2, 1.5)
-    return Draw(stop(w, at, 0.05, at + rng.uniform(0.4, 1.2)))
+    restart = at + rng.uniform(0.4, 1.2)
+    return Draw(stop(w, at, 0.05, restart), sudden=((at, at + 0.05), (restart, restart + 0.05)))
 
 
 def jammed(w: float, rng: np.random.Generator) -> Draw:
-    return Draw(jam(w, rng.uniform(1.2, 2.7)))
+    at = rng.uniform(1.2, 2.7)
+    return Draw(jam(w, at), sudden=((at, at),))
 
 
 def reversed_(w: float, rng: np.random.Generator) -> Draw:
     begin, lasting = rng.uniform(1.2, 1.5), rng.uniform(0.1, 0.8)
-    return Draw(ramp(w, -w, begin, begin + lasting))
+    slow = 0.1 * lasting  # at a tenth of the speed
+    turn = begin + 0.5 * lasting
+    return Draw(ramp(w, -w, begin, begin + lasting), sudden=((turn - slow, turn + slow),))
 
 
 def slow_passage(w: float, rng: np.random.Generator) -> Draw:
@@ -182,4 +193,5 @@ def case(name: str, seed: int) -> Case:
         edge_variance=(JITTER * pitch) ** 2 + float(np.mean((wheel.made - wheel.meant) ** 2)),
         ripple_order=order,
         ripple_variance=0.5 * drawn.ripple**2,
+        sudden=tuple((begin, end + EDGES_TO_KNOW * pitch / w) for begin, end in drawn.sudden),
     )

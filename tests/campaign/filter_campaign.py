@@ -90,7 +90,9 @@ def run(of: Case) -> Outcome:
     return Outcome(
         case=of,
         traces=traces,
-        errors=errors(traces, TURN / of.wheel.meant.size, independent(of, told, 0.0 if of.stamped else 1.0 / RATE)),
+        errors=errors(
+            traces, TURN / of.wheel.meant.size, independent(of, told, 0.0 if of.stamped else 1.0 / RATE), of.sudden
+        ),
         wrong=wrong_by_a_factor(traces, of.usual),
         standstill=named["standstill"],
     )

@@ -96,7 +96,7 @@ def run(of: Case, logging: Logging, folder: Path, *, told: bool = True) -> Logge
     return Logged(
         case=of,
         logging=logging,
-        errors=errors(traces, TURN / of.wheel.meant.size, independent(of, wanted.filter, interval)),
+        errors=errors(traces, TURN / of.wheel.meant.size, independent(of, wanted.filter, interval), of.sudden),
         wrong=wrong_by_a_factor(traces, of.usual),
         warnings=tuple(each.title for each in found.findings if each.grade is not Grade.PLAIN),
     )

@@ -19,13 +19,15 @@ REST = 0.1
 class Errors(NamedTuple):
     """Errors over stated deviations at the samples that count, and how many of them are independent.
 
-    What is said of a wheel that has stood for a while is `still`, and apart: there every deviation covers.
+    What is said of a wheel that has stood for a while is `still`, and apart: there every deviation covers. Just after a
+    sudden change no edge has told of it: there an error is many deviations large whatever one does, and not `knowable`.
     """
 
     speed: np.ndarray
     angle: np.ndarray
     independent: float
     still: np.ndarray
+    knowable: np.ndarray
 
 
 class Honesty(NamedTuple):
@@ -51,7 +53,7 @@ class Traces(NamedTuple):
     deviations: np.ndarray
 
 
-def errors(traces: Traces, pitch: float, independent: float) -> Errors:
+def errors(traces: Traces, pitch: float, independent: float, sudden: tuple[tuple[float, float], ...] = ()) -> Errors:
     """The errors of the traces, whole multiples of `pitch` by which the wheel may have stood elsewhere at the start
     taken off the angle."""
     _, estimated, true, deviations = traces
@@ -62,7 +64,9 @@ def errors(traces: Traces, pitch: float, independent: float) -> Errors:
     sure = np.isfinite(off).all(axis=1) & np.isfinite(deviations).all(axis=1)
     z = off[sure] / np.clip(deviations[sure], 1e-12, None)
     still = stands(traces)[sure]
-    return Errors(z[~still, 1], z[~still, 0], independent, z[still])
+    time = traces.time[sure][~still]
+    knowable = ~np.any([(time >= begin) & (time <= end) for begin, end in ((np.inf, np.inf), *sudden)], axis=0)
+    return Errors(z[~still, 1], z[~still, 0], independent, z[still], knowable)
 
 
 def stands(traces: Traces) -> np.ndarray:
@@ -91,13 +95,14 @@ def pool(all_errors: list[Errors]) -> Honesty:
     """What the records of one class come to together."""
     speed = np.concatenate([each.speed for each in all_errors])
     angle = np.concatenate([each.angle for each in all_errors])
+    knowable = np.concatenate([each.knowable for each in all_errors])
     still = np.concatenate([each.still for each in all_errors])
     low, high = band(sum(each.independent for each in all_errors))
     return Honesty(
         speed_coverage=coverage(speed),
         angle_coverage=coverage(angle),
-        speed_nees=float(np.mean(speed**2)),
-        angle_nees=float(np.mean(angle**2)),
+        speed_nees=float(np.mean(speed[knowable] ** 2)),
+        angle_nees=float(np.mean(angle[knowable] ** 2)),
         low=low,
         high=high,
         still_coverage=min(coverage(column) for column in still.T) if still.size else np.nan,
@@ -116,11 +121,12 @@ def band(independent: float) -> tuple[float, float]:
 
 
 def wrong_by_a_factor(traces: Traces, usual: float) -> bool:
-    """Whether the mean of the estimated speed over some half a second is no such speed at all; less than a twentieth
-    of the `usual` one is as good as none."""
+    """Whether the mean of the estimated speed over some half a second is no such speed at all, and two of the stated
+    deviations do not say so; less than a twentieth of the `usual` speed is as good as none."""
     known = np.isfinite(traces.estimated[:, 1])
     n = min(np.count_nonzero(known), max(1, round(OVER / float(np.median(np.diff(traces.time))))))
     weights = np.ones(n) / n
-    said, was = (np.convolve(each[known, 1], weights, mode="valid") for each in (traces.estimated, traces.true))
+    said, was, deviation = (np.convolve(each[known, 1], weights, mode="valid") for each in traces[1:])
     low, high = WRONG
-    return bool(np.any(((said < low * was) | (said > high * was)) & (np.abs(said - was) > 0.05 * usual)))
+    off = np.abs(said - was)
+    return bool(np.any(((said < low * was) | (said > high * was)) & (off > 0.05 * usual) & (off > 2.0 * deviation)))

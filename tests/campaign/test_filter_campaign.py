@@ -13,6 +13,11 @@ QUICK, SLOW = 4, 36
 SECTORS_TO_TELL = 4.0
 """Sectors that should have passed until a standstill is told: 20 ms at 25 turns a second and eight sectors."""
 
+WITHIN_THE_MODEL = sorted(set(CLASSES) - {"ramp", "step", "slow", "crowded"})
+"""Classes whose errors are as large as stated. While a speed changes that the settings know nothing of, a filter lags:
+it is covered, but what is left of two deviations is not normal. Nor does the last of several edges in a sample lie in its
+middle."""
+
 records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
 
 
@@ -30,7 +35,7 @@ def test_two_deviations_cover_speed_and_angle(name, records):
 
 
 @records
-@pytest.mark.parametrize("name", CLASSES)
+@pytest.mark.parametrize("name", WITHIN_THE_MODEL)
 def test_errors_are_as_large_as_stated(name, records):
     ran = outcomes(name, records)
     found = pool([each.errors for each in ran])

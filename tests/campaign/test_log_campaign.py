@@ -5,7 +5,8 @@ from functools import cache
 import pytest
 from tests.campaign.cases import CLASSES
 from tests.campaign.log_campaign import Logged, one, pooled_row
-from tests.campaign.scoring import pool
+from tests.campaign.scoring import coverage, pool
+from tests.campaign.test_filter_campaign import WITHIN_THE_MODEL
 
 QUICK, SLOW = 3, 36
 
@@ -26,7 +27,7 @@ def test_two_deviations_cover_speed_and_angle(name, records):
 
 
 @records
-@pytest.mark.parametrize("name", CLASSES)
+@pytest.mark.parametrize("name", WITHIN_THE_MODEL)
 def test_errors_are_as_large_as_stated(name, records):
     ran = logged(name, records)
     found = pool([each.errors for each in ran])
@@ -38,3 +39,10 @@ def test_errors_are_as_large_as_stated(name, records):
 @pytest.mark.parametrize("name", CLASSES)
 def test_no_speed_is_wrong_by_a_factor_without_a_word(name, records):
     assert [each.case.seed for each in logged(name, records) if each.wrong and not each.warnings] == []
+
+
+@records
+@pytest.mark.parametrize("name", ["swing", "walk", "ripple"])
+def test_settings_that_were_not_told_of_the_motion_are_honest_or_warn(name, records):
+    ran = [one(name, seed, told=False) for seed in range(records)]
+    assert [each.case.seed for each in ran if coverage(each.errors.speed) < 0.9 and not each.warnings] == []

@@ -40,6 +40,13 @@ def test_what_stands_counts_by_itself():
     assert found.speed.size + found.still.shape[0] == TIME.size and found.still.shape == (stands(stopped).sum(), 2)
 
 
+def test_what_nobody_can_know_yet_is_covered_or_not_but_no_normal_error():
+    found = errors(traces(off_speed=np.where(TIME > 1.0, 30.0, 0.0)), 1e9, 10.0, ((1.0, 1.5),))
+    assert coverage(found.speed) == pytest.approx(0.5, abs=2e-3)
+    assert np.count_nonzero(~found.knowable) == pytest.approx(500, abs=2)
+    assert pool([found]).speed_nees == pytest.approx(900.0 * 499 / 1499, rel=5e-3)
+
+
 def test_a_filter_that_remembers_has_fewer_independent_errors():
     """An edge every 5 ms, R = 4e-3 rad^2, q = 0.25 rad^2/s^3: (4e-3 5e-3/0.25)^(1/4) = 94.6 ms each."""
     assert independent_edges(np.arange(0.0, 2.0, 5e-3), 0.25, 4e-3) == pytest.approx(1.995 / 94.57e-3, rel=1e-3)
@@ -58,6 +65,11 @@ def test_a_factor_is_told(off, wrong):
     assert wrong_by_a_factor(traces(off_speed=off), 100.0) is wrong
     short = np.where(TIME < 0.3, off, 0.0)
     assert wrong_by_a_factor(traces(off_speed=short), 100.0) is False
+
+
+def test_a_deviation_may_say_it():
+    assert wrong_by_a_factor(traces(off_speed=30.0, deviation=14.0), 100.0) is True
+    assert wrong_by_a_factor(traces(off_speed=30.0, deviation=16.0), 100.0) is False
 
 
 def test_next_to_nothing_is_no_factor():

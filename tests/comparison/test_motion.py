@@ -48,7 +48,7 @@ def test_a_ripple_by_hand():
     at = period * np.array([0.0, 0.25, 0.5, 1.0, 7.0])
     assert motion.angle(at) == pytest.approx([0.0, 2.214297, np.pi, 2 * np.pi, 14 * np.pi], rel=1e-6)
     assert motion.speed(at) == pytest.approx([20.0, 8.0, 5.0, 20.0, 20.0], rel=1e-6)
-    assert motion.turned(at) == pytest.approx(motion.angle(at))
+    assert motion.travel(at) == pytest.approx(motion.angle(at))
 
 
 @given(st.floats(1.0, 200.0), st.floats(0.0, 0.5), st.integers(1, 8), st.floats(0.0, 0.5))
@@ -67,21 +67,28 @@ def test_a_stop_by_hand():
     at = np.array([1.0, 2.025, 3.0, 5.0])
     assert motion.speed(at) == pytest.approx([155.0, 77.5, 0.0, 155.0])
     assert motion.angle(at) == pytest.approx([155.0, 310.0 + 0.025 * 116.25, 313.875, 465.0])
-    assert motion.turned(at) == pytest.approx(motion.angle(at))
+    assert motion.travel(at) == pytest.approx(motion.angle(at))
 
 
 def test_a_reversal_by_hand():
     """100 rad/s for 1 s, to -100 within 1 s: it turns at 1.5 s, 125 rad on, is back at 100 at 2 s and at 0 at 3 s."""
     motion, at = Ramps((0.0, 1.0, 2.0), (100.0, 100.0, -100.0)), np.array([1.0, 1.5, 2.0, 3.0])
     assert motion.angle(at) == pytest.approx([100.0, 125.0, 100.0, 0.0])
-    assert motion.turned(at) == pytest.approx([100.0, 125.0, 150.0, 250.0])
+    assert motion.travel(at) == pytest.approx([100.0, 125.0, 150.0, 250.0])
+
+
+def test_a_reversal_to_another_speed_turns_where_its_line_crosses_zero():
+    """From 100 to -50 rad/s within 1.5 s: 50 rad within the first second, 12.5 back within the rest."""
+    motion = Ramps((0.0, 1.5), (100.0, -50.0))
+    assert motion.angle(np.array([1.5])) == pytest.approx([37.5])
+    assert motion.travel(np.array([1.0, 1.5, 2.5])) == pytest.approx([50.0, 62.5, 112.5])
 
 
 def test_what_the_flow_alone_would_do():
-    assert Ripple(10.0, 0.6, 1.0).driven == steady(10.0)
-    assert Ramps((0.0, 1.0, 2.0), (100.0, 100.0, -100.0)).driven == steady(100.0)
+    assert Ripple(10.0, 0.6, 1.0).by_flow == steady(10.0)
+    assert Ramps((0.0, 1.0, 2.0), (100.0, 100.0, -100.0)).by_flow == steady(100.0)
     step = Lag(70.0, 150.0, 1.0, 0.03)
-    assert step.driven is step is step.step
+    assert step.by_flow is step is step.step
 
 
 @pytest.mark.parametrize(

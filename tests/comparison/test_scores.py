@@ -14,7 +14,7 @@ from vvdp.comparison.scores import (
     score,
     settling_time,
     summary,
-    undirected,
+    without_direction,
 )
 
 SECTOR = np.pi / 4
@@ -84,7 +84,7 @@ def test_coverage_is_the_share_within_two_deviations():
 def test_of_a_reversal_the_way_counts_and_not_the_direction():
     """From 100 to -100 rad/s within 1 s: at 2.9 s it has turned through 100 + 50 + 90 = 240 rad."""
     motion = Ramps((0.0, 1.0, 2.0), (100.0, 100.0, -100.0))
-    found = undirected(truth(motion), motion)
+    found = without_direction(truth(motion), motion)
     assert found.angle[2900] == pytest.approx(240.0) and found.speed[2900] == pytest.approx(100.0)
     assert found.angle[500] == pytest.approx(50.0)
 

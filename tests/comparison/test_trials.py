@@ -142,7 +142,7 @@ def test_backwards_the_pressure_has_as_many_edges_and_their_signs_turn():
     record = simulate_record(reversal, compiled_encoder(reversal), 1)
     rows = with_pressure(reversal, record)
     signs = rows[rows[:, 5] > 0.0, 8]
-    assert np.sum(rows[:, 5]) == pytest.approx(6.0 * reversal.motion.turned(np.array([4.5]))[0] / (2 * np.pi), abs=3.0)
+    assert np.sum(rows[:, 5]) == pytest.approx(6.0 * reversal.motion.travel(np.array([4.5]))[0] / (2 * np.pi), abs=3.0)
     turn = int(np.argmax(record.truth.angle))
     there, back = (rows[part, 8] for part in (slice(turn), slice(turn, None)))
     n = min(np.count_nonzero(there), np.count_nonzero(back)) - 1

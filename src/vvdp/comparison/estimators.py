@@ -53,8 +53,12 @@ FLOW_DEVIATION, TEMPERATURE_DEVIATION = 0.02, 2.0
 """Standard deviations of the constant errors with which the flow [1] and the oil's temperature [K] are known."""
 DUTY_RATIO, DUTY_DEVIATION, PRESSURE_DEVIATION = 0.5, 0.01, 0.04
 """Of the wave of the inlet pressure: duty ratio, noise of its sensor [1], scatter of the wave's edges [rad]."""
-WAVE = TURN / 3.0
-"""A period of that wave: the spool has three sections [rad]."""
+SECTIONS = 3.0
+"""PWM periods in a turn of the spool."""
+WAVE = TURN / SECTIONS
+"""A period of that wave [rad]."""
+LARGEST_RIPPLE = 0.05
+"""By which the speed may swing within a period, as far as is known beforehand [1]."""
 NEVER = 1e6
 """A gate that no sum of innovations reaches [1]."""
 
@@ -129,7 +133,7 @@ def with_flow(scenario: Scenario, record: Record) -> Array:
     """
     random = np.random.default_rng([record.seed, 4])
     time = record.truth.time
-    flow = driving_flow(scenario.motion.driven, time - 0.5 / scenario.rate) * (
+    flow = driving_flow(scenario.motion.by_flow, time - 0.5 / scenario.rate) * (
         1.0 + FLOW_DEVIATION * random.standard_normal()
     )
     temperature = np.full(time.size, WARM_OIL + TEMPERATURE_DEVIATION * random.standard_normal())
@@ -147,7 +151,7 @@ def with_pressure(scenario: Scenario, record: Record) -> Array:
     phase = random.uniform(-0.5 * WAVE, 0.5 * WAVE)
     pulses = np.arange(np.floor(angle.min() / WAVE) - 2.0, np.ceil(angle.max() / WAVE) + 3.0)
     signs = np.repeat([1.0, -1.0], pulses.size)
-    places = pressure_edge_angle(np.tile(pulses, 2), signs, DUTY_RATIO, phase, 0.0, 0.0, 3.0)  # type: ignore[arg-type]
+    places = pressure_edge_angle(np.tile(pulses, 2), signs, DUTY_RATIO, phase, 0.0, 0.0, SECTIONS)  # type: ignore[arg-type]
     seen = places + PRESSURE_DEVIATION * random.standard_normal(signs.size)
     order = np.argsort(seen)
     behind = np.searchsorted(seen[order], angle, side="right")
@@ -171,6 +175,7 @@ def contenders(sectors: int = SECTORS, rate: float = RATE) -> tuple[Contender, .
     slope, torque = ramp_width(encoder_of(sectors).spot), torque_filter(wheel, drive().oil, drive().valve)
     return (
         _alone("event-filter", event_filter_estimator(events)),
+        _with_ripple(events),
         _without_manoeuvres(events),
         _learning_the_offset(events, slope),
         _setting_the_threshold(events, slope, 1.0 / rate),
@@ -187,6 +192,12 @@ def contenders(sectors: int = SECTORS, rate: float = RATE) -> tuple[Contender, .
 
 def _alone(name: str, estimator: Estimator) -> Contender:
     return Contender(name, estimator.title, estimator.step, estimator.memory, estimator.settings)
+
+
+def _with_ripple(events: EventFilter) -> Contender:
+    rippled = replace(events, ripple_order=SECTIONS, ripple_variance=0.5 * LARGEST_RIPPLE**2)
+    contender = _alone("ripple-filter", event_filter_estimator(rippled))
+    return replace(contender, title="event filter that knows that the speed swings three times a turn")
 
 
 def _without_manoeuvres(events: EventFilter) -> Contender:

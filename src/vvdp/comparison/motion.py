@@ -13,7 +13,7 @@ class Motion(Protocol):
     """A shaft that turns; times in s."""
 
     @property
-    def driven(self) -> "Lag":
+    def by_flow(self) -> "Lag":
         """What the flow alone would make of it."""
         ...
 
@@ -30,7 +30,7 @@ class Motion(Protocol):
         """Angle since time 0 [rad], the exact integral of the speed."""
         ...
 
-    def turned(self, time: Array) -> Array:
+    def travel(self, time: Array) -> Array:
         """Angle turned through since time 0, whichever way [rad]."""
         ...
 
@@ -52,7 +52,7 @@ class Lag:
             raise ParameterError(f"a time constant of {self.time_constant:g} s; expected more than zero")
 
     @property
-    def driven(self) -> "Lag":
+    def by_flow(self) -> "Lag":
         """Itself: the flow makes all of it."""
         return self
 
@@ -87,7 +87,7 @@ class Lag:
         steady = self.before * (time - gone) + self.after * gone
         return steady + (self.before - self.after) * lagged
 
-    def turned(self, time: Array) -> Array:
+    def travel(self, time: Array) -> Array:
         """Angle turned through since time 0 [rad]: the angle, as it never turns back."""
         return self.angle(time)
 
@@ -112,7 +112,7 @@ class Ripple:
             )
 
     @property
-    def driven(self) -> Lag:
+    def by_flow(self) -> Lag:
         """The mean: a flow meter does not see the ripple."""
         return steady(self.mean)
 
@@ -141,7 +141,7 @@ class Ripple:
         found: Array = 2.0 * (s + ahead) / self.per_turn
         return found
 
-    def turned(self, time: Array) -> Array:
+    def travel(self, time: Array) -> Array:
         """Angle turned through since time 0 [rad]: the angle, as it never turns back."""
         return self.angle(time)
 
@@ -164,7 +164,7 @@ class Ramps:
             )
 
     @property
-    def driven(self) -> Lag:
+    def by_flow(self) -> Lag:
         """The speed at first, for ever."""
         return steady(self.speeds[0])
 
@@ -184,7 +184,7 @@ class Ramps:
         found: Array = passed[line] + 0.5 * (w[line] + self.speed(time)) * (time - t[line])
         return found
 
-    def turned(self, time: Array) -> Array:
+    def travel(self, time: Array) -> Array:
         """Angle turned through since time 0, whichever way [rad]."""
         t, w = np.array(self.times), np.array(self.speeds)
         back = np.flatnonzero(w[1:] * w[:-1] < 0.0)

@@ -1,5 +1,6 @@
 """What the estimators are put through: how the shaft turns, what the encoder is like, what counts."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
@@ -218,20 +219,21 @@ def scenarios(sectors: int = SECTORS, rate: float = RATE) -> tuple[Scenario, ...
         scenario(
             "captured", "24.7 Hz, sharp edges, each stamped", usual, replace(sharp, acquisition=capture_unit(0.0))
         ),
-        scenario("pwm-ripple", "126.7 to 133 rad/s within a PWM period, three of them a turn", pwm_ripple()),
-        scenario(
-            "stop",
-            "155 rad/s, jammed within 50 ms at 2 s, free again at 4 s",
-            Ramps((0.0, 2.0, 2.05, 4.0, 4.05), (155.0, 155.0, 0.0, 0.0, 155.0)),
-            until=5.5,
-        ),
-        scenario(
-            "reversal",
-            "from 100 rad/s forward to 100 rad/s backward within 1 s",
-            Ramps((0.0, 1.8, 2.8), (100.0, 100.0, -100.0)),
-            until=4.5,
-        ),
+        *_unsteady(sound, rate),
     )
+
+
+def _unsteady(encoder: Encoder, rate: float) -> Iterator[Scenario]:
+    """Motions that are not the flow's own: the ripple of the ports, a stop, a reversal."""
+    ripple = f"{SLOW_SPOOL:g} to {FAST_SPOOL:g} rad/s within a PWM period, three of them a turn"
+    stop = Ramps((0.0, 2.0, 2.05, 4.0, 4.05), (155.0, 155.0, 0.0, 0.0, 155.0))
+    reversal = Ramps((0.0, 1.8, 2.8), (100.0, 100.0, -100.0))
+    for name, title, motion, until in (
+        ("pwm-ripple", ripple, pwm_ripple(), 2.5),
+        ("stop", "155 rad/s, jammed within 50 ms at 2 s, free again at 4 s", stop, 5.5),
+        ("reversal", "from 100 rad/s forward to 100 rad/s backward within 1 s", reversal, 4.5),
+    ):
+        yield Scenario(name=name, title=title, motion=motion, encoder=encoder, rate=rate, until=until)
 
 
 def commensurate_turns(sectors: int, rate: float) -> float:

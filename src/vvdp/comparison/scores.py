@@ -66,16 +66,16 @@ class Truth(NamedTuple):
     speed: Array
 
 
-def undirected(truth: Truth, motion: Motion) -> Truth:
+def without_direction(truth: Truth, motion: Motion) -> Truth:
     """The angle turned through and the speed, whichever way: an encoder with one track does not tell it."""
-    angle = truth.angle - motion.angle(truth.time) + motion.turned(truth.time)
+    angle = truth.angle - motion.angle(truth.time) + motion.travel(truth.time)
     return Truth(truth.time, angle, np.abs(truth.speed))
 
 
 def score(traces: Traces, truth: Truth, motion: Motion, scored_from: float, sector: float) -> Score:
     """The score of one run from `scored_from` [s] on, on a wheel with sectors `sector` [rad] wide.
 
-    The truth has no direction, see `undirected`.
+    The truth has no direction, see `without_direction`.
     """
     part = truth.time >= scored_from
     time = truth.time[part]

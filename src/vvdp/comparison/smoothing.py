@@ -51,7 +51,7 @@ def smoothed_traces(time: Array, shown: Array, settings: EventFilter) -> Traces:
     times, angles, variances, _ = shown[shown[:, 3] > 0.0].T
     unknown = np.full(time.size, np.nan)
     if times.size < 2:
-        return Traces(*[unknown] * len(Traces._fields))
+        return Traces(**dict.fromkeys(Traces._fields, unknown))
     mean_speed = float((angles[-1] - angles[0]) / (times[-1] - times[0]))
     prior = AngleSpeed(float(angles[0]), mean_speed, settings.angle_variance, 0.0, settings.speed_variance)
     motion = smooth_edges(times, angles, variances, settings.acceleration_density, prior, run_compiled)

@@ -17,7 +17,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.comparison.estimators import AdaptingSettings, Contender, adapting_start
 from vvdp.comparison.results import Comparison, Entered, Played, Traced
 from vvdp.comparison.scenarios import Record, Scenario
-from vvdp.comparison.scores import Measured, Score, Traces, Truth, score, summary, undirected
+from vvdp.comparison.scores import Measured, Score, Traces, Truth, score, summary, without_direction
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
@@ -90,7 +90,7 @@ class _Field:
 
     def run(self, scenario: Scenario, seed: int) -> _Ran:
         record = simulate_record(scenario, self.encoders[scenario.name], seed)
-        truth = undirected(record.truth, scenario.motion)
+        truth = without_direction(record.truth, scenario.motion)
         scores: dict[str, Score] = {}
         speeds: dict[str, Array] = {}
         for contender in self.contenders:
@@ -120,7 +120,7 @@ def run_estimator(contender: Contender, step: Replay, record: Record, rows: Arra
 def _shown_traces(step: Replay, shown: Array) -> Traces:
     """The fields of `Estimate` in what a step shows, by itself or as its field `estimate`."""
     place = {column.removeprefix("estimate."): place for place, column in reversed(list(enumerate(step.columns)))}
-    return Traces(*(shown[:, place[name]] for name in Traces._fields))
+    return Traces(**{name: shown[:, place[name]] for name in Traces._fields})
 
 
 def compare(
