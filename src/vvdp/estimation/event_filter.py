@@ -40,7 +40,7 @@ from vvdp.estimation.ripple import (
     update_with_ripple,
     without_covariance,
 )
-from vvdp.estimation.silence import Heard, after_silence, is_late, start_speed, turned_back
+from vvdp.estimation.silence import Heard, Silence, after_silence, is_late, start_speed, turned_back
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, nearest_edge
