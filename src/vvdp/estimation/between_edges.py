@@ -55,6 +55,7 @@ def heard_plainly(belief: AngleSpeed) -> Heard:
         speed_variance=b.speed_variance,
         standstill=0.0,
         halt=0.0,
+        backward=0.0,
         missing_odds=0.0,
     )
 
@@ -113,6 +114,7 @@ def doubtful(heard: Heard, other: AngleSpeed, odds: float) -> Heard:
         speed_variance=(1.0 - w) * heard.speed_variance + w * other.speed_variance + w * (1.0 - w) * speed * speed,
         standstill=(1.0 - w) * heard.standstill,
         halt=(1.0 - w) * heard.halt,
+        backward=(1.0 - w) * heard.backward,
         missing_odds=heard.missing_odds,
     )
 
@@ -126,6 +128,7 @@ def blur(heard: Heard, angle_variance: float, speed_variance: float) -> Heard:
         speed_variance=heard.speed_variance + speed_variance,
         standstill=heard.standstill,
         halt=heard.halt,
+        backward=heard.backward,
         missing_odds=heard.missing_odds,
     )
 

@@ -27,7 +27,7 @@ from vvdp.estimation.doubt import Doubt, carry_on, is_settled, no_doubt
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.estimation.event_memory import RELIABLE, EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.estimation.index import index_after_edge, index_start
+from vvdp.estimation.index import index_after_edge, index_again
 from vvdp.estimation.ripple import (
     Place,
     Ripple,
@@ -40,7 +40,16 @@ from vvdp.estimation.ripple import (
     update_with_ripple,
     without_covariance,
 )
-from vvdp.estimation.silence import Heard, Silence, after_silence, is_late, start_speed, turned_back
+from vvdp.estimation.silence import (
+    UNLIKELY,
+    Heard,
+    Silence,
+    after_silence,
+    is_late,
+    reversed_share,
+    start_speed,
+    turned_back,
+)
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, nearest_edge
@@ -131,12 +140,14 @@ def after_edge(
     slip = 0.0
     if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
         silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
-        if is_late(expected.instant, silence):
+        if is_late(expected.instant, silence) or reversed_share(expected.instant) > UNLIKELY:
             wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(expected.instant, wide, silence)
             if heard.halt > 0.5 and memory.tally.associating > 0.0:
                 return start_again(memory, reading, expected, heard, settings)
-            slip = memory.tally.associating * turned_back(heard.halt, arrival_density(expected, silence), silence)
+            clearly = expected.instant.angle - silence.next_edge > 0.5 * sector(settings.wheel)
+            stood = heard.halt if clearly else heard.backward
+            slip = memory.tally.associating * turned_back(stood, arrival_density(expected, silence), silence)
     seen = associate(memory, reading, expected, settings)
     if seen.used == 0.0:
         return skip_edges(memory, memory.tally.ignored + reading.edges), 0.0, 0.0
@@ -226,8 +237,7 @@ def look_for_index(
         m.search, m.last.number, reading.edge_time, reading.polarity, variance, settings.index_turns, wheel
     )
     belief, ripple, slip = m.belief, m.ripple, m.slip
-    after = found.memory
-    if after.turn_start == m.last.number and after.found > 0.0 and after.verdict == 0.0 and slip < TELLABLE:
+    if found.confirmed > 0.0 and slip < TELLABLE:
         slip = 0.0
     if found.edges != 0.0:
         belief = shift_angle(belief, found.edges * sector(wheel))
@@ -276,7 +286,7 @@ def start_again(
             watched=tally.watched,
         ),
         manoeuvre=Manoeuvre(density=q_m, unrest=np.sqrt(q_m * settings.acceleration_density), rise=0.0, fall=0.0),
-        search=index_start(wheel),
+        search=index_again(m.search),
         doubt=Doubt(update(course, off, R), number=nearest, odds=odds, slip=memory.slip, edges=0.0),
         slip=memory.slip + turned_back(1.0, 0.0, silence),
     )

@@ -13,7 +13,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import NUMBER, TIME, Count, Fraction, Number
-from vvdp.base.select import clip, maximum
+from vvdp.base.select import clip, maximum, minimum
 from vvdp.sensing.wheel import CodeWheel, edge_angle
 
 ONE_TURN = 8.0
@@ -21,6 +21,10 @@ ONE_TURN = 8.0
 
 CERTAIN = 16.0
 """Evidence, in the same measure, at which a numbering once found is given up: 1e-7 by chance [1]."""
+
+
+CONFIRMED = 3.0
+"""Logarithm of the likelihood ratio by which a turn has to speak for the numbers as they are to confirm them [1]."""
 
 
 class IndexMemory(NamedTuple):
@@ -40,10 +44,12 @@ class IndexMemory(NamedTuple):
 
 
 class Shift(NamedTuple):
-    """The memory after an edge, and the edges to be added to all numbers, mostly none."""
+    """The memory after an edge, the edges to be added to all numbers, mostly none, and 1 where a turn that has just
+    ended speaks clearly for the numbers as they are."""
 
     memory: IndexMemory
     edges: float
+    confirmed: Fraction
 
 
 def index_start(wheel: CodeWheel) -> IndexMemory:
@@ -57,6 +63,20 @@ def index_start(wheel: CodeWheel) -> IndexMemory:
         verdict=0.0,
         turns=0.0,
         found=0.0,
+    )
+
+
+def index_again(memory: IndexMemory) -> IndexMemory:
+    """The memory of a wheel that starts again: numbers once found are kept unless new turns speak against them."""
+    m, n = memory, memory.numbers.size
+    return IndexMemory(
+        numbers=np.full(n, -np.inf),
+        times=m.times,
+        evidence=np.zeros(n),
+        turn_start=-np.inf,
+        verdict=0.0,
+        turns=0.0,
+        found=m.found,
     )
 
 
@@ -118,15 +138,16 @@ def index_after_edge(
             turns=memory.turns,
             found=memory.found,
         )
-        return Shift(waiting, 0.0)
+        return Shift(waiting, 0.0, 0.0)
 
     step = 1 if polarity == 0.0 else 2
     squares = np.full(n, np.inf)
     for k in range(0, n, step):
         squares[k] = squares_about_line(numbers, times, shift_of(k, n), wheel)
-    best = 0
+    best, others = 0, np.inf
     for k in range(0, n, step):
         best = k if squares[k] < squares[best] else best
+        others = minimum(others, squares[k]) if k > 0 else others
     sigma2 = maximum(variance, squares[best] / (present - 2.0))
     evidence = np.zeros(n)
     strongest = 0
@@ -135,6 +156,7 @@ def index_after_edge(
         evidence[k] = maximum(memory.evidence[k] + said, 0.0) * memory.found
         strongest = k if evidence[k] > evidence[strongest] else strongest
 
+    confirmed = 1.0 if memory.found > 0.0 and others - squares[0] > 2.0 * sigma2 * CONFIRMED else 0.0
     verdict = shift_of(best, n)
     turns = memory.turns + 1.0 if verdict == memory.verdict else 1.0
     shift = 0.0
@@ -158,4 +180,5 @@ def index_after_edge(
             found=found,
         ),
         shift,
+        confirmed,
     )

@@ -26,10 +26,10 @@ DROPOUTS = 0.01
 """Losses of the sensor, for however long, for each stop of the wheel [1]; assumed."""
 
 UNLIKELY = 0.05
-"""Probability of a halt below which the wheel is not taken to have turned back [1]."""
+"""Probability below which the wheel is not taken to have turned back [1]."""
 
-STARTS = 10.0
-"""How often a wheel that stands starts again [1/s]; assumed."""
+STARTS = 30.0
+"""How often an edge comes of a wheel that turned back [1/s]; assumed."""
 
 STARTED = 0.02
 """Time from rest to the first edge [s], in which a start is not seen; assumed, about that of a spool of 28 ms."""
@@ -55,8 +55,9 @@ class Silence(NamedTuple):
 
 
 class Heard(NamedTuple):
-    """What is believed in a silence: mean and variances of angle and speed, the probability that the wheel stands and
-    that it stands or turns slowly, and the logarithm of the odds of missed edges against the latter."""
+    """What is believed in a silence: mean and variances of angle and speed, the probability that the wheel stands,
+    that it stands or turns slowly, and that it slowed down until it would turn back; and the logarithm of the odds of
+    missed edges against a wheel that stands or turns slowly."""
 
     angle: Angle
     speed: Speed
@@ -64,6 +65,7 @@ class Heard(NamedTuple):
     speed_variance: SpeedVariance
     standstill: Fraction
     halt: Fraction
+    backward: Fraction
     missing_odds: Number
 
 
@@ -84,7 +86,7 @@ def is_late(belief: AngleSpeed, silence: Silence) -> bool:
     """Whether the next edge should clearly have come by now, or the angle is not known to half a sector any more."""
     over, half = belief.angle - silence.next_edge, 0.5 * (silence.next_edge - silence.last_edge)
     S = belief.angle_variance + silence.edge_variance
-    return S > half * half or (over > 0.0 and (over > half or over * over > LATE * LATE * S))
+    return half * half < S or (over > 0.0 and (over > half or over * over > LATE * LATE * S))
 
 
 def add(sums: Mixture, weight: float, belief: AngleSpeed, about: AngleSpeed) -> Mixture:
@@ -119,7 +121,8 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
     fastest = width / s.duration
     due = minimum(1.0, fastest / maximum(cruise.speed, 1e-9))  # share of the silence in which an edge was not yet due
     changed = s.stop_rate * s.duration
-    stopped = changed * (due + reversed_share(manoeuvre)) + reversed_share(cruise)
+    backward = reversed_share(cruise) + changed * reversed_share(manoeuvre)
+    stopped = changed * due + backward
 
     deviation = np.sqrt(cruise.angle_variance + s.edge_variance)
     high, low = ahead / deviation, (ahead - width) / deviation
@@ -161,6 +164,7 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
         ),
         standstill=stopped / whole,
         halt=halted.weight / whole,
+        backward=backward / whole,
         missing_odds=np.log(maximum(missing, 1e-300) / maximum(halted.weight, 1e-300)),
     )
 
@@ -180,15 +184,15 @@ def start_speed(silence: Silence, standstill: float) -> tuple[float, float]:
     return mean, square - mean * mean
 
 
-def turned_back(halt: float, arrival: float, silence: Silence) -> float:
+def turned_back(stood: float, arrival: float, silence: Silence) -> float:
     """Variance of the angle turned through that a wheel leaves which may have turned back meanwhile [rad^2]: w^2/3.
 
-    Forward, a sector w passes; back, up to two of them or none. Where a halt is unlikely, once the edge has come,
-    nothing is reckoned with.
+    Forward, a sector w passes; back, up to two of them or none. Where that is unlikely, once the edge has come, nothing
+    is reckoned with.
 
-    halt     probability that the wheel stood or crept, just before the edge [1]
+    stood    probability that the wheel stood, or slowed down until it would turn back, just before the edge [1]
     arrival  density in time with which the edge was expected of a wheel that goes on [1/s]
     """
     width = silence.next_edge - silence.last_edge
-    stood = halt * STARTS / (halt * STARTS + (1.0 - halt) * arrival)
-    return width * width / 3.0 if stood > UNLIKELY else 0.0
+    turned = stood * STARTS / (stood * STARTS + (1.0 - stood) * arrival)
+    return width * width / 3.0 if turned > UNLIKELY else 0.0
