@@ -15,8 +15,8 @@ SECTORS_TO_TELL = 4.0
 
 WITHIN_THE_MODEL = sorted(set(CLASSES) - {"ramp", "step", "slow", "crowded"})
 """Classes whose errors are as large as stated. While a speed changes that the settings know nothing of, a filter lags:
-it is covered, but what is left of two deviations is not normal. Nor does the last of several edges in a sample lie in its
-middle."""
+it is covered, but what is left of two deviations is not normal. Nor does the last of several edges in a sample lie in
+its middle."""
 
 records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
 
