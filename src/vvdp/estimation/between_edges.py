@@ -10,7 +10,7 @@ from vvdp.estimation.association import sector
 from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.estimation.ripple import of_the_instant, predict_ripple
+from vvdp.estimation.ripple import of_the_instant, predict_ripple, without_covariance
 from vvdp.estimation.silence import Heard, Silence, after_silence, is_late
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.wheel import edge_angle
@@ -20,6 +20,9 @@ SLACK = 1.0
 
 HARDLY = 4.0
 """Logarithm of a likelihood ratio below which a manoeuvre is not suspected [1]."""
+
+SHORTEST = 1e-9
+"""Least time without an edge [s]: an edge may be seen twice in an instant, and a speed follows from this time."""
 
 SUSPECTED = 3.0
 """Sectors for which a manoeuvre has gone on when it is suspected [1]."""
@@ -39,7 +42,10 @@ def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -
             wide = inflate(instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(instant, wide, silence)
     if memory.doubt.odds > -np.inf:
-        heard = doubtful(heard, predict(memory.doubt.belief, h, density), memory.doubt.odds)
+        other = predict(memory.doubt.belief, h, density)
+        if settings.ripple_order > 0.0:
+            other = of_the_instant(other, without_covariance(memory.ripple), settings.ripple_order)
+        heard = doubtful(heard, other, memory.doubt.odds)
     period = sector(settings.wheel) / maximum(instant.speed, settings.lowest_speed)
     density, lasting = suspected_density(memory, period, settings), h + SUSPECTED * period
     return blur(heard, memory.slip + density * lasting * lasting * lasting / 3.0, density * lasting)
@@ -92,7 +98,7 @@ def silence_until(memory: EventFilterMemory, time: float, edges: float, settings
     """The silence between the last edge and `time` [s], in which fewer than `edges` came; those may be bounce."""
     last, wheel = memory.last, settings.wheel
     return Silence(
-        duration=time - last.time,
+        duration=maximum(time - last.time, SHORTEST),
         last_edge=edge_angle(last.number, wheel),
         next_edge=edge_angle(last.number + edges, wheel),
         edge_variance=settings.edge_variance,

@@ -268,13 +268,13 @@ def start_again(
     silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
     edge = counted_edge(m.last.number, tally.ignored + reading.edges, reading.polarity)
     speed, variance = start_speed(silence, heard.standstill / heard.halt)
-    course = expected.instant
-    nearest = maximum(nearest_edge(course.angle, reading.polarity, wheel), edge)
-    off, S = edge_angle(nearest, wheel) - course.angle, course.angle_variance + R
+    course = expected.course
+    nearest = maximum(nearest_edge(expected.instant.angle, reading.polarity, wheel), edge)
+    off, S = mean_angle_at(nearest, m.ripple, settings) - course.angle, course.angle_variance + R
     odds = heard.missing_odds + np.log(sector(wheel) / np.sqrt(TURN * S)) - 0.5 * off * off / S
     after = EventFilterMemory(
         time=reading.edge_time,
-        belief=AngleSpeed(edge_angle(edge, wheel), speed, R, 0.0, variance),
+        belief=AngleSpeed(mean_angle_at(edge, m.ripple, settings), speed, R, 0.0, variance),
         ripple=without_covariance(m.ripple),
         last=LastEdge(edge, reading.edge_time),
         tally=Tally(
@@ -312,7 +312,8 @@ def weigh_doubt(
     counted = counted_edge(before.doubt.number, before.tally.ignored + reading.edges, polarity)
     number = maximum(nearest_edge(prior.angle, polarity, wheel), counted)
     cost = 2.0 * np.log(missed_in_a_row(before.tally.irregular, before.tally.watched, number - counted))
-    doubt = carry_on(before.doubt, prior, (number, edge_angle(number, wheel)), variance, surprise + cost)
+    seen = (number, mean_angle_at(number, before.ripple, settings))
+    doubt = carry_on(before.doubt, prior, seen, variance, surprise + cost)
     m, belief, edge, tally, slip = after, after.belief, after.last.number, after.tally, after.slip
     settled = is_settled(doubt)
     if settled and doubt.odds > 0.0:
@@ -380,6 +381,14 @@ def reset_speed(belief: AngleSpeed, settings: EventFilter) -> AngleSpeed:
     b = belief
     anything = maximum(b.speed * b.speed, settings.speed_variance)
     return AngleSpeed(b.angle, b.speed, b.angle_variance, b.covariance, anything)
+
+
+def mean_angle_at(edge: float, ripple: Ripple, settings: EventFilter) -> float:
+    """Angle that the mean course has when an edge passes [rad]: that of the edge, less what the ripple is ahead."""
+    angle = edge_angle(edge, settings.wheel)
+    if settings.ripple_order > 0.0:
+        angle -= displacement(ripple, place_of(angle, settings.ripple_order))
+    return angle
 
 
 def shift_angle(belief: AngleSpeed, angle: float) -> AngleSpeed:

@@ -95,11 +95,24 @@ def displacement(ripple: Ripple, place: Place) -> float:
     return ripple.cosine * place.cosine + ripple.sine * place.sine
 
 
+def with_displacement(belief: AngleSpeed, ripple: Ripple, place: Place) -> tuple[float, float, float, float]:
+    """Covariances P H of mean angle, mean speed, a and b with the mean angle and the displacement at a place.
+
+    H = (1, 0, sin N theta/N, -cos N theta/N); [rad^2, rad^2/s, rad, rad]
+    """
+    b, r, s, c = belief, ripple, place.cosine, place.sine
+    return (
+        b.angle_variance + s * r.angle_cosine + c * r.angle_sine,
+        b.covariance + s * r.speed_cosine + c * r.speed_sine,
+        r.angle_cosine + s * r.cosine_variance + c * r.cross,
+        r.angle_sine + s * r.cross + c * r.sine_variance,
+    )
+
+
 def seen_variance(belief: AngleSpeed, ripple: Ripple, place: Place) -> float:
-    """Variance of the angle, ripple included [rad^2]: H P H' with H = (1, 0, sin/N, -cos/N)."""
-    r, s, c = ripple, place.cosine, place.sine
-    own = s * s * r.cosine_variance + 2.0 * s * c * r.cross + c * c * r.sine_variance
-    return belief.angle_variance + 2.0 * (s * r.angle_cosine + c * r.angle_sine) + own
+    """Variance of the angle, ripple included [rad^2]: H' P H."""
+    g1, _, g3, g4 = with_displacement(belief, ripple, place)
+    return g1 + place.cosine * g3 + place.sine * g4
 
 
 def update_with_ripple(
@@ -110,10 +123,7 @@ def update_with_ripple(
     measurement_variance  R [rad^2]
     """
     b, r, s, c = belief, ripple, place.cosine, place.sine
-    g1 = b.angle_variance + s * r.angle_cosine + c * r.angle_sine
-    g2 = b.covariance + s * r.speed_cosine + c * r.speed_sine
-    g3 = r.angle_cosine + s * r.cosine_variance + c * r.cross
-    g4 = r.angle_sine + s * r.cross + c * r.sine_variance
+    g1, g2, g3, g4 = with_displacement(b, r, place)
     S = g1 + s * g3 + c * g4 + measurement_variance
     nu = innovation / S
     after = AngleSpeed(
@@ -138,31 +148,28 @@ def update_with_ripple(
 
 
 def of_the_instant(belief: AngleSpeed, ripple: Ripple, order: float) -> AngleSpeed:
-    """Angle and speed with the ripple in them: theta = phi + delta(phi), omega/(1 - delta'(phi)).
+    """Angle and speed with the ripple in them: theta = phi + delta(theta), to the third order; omega/(1 - delta'(theta)).
 
     The covariance by the gradients of both with respect to the mean angle, the mean speed, a and b.
     """
     b, r, N = belief, ripple, order
-    place = place_of(b.angle, N)
+    place = place_of(b.angle + displacement(r, place_of(b.angle, N)), N)
     s, c = place.cosine, place.sine
-    along, across = -N * c, N * s  # cos N phi, sin N phi
-    slope = r.cosine * along + r.sine * across
-    g = 1.0 / (1.0 - slope)
+    along, across = -N * c, N * s  # cos N theta, sin N theta
+    g = 1.0 / (1.0 - r.cosine * along - r.sine * across)
     speed = g * b.speed
-    bend = speed * g * N * (r.sine * along - r.cosine * across)
+    # Covariances with phi + delta at this place, of which the angle has g times.
+    u1, u2, u3, u4 = with_displacement(b, r, place)
+    own = u1 + s * u3 + c * u4
+    bend = speed * g * g * N * (r.sine * along - r.cosine * across)
     p, q = speed * g * along, speed * g * across
-    stretch = 1.0 + slope
-    # Covariances of the mean angle, the mean speed, a and b with the speed of the instant.
-    v1 = bend * b.angle_variance + g * b.covariance + p * r.angle_cosine + q * r.angle_sine
-    v2 = bend * b.covariance + g * b.speed_variance + p * r.speed_cosine + q * r.speed_sine
-    v3 = bend * r.angle_cosine + g * r.speed_cosine + p * r.cosine_variance + q * r.cross
-    v4 = bend * r.angle_sine + g * r.speed_sine + p * r.cross + q * r.sine_variance
-    own = s * s * r.cosine_variance + 2.0 * s * c * r.cross + c * c * r.sine_variance
-    mixed = 2.0 * stretch * (s * r.angle_cosine + c * r.angle_sine)
+    mixed = g * u2 + p * u3 + q * u4
+    steady = g * b.speed_variance + 2.0 * (p * r.speed_cosine + q * r.speed_sine)
+    shape = p * p * r.cosine_variance + 2.0 * p * q * r.cross + q * q * r.sine_variance
     return AngleSpeed(
         b.angle + displacement(r, place),
         speed,
-        stretch * stretch * b.angle_variance + mixed + own,
-        stretch * v1 + s * v3 + c * v4,
-        bend * v1 + g * v2 + p * v3 + q * v4,
+        g * g * own,
+        g * (bend * own + mixed),
+        bend * (bend * own + 2.0 * mixed) + g * steady + shape,
     )

@@ -118,7 +118,8 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
     """
     s = silence
     width, ahead = s.next_edge - s.last_edge, s.next_edge - cruise.angle
-    fastest = width / s.duration
+    usual = maximum(cruise.speed, 0.0) + 2.0 * np.sqrt(cruise.speed_variance)
+    fastest = minimum(width / s.duration, usual)
     due = minimum(1.0, fastest / maximum(cruise.speed, 1e-9))  # share of the silence in which an edge was not yet due
     changed = s.stop_rate * s.duration
     backward = reversed_share(cruise) + changed * reversed_share(manoeuvre)

@@ -27,7 +27,8 @@ def truncate(belief: AngleSpeed, low: float, high: float, deviation: float) -> A
     Source  johnson1994, section 13.10.1; docs/models/event-filter.md
     """
     b = belief
-    Z = normal_share(high) - normal_share(low)
+    mirrored = low > 0.0  # above the mean both shares are nearly 1, below it both are small: their difference is exact
+    Z = normal_share(-low) - normal_share(-high) if mirrored else normal_share(high) - normal_share(low)
     at_low, at_high = normal_density(low), normal_density(high)
     m = (at_low - at_high) / Z
     drawn = (low * at_low if at_low > 0.0 else 0.0) - (high * at_high if at_high > 0.0 else 0.0)
