@@ -18,6 +18,7 @@ from vvdp.simulation.replay import Replay
 WHEEL, INDEXED = equal_wheel(8), equal_wheel(8, 0.25)
 SECTOR = np.pi / 4.0
 PUBLISHED = event_filter(WHEEL)
+NEVER_STOPS = replace(PUBLISHED, stop_rate=0.0)
 STEADY = replace(PUBLISHED, manoeuvre_gate=1e6)
 NOTHING = Reading(1.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -232,16 +233,15 @@ def test_only_late_edges_make_a_slower_wheel_likely(rise, fall, edge):
     """
     still = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
     belief = AngleSpeed(edge_angle(503.0, WHEEL), 68.5, 1.1e-3, 7e-3, 0.04)
-    memory = EventFilterMemory(
-        time=0.0,
+    q = PUBLISHED.acceleration_density
+    memory = still._replace(
         belief=belief,
         last=LastEdge(503.0, 0.0),
-        tally=Tally(started=1.0, associating=1.0, ignored=0.0, missed_edges=0.0, irregular=0.05),
-        manoeuvre=Manoeuvre(density=PUBLISHED.acceleration_density, rise=rise, fall=fall),
-        search=still.search,
+        tally=still.tally._replace(started=1.0, associating=1.0, irregular=0.05),
+        manoeuvre=Manoeuvre(density=q, unrest=q, rise=rise, fall=fall),
     )
     passed = 4.0 * SECTOR / 68.5
-    after, _ = event_filter_step(memory, Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), PUBLISHED)
+    after, _ = event_filter_step(memory, Reading(passed + 5e-4, 1.0, passed, 1e-3, -1.0), NEVER_STOPS)
     assert after.last.number == edge
 
 
@@ -249,13 +249,12 @@ def test_only_late_edges_make_a_slower_wheel_likely(rise, fall, edge):
 def test_innovations_are_summed_up_by_side(late):
     """With z = innovation / deviation `rise` gains z - 1 and `fall` -z - 1, neither below 0; a late edge has z < 0."""
     speed, variance = 150.0, 1e-4
-    memory = EventFilterMemory(
-        time=0.0,
+    q, start = PUBLISHED.acceleration_density, event_filter_start(PUBLISHED, 0.0, 0.0, speed)
+    memory = start._replace(
         belief=AngleSpeed(0.0, speed, variance, 0.0, 0.01),
         last=LastEdge(0.0, 0.0),
-        tally=Tally(started=1.0, associating=1.0, ignored=0.0, missed_edges=0.0, irregular=0.01),
-        manoeuvre=Manoeuvre(density=PUBLISHED.acceleration_density, rise=1.5, fall=2.5),
-        search=event_filter_start(PUBLISHED, 0.0, 0.0, speed).search,
+        tally=start.tally._replace(started=1.0, associating=1.0, irregular=0.01),
+        manoeuvre=Manoeuvre(density=q, unrest=q, rise=1.5, fall=2.5),
     )
     t = (SECTOR + late) / speed
     after, estimate = event_filter_step(memory, Reading(t, 1.0, t, 0.0, -1.0), PUBLISHED)
@@ -281,13 +280,12 @@ def test_between_edges_another_sensor_may_tell_the_angle():
     start = event_filter_start(PUBLISHED, 0.0, 0.0, 68.5)
     belief = AngleSpeed(edge_angle(503.0, WHEEL) + 5e-3 * 68.5, 68.5, 3e-4, 1e-3, 0.04)
     q = PUBLISHED.acceleration_density
-    memory = EventFilterMemory(
+    memory = start._replace(
         time=5e-3,
         belief=belief,
         last=LastEdge(503.0, 0.0),
-        tally=Tally(started=1.0, associating=1.0, ignored=0.0, missed_edges=0.0, irregular=0.01),
-        manoeuvre=Manoeuvre(density=q, rise=0.0, fall=0.0),
-        search=start.search,
+        tally=start.tally._replace(started=1.0, associating=1.0, irregular=0.01),
+        manoeuvre=Manoeuvre(density=q, unrest=q, rise=0.0, fall=0.0),
     )
     edge = Reading(7e-3, 1.0, 6.5e-3, 1e-3, 1.0)
     after, estimate = event_filter_step(memory, edge, PUBLISHED)

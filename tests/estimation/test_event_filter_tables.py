@@ -20,7 +20,7 @@ from vvdp.simulation.replay import Replay
 
 WHEEL, SECTOR, PITCH = equal_wheel(8), np.pi / 4.0, 2.0 * np.pi / 3.0
 PUBLISHED = event_filter(WHEEL)
-FLAT = replace(PUBLISHED, manoeuvre_gate=1e6, edge_variance=5.53e-3)
+FLAT = replace(PUBLISHED, manoeuvre_gate=1e6, edge_variance=5.53e-3, stop_rate=0.0)
 """With rows whose interval is set to 0, R = 5.53e-3 rad^2 whatever the speed."""
 PERIOD, RUNS = 1e-3, 200
 
@@ -58,7 +58,7 @@ def errors_at_a_tenth(edge_times, filtered, seed, case, anywhere, scheduled):
     else:
         rows = edge_times.scattered(times, polarity, rng, 1.0)
     rows[:, 3] *= scheduled
-    settings = replace(PUBLISHED, manoeuvre_gate=1e6) if scheduled else FLAT
+    settings = replace(PUBLISHED, manoeuvre_gate=1e6, stop_rate=0.0) if scheduled else FLAT
     shown, _ = filtered(settings, rows, speed=50.0)
     at = np.searchsorted(rows[:, 0], 0.1, side="right") - 1
     speed_error = np.abs(shown[at:, 1] - speed)
@@ -191,6 +191,7 @@ def counting(density, variance=3.47e-3):
         manoeuvre_gate=1e6,
         acceleration_density=density,
         edge_variance=variance,
+        stop_rate=0.0,
     )
 
 

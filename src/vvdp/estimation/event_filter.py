@@ -41,6 +41,7 @@ from vvdp.estimation.ripple import (
     without_covariance,
 )
 from vvdp.estimation.silence import (
+    SURE,
     UNLIKELY,
     Heard,
     Silence,
@@ -143,7 +144,7 @@ def after_edge(
         if is_late(expected.instant, silence) or reversed_share(expected.instant) > UNLIKELY:
             wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(expected.instant, wide, silence)
-            if heard.halt > 0.5 and memory.tally.associating > 0.0:
+            if heard.halt > SURE and memory.tally.associating > 0.0:
                 return start_again(memory, reading, expected, heard, settings)
             clearly = expected.instant.angle - silence.next_edge > 0.5 * sector(settings.wheel)
             stood = heard.halt if clearly else heard.backward
@@ -316,9 +317,12 @@ def weigh_doubt(
     doubt = carry_on(before.doubt, prior, seen, variance, surprise + cost)
     m, belief, edge, tally, slip = after, after.belief, after.last.number, after.tally, after.slip
     settled = is_settled(doubt)
+    if settled:
+        lead = doubt.belief.angle - belief.angle
+        slip += lead * lead / (1.0 + np.exp(abs(doubt.odds)))
     if settled and doubt.odds > 0.0:
         missed = doubt.number - edge
-        belief, edge, slip = doubt.belief, doubt.number, doubt.slip
+        belief, edge, slip = doubt.belief, doubt.number, slip - m.slip + doubt.slip
         tally = Tally(
             started=1.0,
             associating=1.0 if knows_edges(belief, settings) else 0.0,

@@ -16,6 +16,9 @@ from vvdp.estimation.association import missed_in_a_row
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.numerics.normal import normal_share, truncate
 
+SURE = 0.9
+"""Probability from which a wheel is taken to have halted [1]."""
+
 LATE = 2.0
 """Deviations after which an edge that was due is late, and its absence is heard [1]."""
 
@@ -107,7 +110,7 @@ def reversed_share(belief: AngleSpeed) -> float:
 
 
 def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -> Heard:
-    """The belief once a silence is taken in: the mean of the likelier of two groups, and the scatter of both about it.
+    """The belief once a silence is taken in: the mean of one of two groups, and the scatter of both about it.
 
     The wheel goes on: its next edge is still to come, weight Phi(high) - Phi(low), was missed with k - 1 more,
     p_k (1 - Phi(high)), or a manoeuvre began at the last edge. Or it halts: it stopped since, or turns on slowly, at
@@ -150,7 +153,7 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
     halted = add(halted, stopped * due, slow, cruise)
     whole = sums.weight + halted.weight
     angle, speed = halted.angle / halted.weight, halted.speed / halted.weight
-    if sums.weight > halted.weight:
+    if halted.weight < SURE * whole:
         angle, speed = sums.angle / sums.weight, sums.speed / sums.weight
     return Heard(
         angle=cruise.angle + angle,
