@@ -49,7 +49,7 @@ SETTINGS = fusion(FILTER)
 SIGMA = 0.04
 STILL = Reading(0.0, 0.0, 0.0, 0.0, 0.0)
 NOTHING = FusionReading(STILL, 0.0, 0.0, 0.0, 0.0, np.nan)
-PHASE, DUTY, LAG = 7, 9, 11
+PHASE, DUTY, LAG = 8, 10, 12
 
 
 class Drive:
@@ -524,7 +524,7 @@ def test_without_pressure_edges_it_is_the_event_filter(fused, encoder_alone):
     drive = wandering(12, 2.0)
     rows = drive.rows(12)
     rows[:, 5] = 0.0
-    np.testing.assert_allclose(fused(drive, rows)[:, :7], encoder_alone(drive, rows), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(fused(drive, rows)[:, :8], encoder_alone(drive, rows), rtol=1e-12, atol=1e-12)
 
 
 def test_compiled_pass_is_the_plain_one(fused):

@@ -68,7 +68,7 @@ def test_two_turns_that_agree_are_needed():
     for n in range(40):
         time = edge_angle(float(n + 2), INDEXED) / SPEED
         number = float(n) + sum(shifts)
-        memory, shift = index_after_edge(memory, number, time, 1.0, 5.5e-3, 2.0, INDEXED)
+        memory, shift, _ = index_after_edge(memory, number, time, 1.0, 5.5e-3, 2.0, INDEXED)
         shifts.append(shift)
     assert np.flatnonzero(shifts).tolist() == [16]
     assert shifts[16] == 2.0
@@ -84,7 +84,7 @@ def test_what_was_found_is_given_up_only_for_certain(variance, turns):
     memory, shifts = index_start(INDEXED), []
     for n in range(80):
         time = edge_angle(n + (2.0 if n >= 24 else 0.0), INDEXED) / SPEED
-        memory, shift = index_after_edge(memory, n + sum(shifts), time, 1.0, variance, 2.0, INDEXED)
+        memory, shift, _ = index_after_edge(memory, n + sum(shifts), time, 1.0, variance, 2.0, INDEXED)
         shifts.append(shift)
     (at,) = np.flatnonzero(shifts)
     assert shifts[at] == 2.0

@@ -58,7 +58,7 @@ from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, nearest_edge
 UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
 
-UNREST = 32.0
+UNREST = 24.0
 """Edges over which what a manoeuvre leaves behind fades [1]."""
 
 TELLABLE = (0.25 * TURN) ** 2.0
@@ -149,6 +149,16 @@ def after_edge(
             clearly = expected.instant.angle - silence.next_edge > 0.5 * sector(settings.wheel)
             stood = heard.halt if clearly else heard.backward
             slip = memory.tally.associating * turned_back(stood, arrival_density(expected, silence), silence)
+    return after_expected_edge(memory, reading, expected, slip, settings)
+
+
+def after_expected_edge(
+    memory: EventFilterMemory, reading: Reading, expected: Expected, slip: float, settings: EventFilter
+) -> tuple[EventFilterMemory, float, float]:
+    """The same of a wheel that has not halted.
+
+    slip  variance of the angle that the silence before the edge leaves [rad^2]
+    """
     seen = associate(memory, reading, expected, settings)
     if seen.used == 0.0:
         return skip_edges(memory, memory.tally.ignored + reading.edges), 0.0, 0.0
@@ -282,7 +292,7 @@ def start_again(
             started=1.0,
             associating=0.0,
             ignored=0.0,
-            missed_edges=tally.missed_edges,
+            missed_edges=tally.missed_edges + maximum(edge - m.last.number - tally.ignored - reading.edges, 0.0),
             irregular=tally.irregular,
             watched=tally.watched,
         ),

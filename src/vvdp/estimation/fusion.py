@@ -18,7 +18,7 @@ from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.between_edges import believed_at, heard_estimate, heard_plainly, inflate
 from vvdp.estimation.estimator import Estimate
-from vvdp.estimation.event_filter import after_edge, edge_angle_variance
+from vvdp.estimation.event_filter import after_edge, after_expected_edge, edge_angle_variance, expected_at
 from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.silence import Heard
@@ -85,11 +85,14 @@ class Fusion(Params):
 
 
 class Doubts(NamedTuple):
-    """When the encoder last spoke and when an edge of either sensor was last accepted; how many pressure edges in a row
-    were refused, lay on one side of where they should while the encoder was silent (`speed_run`), and meant a longer or
-    shorter pulse then (`duty_run`)."""
+    """When the encoder and the pressure last spoke, and when an edge of either was last accepted.
+
+    How many pressure edges in a row were refused, lay on one side of where they should while the encoder was silent
+    (`speed_run`), and meant a longer or shorter pulse then (`duty_run`).
+    """
 
     encoder_time: Time
+    pressure_time: Time
     agreed_time: Time
     refused: Count
     speed_run: float
@@ -184,7 +187,9 @@ def fusion_start(settings: Fusion, time: float, angle: float, speed: float) -> F
     mean, P = np.zeros(5), np.zeros((5, 5))
     _begin_wave(mean, P, settings)
     _believe(mean, P, start.belief)
-    doubts = Doubts(encoder_time=time, agreed_time=time, refused=0.0, speed_run=0.0, duty_run=0.0)
+    doubts = Doubts(
+        encoder_time=time, pressure_time=-np.inf, agreed_time=time, refused=0.0, speed_run=0.0, duty_run=0.0
+    )
     return FusionMemory(filter=start, mean=mean, covariance=P, doubts=doubts)
 
 
@@ -216,11 +221,18 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
     return memory, shown
 
 
+def _turns(memory: FusionMemory, time: float, settings: Fusion) -> bool:
+    """Whether the pressure tells that the spool turns: then an encoder that is silent says nothing."""
+    pitch = 2.0 * np.pi / settings.sections
+    since = (time - memory.doubts.pressure_time) * maximum(memory.filter.belief.speed, settings.filter.lowest_speed)
+    turns: bool = memory.doubts.pressure_time > memory.filter.last.time and since < PATIENT_PITCHES * pitch
+    return turns
+
+
 def _heard(memory: FusionMemory, time: float, settings: Fusion) -> Heard:
-    """What is believed at `time` [s]. While the pressure tells that the spool turns, a silent encoder says nothing."""
-    last, doubts, pitch = memory.filter, memory.doubts, 2.0 * np.pi / settings.sections
-    since = time - doubts.agreed_time
-    if doubts.agreed_time > doubts.encoder_time and since * last.belief.speed < PATIENT_PITCHES * pitch:
+    """What is believed at `time` [s]."""
+    last = memory.filter
+    if _turns(memory, time, settings):
         return heard_plainly(predict(last.belief, time - last.time, last.manoeuvre.density))
     return believed_at(last, time, settings.filter)
 
@@ -292,7 +304,11 @@ def _observe(mean: Array, covariance: Array, observation: Array, innovation: flo
 
 def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> tuple[FusionMemory, float, float]:
     before = memory.filter
-    after, innovation, deviation = after_edge(before, encoder, settings.filter)
+    if _turns(memory, encoder.edge_time, settings):
+        expected = expected_at(before, encoder, settings.filter)
+        after, innovation, deviation = after_expected_edge(before, encoder, expected, 0.0, settings.filter)
+    else:
+        after, innovation, deviation = after_edge(before, encoder, settings.filter)
     if not deviation > 0.0:
         m = memory
         still = FusionMemory(filter=after, mean=m.mean, covariance=m.covariance, doubts=m.doubts)
@@ -312,6 +328,7 @@ def _after_encoder(memory: FusionMemory, encoder: Reading, settings: Fusion) -> 
     _believe(mean, P, after.belief)
     doubts = Doubts(
         encoder_time=encoder.time,
+        pressure_time=memory.doubts.pressure_time,
         agreed_time=after.time,
         refused=memory.doubts.refused,
         speed_run=0.0,
@@ -374,6 +391,7 @@ def _after_pressure_edge(memory: FusionMemory, reading: FusionReading, settings:
     agreed_time = maximum(reading.pressure_edge_time, doubts.agreed_time) if accepted else doubts.agreed_time
     doubts = Doubts(
         encoder_time=doubts.encoder_time,
+        pressure_time=maximum(reading.pressure_edge_time, doubts.pressure_time),
         agreed_time=agreed_time,
         refused=refused,
         speed_run=speed_run,

@@ -148,7 +148,7 @@ def update_with_ripple(
 
 
 def of_the_instant(belief: AngleSpeed, ripple: Ripple, order: float) -> AngleSpeed:
-    """Angle and speed with the ripple in them: theta = phi + delta(theta), to the third order; omega/(1 - delta'(theta)).
+    """Angle and speed with the ripple: theta = phi + delta(theta), to the third order; omega/(1 - delta'(theta)).
 
     The covariance by the gradients of both with respect to the mean angle, the mean speed, a and b.
     """
