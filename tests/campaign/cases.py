@@ -96,9 +96,7 @@ def jammed(w: float, rng: np.random.Generator) -> Draw:
 
 def reversed_(w: float, rng: np.random.Generator) -> Draw:
     begin, lasting = rng.uniform(1.2, 1.5), rng.uniform(0.1, 0.8)
-    slow = 0.1 * lasting  # at a tenth of the speed
-    turn = begin + 0.5 * lasting
-    return Draw(ramp(w, -w, begin, begin + lasting), sudden=((turn - slow, turn + slow),))
+    return Draw(ramp(w, -w, begin, begin + lasting), sudden=((begin, begin + lasting),))
 
 
 def slow_passage(w: float, rng: np.random.Generator) -> Draw:

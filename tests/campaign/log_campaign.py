@@ -90,7 +90,7 @@ def run(of: Case, logging: Logging, folder: Path, *, told: bool = True) -> Logge
             np.column_stack([file[f"{name}{more}"][:][part] for name in ("angle", "speed")])
             for more in ("", "_deviation")
         )
-    true = true_motion(of, time[part])
+    true = true_motion(of, time[part], directed=bool(np.nanmin(estimated[:, 1]) < -0.5 * of.usual))
     traces = Traces(time=time[part], estimated=estimated, true=true, deviations=deviations)
     interval = 1.0 / RATE if logging is Logging.COUNTS else 0.0
     return Logged(
