@@ -111,9 +111,9 @@ def ripple(w: float, rng: np.random.Generator) -> Draw:
 
 
 def swinging(w: float, rng: np.random.Generator) -> Draw:
-    """1 Hz by 5 %; to the filter an acceleration that keeps for a twentieth of a second."""
+    """1 Hz by 5 %; its density is that with which errors are as large as stated, as a fit would find it."""
     amplitude = 0.05 * w
-    return Draw(swing(w, amplitude, 1.0, rng.uniform(0.0, 6.28)), density=0.025 * (2.0 * np.pi * amplitude) ** 2)
+    return Draw(swing(w, amplitude, 1.0, rng.uniform(0.0, 6.28)), density=0.03 * (2.0 * np.pi * amplitude) ** 2)
 
 
 def walking(w: float, rng: np.random.Generator) -> Draw:
