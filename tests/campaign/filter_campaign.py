@@ -58,12 +58,12 @@ def compiled(sectors: int) -> Replay:
     return Replay(example.step, example.memory, Reading(0.0, 0.0, 0.0, 0.0, 0.0), example.settings)
 
 
-def true_motion(of: Case, time: np.ndarray) -> np.ndarray:
-    """Columns: the angle turned through, from where the wheel stood at first, and the speed, its direction left out."""
+def true_motion(of: Case, time: np.ndarray, *, directed: bool = False) -> np.ndarray:
+    """Columns: the angle turned through, from where the wheel stood at first, and the speed; or both with direction."""
     motion = of.motion
-    return np.column_stack(
-        [np.interp(time, motion.time, x) for x in (motion.angle[0] + motion.turned, np.abs(motion.speed))]
-    )
+    undirected = motion.angle[0] + motion.turned, np.abs(motion.speed)
+    columns = (motion.angle, motion.speed) if directed else undirected
+    return np.column_stack([np.interp(time, motion.time, each) for each in columns])
 
 
 def independent(of: Case, told: EventFilter, interval: float) -> float:

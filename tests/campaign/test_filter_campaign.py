@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.campaign.cases import CLASSES, case
 from tests.campaign.filter_campaign import Outcome, pooled_row, run, told_within
+from tests.campaign.honesty import covers, is_calibrated
 from tests.campaign.scoring import pool
 
 QUICK, SLOW = 4, 36
@@ -30,17 +31,14 @@ def outcomes(name: str, records: int) -> tuple[Outcome, ...]:
 @pytest.mark.parametrize("name", CLASSES)
 def test_two_deviations_cover_speed_and_angle(name, records):
     ran = outcomes(name, records)
-    found = pool([each.errors for each in ran])
-    assert 0.90 <= found.speed_coverage <= 0.99 and 0.90 <= found.angle_coverage <= 0.99, pooled_row(name, ran)
+    assert covers(pool([each.errors for each in ran]), few=records == QUICK), pooled_row(name, ran)
 
 
 @records
 @pytest.mark.parametrize("name", WITHIN_THE_MODEL)
 def test_errors_are_as_large_as_stated(name, records):
     ran = outcomes(name, records)
-    found = pool([each.errors for each in ran])
-    assert found.low <= found.speed_nees <= found.high, pooled_row(name, ran)
-    assert found.low <= found.angle_nees <= found.high, pooled_row(name, ran)
+    assert is_calibrated(pool([each.errors for each in ran]), few=records == QUICK), pooled_row(name, ran)
 
 
 @records

@@ -4,6 +4,7 @@ from functools import cache
 
 import pytest
 from tests.campaign.cases import CLASSES
+from tests.campaign.honesty import covers, is_calibrated
 from tests.campaign.log_campaign import Logged, one, pooled_row
 from tests.campaign.scoring import coverage, pool
 from tests.campaign.test_filter_campaign import WITHIN_THE_MODEL
@@ -22,17 +23,14 @@ def logged(name: str, records: int) -> tuple[Logged, ...]:
 @pytest.mark.parametrize("name", CLASSES)
 def test_two_deviations_cover_speed_and_angle(name, records):
     ran = logged(name, records)
-    found = pool([each.errors for each in ran])
-    assert 0.90 <= found.speed_coverage <= 0.99 and 0.90 <= found.angle_coverage <= 0.99, pooled_row(name, ran)
+    assert covers(pool([each.errors for each in ran]), few=records == QUICK), pooled_row(name, ran)
 
 
 @records
 @pytest.mark.parametrize("name", WITHIN_THE_MODEL)
 def test_errors_are_as_large_as_stated(name, records):
     ran = logged(name, records)
-    found = pool([each.errors for each in ran])
-    assert found.low <= found.speed_nees <= found.high, pooled_row(name, ran)
-    assert found.low <= found.angle_nees <= found.high, pooled_row(name, ran)
+    assert is_calibrated(pool([each.errors for each in ran]), few=records == QUICK), pooled_row(name, ran)
 
 
 @records
