@@ -33,6 +33,7 @@ def wheel_findings(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> 
     verdict = sums.verdict
     if verdict is None:
         return
+    yield from _alias(found, sums, wanted)
     yield from _sectors(verdict)
     if wanted.sectors_assumed and not found["index_found"]:
         yield _assumed(verdict, sums)
@@ -42,7 +43,6 @@ def wheel_findings(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> 
         yield _inverted(verdict, wanted)
     if verdict.likeliest.direction < 0.0 and not sums.reversals:
         yield _backwards(verdict)
-    yield from _alias(found, sums, wanted)
     for time in sums.reversals[:NAMED]:
         yield warning(
             "The spool reversed",
