@@ -19,7 +19,10 @@ from vvdp.results.store import read_meta, read_result
 
 SPEED = 2.0 * np.pi * 24.7
 PITCH = np.pi / 4.0
-FIXED_WORDS = {"spool_speed_mean_rad_s", "spool_speed_std_rad_s", "edges", "missed_edges", "nis_mean"}
+FIXED_WORDS = {
+    "spool_speed_mean_rad_s", "spool_speed_std_rad_s", "sectors", "edges", "index_found", "missed_edges", "nis_mean", "warnings",
+    "speed_deviation_rms_rad_s", "sectors_assumed", "polarity", "direction", "standstill_time_s",
+}  # fmt: skip
 
 
 def table(path, **columns):
@@ -71,11 +74,13 @@ def test_the_words_that_scripts_rely_on(vvdp, stamps, here, keys_as_described):
 
 
 def test_a_person_is_shown_a_table_and_warnings(vvdp, stamps):
-    done = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
+    done = vvdp("estimate", stamps, "--edges", "edge", "--sectors", "8", "--no-report", "--out", "r")
     assert done.code == 0
     assert "spool speed, mean" in done.out and "1482" in done.out
     assert "acceleration noise of the filter" in done.out and "0.2500" in done.out and "warning" not in done.out
     assert done.out.rstrip().endswith("results: r")
+    assumed = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "assumed")
+    assert "warning: Sectors assumed: No number of sectors was given" in assumed.out
     again = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
     assert again.code == 2 and "already exists" in again.err
     assert vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r", "--force").code == 0

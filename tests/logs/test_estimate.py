@@ -15,10 +15,12 @@ from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges
+from vvdp.logs.bridging import bridged_time
 from vvdp.logs.config import load_estimation
 from vvdp.logs.edges import Edges
 from vvdp.logs.estimate_result import ROWS_IN_CHUNK, Store
-from vvdp.logs.offline_filter import OfflineFilter, Waves, bridged_time, fused_step, tracked_step
+from vvdp.logs.filter_steps import fused_step, tracked_step
+from vvdp.logs.offline_filter import OfflineFilter, Waves
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.results.result import Grade
 from vvdp.results.store import read_meta, read_result
@@ -226,17 +228,20 @@ def test_slow_edges_after_a_pause_are_a_piece_of_their_own(estimated):
     times = passing_times(400)
     kept = estimated(stamped(np.append(times, times[-1] + 0.8 * np.arange(1, 60))), sensor__edges="edge")
     assert kept.summary["pieces"] == 2 and kept.summary["missed_edges"] == kept.summary["double_edges"] == 0
-    assert kept.summary["spool_speed_min_rad_s"] == pytest.approx(PITCH / 0.8, rel=0.01)
+    slow = kept.column("speed")[kept.column("piece") == 2.0]
+    assert np.median(slow[-10_000:]) == pytest.approx(PITCH / 0.8, rel=0.1)
 
 
 def test_one_wild_time_in_the_midst_leaves_the_rest_alone(estimated):
     times = passing_times(800)
     wild = times.copy()
     wild[500] = 1e4
-    found = estimated(stamped(wild), sensor__edges="edge").summary
-    assert found["spool_speed_min_rad_s"] == pytest.approx(SPEED, rel=1e-6)
-    assert found["spool_speed_max_rad_s"] == pytest.approx(SPEED, rel=1e-6)
-    assert found["angle_deviation_mean_rad"] < 0.05
+    kept = estimated(stamped(wild), sensor__edges="edge")
+    found, t = kept.summary, kept.column("time")
+    first = kept.column("piece") == 1.0
+    turning = np.where(first, (t > 0.5) & (t < times[499]), t > times[501] + 0.3)
+    assert np.allclose(kept.column("speed")[turning], SPEED, rtol=0.01)
+    assert found["spool_speed_max_rad_s"] == pytest.approx(SPEED, rel=0.01)
     assert found["duration_s"] == pytest.approx(times[-1] - times[0], abs=0.02)
 
 
@@ -255,12 +260,16 @@ def test_the_share_of_the_time_with_an_estimate_is_told(estimated):
     times = passing_times(800)
     full = estimated(stamped(times), sensor__edges="edge").summary
     assert full["estimated_share"] == pytest.approx(1.0, abs=1e-3)
-    found = estimated(stamped(np.concatenate([times[:400], times[400:] + 5.0])), sensor__edges="edge").summary
+    kept = estimated(stamped(np.concatenate([times[:400], times[400:] + 5.0])), sensor__edges="edge")
+    found, speed = kept.summary, kept.column("speed")
     bridge = bridged_time(PITCH / SPEED, event_filter(equal_wheel(8)))
     turning = times[-1] - times[0] - PITCH / SPEED  # beside the silence
     assert found["duration_s"] == pytest.approx(times[-1] - times[0] + 5.0)
     assert found["estimated_share"] == pytest.approx((turning + bridge) / found["duration_s"], abs=1e-3)
-    assert found["spool_speed_mean_rad_s"] == pytest.approx(SPEED, rel=1e-6)  # the rest is not in the mean
+    # the mean is over the rows that have an estimate, those in which the spool seems to stand among them
+    settled = np.isfinite(speed) & (kept.column("time") >= times[16])
+    assert found["spool_speed_mean_rad_s"] == pytest.approx(np.mean(speed[settled]), rel=0.02)
+    assert found["standstill_time_s"] == pytest.approx(5.0, abs=0.1)
 
 
 def test_edge_times_that_are_no_numbers_are_told(estimated):

@@ -81,20 +81,20 @@ class Start(NamedTuple):
 def start(edges: Edges, wheel: CodeWheel, direction: float) -> Start:
     """The start of a piece on a wheel that turned in a `direction` before: the other one where its index leaves less
     than half of the squares."""
-    kept = alignment(met(edges, direction), met_wheel(wheel, direction))
+    kept = alignment(edges_as_met(edges, direction), wheel_as_met(wheel, direction))
     if not wheel.has_index:
         return Start(direction, kept)
-    other = alignment(met(edges, -direction), met_wheel(wheel, -direction))
+    other = alignment(edges_as_met(edges, -direction), wheel_as_met(wheel, -direction))
     turned = other.index_found and other.squares < CLEARLY * kept.squares
     return Start(-direction, other) if turned else Start(direction, kept)
 
 
-def met(edges: Edges, direction: float) -> Edges:
+def edges_as_met(edges: Edges, direction: float) -> Edges:
     """The edges with the polarities that they have on the wheel as it is met; backwards, rising ones fall."""
     return edges._replace(polarities=direction * edges.polarities)
 
 
-def met_wheel(wheel: CodeWheel, direction: float) -> CodeWheel:
+def wheel_as_met(wheel: CodeWheel, direction: float) -> CodeWheel:
     """The wheel as it is met: mirrored backwards."""
     return wheel if direction > 0.0 else mirror_wheel(wheel)
 
@@ -123,7 +123,8 @@ def sectors_passed(edges: Edges, neighbours: int = NEIGHBOURS) -> Array:
     many = np.where(wrong, np.where((times / usual > many) | (many == 1.0), many + 1.0, many - 1.0), many)
     vague = edges.intervals[1:] > VAGUE * usual
     starting = np.logical_and.accumulate(times > STARTING * usual * counts)
-    plain = (counts > 1.0) | starting | ((signs == 0.0) & (vague | (times < 1.6 * usual)))
+    many = np.where(starting, np.where(signs > 0.0, 2.0, 1.0), many)
+    plain = (counts > 1.0) | ((signs == 0.0) & (vague | (times < 1.6 * usual)))
     found: Array = np.where(plain, counts, many)
     return found
 

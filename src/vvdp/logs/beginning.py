@@ -9,7 +9,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.logs.alignment import VAGUE, usual_steps
 from vvdp.logs.config import Estimation, Stamps, Wave
-from vvdp.logs.edges import Edges
+from vvdp.logs.edges import Edges, no_edges
 from vvdp.logs.hypotheses import LOOKED_AT, TURNS, Verdict, judge
 from vvdp.logs.noise_fit import time_resolution
 from vvdp.sensing.wheel import CodeWheel
@@ -40,13 +40,12 @@ def beginning(clocks: Sequence[Edges], wanted: Estimation) -> Beginning:
     """What the first edges say, those up to each end of a clock by themselves."""
     edges = max(clocks, key=lambda each: each.times.size) if clocks else None
     if edges is None or edges.times.size < FEWEST:
-        nothing = judge(Edges(*(np.empty(0),) * 4), wanted.wheel)
-        return Beginning(nothing, 0.0, False)
+        return Beginning(judge(no_edges(), wanted.wheel), 0.0, False)
     usual = usual_steps(np.diff(edges.times) / edges.counts[1:])
     tick = clock_tick(edges.times, float(np.median(usual))) if isinstance(wanted.source, Stamps) else 0.0
     seen = edges._replace(intervals=np.fmax(edges.intervals, tick))
     coarse = bool(np.median(seen.intervals[1:] / usual) > VAGUE)
-    return Beginning(judge(seen, wanted.wheel), tick, coarse)
+    return Beginning(judge(no_edges() if coarse else seen, wanted.wheel), tick, coarse)
 
 
 def clock_tick(times: Array, usual: float) -> float:
@@ -57,15 +56,15 @@ def clock_tick(times: Array, usual: float) -> float:
     are not all alike, that is the tick.
     """
     digit = time_resolution(times)
-    if digit < FINE * FINE * usual:
+    if not FINE * FINE * usual < digit < usual:
         return 0.0
     steps = np.unique(np.round(np.diff(times) / digit)).astype(int)
     common = float(np.gcd.reduce(steps)) * digit if steps.size > 1 else digit
     tick = common if common < 0.5 * usual else digit
-    return tick if tick > FINE * usual else 0.0
+    return tick if FINE * usual < tick < 0.5 * usual else 0.0
 
 
-def taken_so(wanted: Estimation, verdict: Verdict) -> Estimation:
+def apply_verdict(wanted: Estimation, verdict: Verdict) -> Estimation:
     """The estimation with the wheel that the log speaks for, and with the polarities that it has then."""
     wheel, settings = verdict.wheel, wanted.filter
     if wheel != settings.wheel:

@@ -26,7 +26,8 @@ from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.estimation.fusion import fusion
 from vvdp.estimation.pressure_edges import PressureSample, pressure_edges_start, pressure_edges_step
 from vvdp.estimation.smoother import Run, Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
-from vvdp.logs.beginning import Beginning, beginning, edges_looked_at, taken_so
+from vvdp.logs.beginning import Beginning, apply_verdict, beginning, edges_looked_at
+from vvdp.logs.bridging import LONGEST_BRIDGED
 from vvdp.logs.channel import Log, Portion
 from vvdp.logs.charts import Excerpt
 from vvdp.logs.clock import ClockChoice, seconds
@@ -49,7 +50,7 @@ from vvdp.logs.edges import (
 from vvdp.logs.estimate_result import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Store
 from vvdp.logs.findings import findings
 from vvdp.logs.noise_fit import fitted_filter
-from vvdp.logs.offline_filter import FEWEST_EDGES, LONGEST_BRIDGED, FilteredRows, OfflineFilter, Waves, no_waves
+from vvdp.logs.offline_filter import FEWEST_EDGES, FilteredRows, OfflineFilter, Waves, no_waves
 from vvdp.logs.quantity import Conversion, to_si
 from vvdp.logs.result import Outcome, estimate_result
 from vvdp.logs.source import open_log
@@ -244,7 +245,7 @@ def _look_at_beginning(log: Log, wanted: Estimation, say: Callable[[str], None])
         if run.sums.interruptions:
             raise KeyboardInterrupt
         found = beginning(run.first_edges, wanted)
-    return found, taken_so(wanted, found.verdict)
+    return found, apply_verdict(wanted, found.verdict)
 
 
 def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Callable[[str], None]) -> Estimation:
@@ -315,6 +316,8 @@ class _Run:
         narrowest = min(sector_widths(wanted.wheel)) * len(wanted.wheel.edges) / TURN
         self.debounce = Debounce(shortest=min(0.15, 0.4 * narrowest))
         self.clock_at = -np.inf
+        self.gaps: list[tuple[float, float]] = []
+        """Of the record, from when to when [s], that the tracker is not yet told of."""
         self.clock = 0  # how often the time went back
         self.excerpt: Excerpt | None = None
         self.pressure = self._pressure()
@@ -476,7 +479,9 @@ class _Run:
         before = self.clock_at if np.isfinite(self.clock_at) else times[0]
         steps = np.diff(np.concatenate([[before], times]))
         self.clock_at = float(times[-1])
-        self.sums.gaps += int(np.count_nonzero(steps > GAP * self.period)) if self.period else 0
+        after = np.flatnonzero(steps > GAP * self.period) if self.period else np.empty(0, int)
+        self.sums.gaps += after.size
+        self.gaps += [(float(times[i] - steps[i]), float(times[i])) for i in after.tolist()]
         self.sums.longest_gap = max(self.sums.longest_gap, float(np.max(steps, initial=0.0)))
         self.sums.measured += float(np.sum(steps[steps > 0.0]))
 
@@ -535,6 +540,8 @@ class _Run:
         horizon = min(self.sums.end, waiting)
         self.sums.edges += float(np.sum(settled.counts))
         self._heed()
+        tracker.add_gaps(self.gaps)
+        self.gaps = []
         for tracked in tracker.push(settled, horizon, last=last):
             self._write(tracked)
             self._heed()

@@ -9,6 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import ANGLE, SPEED
 from vvdp.estimation.commensurate import commensurate_warning, hidden_angle
+from vvdp.logs.bridging import bridged_time
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import is_time_name
 from vvdp.logs.config import Estimation, Stamps
@@ -24,9 +25,8 @@ from vvdp.logs.diagnostics import (
 from vvdp.logs.edges import GAP, CountEdges, WaveEdges
 from vvdp.logs.guess import channels_of_edges
 from vvdp.logs.noise_fit import CLEAR, Explained
-from vvdp.logs.offline_filter import bridged_time
 from vvdp.logs.sums import Sums
-from vvdp.logs.wheel_findings import grave, told_of_motion, told_of_wheel, warning
+from vvdp.logs.wheel_findings import grave, motion_findings, warning, wheel_findings
 from vvdp.results.result import Finding, Grade
 from vvdp.sensing.wheel import TURN
 
@@ -42,7 +42,7 @@ def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) ->
     clock = list(_of_the_clock(best, wanted, log)) if best is not None else []
     told = [
         *clock,
-        *told_of_motion(sums),
+        *motion_findings(sums),
         *_of_the_course(found, sums, wanted),
         *_of_the_record(sums, wanted),
         *_of_the_source(sums, wanted),
@@ -53,7 +53,7 @@ def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) ->
         wheel_first = best is not None and best.wheel_gain > best.settings_gain
         told += wheel + settings if wheel_first else settings + wheel
     told += [warning("Taken for granted", f"{remark}.", "Nothing to do, if that is right.") for remark in log.remarks]
-    first = () if clock else told_of_wheel(found, sums, wanted)
+    first = () if clock else wheel_findings(found, sums, wanted)
     return (*first, *sorted(told, key=lambda finding: finding.grade is not Grade.BAD))
 
 

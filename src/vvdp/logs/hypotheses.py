@@ -210,12 +210,6 @@ class _Record:
             gain=told.cost - chosen.cost,
         )
 
-    def cost(self, hypothesis: Hypothesis, squares: float) -> float:
-        """Minus the logarithm of the likelihood, the scale of the noise the likeliest, and Schwarz's price, ln(n)/2, of
-        the first edge and of each departure."""
-        n, chosen = self.times.size, hypothesis.has_index + hypothesis.departures
-        return 0.5 * n * float(np.log(max(squares, 1e-300))) + 0.5 * chosen * float(np.log(n))
-
     def score(self, tried: tuple[Hypothesis, ...], noise: Noise) -> tuple[list[_Scored], float]:
         """The squares that each hypothesis leaves, with a noise told for the wheel of `sectors`, and those that are
         left where each edge may lie anywhere."""
@@ -235,7 +229,7 @@ class _Record:
                     squares = np.sum((nu[:, None] + responses @ offsets) ** 2, axis=0)
                     best = int(np.argmin(squares))
                     left = float(squares[best])
-                    found[each] = _Scored(each, offsets[:, best], left, self.cost(each, left))
+                    found[each] = _Scored(each, offsets[:, best], left, _cost(each, left, self.times.size))
         return [found[each] for each in tried if each in found], floor
 
     def offsets(self, hypothesis: Hypothesis) -> Iterator[Array]:
@@ -256,3 +250,10 @@ def _rescaled(noise: Noise, period: int, sectors: int) -> Noise:
     """The noise of a wheel with `period` edges, told for one with `sectors`."""
     scale = (period / sectors) ** 2
     return Noise(scale * noise.acceleration_density, scale * noise.edge_variance)
+
+
+def _cost(hypothesis: Hypothesis, squares: float, edges: int) -> float:
+    """Minus the logarithm of the likelihood, the scale of the noise the likeliest, and Schwarz's price, ln(n)/2, of the
+    first edge and of each departure."""
+    chosen = hypothesis.has_index + hypothesis.departures
+    return 0.5 * edges * float(np.log(max(squares, 1e-300))) + 0.5 * chosen * float(np.log(edges))

@@ -5,105 +5,36 @@ and not within three of the times that edges usually take there. What is usual i
 at the beginning of a piece also from those after it. After a cut the filter starts anew.
 """
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.estimation.estimator import Estimate
-from vvdp.estimation.event_filter import edge_angle_variance, event_filter_step
+from vvdp.estimation.event_filter import edge_angle_variance
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.estimation.fusion import Fusion, FusionMemory, FusionReading, fusion_start, fusion_step
-from vvdp.logs.alignment import Alignment, edges_needed, met_wheel, start
-from vvdp.logs.edges import Chosen, Edges, join, known_times, no_edges, part, rank_filter
+from vvdp.estimation.fusion import Fusion, FusionMemory, fusion_start
+from vvdp.logs.alignment import Alignment, edges_needed, start, wheel_as_met
+from vvdp.logs.bridging import RECENT, longest_bridged, usual_before
+from vvdp.logs.edges import Chosen, Edges, join, known_times, no_edges, part
+from vvdp.logs.filter_steps import EDGE, SPEED, STANDSTILL, replay_of
 from vvdp.logs.passages import SEEN_AFTER, SEEN_BEFORE, slow_passages
-from vvdp.numerics.kalman import AngleSpeed, predict
-from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import TURN, edge_angle
 from vvdp.simulation.link import quiet
-from vvdp.simulation.replay import Replay
 
 SETTLING_TURNS = 2
 """After so many turns of a piece its estimates count in means and extremes."""
-BRIDGED_EDGES = 3.0
-LONGEST_BRIDGED = 60.0
-"""A silence of more seconds [s] is never bridged, whatever is usual: nobody calls that turning."""
 LONGEST_FILL = 600.0
 """Up to so many seconds [s] without an estimate are rows of NaN; beyond, the time base jumps."""
 ROWS_AT_ONCE = 200_000
 FEWEST_EDGES = 3
 """A piece of fewer edges is left out."""
-RECENT = 16
-"""So many times between edges say what is usual."""
 EDGES_AT_ONCE = 20_000
 MOST_ROWS = 2.0**52
 """The times of later rows could not be told apart."""
 NAMED_TIMES = 5
-
-
-class Shown(NamedTuple):
-    """What is kept of each row: the estimate, and the number of the last edge, on the wheel as it was met."""
-
-    angle: float
-    speed: float
-    angle_deviation: float
-    speed_deviation: float
-    innovation: float
-    innovation_deviation: float
-    missed_edges: float
-    standstill: float
-    edge: float
-
-
-def tracked_step(memory: EventFilterMemory, reading: Reading, settings: EventFilter) -> tuple[EventFilterMemory, Shown]:
-    """The event filter's step, showing the edge as well.
-
-    Source  wang2017, eqs. 3.5 to 3.10, corrected: docs/errata.md
-    """
-    memory, estimate = event_filter_step(memory, reading, settings)
-    return memory, shown_with(estimate, memory.last.number)
-
-
-def shown_with(estimate: Estimate, edge: float) -> Shown:
-    """An estimate with the number of the last edge."""
-    e = estimate
-    return Shown(
-        angle=e.angle,
-        speed=e.speed,
-        angle_deviation=e.angle_deviation,
-        speed_deviation=e.speed_deviation,
-        innovation=e.innovation,
-        innovation_deviation=e.innovation_deviation,
-        missed_edges=e.missed_edges,
-        standstill=e.standstill,
-        edge=edge,
-    )
-
-
-SPEED, STANDSTILL, EDGE = (Shown._fields.index(name) for name in ("speed", "standstill", "edge"))
-
-
-class FusedShown(NamedTuple):
-    """The same of the fusion, and what it believes of the pressure's wave."""
-
-    encoder: Shown
-    phase: float
-    duty_ratio: float
-    duty_deviation: float
-    lag: float
-
-
-def fused_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) -> tuple[FusionMemory, FusedShown]:
-    """The fusion's step, showing the edge as well.
-
-    Source  ours, docs/models/pressure-fusion.md
-    """
-    memory, f = fusion_step(memory, reading, settings)
-    shown = shown_with(f.estimate, memory.filter.last.number)
-    return memory, FusedShown(shown, f.phase, f.duty_ratio, f.duty_deviation, f.lag)
 
 
 class Waves(NamedTuple):
@@ -167,22 +98,12 @@ class OfflineFilter:
         say: Callable[[str], None] = quiet,
         direction: float = 1.0,
     ) -> None:
-        example = Reading(0.0, 0.0, 0.0, 0.0, 0.0)
-        if fusion is None:
-            start = event_filter_start(settings, 0.0, 0.0, 0.0)
-            self._replay = Replay(tracked_step, start, example, settings, say=say)
-        else:
-            both = FusionReading(
-                encoder=example,
-                pressure_edges=0.0,
-                pressure_edge_time=0.0,
-                pressure_edge_interval=0.0,
-                pressure_polarity=0.0,
-                duty_ratio=0.0,
-            )
-            self._replay = Replay(fused_step, fusion_start(fusion, 0.0, 0.0, 0.0), both, fusion, say=say)
+        self._replay = replay_of(settings, fusion, say)
         self._fusion, self._waves = fusion, no_waves()
         self._met = {sign: _met_settings(settings, fusion, sign) for sign in (1.0, -1.0)}
+        unheard = replace(settings, stop_rate=0.0)
+        self._unheard = {sign: _met_settings(unheard, fusion, sign) for sign in (1.0, -1.0)}
+        self._gaps: list[tuple[float, float]] = []
         self._filter, self.rate, self._sections = settings, rate, sections
         self._direction = direction
         self._sectors = len(settings.wheel.edges)
@@ -216,6 +137,10 @@ class OfflineFilter:
         """Edges of the pressure, for the rows to come."""
         self._waves = Waves(*(np.concatenate(both) for both in zip(self._waves, waves, strict=True)))
 
+    def add_gaps(self, gaps: Iterable[tuple[float, float]]) -> None:
+        """Gaps of the record, from when to when [s], for the rows to come: a silence there says nothing."""
+        self._gaps.extend(gaps)
+
     def push(self, edges: Edges, horizon: float, *, last: bool = False) -> Iterator[FilteredRows]:
         """What can be said now that the record is known up to `horizon` [s]; `last`: nothing follows on this clock."""
         self._pending = join([self._pending, edges])
@@ -237,10 +162,10 @@ class OfflineFilter:
         before = self._last.time if self._piece is not None and self._last is not None else float(times[0])
         steps = np.diff(times, prepend=before)
         if self._piece is None:  # the first edge of a piece has nothing before it
-            limits = np.concatenate([[np.inf], _longest(_usual(steps[1:]), steps[1:], self._filter)])
+            limits = np.concatenate([[np.inf], longest_bridged(usual_before(steps[1:]), steps[1:], self._filter)])
         else:
-            usual = _usual(np.concatenate([self._steps, steps]))[self._steps.size :]
-            limits = _longest(usual, steps, self._filter)
+            usual = usual_before(np.concatenate([self._steps, steps]))[self._steps.size :]
+            limits = longest_bridged(usual, steps, self._filter)
         found: Chosen = steps <= limits
         if self._fusion is not None:
             for i in np.flatnonzero(~found):
@@ -331,11 +256,12 @@ class OfflineFilter:
         if self._last is None:
             return float(found.number)
         n, same, before = self._sectors, direction == self._direction, direction * self._last.number
-        pace = self._last.speed if self._last.standstill < 0.5 else 0.0
+        stood = self._last.standstill > 0.5
+        pace = 0.0 if stood else self._last.speed
         expected = before + max(1.0, (time - self._last.time) * pace * n / TURN) if same else before
         if found.index_found:
             number = found.number + n * np.round((expected - found.number) / n)
-            return float(number if number > before or not same else number + n)
+            return float(number if number > before or stood or not same else number + n)
         number = np.round(expected)
         if polarity != 0.0 and (number % 2 == 0) != (polarity > 0.0):
             number += 1
@@ -350,7 +276,7 @@ class OfflineFilter:
         if forget:
             if self._last is not None:
                 self._last = LastEdge(0.0, self._last.number, 0.0)
-            self._looked_past = -np.inf
+            self._looked_past, self._gaps = -np.inf, []
             self._next, self.reached, self._covered_to = None, -np.inf, None
             self._waves = no_waves()
 
@@ -369,7 +295,7 @@ class OfflineFilter:
         """How long after the last edge the filter is still followed [s]."""
         if not self._steps.size:
             return 0.0
-        return float(_longest(_usual(self._steps)[-1:], np.array([np.inf]), self._filter)[0])
+        return float(longest_bridged(usual_before(self._steps)[-1:], np.array([np.inf]), self._filter)[0])
 
     def _rows(self, edges: Edges, until: float) -> Iterator[FilteredRows]:
         """The filter over these edges and over the rows up to `until` [s]."""
@@ -412,10 +338,12 @@ class OfflineFilter:
         if self._fusion is not None:
             rows = self._with_waves(rows)
         order = np.argsort(rows[:, 0], kind="stable")
-        done = self._replay(piece.memory, rows[order], self._met[piece.direction])
-        piece.memory = done.memory
-        shown = np.empty_like(done.shown)
-        shown[order] = done.shown
+        shown = np.empty((rows.shape[0], len(self._replay.columns)))
+        for part_of_rows, heard in self._heard_parts(rows[order, 0], known):
+            settings = (self._met if heard else self._unheard)[piece.direction]
+            done = self._replay(piece.memory, rows[order[part_of_rows]], settings)
+            piece.memory = done.memory
+            shown[order[part_of_rows]] = done.shown
         columns = self._of_edges(piece, edges, shown[:m]) if m else self._no_edges()
         if grid.size:
             self.reached = float(grid[-1])
@@ -424,6 +352,25 @@ class OfflineFilter:
                 self._last = self._last._replace(speed=speed, standstill=standstill)
         settled = grid >= piece.settled_at
         return FilteredRows(self._by_name(grid, shown[m : m + grid.size]), columns, settled)
+
+    def _heard_parts(self, times: Array, known: Array) -> Iterator[tuple[slice, bool]]:
+        """The rows at `times` in parts in which a silence tells something and in which it does not: within a gap of the
+        record, and from there to the first edge, `known` after it."""
+        done, open_gaps = 0, []
+        for begin, end in self._gaps:
+            k = int(np.searchsorted(known, end))
+            first = max(done, int(np.searchsorted(times, begin, side="right")))
+            last = int(np.searchsorted(times, known[k], side="right")) if k < known.size else times.size
+            if k == known.size:
+                open_gaps.append((begin, end))
+            if last > first:
+                if first > done:
+                    yield slice(done, first), True
+                yield slice(first, last), False
+                done = last
+        self._gaps = open_gaps
+        if times.size > done:
+            yield slice(done, times.size), True
 
     def _with_waves(self, rows: Array) -> Array:
         """Rows of the fusion: the encoder's, then those of the pressure's edges up to the last of them."""
@@ -495,50 +442,6 @@ class OfflineFilter:
 
 def _met_settings(settings: EventFilter, fusion: Fusion | None, direction: float) -> EventFilter | Fusion:
     """The settings for the wheel as it is met in a direction."""
-    wheel = met_wheel(settings.wheel, direction) if settings.wheel.has_index else settings.wheel
+    wheel = wheel_as_met(settings.wheel, direction) if settings.wheel.has_index else settings.wheel
     as_met = replace(settings, wheel=wheel)
     return as_met if fusion is None else replace(fusion, filter=as_met)
-
-
-def bridged_time(period: float, settings: EventFilter) -> float:
-    """How long without an edge three deviations of the predicted angle stay below half a sector [s].
-
-    From the filter's steady state at an edge every `period` [s], with R_c = R T: P22 = sqrt(2) q^(3/4) R_c^(1/4),
-    P12 = sqrt(q R_c), P11 = sqrt(2) q^(1/4) R_c^(3/4).
-
-    Source  ours, docs/logs.md
-    """
-    return float(_bridged_times(np.array([period]), settings)[0])
-
-
-def _bridged_times(periods: Array, settings: EventFilter) -> Array:
-    half, q = 0.5 * TURN / len(settings.wheel.edges), max(settings.acceleration_density, 1e-12)
-    root = np.sqrt(2.0)
-    R: Any = settings.edge_variance * periods
-    steady = AngleSpeed(0.0, 0.0, root * q**0.25 * R**0.75, np.sqrt(q * R), root * q**0.75 * R**0.25)
-    low, high = np.zeros(periods.size), np.full(periods.size, 1e6)
-    for _ in range(60):
-        middle: Any = 0.5 * (low + high)
-        short = 3.0 * np.sqrt(predict(steady, middle, q).angle_variance) < half
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
-    return low
-
-
-def _longest(usual: Array, steps: Array, settings: EventFilter) -> Array:
-    """How long silences may last to be bridged [s], where edges usually take `usual` [s] and these take `steps` [s];
-    where they take no more than a few edges do, that is all that is asked."""
-    found = BRIDGED_EDGES * usual
-    doubtful = np.flatnonzero(steps > found)
-    found[doubtful] = np.fmax(found[doubtful], _bridged_times(usual[doubtful], settings))
-    limited: Array = np.fmin(found, LONGEST_BRIDGED)
-    return limited
-
-
-def _usual(steps: Array) -> Array:
-    """The usual time between edges at each: the median of those before it, or of the first ones of the piece."""
-    if not steps.size:
-        return steps
-    size = min(RECENT, steps.size)
-    medians = rank_filter(steps, size, (size - 1) // 2)
-    found: Array = medians[np.fmax(np.arange(steps.size) - size, 0)]
-    return found

@@ -62,7 +62,7 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "pwm_frequency_mean_Hz": (FREQUENCY, "PWM frequency, mean"),
     "angle_deviation_mean_rad": (ANGLE, "standard deviation of the angle, stated by the filter"),
     "speed_deviation_mean_rad_s": (SPEED, "standard deviation of the speed, stated by the filter"),
-    "speed_deviation_rms_rad_s": (SPEED, "the same, root mean square"),
+    "speed_deviation_rms_rad_s": (SPEED, "standard deviation of the speed, root mean square"),
     "standstill_time_s": (DURATION, "time at a standstill"),
     "nis_mean": (RATIO, "squared innovations over their expected variance, mean"),
     "nis_edges": (COUNT, "edges in that mean"),

@@ -28,11 +28,12 @@ def grave(title: str, text: str, remedy: str) -> Finding:
     return Finding(title=title, text=text, remedy=remedy, grade=Grade.BAD)
 
 
-def told_of_wheel(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> Iterator[Finding]:
+def wheel_findings(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> Iterator[Finding]:
     """What the speed stands on, before everything else: which wheel it was, which way it turned, aliases."""
     verdict = sums.verdict
     if verdict is None:
         return
+    yield from _alias(found, sums, wanted)
     yield from _sectors(verdict)
     if wanted.sectors_assumed and not found["index_found"]:
         yield _assumed(verdict, sums)
@@ -42,7 +43,6 @@ def told_of_wheel(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> I
         yield _inverted(verdict, wanted)
     if verdict.likeliest.direction < 0.0 and not sums.reversals:
         yield _backwards(verdict)
-    yield from _alias(found, sums, wanted)
     for time in sums.reversals[:NAMED]:
         yield warning(
             "The spool reversed",
@@ -165,7 +165,7 @@ def _perhaps_back(sums: Sums) -> Iterator[Finding]:
         )
 
 
-def told_of_motion(sums: Sums) -> Iterator[Finding]:
+def motion_findings(sums: Sums) -> Iterator[Finding]:
     """Stretches in which the spool stood still."""
     if sums.standstills:
         stretches = [f"from {begin:.4g} to {end:.4g} s" for begin, end in sums.standstills]
