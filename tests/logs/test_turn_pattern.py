@@ -15,7 +15,7 @@ def places(edges):
 
 
 def test_offsets_of_a_ripple_by_hand():
-    # 3 % at 3 per turn are 0.03/3 = 0.01 rad: at 30 degrees the spool is 0.01 sin(90 degrees) ahead, and the edge early.
+    # 3 % at 3 per turn are 0.03/3 = 0.01 rad: at 30 degrees the spool is so much ahead of its mean, the edge early.
     cosine, sine = SpeedRipple(3, 0.03, 0.0, 0.0), SpeedRipple(2, 0.0, 0.04, 0.0)
     assert cosine.offsets(np.array([0.0, TURN / 12.0])) == pytest.approx([0.0, -0.01], abs=1e-15)
     # with a sine of 4 % at 2 per turn it is 0.02 rad behind at 0, where the speed passes its mean

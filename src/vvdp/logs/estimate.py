@@ -52,6 +52,7 @@ from vvdp.logs.noise_fit import fitted_filter
 from vvdp.logs.offline_filter import FEWEST_EDGES, LONGEST_BRIDGED, FilteredRows, OfflineFilter, Waves, no_waves
 from vvdp.logs.quantity import Conversion, to_si
 from vvdp.logs.result import Outcome, estimate_result
+from vvdp.logs.ripple_findings import ripple_words
 from vvdp.logs.source import open_log
 from vvdp.logs.sums import Sums
 from vvdp.numerics.kalman import AngleSpeed
@@ -261,6 +262,8 @@ def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Calla
         why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
         return replace(wanted, fit=False)
+    if told.ripple is not None:
+        log.remark(f"{ripple_words(told.ripple)}; taken for ripple")
     return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told))
 
 

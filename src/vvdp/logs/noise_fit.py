@@ -482,10 +482,10 @@ def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
 
 
 def careful_drift(ripple: SpeedRipple, edge_variance: float, period: float) -> float:
-    """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log tells.
+    """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log does.
 
-    That is to its standard error, and to a^2/2, the ripple of twice the order that one of the first order leaves out. Of
-    edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
+    That is to its standard error, and to a^2/2, the ripple of twice the order that a linear one leaves out. Of edges
+    that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
 
     edge_variance  R [rad^2]
 
