@@ -37,12 +37,12 @@ def titles(kept):
     return [finding.title for finding in kept.findings]
 
 
-def errors_of_speed(kept, order, amplitude):
+def errors_of_speed(kept, order, amplitude, smoothed=""):
     """Over their stated deviations, after the first half second."""
     t = kept.column("time")
     fine = np.linspace(0.0, SPEED * (t[-1] + 0.1), 400_000)
     true = SPEED * (1.0 + amplitude * np.cos(order * np.interp(t, passing_times(fine, order, amplitude, SPEED), fine)))
-    z = (kept.column("speed") - true) / kept.column("speed_deviation")
+    z = (kept.column(f"{smoothed}speed") - true) / kept.column(f"{smoothed}speed_deviation")
     return z[(t > 0.5) & np.isfinite(z)]
 
 
@@ -75,6 +75,16 @@ def test_with_fitted_settings_the_speed_within_the_ripple_is_known_as_well_as_is
     deviation = np.median(kept.column("speed_deviation"))
     assert deviation < 0.25 * amplitude * SPEED
     assert f"ripple_order = {order}" in kept.config
+
+
+def test_the_smoother_takes_the_ripple_off_and_puts_it_back(estimated):
+    log = stamped(3, 0.032, 0.005)
+    kept = estimated(log, sensor__edges="edge", sensor__index_shift=0.25, filter__fit=True, output__smooth=True)
+    z = errors_of_speed(kept, 3, 0.032, "smoothed_")
+    assert np.mean(np.abs(z) < 2.0) > 0.9
+    assert np.mean(z * z) < 2.0
+    # a ripple of 5 rad/s is known to what is left of the second order, 155 0.032^2/2 = 0.08 rad/s, and its error
+    assert np.median(kept.column("smoothed_speed_deviation")) < 0.2
 
 
 def edges_of(places, turns=200):

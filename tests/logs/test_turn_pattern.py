@@ -6,6 +6,7 @@ from scipy.integrate import quad
 from scipy.stats import f
 
 from vvdp.estimation.ripple import displacement, place_of, ripple_start
+from vvdp.estimation.smoother import Beliefs
 from vvdp.logs.turn_pattern import SpeedRipple, is_whole, ripple_in
 from vvdp.sensing.wheel import TURN
 
@@ -28,6 +29,25 @@ def test_it_is_the_ripple_of_the_filter():
     state = ripple_start(0.0)._replace(cosine=given.cosine, sine=given.sine)
     ahead = [displacement(state, place_of(angle, 3.0)) for angle in angles]
     assert given.offsets(angles) == pytest.approx(-np.array(ahead), abs=1e-15)
+
+
+def test_the_motion_of_a_course_has_it_and_its_slope():
+    """theta = phi - d(theta) to the third order of the ripple; the speed is the slope of the angle to the second."""
+    ripple, slope, e = SpeedRipple(3, 0.03, -0.02, 1e-3), 150.0, 1e-6
+    times = np.linspace(0.0, 0.1, 200)
+
+    def motion(times):
+        zero, one = np.zeros(times.size), np.ones(times.size)
+        return ripple.motion(Beliefs(slope * times, slope * one, 1e-6 * one, zero, 0.04 * one))
+
+    here = motion(times)
+    assert here.angle + ripple.offsets(here.angle) == pytest.approx(slope * times, abs=ripple.amplitude**3 / 3.0)
+    rate = (motion(times + e).angle - motion(times - e).angle) / (2.0 * e)
+    assert rate == pytest.approx(here.speed, rel=ripple.amplitude**2)
+    # where the ripple is at its mean the course's own deviation is left, and 150 rad/s times what it is known to
+    known = 1e-3**2 + ripple.amplitude**4 / 4.0
+    assert np.mean(here.speed_variance) == pytest.approx(0.04 + known * slope**2, rel=0.01)
+    assert np.mean(here.angle_variance) == pytest.approx(1e-6 + known / 9.0, rel=0.01)
 
 
 @pytest.mark.parametrize(("order", "cosine", "sine"), [(3, 0.032, 0.0), (2, -0.01, 0.02), (1, 0.005, 0.01)])

@@ -484,14 +484,13 @@ def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
 def careful_drift(ripple: SpeedRipple, edge_variance: float, period: float) -> float:
     """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log does.
 
-    That is to its standard error, and to a^2/2, the ripple of twice the order that a linear one leaves out. Of edges
-    that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
+    Of edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
 
     edge_variance  R [rad^2]
 
     Source  ours, docs/logs.md
     """
-    known, told = ripple.error**2 + ripple.amplitude**4 / 4.0, 2.0 * ripple.order**2 * edge_variance
+    known, told = ripple.variance, 2.0 * ripple.order**2 * edge_variance
     return known**2 / (period * (known + told))
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.estimation.smoother import Beliefs
 
 ORDERS = range(2, 9)
 """Ripples per turn that are looked for besides those of the spool; one wave over the turn is an eccentric wheel."""
@@ -45,6 +46,26 @@ class SpeedRipple(NamedTuple):
         N, at = self.order, self.order * angles
         seeming: Array = (self.sine * np.cos(at) - self.cosine * np.sin(at)) / N
         return seeming
+
+    @property
+    def variance(self) -> float:
+        """By how much each part differs from that of the motion [1]: the error, and a^2/2 of twice the order, which a
+        linear ripple leaves out."""
+        return self.error**2 + self.amplitude**4 / 4.0
+
+    def motion(self, course: Beliefs) -> Beliefs:
+        """Beliefs about the spool from those about its mean course: theta = phi - d(theta), omega = phi'/(1 + d')."""
+        angle = course.angle - self.offsets(course.angle - self.offsets(course.angle))
+        at = self.order * angle
+        stretch = 1.0 / (1.0 - self.cosine * np.cos(at) - self.sine * np.sin(at))
+        speed = stretch * course.speed
+        return Beliefs(
+            angle=angle,
+            speed=speed,
+            angle_variance=stretch**2 * course.angle_variance + self.variance / self.order**2,
+            covariance=stretch**2 * course.covariance,
+            speed_variance=stretch**2 * course.speed_variance + self.variance * speed**2,
+        )
 
 
 def is_whole(order: int, edges: int) -> bool:
