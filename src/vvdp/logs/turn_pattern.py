@@ -17,6 +17,8 @@ ORDERS = range(2, 9)
 """Ripples per turn that are looked for besides those of the spool; one wave over the turn is an eccentric wheel."""
 ALONE = 0.9
 """Share of the squared offsets that such a ripple explains, at least."""
+LARGEST = 0.1
+"""Amplitude beyond which a pattern is the wheel's: a spool does not swing by so much, and a linear ripple ends [1]."""
 CHANCE = 0.05
 """A ripple stands out where the wheel's other offsets would make as much of it with less than this chance."""
 
@@ -85,7 +87,8 @@ def ripple_in(offsets: Array, angles: Array, sections: int) -> SpeedRipple | Non
     for order in whole:
         found, left = _fit_ripple(offsets, angles, order)
         made = float(np.sum((offsets - np.mean(offsets)) ** 2)) - left
-        if made * freedom <= 2.0 * left * float(f.isf(CHANCE, 2, freedom)):
+        by_chance = made * freedom <= 2.0 * left * float(f.isf(CHANCE, 2, freedom))
+        if by_chance or found.amplitude > LARGEST:
             continue
         if order == sections or made > ALONE * (made + left):
             return found
