@@ -24,8 +24,8 @@ from vvdp.logs.diagnostics import (
 from vvdp.logs.edges import GAP, CountEdges, WaveEdges
 from vvdp.logs.guess import channels_of_edges
 from vvdp.logs.noise_fit import CLEAR, Explained
-from vvdp.logs.ripple_findings import ripple_findings
 from vvdp.logs.offline_filter import bridged_time
+from vvdp.logs.ripple_findings import ripple_findings
 from vvdp.logs.sums import Sums
 from vvdp.logs.wheel_findings import grave, told_of_motion, told_of_wheel, warning
 from vvdp.results.result import Finding, Grade

@@ -45,8 +45,7 @@ class SpeedRipple(NamedTuple):
         theta = phi + (a sin N theta - b cos N theta)/N, where phi is the mean course, has the speed
         phi' (1 + a cos N theta + b sin N theta) to the first order; an edge at theta is met at phi.
         """
-        N, at = self.order, self.order * angles
-        seeming: Array = (self.sine * np.cos(at) - self.cosine * np.sin(at)) / N
+        seeming: Array = ripple_patterns(angles, self.order) @ np.array([self.cosine, self.sine])
         return seeming
 
     @property
@@ -75,6 +74,13 @@ def is_whole(order: int, edges: int) -> bool:
     return edges > max(2 * order, 3)
 
 
+def ripple_patterns(angles: Array, order: int) -> Array:
+    """How much further on [rad] edges at these `angles` [rad] seem to lie by a unit of cosine, and of sine, (n, 2)."""
+    at = order * angles
+    found: Array = np.column_stack([-np.sin(at), np.cos(at)]) / order
+    return found
+
+
 def ripple_in(offsets: Array, angles: Array, sections: int) -> SpeedRipple | None:
     """The ripple in the offsets [rad] of edges at `angles` [rad]; None where there is none that stands out.
 
@@ -97,8 +103,7 @@ def ripple_in(offsets: Array, angles: Array, sections: int) -> SpeedRipple | Non
 
 def _fit_ripple(offsets: Array, angles: Array, order: int) -> tuple[SpeedRipple, float]:
     """The likeliest ripple of an order, and the sum of the squares of what it leaves [rad^2]."""
-    at = order * angles
-    waves = np.column_stack([-np.sin(at) / order, np.cos(at) / order, np.ones(angles.size)])
+    waves = np.column_stack([ripple_patterns(angles, order), np.ones(angles.size)])
     inverse = np.linalg.inv(waves.T @ waves)
     found = inverse @ waves.T @ offsets
     left = float(np.sum((offsets - waves @ found) ** 2))
