@@ -169,13 +169,13 @@ def test_a_ripple_of_the_speed_is_not_taken_for_the_wheel():
 
 def test_the_spools_ripple_alone_is_found_where_all_offsets_are_not_worth_their_price():
     """3 % beside a jitter of 0.06 rad: 3200 edges know each part to 3 sqrt(2/3200) 0.06 = 0.0045, so ln L rises by
-    0.5 (0.03/0.0045)^2 = 22; two numbers cost ln 3200 = 8, seven 28, and 10 more are asked for."""
+    0.5 (0.03/0.0045)^2 = 22. All seven offsets cost 28; of the ripple that is expected the odds are e^(22 - 3.5)."""
     found = fit_noise(rippling(400, 3, 0.03, jitter=0.06), 8, Noise(0.25, 3.47e-3), 3)
     assert found.ripple.order == 3 and np.all(found.offsets == 0.0)
     assert found.ripple.error == pytest.approx(3.0 * np.sqrt(2.0 / 3200.0) * 0.06, rel=0.05)
     assert abs(found.ripple.cosine - 0.03) < 3.0 * found.ripple.error > abs(found.ripple.sine)
     assert found.wheel_gain == pytest.approx(0.5 * (found.ripple.amplitude / found.ripple.error) ** 2, rel=0.1)
-    assert fit_noise(rippling(400, 3, 0.01, jitter=0.06), 8, Noise(0.25, 3.47e-3), 3).ripple is None
+    assert fit_noise(rippling(400, 3, 0.0, jitter=0.06), 8, Noise(0.25, 3.47e-3), 3).ripple is None
 
 
 def test_exact_edges_are_no_surer_than_the_pattern_that_was_learnt_lets_them_be():

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy.stats import f
 
 from vvdp.estimation.ripple import displacement, place_of, ripple_start
 from vvdp.estimation.smoother import Beliefs
-from vvdp.logs.turn_pattern import SpeedRipple, is_whole, ripple_in
+from vvdp.logs.turn_pattern import EXPECTED, SpeedRipple, is_likely, is_whole, ripple_in
 from vvdp.sensing.wheel import TURN
 
 
@@ -79,6 +80,20 @@ def test_one_edge_that_lies_elsewhere_is_the_wheels():
     one[5] = 0.1
     assert ripple_in(one - np.mean(one), places(8), 3) is None
     assert ripple_in(np.zeros(8), places(8), 3) is None
+
+
+@pytest.mark.parametrize("error", [2e-3, 1e-2])
+def test_the_odds_are_those_of_two_gaussians(error):
+    """Where a ripple of the prior and an error, or the error alone, have the same density, the decision turns."""
+    wide = np.sqrt(0.5 * EXPECTED**2 + error**2)
+
+    def odds(amplitude):
+        return 2.0 * np.log(error / wide) - 0.5 * amplitude**2 * (1.0 / wide**2 - 1.0 / error**2)
+
+    even = brentq(odds, 0.0, 0.1)
+    assert not is_likely(SpeedRipple(3, 0.999 * even, 0.0, error))
+    assert is_likely(SpeedRipple(3, 0.0, 1.001 * even, error))
+    assert not is_likely(SpeedRipple(3, 0.11, 0.0, error))
 
 
 def test_what_no_spool_does_is_the_wheels():

@@ -12,7 +12,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.logs.turn_pattern import LARGEST, SpeedRipple, is_whole, ripple_in, ripple_patterns
+from vvdp.logs.turn_pattern import SpeedRipple, is_likely, is_whole, ripple_in, ripple_patterns
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
@@ -549,7 +549,7 @@ class Pattern(NamedTuple):
 
 
 def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
-    """Offsets of all edges with a ripple in them where they are worth their price, else the spool's ripple alone."""
+    """Offsets of all edges, a ripple among them, where they are worth their price; else the spool's ripple if likely."""
     sectors, nothing = likelihood.sectors, np.zeros(likelihood.sectors)
     if not _fit_statement(likelihood, sectors):
         return Pattern(None, nothing, None, nothing, 0)
@@ -559,15 +559,11 @@ def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
         ripple = ripple_in(offsets, angles, sections)
         left = offsets if ripple is None else offsets - ripple.offsets(angles)
         return Pattern(placed, offsets, ripple, left - np.mean(left), sectors - 1)
-    if is_whole(sections, sectors):
-        ripple = likelihood.ripple(plain.noise, sections)
-        # ln L rises by half the square of the amplitude over its error, and by more with settings of its own
-        gain = 0.5 * (ripple.amplitude / ripple.error) ** 2
-        if ripple.amplitude < LARGEST and gain - _price(likelihood, 2) > CLEAR:
-            placed, offsets = _fit_by_turns(
-                likelihood, plain, lambda noise: likelihood.ripple(noise, sections).offsets(angles)
-            )
-            return Pattern(placed, offsets, likelihood.ripple(placed.noise, sections), nothing, 2)
+    if is_whole(sections, sectors) and is_likely(likelihood.ripple(plain.noise, sections)):
+        placed, offsets = _fit_by_turns(
+            likelihood, plain, lambda noise: likelihood.ripple(noise, sections).offsets(angles)
+        )
+        return Pattern(placed, offsets, likelihood.ripple(placed.noise, sections), nothing, 2)
     return Pattern(None, nothing, None, nothing, 0)
 
 

@@ -11,6 +11,9 @@ from vvdp.logs.noise_fit import Explained, fitted_filter
 from vvdp.logs.turn_pattern import SpeedRipple, is_whole
 from vvdp.results.result import Finding, Grade
 
+SURE = 3.0
+"""Standard errors beyond which a ripple is told of."""
+
 
 def ripple_words(ripple: SpeedRipple) -> str:
     """What a pattern of the edges is, as far as they tell."""
@@ -29,7 +32,8 @@ def ripple_numbers(told: Explained) -> tuple[float, float, float]:
 def ripple_findings(told: Explained, wanted: Estimation) -> Iterator[Finding]:
     """That the filter leaves a ripple out, or that the wheel has too few edges to tell."""
     ripple, edges = told.ripple, told.likelihood.sectors
-    if ripple is not None and wanted.filter.ripple_order != ripple.order:
+    sure = ripple is not None and ripple.amplitude > SURE * ripple.error
+    if ripple is not None and sure and wanted.filter.ripple_order != ripple.order:
         fitted, swing = fitted_filter(wanted.filter, told), ripple.amplitude * told.likelihood.speed
         yield Finding(
             title="A ripple of the speed, or an uneven wheel",

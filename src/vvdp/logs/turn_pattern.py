@@ -19,6 +19,8 @@ ALONE = 0.9
 """Share of the squared offsets that such a ripple explains, at least."""
 LARGEST = 0.1
 """Amplitude beyond which a pattern is the wheel's: a spool does not swing by so much, and a linear ripple ends [1]."""
+EXPECTED = 0.035
+"""Amplitude of the ripple that a spool is expected to have at its sections [1]."""
 CHANCE = 0.05
 """A ripple stands out where the wheel's other offsets would make as much of it with less than this chance."""
 
@@ -72,6 +74,18 @@ class SpeedRipple(NamedTuple):
 def is_whole(order: int, edges: int) -> bool:
     """Whether a turn has edges enough to see cosine and sine of a ripple, more than two in each wave (Nyquist)."""
     return edges > max(2 * order, 3)
+
+
+def is_likely(ripple: SpeedRipple) -> bool:
+    """Whether a log whose wheel is as described speaks rather for this ripple of the spool's sections than for none.
+
+    Of Gaussian parts of the variance t^2, known to e, the odds are (1 + t^2/e^2)^-1 exp(a^2/(2 e^2) t^2/(t^2 + e^2)).
+
+    Source  ours, docs/logs.md
+    """
+    prior, error = 0.5 * EXPECTED**2, ripple.error**2
+    odds = 0.5 * ripple.amplitude**2 / error * prior / (prior + error) - np.log1p(prior / error)
+    return bool(odds > 0.0 and ripple.amplitude < LARGEST)
 
 
 def ripple_patterns(angles: Array, order: int) -> Array:
