@@ -549,7 +549,7 @@ class Pattern(NamedTuple):
 
 
 def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
-    """Offsets of all edges, a ripple among them, where they are worth their price; else the spool's ripple if likely."""
+    """Offsets of all edges, less a ripple, where they are worth their price; else the spool's ripple if likely."""
     sectors, nothing = likelihood.sectors, np.zeros(likelihood.sectors)
     if not _fit_statement(likelihood, sectors):
         return Pattern(None, nothing, None, nothing, 0)
