@@ -7,6 +7,7 @@ from vvdp.comparison.estimators import contenders
 from vvdp.comparison.scenarios import scenarios
 from vvdp.comparison.smoothing import smoothed_traces, used_edge_step
 from vvdp.comparison.trials import compare, compiled_encoder, compiled_step, simulate_record
+from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.sensing.reading import Reading
@@ -34,6 +35,18 @@ def test_only_samples_with_edges_are_used():
     _, after = used_edge_step(memory, Reading(0.003, 0.0, 0.0, 0.0, 0.0), settings)
     assert (still.used, first.used, after.used) == (0.0, 1.0, 0.0)
     assert (first.time, first.angle) == pytest.approx((0.0015, SECTOR))  # from angle 0 on edge 1 falls first
+
+
+def test_the_filter_is_left_as_its_own_step_leaves_it(stamped, mark):
+    """What it believes between edges is not asked for, and nothing of it is remembered."""
+    record = simulate_record(stamped, compiled_encoder(stamped), 4, samples=400)
+    memory = other = mark.memory
+    for row in record.readings.tolist():
+        reading = Reading(*row)
+        memory, shown = used_edge_step(memory, reading, mark.settings)
+        other, estimate = event_filter_step(other, reading, mark.settings)
+        assert shown.used == (estimate.innovation_deviation > 0.0)
+        np.testing.assert_array_equal(flat(memory), flat(other))
 
 
 def test_exact_edges_give_the_exact_motion(stamped, mark):

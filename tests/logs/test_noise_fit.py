@@ -1,8 +1,11 @@
 """The settings that a log speaks for: the likelihood itself, and what is found where the noise is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import chi2, multivariate_normal
+from tests.logs.rippling import passing_times
 
 from vvdp.estimation.event_settings import event_filter
 from vvdp.logs.noise_fit import (
@@ -11,6 +14,7 @@ from vvdp.logs.noise_fit import (
     Noise,
     Passage,
     Passed,
+    careful_drift,
     fit,
     fit_noise,
     fitted_filter,
@@ -19,6 +23,7 @@ from vvdp.logs.noise_fit import (
     speed_errors,
     time_resolution,
 )
+from vvdp.logs.turn_pattern import SpeedRipple
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
@@ -145,16 +150,11 @@ def test_the_wheel_is_told_from_the_speed():
     assert found.period_gain(10) < 0.5 * found.wheel_gain  # what it shares with 8: even and odd edges
 
 
-def rippling(turns, order, amplitude, jitter=0.0, step=1e-9):
-    """Times of exact edges at which a spool passes whose speed is SPEED (1 + amplitude cos(order angle))."""
+def rippling(turns, order, amplitude, jitter=0.0):
+    """Edges of a spool whose speed is SPEED (1 + amplitude cos(order angle)), stamped to 1 ns."""
     angles = PITCH * np.arange(1.0, 8.0 * turns + 1.0)
-    # t = int d theta/(SPEED (1 + a cos N theta)): with the half angle, over whole waves and the rest of one
-    waves, rest = np.divmod(order * angles + np.pi, TURN)
-    root = np.sqrt(1.0 - amplitude**2)
-    half = np.arctan(np.sqrt((1.0 - amplitude) / (1.0 + amplitude)) * np.tan(0.5 * (rest - np.pi)))
-    times = (TURN * waves + 2.0 * half) / (order * SPEED * root)
-    times = times + np.random.default_rng(2).normal(0.0, jitter / SPEED, times.size) if jitter else times
-    return passed(np.round(0.3 + times, 9) if step else times, angles)
+    late = np.random.default_rng(2).normal(0.0, jitter / SPEED, angles.size) if jitter else 0.0
+    return passed(np.round(0.3 + passing_times(angles, order, amplitude, SPEED) + late, 9), angles)
 
 
 def test_a_ripple_of_the_speed_is_not_taken_for_the_wheel():
@@ -165,6 +165,17 @@ def test_a_ripple_of_the_speed_is_not_taken_for_the_wheel():
     assert np.sqrt(np.mean(found.offsets**2)) == pytest.approx(0.032**2 / 12.0 / np.sqrt(2.0), rel=0.02)
     jittered = fit_noise(rippling(250, 3, 0.032, jitter=0.01), 8, Noise(0.25, 3.47e-3), 3)
     assert abs(jittered.ripple.cosine - 0.032) < 4.0 * jittered.ripple.error < 0.01
+
+
+def test_the_spools_ripple_alone_is_found_where_all_offsets_are_not_worth_their_price():
+    """3 % beside a jitter of 0.06 rad: 3200 edges know each part to 3 sqrt(2/3200) 0.06 = 0.0045, so ln L rises by
+    0.5 (0.03/0.0045)^2 = 22. All seven offsets cost 28; of the ripple that is expected the odds are e^(22 - 3.5)."""
+    found = fit_noise(rippling(400, 3, 0.03, jitter=0.06), 8, Noise(0.25, 3.47e-3), 3)
+    assert found.ripple.order == 3 and np.all(found.offsets == 0.0)
+    assert found.ripple.error == pytest.approx(3.0 * np.sqrt(2.0 / 3200.0) * 0.06, rel=0.05)
+    assert abs(found.ripple.cosine - 0.03) < 3.0 * found.ripple.error > abs(found.ripple.sine)
+    assert found.wheel_gain == pytest.approx(0.5 * (found.ripple.amplitude / found.ripple.error) ** 2, rel=0.1)
+    assert fit_noise(rippling(400, 3, 0.0, jitter=0.06), 8, Noise(0.25, 3.47e-3), 3).ripple is None
 
 
 def test_exact_edges_are_no_surer_than_the_pattern_that_was_learnt_lets_them_be():
@@ -227,8 +238,29 @@ def test_the_longest_pieces_are_kept_in_bounded_memory():
 
 
 def test_a_manoeuvre_is_no_calmer_than_what_was_fitted():
-    found = fitted_filter(event_filter(equal_wheel(8)), Noise(3e4, 1e-5))
+    told = replace(fit_noise(rippling(20, 3, 0.0), 8, Noise(0.25, 3.47e-3), 3), advised=Noise(3e4, 1e-5))
+    found = fitted_filter(event_filter(equal_wheel(8)), told)
     assert (found.acceleration_density, found.manoeuvre_density, found.edge_variance) == (3e4, 3e4, 1e-5)
+    assert found.ripple_order == 0.0
+
+
+def test_the_filter_is_told_of_the_ripple_as_far_as_it_is_known():
+    told = fit_noise(rippling(250, 3, 0.032, jitter=0.01), 8, Noise(0.25, 3.47e-3), 3)
+    found = fitted_filter(event_filter(equal_wheel(8)), told)
+    assert found.ripple_order == 3.0
+    # cosine and sine each have half of the mean square, and the error
+    assert found.ripple_variance == pytest.approx(0.5 * told.ripple.amplitude**2 + told.ripple.error**2)
+    assert found.edge_variance == pytest.approx(1e-4, rel=0.2)
+
+
+@pytest.mark.parametrize("R", [1e-3, 1e-5, 1e-8])
+def test_the_drift_is_that_of_the_steady_filter(R):
+    """A walk of one part, each edge telling it with the variance r = 2 N^2 R: its Riccati equation, run to the end."""
+    drift, period = careful_drift(SpeedRipple(3, 0.03, 0.0, 1e-3), R, 5e-3), 5e-3
+    r, known = 2.0 * 9.0 * R, 1.0
+    for _ in range(200_000):
+        known = known * r / (known + r) + drift * period
+    assert known == pytest.approx(1e-3**2 + 0.25 * 0.03**4, rel=1e-6)
 
 
 def test_plain_python_and_replay_agree_about_a_passage():

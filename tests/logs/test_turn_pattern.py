@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy.stats import f
 
 from vvdp.estimation.ripple import displacement, place_of, ripple_start
-from vvdp.logs.turn_pattern import SpeedRipple, is_whole, ripple_in
+from vvdp.estimation.smoother import Beliefs
+from vvdp.logs.turn_pattern import EXPECTED, SpeedRipple, is_likely, is_whole, ripple_in
 from vvdp.sensing.wheel import TURN
 
 
@@ -15,7 +17,7 @@ def places(edges):
 
 
 def test_offsets_of_a_ripple_by_hand():
-    # 3 % at 3 per turn are 0.03/3 = 0.01 rad: at 30 degrees the spool is 0.01 sin(90 degrees) ahead, and the edge early.
+    # 3 % at 3 per turn are 0.03/3 = 0.01 rad: at 30 degrees the spool is so much ahead of its mean, the edge early.
     cosine, sine = SpeedRipple(3, 0.03, 0.0, 0.0), SpeedRipple(2, 0.0, 0.04, 0.0)
     assert cosine.offsets(np.array([0.0, TURN / 12.0])) == pytest.approx([0.0, -0.01], abs=1e-15)
     # with a sine of 4 % at 2 per turn it is 0.02 rad behind at 0, where the speed passes its mean
@@ -28,6 +30,25 @@ def test_it_is_the_ripple_of_the_filter():
     state = ripple_start(0.0)._replace(cosine=given.cosine, sine=given.sine)
     ahead = [displacement(state, place_of(angle, 3.0)) for angle in angles]
     assert given.offsets(angles) == pytest.approx(-np.array(ahead), abs=1e-15)
+
+
+def test_the_motion_of_a_course_has_it_and_its_slope():
+    """theta = phi - d(theta) to the third order of the ripple; the speed is the slope of the angle to the second."""
+    ripple, slope, e = SpeedRipple(3, 0.03, -0.02, 1e-3), 150.0, 1e-6
+    times = np.linspace(0.0, 0.1, 200)
+
+    def motion(times):
+        zero, one = np.zeros(times.size), np.ones(times.size)
+        return ripple.motion(Beliefs(slope * times, slope * one, 1e-6 * one, zero, 0.04 * one))
+
+    here = motion(times)
+    assert here.angle + ripple.offsets(here.angle) == pytest.approx(slope * times, abs=ripple.amplitude**3 / 3.0)
+    rate = (motion(times + e).angle - motion(times - e).angle) / (2.0 * e)
+    assert rate == pytest.approx(here.speed, rel=ripple.amplitude**2)
+    # where the ripple is at its mean the course's own deviation is left, and 150 rad/s times what it is known to
+    known = 1e-3**2 + ripple.amplitude**4 / 4.0
+    assert np.mean(here.speed_variance) == pytest.approx(0.04 + known * slope**2, rel=0.01)
+    assert np.mean(here.angle_variance) == pytest.approx(1e-6 + known / 9.0, rel=0.01)
 
 
 @pytest.mark.parametrize(("order", "cosine", "sine"), [(3, 0.032, 0.0), (2, -0.01, 0.02), (1, 0.005, 0.01)])
@@ -61,6 +82,25 @@ def test_one_edge_that_lies_elsewhere_is_the_wheels():
     assert ripple_in(np.zeros(8), places(8), 3) is None
 
 
+@pytest.mark.parametrize("error", [2e-3, 1e-2])
+def test_the_odds_are_those_of_two_gaussians(error):
+    """Where a ripple of the prior and an error, or the error alone, have the same density, the decision turns."""
+    wide = np.sqrt(0.5 * EXPECTED**2 + error**2)
+
+    def odds(amplitude):
+        return 2.0 * np.log(error / wide) - 0.5 * amplitude**2 * (1.0 / wide**2 - 1.0 / error**2)
+
+    even = brentq(odds, 0.0, 0.1)
+    assert not is_likely(SpeedRipple(3, 0.999 * even, 0.0, error))
+    assert is_likely(SpeedRipple(3, 0.0, 1.001 * even, error))
+    assert not is_likely(SpeedRipple(3, 0.11, 0.0, error))
+
+
+def test_what_no_spool_does_is_the_wheels():
+    assert ripple_in(SpeedRipple(3, 0.099, 0.0, 0.0).offsets(places(8)), places(8), 3) is not None
+    assert ripple_in(SpeedRipple(3, 0.101, 0.0, 0.0).offsets(places(8)), places(8), 3) is None
+
+
 def test_another_order_has_to_explain_the_offsets_nearly_alone():
     other, rest = SpeedRipple(2, 0.02, 0.01, 0.0).offsets(places(16)), np.random.default_rng(1).normal(size=16)
     rest *= np.std(other) / np.std(rest)
@@ -85,7 +125,7 @@ def test_beside_the_wheels_own_offsets_the_ripple_of_the_spool_stands_out():
 def test_a_wheel_of_chance_is_seldom_taken_for_a_ripple():
     # 5 % by the level of the test, and of 8 edges 0.1^2.5 = 0.3 % where order 2 stands nearly alone; four deviations
     rng, n = np.random.default_rng(3), 3000
-    count = sum(ripple_in(rng.normal(size=8), places(8), 3) is not None for _ in range(n))
+    count = sum(ripple_in(1e-3 * rng.normal(size=8), places(8), 3) is not None for _ in range(n))
     share = 0.05 + 0.95 * 0.1**2.5
     assert abs(count - n * share) < 4.0 * np.sqrt(n * share * (1.0 - share))
 

@@ -11,7 +11,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import Angle, AngularVariance, Time
 from vvdp.base.params import Params
 from vvdp.comparison.scores import Traces
-from vvdp.estimation.event_filter import edge_angle_variance, event_filter_step
+from vvdp.estimation.event_filter import after_edge, edge_angle_variance
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.smoother import Step, smooth_edges, smoothed_at
@@ -33,14 +33,16 @@ class UsedEdge(NamedTuple):
 def used_edge_step(
     memory: EventFilterMemory, reading: Reading, settings: EventFilter
 ) -> tuple[EventFilterMemory, UsedEdge]:
-    """A sample of the event filter, and the edge that it used.
+    """A sample of the event filter, and the edge that it used; what is believed between edges is left out.
 
     Source  ours, docs/models/smoother.md
     """
-    after, estimate = event_filter_step(memory, reading, settings)
-    variance = edge_angle_variance(after.belief.speed, reading.edge_interval, settings)
-    used = 1.0 if estimate.innovation_deviation > 0.0 else 0.0
-    return after, UsedEdge(after.time, edge_angle(after.last.number, settings.wheel), variance, used)
+    used = 0.0
+    if reading.edges > 0.0:
+        memory, _, deviation = after_edge(memory, reading, settings)
+        used = 1.0 if deviation > 0.0 else 0.0
+    variance = edge_angle_variance(memory.belief.speed, reading.edge_interval, settings)
+    return memory, UsedEdge(memory.time, edge_angle(memory.last.number, settings.wheel), variance, used)
 
 
 def smoothed_traces(time: Array, shown: Array, settings: EventFilter) -> Traces:

@@ -9,6 +9,7 @@ from vvdp.estimation.commensurate import Commensurate, commensurate_clock
 from vvdp.logs.config import Counts, Estimation, Stamps, Wave
 from vvdp.logs.edges import WaveEdges
 from vvdp.logs.noise_fit import CLEAR, Explained, Noise
+from vvdp.logs.ripple_findings import ripple_numbers
 from vvdp.logs.sums import Moments, Sums
 from vvdp.sensing.wheel import TURN
 
@@ -92,15 +93,21 @@ def _settings(sums: Sums, wanted: Estimation) -> dict[str, Any]:
     used = settings_of(wanted)
     found = {"acceleration_density_rad2_s3": used.acceleration_density, "edge_variance_rad2": used.edge_variance}
     told = sums.noise_fit(used)
-    known = told is not None and not numbers_in_doubt(told, sums, wanted)
-    return found | {
-        "acceleration_density_fitted_rad2_s3": told.advised.acceleration_density
-        if told is not None and known
-        else np.nan,
-        "edge_variance_fitted_rad2": told.advised.edge_variance if told is not None and known else np.nan,
-        "likelihood_gain": told.settings_gain if told is not None and known else np.nan,
-        "settings_fit": not told.matters if told is not None and known else None,
-    }
+    if told is None or numbers_in_doubt(told, sums, wanted):
+        return found | dict.fromkeys(_FITTED, np.nan) | {"settings_fit": None}
+    fitted = (told.advised.acceleration_density, told.advised.edge_variance, told.settings_gain)
+    values = (*fitted, *ripple_numbers(told))
+    return found | dict(zip(_FITTED, values, strict=True)) | {"settings_fit": not told.matters}
+
+
+_FITTED = (
+    "acceleration_density_fitted_rad2_s3",
+    "edge_variance_fitted_rad2",
+    "likelihood_gain",
+    "ripple_order_fitted",
+    "ripple_amplitude_fitted",
+    "ripple_amplitude_fitted_error",
+)
 
 
 def numbers_in_doubt(told: Explained, sums: Sums, wanted: Estimation) -> bool:

@@ -53,8 +53,10 @@ from vvdp.logs.noise_fit import fitted_filter
 from vvdp.logs.offline_filter import FEWEST_EDGES, FilteredRows, OfflineFilter, Waves, no_waves
 from vvdp.logs.quantity import Conversion, to_si
 from vvdp.logs.result import Outcome, estimate_result
+from vvdp.logs.ripple_findings import ripple_words
 from vvdp.logs.source import open_log
 from vvdp.logs.sums import Sums
+from vvdp.logs.turn_pattern import SpeedRipple
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
@@ -262,6 +264,8 @@ def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Calla
         why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
         return replace(wanted, fit=False)
+    if told.ripple is not None:
+        log.remark(f"{ripple_words(told.ripple)}; taken for ripple")
     return replace(wanted, fit=False, filter=fitted_filter(wanted.filter, told))
 
 
@@ -780,16 +784,23 @@ class _Run:
                 f"The second pass was stopped; from {time:.6g} s of piece {piece:g} on the smoothed columns are NaN."
             )
 
+    def _ripple(self) -> SpeedRipple | None:
+        """The ripple that the smoother takes off: of the order that the filter is told of, as the log has it."""
+        told = self.sums.noise_fit(settings_of(self.wanted))
+        ripple = None if told is None else told.ripple
+        return ripple if ripple is not None and ripple.order == self.wanted.filter.ripple_order else None
+
     def _smooth(self, first: int, last: int, run: Run) -> Iterator[Smoothed]:
         file, q = self.store.file["edges"], self.wanted.filter.acceleration_density
-        portions = list(range(first, last, SMOOTHED_EDGES))
+        portions, ripple = list(range(first, last, SMOOTHED_EDGES)), self._ripple()
 
         def columns(begin: int) -> tuple[Array, Array, Array]:
             end = min(begin + SMOOTHED_EDGES, last)
             t, angle, variance = (file[name][begin:end] for name in ("time", "angle", "variance"))
             used = np.isfinite(angle)
             used[1:] &= np.diff(t) > 0.0
-            return t[used], angle[used], variance[used]
+            met = angle if ripple is None else angle + ripple.offsets(angle)
+            return t[used], met[used], variance[used]
 
         t, angle, variance = columns(first)
         if t.size < 2 or not q > 0.0:
@@ -810,9 +821,11 @@ class _Run:
             b = times.size
         if b <= a:
             return
+        ripple = self._ripple()
         for start in range(int(a), int(b), SMOOTHED_EDGES):
             stop = min(start + SMOOTHED_EDGES, int(b))
             motion = smoothed_at(times[start:stop], smoothed, run)
+            motion = motion if ripple is None else ripple.motion(motion)
             values = (motion.angle, motion.speed, np.sqrt(motion.angle_variance), np.sqrt(motion.speed_variance))
             for name, column in zip(SMOOTHED, values, strict=True):
                 file[name][begin + start : begin + stop] = column

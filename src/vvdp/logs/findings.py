@@ -25,6 +25,7 @@ from vvdp.logs.diagnostics import (
 from vvdp.logs.edges import GAP, CountEdges, WaveEdges
 from vvdp.logs.guess import channels_of_edges
 from vvdp.logs.noise_fit import CLEAR, Explained
+from vvdp.logs.ripple_findings import ripple_findings
 from vvdp.logs.sums import Sums
 from vvdp.logs.wheel_findings import grave, motion_findings, warning, wheel_findings
 from vvdp.results.result import Finding, Grade
@@ -49,7 +50,8 @@ def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) ->
     ]
     if not clock:
         wheel = list(_of_the_wheel(found, sums, wanted, best))
-        settings = list(_of_the_filter(best, sums, wanted)) if best is not None else []
+        sure = best is not None and not numbers_in_doubt(best, sums, wanted)
+        settings = [*_of_the_filter(best), *ripple_findings(best, wanted)] if best is not None and sure else []
         wheel_first = best is not None and best.wheel_gain > best.settings_gain
         told += wheel + settings if wheel_first else settings + wheel
     told += [warning("Taken for granted", f"{remark}.", "Nothing to do, if that is right.") for remark in log.remarks]
@@ -189,8 +191,8 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
         )
 
 
-def _of_the_filter(told: Explained, sums: Sums, wanted: Estimation) -> Iterator[Finding]:
-    if not told.matters or numbers_in_doubt(told, sums, wanted):
+def _of_the_filter(told: Explained) -> Iterator[Finding]:
+    if not told.matters:
         return
     used, advised, now = told.used, told.advised, told.used_errors
     constant = " (less is as likely: the speed is constant as far as they tell)" if told.fit.at_floor[0] else ""

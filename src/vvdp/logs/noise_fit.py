@@ -12,7 +12,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.logs.turn_pattern import SpeedRipple, ripple_in
+from vvdp.logs.turn_pattern import SpeedRipple, is_likely, is_whole, ripple_in, ripple_patterns
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
@@ -273,10 +273,13 @@ class Likelihood:
     def white(self, noise: Noise, period: int) -> tuple[Array, Array]:
         """Innovations over their deviations [1], and by how much each of them grows with the place of each edge, after
         `period` the first again [1/rad]; one row for each edge that has an innovation."""
+        return self._white(noise, (self._places(period)[:, None] == np.arange(period)).astype(float))
+
+    def _white(self, noise: Noise, patterns: Array) -> tuple[Array, Array]:
+        """The same for any patterns of the angles, shape (edges, m)."""
         nu, S = self.surprises(noise)
-        places, root = self._places(period), np.sqrt(S)
-        columns = [self.surprises(noise, (places == j).astype(float))[0] / root for j in range(period)]
-        return nu / root, np.column_stack(columns)
+        root = np.sqrt(S)
+        return nu / root, np.column_stack([self.surprises(noise, pattern)[0] / root for pattern in patterns.T])
 
     def offsets(self, noise: Noise, period: int) -> Array:
         """How much further on [rad] the edges lie that follow one another after `period`, mean of all zero.
@@ -291,6 +294,13 @@ class Likelihood:
         every = np.append(found, 0.0)
         shifted: Array = every - np.mean(every)
         return shifted
+
+    def ripple(self, noise: Noise, order: int) -> SpeedRipple:
+        """The likeliest ripple of this order on the wheel as it is, by the same least squares."""
+        nu, responses = self._white(noise, ripple_patterns(self.passed.angles, order))
+        covariance = np.linalg.inv(responses.T @ responses)
+        cosine, sine = (-covariance @ responses.T @ nu).tolist()
+        return SpeedRipple(order, cosine, sine, float(np.sqrt(np.mean(np.diag(covariance)))))
 
 
 def fit(likelihood: Likelihood) -> Fit:
@@ -458,8 +468,9 @@ class Explained:
         """By which ln L is higher if edges repeat after `period` instead, the price of its places taken off."""
         if self.likelihood.sectors % period == 0 or not _fit_statement(self.likelihood, period):
             return 0.0
-        refitted, _ = _fit_positions(self.likelihood, self.plain, period)
-        return refitted.log_likelihood - self.plain.log_likelihood - _price(self.likelihood, period)
+        likelihood, plain = self.likelihood, self.plain
+        refitted, _ = _fit_by_turns(likelihood, plain, lambda noise: likelihood.offsets(noise, period))
+        return refitted.log_likelihood - plain.log_likelihood - _price(likelihood, period - 1)
 
 
 def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
@@ -482,16 +493,15 @@ def fitted_filter(settings: EventFilter, told: Explained) -> EventFilter:
 
 
 def careful_drift(ripple: SpeedRipple, edge_variance: float, period: float) -> float:
-    """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log tells.
+    """The drift [1/s] with which a filter that meets an edge every `period` [s] knows a ripple as well as the log does.
 
-    That is to its standard error, and to a^2/2, the ripple of twice the order that one of the first order leaves out. Of
-    edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
+    Of edges that tell a part with r = 2 N^2 R, a walk of the drift P^2/(T (P + r)) is known to P just before each.
 
     edge_variance  R [rad^2]
 
     Source  ours, docs/logs.md
     """
-    known, told = ripple.error**2 + ripple.amplitude**4 / 4.0, 2.0 * ripple.order**2 * edge_variance
+    known, told = ripple.variance, 2.0 * ripple.order**2 * edge_variance
     return known**2 / (period * (known + told))
 
 
@@ -510,8 +520,7 @@ def fit_noise(
     fitted = plain if pattern.wheel is None else pattern.wheel
     (nu, S), (mu, S_fitted) = own.surprises(used), own.surprises(fitted.noise)
     density = _careful_density(own, fitted, used) if fitted.at_floor[0] else fitted.noise.acceleration_density
-    learnt = 0 if pattern.wheel is None else sectors - 1
-    scatter = fitted.noise.edge_variance * passed.times.size / (passed.times.size - learnt)
+    scatter = fitted.noise.edge_variance * passed.times.size / (passed.times.size - pattern.learnt)
     return Explained(
         used=used,
         advised=Noise(density, scatter + float(np.mean(pattern.own_offsets**2))),
@@ -529,27 +538,33 @@ def fit_noise(
 
 
 class Pattern(NamedTuple):
-    """What repeats with every turn: the fit without it, if it is real, where the edges seem to lie, and of that the
-    ripple and the offsets [rad] that are the wheel's own."""
+    """What repeats with every turn: the fit without it, if it is real, where the edges seem to lie, of that the ripple
+    and the offsets [rad] that are the wheel's own; `learnt` numbers say all that."""
 
     wheel: Fit | None
     offsets: Array
     ripple: SpeedRipple | None
     own_offsets: Array
+    learnt: int
 
 
 def _find_pattern(likelihood: Likelihood, plain: Fit, sections: int) -> Pattern:
-    sectors = likelihood.sectors
-    nothing = Pattern(None, np.zeros(sectors), None, np.zeros(sectors))
+    """Offsets of all edges, less a ripple, where they are worth their price; else the spool's ripple if likely."""
+    sectors, nothing = likelihood.sectors, np.zeros(likelihood.sectors)
     if not _fit_statement(likelihood, sectors):
-        return nothing
-    placed, offsets = _fit_positions(likelihood, plain, sectors)
-    if placed.log_likelihood - plain.log_likelihood - _price(likelihood, sectors) <= CLEAR:
-        return nothing
+        return Pattern(None, nothing, None, nothing, 0)
     angles = likelihood.wheel_angles(sectors)
-    ripple = ripple_in(offsets, angles, sections)
-    left = offsets if ripple is None else offsets - ripple.offsets(angles)
-    return Pattern(placed, offsets, ripple, left - np.mean(left))
+    placed, offsets = _fit_by_turns(likelihood, plain, lambda noise: likelihood.offsets(noise, sectors))
+    if placed.log_likelihood - plain.log_likelihood - _price(likelihood, sectors - 1) > CLEAR:
+        ripple = ripple_in(offsets, angles, sections)
+        left = offsets if ripple is None else offsets - ripple.offsets(angles)
+        return Pattern(placed, offsets, ripple, left - np.mean(left), sectors - 1)
+    if is_whole(sections, sectors) and is_likely(likelihood.ripple(plain.noise, sections)):
+        placed, offsets = _fit_by_turns(
+            likelihood, plain, lambda noise: likelihood.ripple(noise, sections).offsets(angles)
+        )
+        return Pattern(placed, offsets, likelihood.ripple(placed.noise, sections), nothing, 2)
+    return Pattern(None, nothing, None, nothing, 0)
 
 
 def _careful_density(likelihood: Likelihood, fitted: Fit, used: Noise) -> float:
@@ -568,16 +583,17 @@ def _fit_statement(likelihood: Likelihood, period: int) -> bool:
     return 2 <= period <= MOST_PLACES and likelihood.passed.times.size >= TURNS_OF_A_WHEEL * period
 
 
-def _price(likelihood: Likelihood, period: int) -> float:
-    """What so many places that were fitted cost in ln L: (period - 1)/2 ln n, after Schwarz."""
-    return 0.5 * (period - 1) * float(np.log(likelihood.passed.times.size))
+def _price(likelihood: Likelihood, numbers: int) -> float:
+    """What so many numbers that were fitted cost in ln L: half of them times ln n, after Schwarz."""
+    return 0.5 * numbers * float(np.log(likelihood.passed.times.size))
 
 
-def _fit_positions(likelihood: Likelihood, plain: Fit, period: int) -> tuple[Fit, Array]:
-    """The likeliest settings where the edges lie as the log has them, with a period; settings and places by turns."""
-    found, offsets = plain, np.zeros(period)
+def _fit_by_turns(likelihood: Likelihood, plain: Fit, pattern: Callable[[Noise], Array]) -> tuple[Fit, Array]:
+    """The likeliest settings where the edges lie as the log has them, and the offsets that the `pattern` makes of the
+    noise [rad]; settings and offsets by turns."""
+    found, offsets = plain, np.zeros(1)
     for _ in range(3):
-        offsets = likelihood.offsets(found.noise, period)
+        offsets = pattern(found.noise)
         before, found = found, fit(likelihood.without(offsets))
         if found.log_likelihood < before.log_likelihood + 0.5:
             break
