@@ -154,7 +154,7 @@ def test_a_ripple_that_is_there_is_learnt(phase):
 
 
 def test_standard_errors_are_those_of_many_records():
-    """The scatter of a and b over 200 records is what the filter states, within three standard errors of a deviation."""
+    """The scatter of a and b over 200 records is what the filter states, within three errors of a deviation."""
     ripples = [learnt(0.035, 0.7, 160, 0.02, seed)[1] for seed in range(200)]
     found = np.array([(each.cosine, each.sine, each.cosine_variance) for each in ripples])
     stated = np.sqrt(found[0, 2])

@@ -1,4 +1,4 @@
-"""The normal distribution and beliefs cut off at bounds: against scipy, by quadrature, by hand; two halves, one whole."""
+"""The normal distribution and beliefs cut off at bounds: against scipy, on a grid, by hand; two halves make a whole."""
 
 import numpy as np
 import pytest
