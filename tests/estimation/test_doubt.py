@@ -90,15 +90,15 @@ def rows_of(times, numbers, until=3.0):
     return rows
 
 
-@pytest.mark.parametrize(("gap", "ripple"), [(0.1, 0.0), (0.3, 0.0), (0.15, 0.07)])
-def test_a_dropout_is_taken_up_again(filtered, gap, ripple):
-    """30 to 60 edges do not come: the wheel is thought to stand, and a few edges later to have gone on. No sector is
-    lost, in ten records."""
-    settings = PUBLISHED
+@pytest.mark.parametrize(("gap", "deviation", "ripple"), [(0.1, 0.0589, 0.0), (0.3, 0.0589, 0.0), (0.15, 0.02, 0.14)])
+def test_a_dropout_is_taken_up_again(filtered, gap, deviation, ripple):
+    """20 to 60 edges do not come: the wheel is thought to stand, and a few edges later to have gone on. No sector is
+    lost, in ten records; with a ripple that puts edges off by more than their noise it is weighed beside it."""
+    settings = replace(PUBLISHED, edge_variance=deviation**2)
     if ripple:
-        settings = replace(PUBLISHED, ripple_order=3.0, ripple_variance=6e-4 * (ripple / 0.035) ** 2)
+        settings = replace(settings, ripple_order=3.0, ripple_variance=0.5 * ripple**2)
     for seed in range(10):
-        t, theta, times, numbers = record(lambda t: 155.0 + 0.0 * t, seed=seed, ripple=ripple)
+        t, theta, times, numbers = record(lambda t: 155.0 + 0.0 * t, seed=seed, deviation=deviation, ripple=ripple)
         lost = (times > 2.0) & (times < 2.0 + gap)
         rows = rows_of(times[~lost], numbers[~lost])
         shown, memory = filtered(settings, rows, speed=155.0)

@@ -14,6 +14,7 @@ from vvdp.estimation.silence import (
     LATE,
     STARTED,
     STARTS,
+    SURE,
     Silence,
     after_silence,
     is_late,
@@ -93,7 +94,7 @@ def particles(cruise, manoeuvre, silence, seed, count=100_000):
 
 @pytest.mark.parametrize("sectors", [0.7, 1.0, 1.1, 1.25, 1.6, 2.5, 6.0, 40.0])
 def test_against_particles(sectors):
-    """Mean of the likelier group and scatter of all about it, of 100 000 particles for each hypothesis."""
+    """Mean of those that halt where that is sure, else of the others, and the scatter of all about it, of 100 000 particles for each hypothesis."""
     belief = CRUISE._replace(angle_variance=4e-3, speed_variance=4.0)
     duration = sectors * WIDTH / 155.0
     cruise, manoeuvre = beliefs_after(duration, belief)
@@ -102,8 +103,8 @@ def test_against_particles(sectors):
     on, halt = particles(cruise, manoeuvre, silence, seed=int(10 * sectors))
     both = np.concatenate([on, halt], axis=1)
     whole, halts = both[2].sum(), halt[2].sum()
-    likelier = on if on[2].sum() > halts else halt
-    mean = likelier[:2] @ likelier[2] / likelier[2].sum()
+    shown = halt if halts > SURE * whole else on
+    mean = shown[:2] @ shown[2] / shown[2].sum()
     square = (both[:2] - mean[:, None]) ** 2 @ both[2] / whole
     assert heard.halt == pytest.approx(halts / whole, rel=0.03, abs=1e-6)
     assert heard.angle == pytest.approx(mean[0], abs=0.005 * WIDTH)
