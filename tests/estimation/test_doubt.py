@@ -7,8 +7,12 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from vvdp.estimation.doubt import DECIDED, LONGEST, carry_on, is_settled, no_doubt
+from vvdp.estimation.event_filter import event_filter_step
+from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
+from vvdp.estimation.ripple import ripple_start
 from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import equal_wheel
 
 WHEEL = equal_wheel(8)
@@ -108,6 +112,28 @@ def test_a_dropout_is_taken_up_again(filtered, gap, deviation, ripple):
         assert abs(np.median(error[time > 2.8]) - np.median(error[(time > 1.0) & (time < 1.9)])) < 0.1
         assert memory.doubt.odds == -np.inf and abs(memory.tally.missed_edges - np.count_nonzero(lost)) <= 2.0
         assert np.all(shown[time > 2.8, 7] < 0.5)
+
+
+def test_a_doubt_is_about_the_mean_course():
+    """Exact edges of a spool whose ripple of 12 % is known: the belief carried on stays on the mean course, angle and
+    speed, from which edges off by up to 0.12/3 = 0.04 rad would draw it away."""
+    settings = replace(PUBLISHED, ripple_order=3.0)
+    start = event_filter_start(settings, 0.0, 0.0, 155.0)
+    memory = start._replace(
+        belief=start.belief._replace(angle_variance=1e-4, speed_variance=1e-4),
+        ripple=ripple_start(1e-12)._replace(cosine=0.1, sine=0.06),
+    )
+    angles = SECTOR * np.arange(1, 120)
+    times = (angles - (0.1 * np.sin(3.0 * angles) - 0.06 * np.cos(3.0 * angles)) / 3.0) / 155.0
+    lost = (times > 0.3) & (times < 0.4)
+    met = 0
+    for row in rows_of(times[~lost], np.arange(1, 120)[~lost], until=0.5).tolist():
+        memory, _ = event_filter_step(memory, Reading(*row), settings)
+        if memory.doubt.odds > -np.inf and row[1] > 0.0:
+            met += 1
+            assert memory.doubt.belief.angle == pytest.approx(155.0 * memory.time, abs=1e-4)
+            assert memory.doubt.belief.speed == pytest.approx(155.0, abs=0.01)
+    assert met >= 2 and memory.doubt.odds == -np.inf
 
 
 def test_a_stop_is_not_taken_for_a_dropout(filtered):

@@ -94,7 +94,8 @@ def particles(cruise, manoeuvre, silence, seed, count=100_000):
 
 @pytest.mark.parametrize("sectors", [0.7, 1.0, 1.1, 1.25, 1.6, 2.5, 6.0, 40.0])
 def test_against_particles(sectors):
-    """Mean of those that halt where that is sure, else of the others, and the scatter of all about it, of 100 000 particles for each hypothesis."""
+    """Mean of those that halt where that is sure, else of the others; scatter of all about it; 100 000 particles for
+    each hypothesis."""
     belief = CRUISE._replace(angle_variance=4e-3, speed_variance=4.0)
     duration = sectors * WIDTH / 155.0
     cruise, manoeuvre = beliefs_after(duration, belief)
