@@ -148,9 +148,10 @@ def update_with_ripple(
 
 
 def of_the_instant(belief: AngleSpeed, ripple: Ripple, order: float) -> AngleSpeed:
-    """Angle and speed with the ripple: theta = phi + delta(theta), to the third order; omega/(1 - delta'(theta)).
+    """Angle and speed with the ripple in them: theta = phi + delta(theta), omega/(1 - delta'(theta)).
 
-    The covariance by the gradients of both with respect to the mean angle, the mean speed, a and b.
+    Theta by two steps from phi, which leaves what is of the third order in the ripple; the covariance by the gradients
+    of both with respect to the mean angle, the mean speed, a and b.
     """
     b, r, N = belief, ripple, order
     place = place_of(b.angle + displacement(r, place_of(b.angle, N)), N)

@@ -176,15 +176,14 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
 def start_speed(silence: Silence, standstill: float) -> tuple[float, float]:
     """Mean [rad/s] and variance of the speed at the first edge after a silence.
 
-    A wheel that stood starts with the deviation of `start_variance`, and forward; one that crept is not faster than
-    the silence allows.
+    A wheel that stood starts with the deviation of `start_variance`, and forward. One that crept came from edge to edge
+    in the duration: evenly accelerated, it has from none to twice the mean speed of that.
 
     standstill  probability that the wheel stood [1]
     """
-    fastest, v = silence.next_edge - silence.last_edge, silence.start_variance
-    fastest = fastest / silence.duration
-    mean = standstill * np.sqrt(v) + (1.0 - standstill) * fastest
-    square = standstill * 2.0 * v + (1.0 - standstill) * 4.0 / 3.0 * fastest * fastest
+    usual, v = (silence.next_edge - silence.last_edge) / silence.duration, silence.start_variance
+    mean = standstill * np.sqrt(v) + (1.0 - standstill) * usual
+    square = standstill * 2.0 * v + (1.0 - standstill) * 4.0 / 3.0 * usual * usual
     return mean, square - mean * mean
 
 
