@@ -142,7 +142,7 @@ ALLOWED = {
     "components.switching_valves.switching_valve": LAW,
     "components.switching_valves.two_way_valve": LAW,
     "estimation.baselines.torque_filter._after_edge": ONE_SAMPLE,
-    "estimation.event_filter.after_edge": ONE_SAMPLE,
+    "estimation.event_filter.take_in": ONE_SAMPLE,
     "estimation.fusion._after_pressure_edge": ONE_SAMPLE,
     "estimation.fusion.pressure_edge_angle": LAW,
     "estimation.index.index_after_edge": ONE_SAMPLE,

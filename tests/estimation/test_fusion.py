@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant
-from vvdp.estimation.event_filter import edge_angle_variance, event_filter_step
+from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
+from vvdp.estimation.expected_edge import edge_angle_variance
 from vvdp.estimation.fusion import (
     FusionReading,
     fusion,

@@ -17,8 +17,8 @@ from vvdp.base.params import Params
 from vvdp.base.signal import constant
 from vvdp.estimation.commensurate import commensurate_clock
 from vvdp.estimation.estimator import Estimate
-from vvdp.estimation.event_filter import edge_angle_variance
 from vvdp.estimation.event_settings import event_filter
+from vvdp.estimation.expected_edge import edge_angle_variance
 from vvdp.estimation.threshold import (
     EdgeOffset,
     ThresholdAdaptation,

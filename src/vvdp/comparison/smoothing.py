@@ -11,9 +11,10 @@ from vvdp.base.arrays import Array
 from vvdp.base.kinds import Angle, AngularVariance, Time
 from vvdp.base.params import Params
 from vvdp.comparison.scores import Traces
-from vvdp.estimation.event_filter import after_edge, edge_angle_variance
+from vvdp.estimation.event_filter import after_edge
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
+from vvdp.estimation.expected_edge import edge_angle_variance
 from vvdp.estimation.smoother import Step, smooth_edges, smoothed_at
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading

@@ -6,11 +6,8 @@ Derived in docs/models/event-filter.md.
 Source  ours, docs/models/event-filter.md, where a function names no other.
 """
 
-from typing import NamedTuple, Protocol
-
 import numpy as np
 
-from vvdp.base.kinds import AngularVariance
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import (
     Association,
@@ -19,41 +16,40 @@ from vvdp.estimation.association import (
     counted_edge,
     first_edge,
     irregular_share,
-    missed_in_a_row,
     sector,
 )
 from vvdp.estimation.between_edges import SLACK, believed_at, heard_estimate, inflate, silence_until
-from vvdp.estimation.doubt import Doubt, carry_on, is_settled, no_doubt
 from vvdp.estimation.estimator import Estimate, Estimator
 from vvdp.estimation.event_memory import RELIABLE, EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.estimation.index import index_after_edge, index_again
+from vvdp.estimation.expected_edge import (
+    Expected,
+    arrival_density,
+    expected_at,
+    knows_edges,
+    vague,
+)
+from vvdp.estimation.index import index_after_edge
 from vvdp.estimation.ripple import (
     Place,
-    Ripple,
     displacement,
-    of_the_instant,
     place_of,
-    predict_ripple,
     ripple_start,
     seen_variance,
     update_with_ripple,
-    without_covariance,
 )
 from vvdp.estimation.silence import (
     SURE,
     UNLIKELY,
-    Heard,
-    Silence,
     after_silence,
     is_late,
     reversed_share,
-    start_speed,
     turned_back,
 )
-from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.estimation.starting_again import BURST, start_again, weigh_doubt
+from vvdp.numerics.kalman import AngleSpeed, update
 from vvdp.sensing.reading import Reading
-from vvdp.sensing.wheel import TURN, CodeWheel, edge_angle, nearest_edge
+from vvdp.sensing.wheel import TURN, edge_angle
 
 UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
@@ -63,20 +59,6 @@ UNREST = 24.0
 
 TELLABLE = (0.25 * TURN) ** 2.0
 """Variance of the angle below which a turn that agrees with the index confirms it [rad^2]."""
-
-BURST = 4.0
-"""Edges missed in a row that count as irregular; a longer gap is one dropout [1]."""
-
-
-class Expected(NamedTuple):
-    """Beliefs brought to the time of an edge: of the mean course, the same had a manoeuvre begun at the last edge, of
-    the ripple, and of the instant, which has both; and the variance R of the edge [rad^2]."""
-
-    course: AngleSpeed
-    manoeuvre: AngleSpeed
-    ripple: Ripple
-    instant: AngleSpeed
-    variance: AngularVariance
 
 
 def event_filter_step(
@@ -94,40 +76,6 @@ def event_filter_step(
         memory, innovation, deviation = after_edge(memory, reading, settings)
     heard = believed_at(memory, reading.time, settings)
     return memory, heard_estimate(heard, innovation, deviation, memory.tally.missed_edges)
-
-
-class EdgeNoise(Protocol):
-    """How well edges are seen: settings that have these of the event filter."""
-
-    @property
-    def edge_variance(self) -> float: ...
-    @property
-    def lowest_speed(self) -> float: ...
-
-
-def edge_angle_variance(speed: float, edge_interval: float, settings: EdgeNoise) -> float:
-    """Variance of the angle at which an edge was seen, R = (omega T)^2 / 12 + R_2 [rad^2].
-
-    speed          believed [rad/s]
-    edge_interval  T, in which the edge passed, 0 where it was time-stamped [s]
-
-    Source  wang2017, eq. 3.4, with the threshold's part an angle: docs/errata.md
-    """
-    passed = maximum(speed, settings.lowest_speed) * edge_interval
-    variance: float = passed * passed / 12.0 + settings.edge_variance
-    return variance
-
-
-def expected_at(memory: EventFilterMemory, reading: Reading, settings: EventFilter) -> Expected:
-    """The beliefs at the time of a reading's edge, before it is taken in."""
-    h = reading.edge_time - memory.time
-    course = predict(memory.belief, h, memory.manoeuvre.density)
-    wide = inflate(predict(memory.belief, h, 0.0), reading.edge_time - memory.last.time, settings.manoeuvre_density)
-    R = edge_angle_variance(course.speed, reading.edge_interval, settings)
-    if settings.ripple_order == 0.0:
-        return Expected(course, wide, memory.ripple, course, R)
-    ripple = predict_ripple(memory.ripple, h, settings.ripple_drift)
-    return Expected(course, wide, ripple, of_the_instant(course, ripple, settings.ripple_order), R)
 
 
 def after_edge(
@@ -166,14 +114,6 @@ def after_expected_edge(
     return take_in(memory, reading, seen, expected, settings)
 
 
-def arrival_density(expected: Expected, silence: Silence) -> float:
-    """Density in time with which the next edge comes now if the wheel goes on as believed [1/s]: omega N(nu; S)."""
-    instant, S = expected.instant, expected.instant.angle_variance + expected.variance
-    off = silence.next_edge - instant.angle
-    density: float = maximum(instant.speed, 0.0) * np.exp(-0.5 * off * off / S) / np.sqrt(TURN * S)
-    return density
-
-
 def take_in(
     memory: EventFilterMemory, reading: Reading, seen: Association, expected: Expected, settings: EventFilter
 ) -> tuple[EventFilterMemory, float, float]:
@@ -181,8 +121,7 @@ def take_in(
 
     Source  wang2017, eqs. 3.8 and 3.9, corrected: docs/errata.md
     """
-    wheel, q, q_m, tally = settings.wheel, settings.acceleration_density, settings.manoeuvre_density, memory.tally
-    edge = seen.edge
+    wheel, q, tally, edge = settings.wheel, settings.acceleration_density, memory.tally, seen.edge
     prior, ripple, R, associating = expected.course, expected.ripple, expected.variance, tally.associating
     if associating > 0.0 and memory.manoeuvre.density <= q and vague(expected.instant, wheel) > 0.0:
         prior, associating = expected.manoeuvre, 0.0  # after a long time without edges anything may have happened
@@ -191,13 +130,9 @@ def take_in(
         place = place_of(edge_angle(edge, wheel), settings.ripple_order)
     innovation = edge_angle(edge, wheel) - prior.angle - displacement(ripple, place)
     z = associating * innovation / np.sqrt(seen_variance(prior, ripple, place) + R)
-    rise = associating * maximum(memory.manoeuvre.rise + z - SLACK, 0.0)
-    fall = associating * maximum(memory.manoeuvre.fall - z - SLACK, 0.0)
-    unrest = maximum(memory.manoeuvre.unrest * (1.0 - 1.0 / UNREST), q)
-    density = maximum(memory.manoeuvre.density * (1.0 - 1.0 / settings.manoeuvre_edges), unrest)
-    if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
-        prior, density, rise, fall = expected.manoeuvre, q_m, 0.0, 0.0
-        unrest = np.sqrt(q * q_m) if tally.watched > UNREST else unrest  # at the start nothing has calmed down yet
+    manoeuvre, declared = manoeuvre_after(memory.manoeuvre, z, associating, tally.watched, settings)
+    if declared:
+        prior = expected.manoeuvre
 
     skipped = tally.started * maximum(edge - memory.last.number - tally.ignored - reading.edges, 0.0)
     irregular = irregular_share(tally.irregular, associating * minimum(skipped, BURST), 1.0)
@@ -224,7 +159,7 @@ def take_in(
             irregular=irregular,
             watched=watched,
         ),
-        manoeuvre=Manoeuvre(density=density, unrest=unrest, rise=rise, fall=fall),
+        manoeuvre=manoeuvre,
         search=memory.search,
         doubt=memory.doubt,
         slip=memory.slip + seen.slip,
@@ -234,6 +169,28 @@ def take_in(
     if settings.index_turns > 0.0 and after.tally.associating > 0.0:
         after = look_for_index(after, reading, R, settings)
     return after, innovation, np.sqrt(S)
+
+
+def manoeuvre_after(
+    before: Manoeuvre, z: float, associating: float, watched: float, settings: EventFilter
+) -> tuple[Manoeuvre, bool]:
+    """Density and sums after an edge, and whether a manoeuvre is declared by it.
+
+    z            innovation over its deviation [1]
+    associating  1 where the belief tells the edges, else sums are 0
+    watched      edges since the filter knew nothing [1]
+
+    Source  page1954; docs/models/event-filter.md
+    """
+    q, q_m = settings.acceleration_density, settings.manoeuvre_density
+    rise = associating * maximum(before.rise + z - SLACK, 0.0)
+    fall = associating * maximum(before.fall - z - SLACK, 0.0)
+    unrest = maximum(before.unrest * (1.0 - 1.0 / UNREST), q)
+    if maximum(maximum(rise, fall), 0.25 * z * z / SLACK) > settings.manoeuvre_gate:
+        unrest = np.sqrt(q * q_m) if watched > UNREST else unrest  # at the start nothing has calmed down yet
+        return Manoeuvre(density=q_m, unrest=unrest, rise=0.0, fall=0.0), True
+    density = maximum(before.density * (1.0 - 1.0 / settings.manoeuvre_edges), unrest)
+    return Manoeuvre(density=density, unrest=unrest, rise=rise, fall=fall), False
 
 
 def look_for_index(
@@ -266,94 +223,6 @@ def look_for_index(
     )
 
 
-def start_again(
-    memory: EventFilterMemory, reading: Reading, expected: Expected, heard: Heard, settings: EventFilter
-) -> tuple[EventFilterMemory, float, float]:
-    """The memory after the first edge of a wheel that seems to have stood: the next by count, at a speed to be found.
-
-    The belief from before is kept in doubt: perhaps the sensor was silent. Innovation and deviation as `after_edge`.
-
-    heard  what was believed just before the edge
-    """
-    m, tally, wheel, R, q_m = memory, memory.tally, settings.wheel, expected.variance, settings.manoeuvre_density
-    silence = silence_until(memory, reading.edge_time, memory.tally.ignored + reading.edges, settings)
-    edge = counted_edge(m.last.number, tally.ignored + reading.edges, reading.polarity)
-    speed, variance = start_speed(silence, heard.standstill / heard.halt)
-    course = expected.course
-    nearest = maximum(nearest_edge(expected.instant.angle, reading.polarity, wheel), edge)
-    off, S = mean_angle_at(nearest, m.ripple, settings) - course.angle, course.angle_variance + R
-    odds = heard.missing_odds + np.log(sector(wheel) / np.sqrt(TURN * S)) - 0.5 * off * off / S
-    after = EventFilterMemory(
-        time=reading.edge_time,
-        belief=AngleSpeed(mean_angle_at(edge, m.ripple, settings), speed, R, 0.0, variance),
-        ripple=without_covariance(m.ripple),
-        last=LastEdge(edge, reading.edge_time),
-        tally=Tally(
-            started=1.0,
-            associating=0.0,
-            ignored=0.0,
-            missed_edges=tally.missed_edges + maximum(edge - m.last.number - tally.ignored - reading.edges, 0.0),
-            irregular=tally.irregular,
-            watched=tally.watched,
-        ),
-        manoeuvre=Manoeuvre(density=q_m, unrest=np.sqrt(q_m * settings.acceleration_density), rise=0.0, fall=0.0),
-        search=index_again(m.search),
-        doubt=Doubt(update(course, off, R), number=nearest, odds=odds, slip=memory.slip, edges=0.0),
-        slip=memory.slip + turned_back(1.0, 0.0, silence),
-    )
-    return after, edge_angle(edge, wheel) - heard.angle, np.sqrt(heard.angle_variance + R)
-
-
-def weigh_doubt(
-    before: EventFilterMemory,
-    after: EventFilterMemory,
-    reading: Reading,
-    variance: float,
-    surprise: float,
-    settings: EventFilter,
-) -> EventFilterMemory:
-    """The memory once the belief from before a silence has met the same edge: kept beside, taken up or given up.
-
-    before    memory without the edge, `after` with it
-    variance  R, of the edge [rad^2]
-    surprise  nu^2/S + ln S of the edge to the filter that began anew
-    """
-    wheel, q, polarity = settings.wheel, settings.acceleration_density, reading.polarity
-    prior = predict(before.doubt.belief, reading.edge_time - before.time, q)
-    counted = counted_edge(before.doubt.number, before.tally.ignored + reading.edges, polarity)
-    number = maximum(nearest_edge(prior.angle, polarity, wheel), counted)
-    cost = 2.0 * np.log(missed_in_a_row(before.tally.irregular, before.tally.watched, number - counted))
-    seen = (number, mean_angle_at(number, before.ripple, settings))
-    doubt = carry_on(before.doubt, prior, seen, variance, surprise + cost)
-    m, belief, edge, tally, slip = after, after.belief, after.last.number, after.tally, after.slip
-    settled = is_settled(doubt)
-    if settled:
-        lead = doubt.belief.angle - belief.angle
-        slip += lead * lead / (1.0 + np.exp(abs(doubt.odds)))
-    if settled and doubt.odds > 0.0:
-        missed = doubt.number - edge
-        belief, edge, slip = doubt.belief, doubt.number, slip - m.slip + doubt.slip
-        tally = Tally(
-            started=1.0,
-            associating=1.0 if knows_edges(belief, settings) else 0.0,
-            ignored=0.0,
-            missed_edges=tally.missed_edges + missed,
-            irregular=irregular_share(tally.irregular, minimum(missed, BURST), 0.0),
-            watched=tally.watched,
-        )
-    return EventFilterMemory(
-        time=m.time,
-        belief=belief,
-        ripple=m.ripple,
-        last=LastEdge(edge, m.last.time),
-        tally=tally,
-        manoeuvre=m.manoeuvre,
-        search=m.search,
-        doubt=no_doubt(belief) if settled else doubt,
-        slip=slip,
-    )
-
-
 def associate(memory: EventFilterMemory, reading: Reading, expected: Expected, settings: EventFilter) -> Association:
     """Which edge the last of a reading was: the first, the next by count, or that which the belief tells."""
     m, wheel, polarity = memory, settings.wheel, reading.polarity
@@ -379,30 +248,11 @@ def associate(memory: EventFilterMemory, reading: Reading, expected: Expected, s
     return associated_edge(m.last.number, sighting, wheel)
 
 
-def vague(belief: AngleSpeed, wheel: CodeWheel) -> float:
-    """1 where three deviations of the angle are half a sector or more, else 0."""
-    return 1.0 if 6.0 * np.sqrt(belief.angle_variance) >= sector(wheel) else 0.0
-
-
-def knows_edges(belief: AngleSpeed, settings: EventFilter) -> bool:
-    """Whether the belief tells edges better than a count does."""
-    speed_limit = settings.association_speed_deviation * settings.association_speed_deviation
-    return vague(belief, settings.wheel) == 0.0 and belief.speed_variance < speed_limit
-
-
 def reset_speed(belief: AngleSpeed, settings: EventFilter) -> AngleSpeed:
     """The belief whose speed may have been anything, a multiple or a fraction of the true one."""
     b = belief
     anything = maximum(b.speed * b.speed, settings.speed_variance)
     return AngleSpeed(b.angle, b.speed, b.angle_variance, b.covariance, anything)
-
-
-def mean_angle_at(edge: float, ripple: Ripple, settings: EventFilter) -> float:
-    """Angle that the mean course has when an edge passes [rad]: that of the edge, less what the ripple is ahead."""
-    angle = edge_angle(edge, settings.wheel)
-    if settings.ripple_order > 0.0:
-        angle -= displacement(ripple, place_of(angle, settings.ripple_order))
-    return angle
 
 
 def shift_angle(belief: AngleSpeed, angle: float) -> AngleSpeed:

@@ -18,9 +18,10 @@ from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.between_edges import believed_at, heard_estimate, heard_plainly, inflate
 from vvdp.estimation.estimator import Estimate
-from vvdp.estimation.event_filter import after_edge, after_expected_edge, edge_angle_variance, expected_at
+from vvdp.estimation.event_filter import after_edge, after_expected_edge
 from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
+from vvdp.estimation.expected_edge import edge_angle_variance, expected_at
 from vvdp.estimation.silence import Heard
 from vvdp.estimation.threshold import AngleDrift
 from vvdp.numerics.kalman import AngleSpeed, predict
@@ -207,7 +208,7 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
         memory, innovation, deviation = _after_encoder(memory, encoder, settings)
     if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.tally.associating > 0.0:
         memory = _after_pressure_edge(memory, reading, settings)
-    heard = _heard(memory, encoder.time, settings)
+    heard = _hear(memory, encoder.time, settings)
     estimate = heard_estimate(heard, innovation, deviation, memory.filter.tally.missed_edges)
     shown = FusionEstimate(
         estimate=estimate,
@@ -229,7 +230,7 @@ def _turns(memory: FusionMemory, time: float, settings: Fusion) -> bool:
     return turns
 
 
-def _heard(memory: FusionMemory, time: float, settings: Fusion) -> Heard:
+def _hear(memory: FusionMemory, time: float, settings: Fusion) -> Heard:
     """What is believed at `time` [s]."""
     last = memory.filter
     if _turns(memory, time, settings):

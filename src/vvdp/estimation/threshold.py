@@ -18,9 +18,10 @@ from vvdp.base.params import Params
 from vvdp.base.select import clip, maximum, minimum
 from vvdp.estimation.association import sector
 from vvdp.estimation.estimator import Estimate, Estimator
-from vvdp.estimation.event_filter import edge_angle_variance, event_filter_step
+from vvdp.estimation.event_filter import event_filter_step
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
+from vvdp.estimation.expected_edge import edge_angle_variance
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, edge_polarity
 

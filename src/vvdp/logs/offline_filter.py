@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.estimation.event_filter import edge_angle_variance
 from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
+from vvdp.estimation.expected_edge import edge_angle_variance
 from vvdp.estimation.fusion import Fusion, FusionMemory, fusion_start
 from vvdp.logs.alignment import Alignment, edges_needed, start, wheel_as_met
 from vvdp.logs.bridging import RECENT, longest_bridged, usual_before

@@ -27,9 +27,11 @@ from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import Sighting, associated_edge, counted_edge, first_edge, irregular_share, sector
 from vvdp.estimation.between_edges import SLACK
 from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
-from vvdp.estimation.event_filter import BURST, UNBELIEVABLE, edge_angle_variance
+from vvdp.estimation.event_filter import UNBELIEVABLE
 from vvdp.estimation.event_memory import RELIABLE, Tally, new_tally
 from vvdp.estimation.event_settings import event_filter
+from vvdp.estimation.expected_edge import edge_angle_variance
+from vvdp.estimation.starting_again import BURST
 from vvdp.fluid.oil import Oil, density, dynamic_viscosity
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.sensing.reading import Reading
