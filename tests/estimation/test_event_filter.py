@@ -8,7 +8,7 @@ import pytest
 from vvdp.base.errors import ParameterError
 from vvdp.estimation.between_edges import inflate
 from vvdp.estimation.event_filter import edge_angle_variance, event_filter_estimator, event_filter_step
-from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
+from vvdp.estimation.event_memory import LastEdge, Manoeuvre, event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
