@@ -21,8 +21,7 @@ SPEED = 2.0 * np.pi * 24.7
 PITCH = np.pi / 4.0
 FIXED_WORDS = {
     "spool_speed_mean_rad_s", "spool_speed_std_rad_s", "sectors", "edges", "index_found", "missed_edges", "nis_mean",
-    "warnings",
-    "speed_deviation_rms_rad_s", "sectors_assumed", "polarity", "direction", "standstill_time_s",
+    "warnings", "speed_deviation_rms_rad_s", "sectors_assumed", "polarity", "direction", "standstill_time_s",
 }  # fmt: skip
 
 
