@@ -104,6 +104,16 @@ def add(sums: Mixture, weight: float, belief: AngleSpeed, about: AngleSpeed) -> 
     )
 
 
+def add_within(sums: Mixture, weight: float, belief: AngleSpeed, silence: Silence, about: AngleSpeed) -> Mixture:
+    """The sums with one more hypothesis of a `weight` [1] that is true only between the last edge and the next."""
+    deviation = np.sqrt(belief.angle_variance + silence.edge_variance)
+    low, high = (silence.last_edge - belief.angle) / deviation, (silence.next_edge - belief.angle) / deviation
+    inside = normal_share(high) - normal_share(low)
+    if inside > LEAST:
+        sums = add(sums, weight * inside, truncate(belief, low, high, deviation), about)
+    return sums
+
+
 def reversed_share(belief: AngleSpeed) -> float:
     """Share of a belief in which the speed is below 0 [1]: a wheel that turns forward only stands there."""
     return normal_share(-belief.speed / np.sqrt(belief.speed_variance))
@@ -129,32 +139,21 @@ def after_silence(cruise: AngleSpeed, manoeuvre: AngleSpeed, silence: Silence) -
     stopped = changed * due + backward
 
     deviation = np.sqrt(cruise.angle_variance + s.edge_variance)
-    high, low = ahead / deviation, (ahead - width) / deviation
-    share = normal_share(high)
-    inside = share - normal_share(low)
-    sums = NOTHING
-    if inside > LEAST:
-        sums = add(sums, inside, truncate(cruise, low, high, deviation), cruise)
+    beyond = normal_share(-ahead / deviation)
     passed = maximum(1.0, np.ceil(-ahead / width))
-    missing = maximum(missed_in_a_row(s.irregular, s.watched, passed), DROPOUTS * stopped) * (1.0 - share)
-    if 1.0 - share > LEAST:
-        sums = add(sums, missing, truncate(cruise, high, np.inf, deviation), cruise)
-
-    wide = np.sqrt(manoeuvre.angle_variance + s.edge_variance)
-    high, low = (s.next_edge - manoeuvre.angle) / wide, (s.last_edge - manoeuvre.angle) / wide
-    inside = normal_share(high) - normal_share(low)
-    if inside > LEAST:
-        sums = add(sums, changed * inside, truncate(manoeuvre, low, high, wide), cruise)
+    missing = maximum(missed_in_a_row(s.irregular, s.watched, passed), DROPOUTS * stopped) * beyond
+    sums = add_within(NOTHING, 1.0, cruise, s, cruise)
+    sums = add_within(sums, changed, manoeuvre, s, cruise)
+    if beyond > LEAST:
+        sums = add(sums, missing, truncate(cruise, ahead / deviation, np.inf, deviation), cruise)
 
     middle, spread = 0.5 * (s.last_edge + s.next_edge), width * width / 12.0
-    restarting = minimum(s.stop_rate * STARTED, 1.0) * s.start_variance
+    still = AngleSpeed(middle, 0.0, spread, 0.0, minimum(s.stop_rate * STARTED, 1.0) * s.start_variance)
     slow = AngleSpeed(middle, 0.5 * fastest, spread, 0.0, fastest * fastest / 12.0)
-    halted = add(NOTHING, stopped, AngleSpeed(middle, 0.0, spread, 0.0, restarting), cruise)
-    halted = add(halted, stopped * due, slow, cruise)
+    halted = add(add(NOTHING, stopped, still, cruise), stopped * due, slow, cruise)
     whole = sums.weight + halted.weight
-    angle, speed = halted.angle / halted.weight, halted.speed / halted.weight
-    if halted.weight < SURE * whole:
-        angle, speed = sums.angle / sums.weight, sums.speed / sums.weight
+    shown = sums if halted.weight < SURE * whole else halted
+    angle, speed = shown.angle / shown.weight, maximum(shown.speed / shown.weight, -cruise.speed)
     return Heard(
         angle=cruise.angle + angle,
         speed=cruise.speed + speed,

@@ -90,14 +90,7 @@ def weigh_doubt(
     if settled and doubt.odds > 0.0:
         missed = doubt.number - edge
         belief, edge, slip = doubt.belief, doubt.number, slip - m.slip + doubt.slip
-        tally = Tally(
-            started=1.0,
-            associating=1.0 if knows_edges(belief, settings) else 0.0,
-            ignored=0.0,
-            missed_edges=tally.missed_edges + missed,
-            irregular=irregular_share(tally.irregular, minimum(missed, BURST), 0.0),
-            watched=tally.watched,
-        )
+        tally = miss(tally, missed, 1.0 if knows_edges(belief, settings) else 0.0)
     return EventFilterMemory(
         time=m.time,
         belief=belief,
@@ -108,4 +101,16 @@ def weigh_doubt(
         search=m.search,
         doubt=no_doubt(belief) if settled else doubt,
         slip=slip,
+    )
+
+
+def miss(tally: Tally, edges: float, associating: float) -> Tally:
+    """The tally once it turns out that so many `edges` were missed; `associating` where the belief tells them now."""
+    return Tally(
+        started=1.0,
+        associating=associating,
+        ignored=0.0,
+        missed_edges=tally.missed_edges + edges,
+        irregular=irregular_share(tally.irregular, minimum(edges, BURST), 0.0),
+        watched=tally.watched,
     )
