@@ -13,14 +13,16 @@ from vvdp.base.arrays import Array
 from vvdp.logs.edges import NEIGHBOURS, Chosen, Edges, rank_filter
 from vvdp.sensing.wheel import TURN, CodeWheel, mirror_wheel
 
+CLEAR = 10.0
+"""Logarithm of the likelihood ratio from which on the best first edge is found, whatever single stretches say."""
 STRETCH = 2
 """Turns in a stretch."""
 STRETCHES = 8
 AGREEING = 0.75
 """Share of the stretches that have to name the same first edge."""
 CLEARLY = 0.5
-"""Where there is only one stretch, its best course has less than this share of the squares of the second best; so has a
-wheel that turns the other way than before."""
+"""Where there is only one stretch, its best course has less than this share of the squares of the second best."""
+RATHER = 0.75
 REFINEMENTS = 5
 STARTING = 1.3
 """Times between the first edges that are longer by this factor than what is usual there are those of a wheel that
@@ -67,7 +69,9 @@ def alignment(edges: Edges, wheel: CodeWheel) -> Alignment:
     best = int(np.argmin(total))
     second = float(np.min(np.delete(total, best)))
     votes = float(np.mean(np.argmin(squares, axis=1) == best))
-    found = bool(votes >= AGREEING if len(squares) > 1 else total[best] < CLEARLY * second)
+    likelier = 0.5 * edges.times.size * np.log(max(second, 1e-300) / max(float(total[best]), 1e-300))
+    agreeing = votes >= AGREEING or likelier > CLEAR
+    found = bool(agreeing if len(squares) > 1 else total[best] < CLEARLY * second)
     return Alignment(int(candidates[best]) if found else plain, speed, found, float(total[best]))
 
 
@@ -79,13 +83,14 @@ class Start(NamedTuple):
 
 
 def start(edges: Edges, wheel: CodeWheel, direction: float) -> Start:
-    """The start of a piece on a wheel that turned in a `direction` before: the other one where its index leaves less
-    than half of the squares."""
+    """The start of a piece on a wheel that turned in a `direction` before: the other one where its index is clearly
+    likelier and leaves less than `RATHER` of the squares."""
     kept = alignment(edges_as_met(edges, direction), wheel_as_met(wheel, direction))
     if not wheel.has_index:
         return Start(direction, kept)
     other = alignment(edges_as_met(edges, -direction), wheel_as_met(wheel, -direction))
-    turned = other.index_found and other.squares < CLEARLY * kept.squares
+    likelier = other.index_found and kept.squares > other.squares * np.exp(2.0 * CLEAR / edges.times.size)
+    turned = likelier and other.squares < RATHER * kept.squares
     return Start(-direction, other) if turned else Start(direction, kept)
 
 

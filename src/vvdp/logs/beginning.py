@@ -23,12 +23,12 @@ FEWEST = 3
 
 
 class Beginning(NamedTuple):
-    """What the wheel is taken for; the tick in which edge times are written [s], 0 where it does not matter; whether
-    edges are only known to so large a part of a sector that silences tell nothing."""
+    """What the wheel is taken for; the tick in which edge times are written [s], 0 where it does not matter; the part
+    of a sector to which edges are known [1], 0 where they are known well."""
 
     verdict: Verdict
     tick: float
-    coarse: bool
+    blur: float
 
 
 def edges_looked_at(wheel: CodeWheel) -> int:
@@ -40,12 +40,12 @@ def beginning(clocks: Sequence[Edges], wanted: Estimation) -> Beginning:
     """What the first edges say, those up to each end of a clock by themselves."""
     edges = max(clocks, key=lambda each: each.times.size) if clocks else None
     if edges is None or edges.times.size < FEWEST:
-        return Beginning(judge(no_edges(), wanted.wheel), 0.0, False)
+        return Beginning(judge(no_edges(), wanted.wheel), 0.0, 0.0)
     usual = usual_steps(np.diff(edges.times) / edges.counts[1:])
     tick = clock_tick(edges.times, float(np.median(usual))) if isinstance(wanted.source, Stamps) else 0.0
     seen = edges._replace(intervals=np.fmax(edges.intervals, tick))
-    coarse = bool(np.median(seen.intervals[1:] / usual) > VAGUE)
-    return Beginning(judge(no_edges() if coarse else seen, wanted.wheel), tick, coarse)
+    blur = float(np.median(seen.intervals[1:] / usual))
+    return Beginning(judge(seen if blur < VAGUE else no_edges(), wanted.wheel), tick, blur if blur > VAGUE else 0.0)
 
 
 def clock_tick(times: Array, usual: float) -> float:

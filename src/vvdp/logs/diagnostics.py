@@ -11,7 +11,7 @@ from vvdp.logs.edges import WaveEdges
 from vvdp.logs.noise_fit import CLEAR, Explained, Noise
 from vvdp.logs.ripple_findings import ripple_numbers
 from vvdp.logs.sums import Moments, Sums
-from vvdp.sensing.wheel import TURN
+from vvdp.sensing.wheel import TURN, equal_wheel
 
 SURE = 4.0
 """A mean is said to differ from zero beyond so many standard errors."""
@@ -127,6 +127,8 @@ def index_found(sums: Sums, wanted: Estimation) -> bool:
     edge lies elsewhere by more than half of what makes the wheel uneven."""
     if not (wanted.wheel.has_index and all(a.index_found for a in sums.alignments)):
         return False
+    if sums.sectors == 2:  # of two sectors the polarity tells which
+        return True
     told = sums.noise_fit(settings_of(wanted))
     if told is not None and not told.index_gain > CLEAR:
         return False
@@ -136,8 +138,10 @@ def index_found(sums: Sums, wanted: Estimation) -> bool:
 
 
 def has_index(sums: Sums, wanted: Estimation) -> bool:
-    """Whether the wheel was described with an index."""
-    return (sums.verdict.described if sums.verdict is not None else wanted.wheel).has_index
+    """Whether the wheel was described with an index; two like sectors are one where polarities are logged."""
+    wheel = sums.verdict.described if sums.verdict is not None else wanted.wheel
+    polarity = isinstance(wanted.source, Wave) or (isinstance(wanted.source, Stamps) and bool(wanted.source.falling))
+    return wheel.has_index and (polarity or wheel != equal_wheel(len(wheel.edges)))
 
 
 def nis_band(count: int) -> tuple[float, float]:

@@ -544,6 +544,8 @@ class _Run:
         horizon = min(self.sums.end, waiting)
         self.sums.edges += float(np.sum(settled.counts))
         self._heed()
+        if self.beginning.blur > 0.0:  # it is part of the edges' variance then, which silences are judged by
+            settled = settled._replace(intervals=np.zeros(settled.times.size))
         tracker.add_gaps(self.gaps)
         self.gaps = []
         for tracked in tracker.push(settled, horizon, last=last):
@@ -561,7 +563,8 @@ class _Run:
         settings = wanted.filter
         if self.beginning is not None:
             direction = self.beginning.verdict.likeliest.direction
-            settings = replace(settings, stop_rate=0.0) if self.beginning.coarse else settings
+            hidden = self.beginning.blur * TURN / self.sums.sectors
+            settings = replace(settings, edge_variance=settings.edge_variance + hidden * hidden / 12.0)
         if wanted.pressure is not None and wanted.pressure.fused:
             told = wanted.pressure
             together = replace(
