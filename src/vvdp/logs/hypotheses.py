@@ -183,7 +183,7 @@ class _Record:
         best = min(scored, key=lambda each: each.squares)
         period = len(best.offsets)
         refined = fit(self.likelihood(period).without(best.offsets)).noise
-        scored, floor = self.score(tried, _rescaled(refined, period, self.sectors))
+        scored, floor = self.score(tried, _rescale(refined, period, self.sectors))
 
         def clearly(one: _Scored, other: _Scored) -> bool:
             squares = one.squares - floor < CLEARLY * (other.squares - floor)
@@ -219,7 +219,7 @@ class _Record:
             beyond = period > MOST_PLACES or self.numbers[-1] < FEWEST_TURNS * period or self.times.size < 2 * period
             if beyond and period != self.sectors:
                 continue
-            nu, responses = self.likelihood(period).white(_rescaled(noise, self.sectors, period), period)
+            nu, responses = self.likelihood(period).white(_rescale(noise, self.sectors, period), period)
             free = responses[:, 1:]
             anywhere = np.linalg.lstsq(free.T @ free, -free.T @ nu, rcond=1e-10)[0]
             floor = min(floor, float(np.sum((nu + free @ anywhere) ** 2)))
@@ -246,7 +246,7 @@ class _Record:
             yield np.roll(own, -first)
 
 
-def _rescaled(noise: Noise, period: int, sectors: int) -> Noise:
+def _rescale(noise: Noise, period: int, sectors: int) -> Noise:
     """The noise of a wheel with `period` edges, told for one with `sectors`."""
     scale = (period / sectors) ** 2
     return Noise(scale * noise.acceleration_density, scale * noise.edge_variance)
