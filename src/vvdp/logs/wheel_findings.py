@@ -159,8 +159,8 @@ def _perhaps_back(sums: Sums) -> Iterator[Finding]:
     if times:
         yield warning(
             "Perhaps turned back",
-            f"At about {_enumerate([f'{time:.4g} s' for time in times])} the spool nearly stood still: the wheel cannot "
-            "tell whether it turned back.",
+            f"At about {_enumerate([f'{time:.4g} s' for time in times])} the spool nearly stood still: the wheel "
+            "cannot tell whether it turned back.",
             "Speed and angle are those of a spool that turns on. A wheel with an index would tell.",
         )
 
