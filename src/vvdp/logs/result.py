@@ -246,11 +246,11 @@ def _in_words(outcome: Outcome, frequency: Number) -> str:
         f"In {with_unit(sums.measured, DURATION)}, {passed}{missed}. The spool turned at "
         f"{with_unit(speed.mean, SPEED, 5)} on average, standard deviation {with_unit(speed.deviation, SPEED, 3)}, "
         f"which is a PWM frequency of {with_unit(frequency.value, FREQUENCY)}. "
-        f"{settled}{_assumptions(outcome)}"
+        f"{settled}{_granted_words(outcome)}"
     )
 
 
-def _assumptions(outcome: Outcome) -> str:
+def _granted_words(outcome: Outcome) -> str:
     """What the edges themselves cannot tell of how many of them pass in a turn."""
     n = outcome.sums.sectors
     if outcome.summary["index_found"]:

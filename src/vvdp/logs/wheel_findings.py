@@ -36,11 +36,11 @@ def wheel_findings(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> 
     yield from _alias(found, sums, wanted)
     yield from _sectors(verdict)
     if wanted.sectors_assumed and not found["index_found"]:
-        yield _assumed(verdict, sums)
+        yield _sectors_assumed(verdict, sums)
     if found["index_found"] is False and verdict.likeliest.sectors is not Sectors.ONE_KIND:
         yield _index_not_found(verdict, sums)
     if verdict.likeliest.polarity < 0.0:
-        yield _inverted(verdict, wanted)
+        yield _wave_inverted(verdict, wanted)
     if verdict.likeliest.direction < 0.0 and not sums.reversals:
         yield _backwards(verdict)
     for time in sums.reversals[:NAMED]:
@@ -80,7 +80,7 @@ def _sectors(verdict: Verdict) -> Iterator[Finding]:
         )
 
 
-def _assumed(verdict: Verdict, sums: Sums) -> Finding:
+def _sectors_assumed(verdict: Verdict, sums: Sums) -> Finding:
     n = sums.sectors
     return warning(
         "Sectors assumed",
@@ -109,7 +109,7 @@ def _index_not_found(verdict: Verdict, sums: Sums) -> Finding:
     )
 
 
-def _inverted(verdict: Verdict, wanted: Estimation) -> Finding:
+def _wave_inverted(verdict: Verdict, wanted: Estimation) -> Finding:
     remedy = "An index on an edge of the other polarity looks the same; then nothing is to be done."
     if isinstance(wanted.source, Wave):
         value = "true" if wanted.source.comparator.inverted else "false"
@@ -159,8 +159,8 @@ def _perhaps_back(sums: Sums) -> Iterator[Finding]:
     if times:
         yield warning(
             "Perhaps turned back",
-            f"At about {_listed([f'{time:.4g} s' for time in times])} the spool nearly stood still: the wheel cannot "
-            "tell whether it turned back.",
+            f"At about {_enumerate([f'{time:.4g} s' for time in times])} the spool nearly stood still: the wheel "
+            "cannot tell whether it turned back.",
             "Speed and angle are those of a spool that turns on. A wheel with an index would tell.",
         )
 
@@ -171,11 +171,11 @@ def motion_findings(sums: Sums) -> Iterator[Finding]:
         stretches = [f"from {begin:.4g} to {end:.4g} s" for begin, end in sums.standstills]
         yield warning(
             "Standstill",
-            f"The spool stood still {_listed(stretches)}.",
+            f"The spool stood still {_enumerate(stretches)}.",
             "Nothing to do, if so. A sensor that falls silent looks the same.",
         )
 
 
-def _listed(words: list[str]) -> str:
+def _enumerate(words: list[str]) -> str:
     more = len(words) - NAMED
     return ", ".join(words[:NAMED]) + (f", and {more} times more" if more > 0 else "")
