@@ -8,6 +8,10 @@ FEW = 0.035
 the share within two."""
 
 
+TENTH = 0.8, 1.25
+"""Factors of the mean square by which the deviation is a tenth off: so well it need be known."""
+
+
 def covers(found: Honesty, *, few: bool) -> bool:
     """Whether two deviations cover as many errors of speed and of angle as they should; a `few` records say less."""
     low, high = COVERED[0] - FEW * few, COVERED[1] + 0.01 * few
@@ -15,7 +19,8 @@ def covers(found: Honesty, *, few: bool) -> bool:
 
 
 def is_calibrated(found: Honesty, *, few: bool) -> bool:
-    """Whether errors of speed and angle are as large as stated: their mean squares over what is stated lie within the
-    band; of a `few` records, not all of them alike, within half and twice it."""
-    low, high = found.low * (1.0 - 0.5 * few), found.high * (1.0 + few)
+    """Whether errors of speed and angle are as large as stated, to a tenth: their mean squares over what is stated lie
+    within so much of the band; of a `few` records, not all of them alike, within half and twice it."""
+    below, above = (0.5, 2.0) if few else TENTH
+    low, high = below * found.low, above * found.high
     return low <= found.speed_nees <= high and low <= found.angle_nees <= high
