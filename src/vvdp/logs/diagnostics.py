@@ -123,14 +123,16 @@ def settings_of(wanted: Estimation) -> Noise:
 
 
 def index_found(sums: Sums, wanted: Estimation) -> bool:
-    """Whether every piece agrees with the index of the wheel, it explains the edges better than an even wheel, and no
-    edge lies elsewhere by more than half of what makes the wheel uneven."""
-    if not (wanted.wheel.has_index and all(a.index_found for a in sums.alignments)):
+    """Whether every piece of several begins with the index of the wheel (in a single one the filter finds it later), it
+    explains the edges better than an even wheel, and no edge lies elsewhere by more than half of what makes the wheel
+    uneven."""
+    if not wanted.wheel.has_index:
         return False
-    if sums.sectors == 2:  # of two sectors the polarity tells which
-        return True
+    aligned = all(each.index_found for each in sums.alignments)
     told = sums.noise_fit(settings_of(wanted))
-    if told is not None and not told.index_gain > CLEAR:
+    if sums.sectors == 2 or told is None:  # of two sectors the polarity tells which
+        return aligned
+    if not (told.index_gain > CLEAR and (aligned or len(sums.alignments) == 1)):
         return False
     uneven = np.array(wanted.wheel.edges) - np.arange(sums.sectors) * TURN / sums.sectors
     offsets = np.nan_to_num(sums.offsets[sums.wheel_counts >= FEW])
