@@ -1,11 +1,17 @@
 """Logs whose wheel is not quite the one that was described: the best reading is taken, and said first."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from tests.logs.records import TURN, Motion, crossings, even_edges, titles, wave_of
 
+from vvdp.logs.alignment import CLEARLY, RATHER, sectors_passed
 from vvdp.logs.edges import Edges
-from vvdp.logs.hypotheses import Sectors, hypotheses, judge
+from vvdp.logs.hypotheses import LOOKED_AT, TURNS, Sectors, hypotheses, judge
+from vvdp.logs.noise_fit import CLEAR
+from vvdp.logs.passages import AROUND, WINDOWS, slow_passages
+from vvdp.logs.wheel_findings import ALIAS_SAMPLES
 from vvdp.results.result import Grade
 from vvdp.sensing.wheel import equal_wheel
 
@@ -333,3 +339,48 @@ def test_the_root_mean_square_of_the_deviations(estimated):
     settled = t >= kept.column("edges/time")[16]
     expected = np.sqrt(np.mean(kept.column("speed_deviation")[settled] ** 2))
     assert kept.summary["speed_deviation_rms_rad_s"] == pytest.approx(expected, rel=1e-9)
+
+
+# What they rest on
+
+
+def test_sectors_are_counted_over_missed_edges():
+    """Two fifths of the edges missing, without polarities and with: the time tells how many sectors passed."""
+    times, signs = crossings(steady(until=3.0), even_edges(8, 1, 0.25))
+    for seed in range(3):
+        seen = np.flatnonzero(np.random.default_rng(seed).random(times.size) > 0.4)
+        for known in (0.0, 1.0):
+            edges = Edges(times[seen], 0.0 * seen, known * signs[seen], np.ones(seen.size))
+            true = np.diff(seen)
+            begin = int(np.argmax(true == 1))  # longer times before may be those of a wheel that starts
+            assert np.array_equal(sectors_passed(edges, 48)[begin:], true[begin:])
+
+
+def test_a_wheel_that_starts_from_rest_has_not_missed_its_first_edges():
+    # a constant acceleration: edge k at sqrt(2 k pitch/a), the first times 1, 0.41, 0.32, ... of each other
+    times = np.sqrt(np.arange(1.0, 80.0))
+    nothing = np.zeros(times.size)
+    assert (sectors_passed(Edges(times, nothing, nothing, nothing + 1.0)) == 1.0).all()
+
+
+def test_a_slow_passage_by_hand():
+    steps = np.ones(60)
+    assert slow_passages(steps) == []
+    steps[30] = 7.5  # two of them 8.5, on average 4.25 times the others
+    assert slow_passages(steps) == [30]
+    assert slow_passages(np.concatenate([np.ones(30), np.full(30, 9.0)])) == []  # slow from there on is no passage
+    missed = np.random.default_rng(0).geometric(0.55, 20_000).astype(float)  # 45 % of the edges
+    assert len(slow_passages(missed)) <= 20  # once in a thousand edges at most
+
+
+def test_the_guide_has_the_numbers_that_are_used():
+    text = (Path(__file__).parents[2] / "docs" / "logs.md").read_text("utf-8")
+    (five, long), (two, longer) = WINDOWS
+    for words in (
+        f"Of the first {TURNS} turns of the finest wheel, {LOOKED_AT} edges at most",
+        f"where ln L is higher by {CLEAR:g},",
+        f"are {long:g} or {longer:g} times as long\nas the {AROUND} before and the {AROUND} after them",
+        f"a wave has fewer than {ALIAS_SAMPLES:g} samples for each sector",
+    ):
+        assert words in text, words
+    assert (five, two) == (5, 2) and (CLEARLY, RATHER) == (0.5, 0.75)
