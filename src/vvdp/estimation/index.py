@@ -119,7 +119,7 @@ def index_after_edge(
     """
     n = memory.numbers.size
     numbers, times = np.empty(n), np.empty(n)
-    present = 0.0
+    present = 1.0
     for i in range(n):
         kept = memory.numbers[i] > number - n
         numbers[i] = memory.numbers[i] if kept else -np.inf
