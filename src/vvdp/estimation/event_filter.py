@@ -92,9 +92,9 @@ def after_edge(
         if is_late(expected.instant, silence) or reversed_share(expected.instant) > UNLIKELY:
             wide = inflate(expected.instant, silence.duration, settings.manoeuvre_density)
             heard = after_silence(expected.instant, wide, silence)
-            if heard.halt > SURE and memory.tally.associating > 0.0:
-                return start_again(memory, reading, expected, heard, settings)
             clearly = expected.instant.angle - silence.next_edge > 0.5 * sector(settings.wheel)
+            if clearly and heard.halt > SURE and memory.tally.associating > 0.0:
+                return start_again(memory, reading, expected, heard, settings)
             stood = heard.halt if clearly else heard.backward
             slip = memory.tally.associating * turned_back(stood, arrival_density(expected, silence), silence)
     return after_expected_edge(memory, reading, expected, slip, settings)
