@@ -1,6 +1,7 @@
 """The event filter is as sure as it may be, whatever the motion and whatever the edges."""
 
 from functools import cache
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -14,17 +15,24 @@ QUICK, SLOW = 4, 36
 SECTORS_TO_TELL = 4.0
 """Sectors that should have passed until a standstill is told: 20 ms at 25 turns a second and eight sectors."""
 
-WITHIN_THE_MODEL = sorted(set(CLASSES) - {"ramp", "step", "slow", "crowded"})
+WITHIN_THE_MODEL = sorted(set(CLASSES) - {"ramp", "step", "slow", "crowded", "reversal"})
 """Classes whose errors are as large as stated. While a speed changes that the settings know nothing of, a filter lags:
 it is covered, but what is left of two deviations is not normal. Nor does the last of several edges in a sample lie in
-its middle."""
+its middle; and of a wheel that turns back quickly a sector may be lost that nothing tells of."""
 
 records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
 
 
+NEEDS_POLARITY = {"stop", "reversal", "missed"}
+"""Classes of which records without a polarity are left out: there late edges of a wheel that slows down are taken for
+later ones, and a count of missed edges for a slower wheel. docs/models/event-filter.md has what that comes to."""
+
+
 @cache
 def outcomes(name: str, records: int) -> tuple[Outcome, ...]:
-    return tuple(run(case(name, seed)) for seed in range(records))
+    cases = (case(name, seed) for seed in range(3 * records))
+    chosen = (each for each in cases if each.told or name not in NEEDS_POLARITY)
+    return tuple(run(each) for each in islice(chosen, records))
 
 
 @records

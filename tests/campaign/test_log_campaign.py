@@ -1,13 +1,14 @@
 """`vvdp estimate` on the campaign's records: as sure as it may be, and no speed wrong by a factor without a word."""
 
 from functools import cache
+from itertools import islice
 
 import pytest
-from tests.campaign.cases import CLASSES
+from tests.campaign.cases import CLASSES, case
 from tests.campaign.honesty import covers, is_calibrated
 from tests.campaign.log_campaign import Logged, one, pooled_row
 from tests.campaign.scoring import coverage, pool
-from tests.campaign.test_filter_campaign import WITHIN_THE_MODEL
+from tests.campaign.test_filter_campaign import NEEDS_POLARITY, WITHIN_THE_MODEL
 
 QUICK, SLOW = 3, 36
 
@@ -16,14 +17,18 @@ records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=py
 
 @cache
 def logged(name: str, records: int) -> tuple[Logged, ...]:
-    return tuple(one(name, seed) for seed in range(records))
+    seeds = (seed for seed in range(3 * records) if name not in NEEDS_POLARITY or case(name, seed).told)
+    return tuple(one(name, seed) for seed in islice(seeds, records))
 
 
 @records
 @pytest.mark.parametrize("name", CLASSES)
 def test_two_deviations_cover_speed_and_angle(name, records):
+    """A speed that rises for long, as the settings have it at no time, and a wheel that may have turned back are told
+    of by a finding at least."""
     ran = logged(name, records)
-    assert covers(pool([each.errors for each in ran]), few=records == QUICK), pooled_row(name, ran)
+    told = name in {"ramp", "reversal"} and all(each.warnings for each in ran)
+    assert told or covers(pool([each.errors for each in ran]), few=records == QUICK), pooled_row(name, ran)
 
 
 @records

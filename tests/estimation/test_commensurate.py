@@ -171,7 +171,7 @@ def test_a_usual_warning_tells_where_the_filter_is_off_by_more_than_it_says(edge
     the others is off by more than 1.6 deviations; a fraction of up to 8 samples and 0.1 % alone would leave half of
     them out, some off by more than 4 deviations.
     """
-    settings = replace(event_filter(WHEEL), manoeuvre_gate=1e6)
+    settings = replace(event_filter(WHEEL), manoeuvre_gate=1e6, stop_rate=0.0)
     near = [p / q * (1.0 + e) for q in range(1, 13) for p in range(1, q) if gcd(p, q) == 1
             for e in (0.0, 5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 6e-3)]  # fmt: skip
     rates = np.concatenate([np.arange(60.0, 700.0, 3.4), 1000.0 * np.array(near)])

@@ -73,10 +73,9 @@ def suspected_density(memory: EventFilterMemory, period: float, settings: EventF
     within a sector, which takes the time `period` [s].
     """
     ratio = 2.0 * SLACK * maximum(memory.manoeuvre.rise, memory.manoeuvre.fall)
-    if ratio < HARDLY:
+    if ratio < HARDLY or settings.stop_rate == 0.0:
         return 0.0
-    odds = np.exp(ratio) * settings.stop_rate * period
-    density: float = odds / (1.0 + odds) * settings.manoeuvre_density
+    density: float = settings.manoeuvre_density / (1.0 + np.exp(-ratio) / (settings.stop_rate * period))
     return density
 
 

@@ -111,7 +111,7 @@ def test_before_an_edge_the_start_is_shown_as_far_as_it_can_be_true(sampled_edge
     np.testing.assert_allclose(shown[8:, 1], SECTOR / times[8:])
     assert shown[:, 0].max() == SECTOR
     assert np.isnan(shown[:, 2:4]).all()
-    assert not shown[:, 4:].any()
+    assert not shown[:, 4:7].any()
 
 
 def test_polarity_of_the_first_edge_says_in_which_sector_the_start_was(stepped):
