@@ -23,13 +23,7 @@ from vvdp.systems.rotary_bench import orifice_load
 from vvdp.systems.summary import Summary, summary
 from vvdp.systems.system import System, load_system
 
-SETTINGS = (
-    "run.window=0 s",
-    "encoder.noise=0.12",
-    "spool_filter.stop_rate=0.01 Hz",
-    "spool_filter.ripple_order=3",
-    "spool_filter.ripple_variance=6e-5",
-)
+SETTINGS = ("run.window=0 s",)
 SOON = 0.02
 """Time within which a jam is to be told [s]: half a turn at 25 turns/s, four sectors."""
 JAMS = tuple(0.8 + 0.0073 * i for i in range(8))
