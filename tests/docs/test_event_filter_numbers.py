@@ -35,8 +35,8 @@ def test_what_is_assumed_is_what_the_code_has():
     known = {name: next(getattr(m, name) for m in modules if hasattr(m, name)) for name in rows if name.isupper()}
     assert rows.pop("stop_rate") == USUAL.stop_rate and rows == known
     assert f"`DECIDED`), at the latest after {doubt.LONGEST:.0f} edges" in PAGE and "$e^{\\pm 4}$" in PAGE
-    assert doubt.DECIDED == between_edges.HARDLY == 4.0 and "exceeds 4 (`HARDLY`)" in PAGE
-    assert between_edges.SUSPECTED == 3.0 and f"by 1/{event_filter.UNREST:.0f} an edge" in PAGE
+    assert doubt.DECIDED == 4.0 and between_edges.HARDLY == 2.0 and "exceeds 2 (`HARDLY`)" in PAGE
+    assert between_edges.SUSPECTED == 6.0 and f"by 1/{event_filter.UNREST:.0f} an edge" in PAGE
     assert f"more than {100 * silence.UNLIKELY:.0f} %" in PAGE
 
 
@@ -90,9 +90,9 @@ def test_a_suspicion():
     start = event_filter_start(USUAL, 0.0, 0.0, SPEED)
     memory = start._replace(manoeuvre=start.manoeuvre._replace(rise=3.5))
     density = between_edges.suspected_density(memory, 5e-3, USUAL)
-    assert "$p = 0.052$, and with it 4.0 rad/s more" in PAGE
+    assert "$p = 0.052$, and with it 5.6 rad/s more" in PAGE
     assert density / USUAL.manoeuvre_density == pytest.approx(0.052, rel=0.01)
-    assert np.sqrt(density * between_edges.SUSPECTED * 5e-3) == pytest.approx(4.0, rel=0.02)
+    assert np.sqrt(density * between_edges.SUSPECTED * 5e-3) == pytest.approx(5.6, rel=0.02)
 
 
 def test_what_no_filter_can_know():

@@ -36,13 +36,13 @@ def test_an_inflated_belief_is_one_predicted_with_more():
 
 def test_a_suspicion_by_hand():
     """Sums of 3.5 are a likelihood ratio of e^7 = 1097; a change within a sector of 5 ms, 0.01 a second, has odds of
-    5e-5 before and 0.0548 after, hence 0.0520 of 2e4 rad^2/s^3. Below e^4 nothing is suspected."""
+    5e-5 before and 0.0548 after, hence 0.0520 of 2e4 rad^2/s^3. Below e^2 nothing is suspected."""
     memory = event_filter_start(PUBLISHED, 0.0, 0.0, 155.0)
     for side in ("rise", "fall"):
         sums = memory.manoeuvre._replace(**{side: 3.5})
         found = suspected_density(memory._replace(manoeuvre=sums), 5e-3, PUBLISHED)
         assert found == pytest.approx(0.05198 * 2e4, rel=1e-3)
-        few = memory.manoeuvre._replace(**{side: 1.99})
+        few = memory.manoeuvre._replace(**{side: 0.99})
         assert suspected_density(memory._replace(manoeuvre=few), 5e-3, PUBLISHED) == 0.0
 
 

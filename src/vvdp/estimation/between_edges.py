@@ -18,13 +18,13 @@ from vvdp.sensing.wheel import edge_angle
 SLACK = 1.0
 """Normalised innovation that counts as none when innovations of one sign are summed up [1]."""
 
-HARDLY = 4.0
+HARDLY = 2.0
 """Logarithm of a likelihood ratio below which a manoeuvre is not suspected [1]."""
 
 SHORTEST = 1e-9
 """Least time without an edge [s]: an edge may be seen twice in an instant, and a speed follows from this time."""
 
-SUSPECTED = 3.0
+SUSPECTED = 6.0
 """Sectors for which a manoeuvre has gone on when it is suspected [1]."""
 
 

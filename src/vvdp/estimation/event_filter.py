@@ -123,8 +123,11 @@ def take_in(
     """
     wheel, q, tally, edge = settings.wheel, settings.acceleration_density, memory.tally, seen.edge
     prior, ripple, R, associating = expected.course, expected.ripple, expected.variance, tally.associating
-    if associating > 0.0 and memory.manoeuvre.density <= q and vague(expected.instant, wheel) > 0.0:
-        prior, associating = expected.manoeuvre, 0.0  # after a long time without edges anything may have happened
+    # Where no silence is heard, or a sample takes half a sector, anything may have happened once the angle is vague.
+    unheard = settings.stop_rate == 0.0 or reading.edge_interval * prior.speed > 0.5 * sector(wheel)
+    calm = associating > 0.0 and memory.manoeuvre.density <= q
+    if unheard and calm and vague(expected.instant, wheel) > 0.0:
+        prior, associating = expected.manoeuvre, 0.0
     place = Place(0.0, 0.0)
     if settings.ripple_order > 0.0:
         place = place_of(edge_angle(edge, wheel), settings.ripple_order)

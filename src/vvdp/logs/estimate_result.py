@@ -22,9 +22,9 @@ ROWS: Mapping[str, tuple[str, str]] = {
     "piece": ("1", "piece of the record; the filter starts anew with each"),
     "angle": ("rad", "spool angle, unwrapped; it falls while the spool turns backwards"),
     "angle_in_turn": ("rad", "spool angle within the turn"),
-    "speed": ("rad/s", "spool speed, negative backwards"),
+    "speed": ("rad/s", "spool speed, negative backwards; a mean over a PWM period unless the filter has its ripple"),
     "angle_deviation": ("rad", "standard deviation of the spool angle"),
-    "speed_deviation": ("rad/s", "standard deviation of the spool speed"),
+    "speed_deviation": ("rad/s", "standard deviation of that speed"),
     "pwm_frequency": ("Hz", "PWM frequency"),
     "standstill": ("1", "probability that the spool stands still"),
 }

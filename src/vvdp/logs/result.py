@@ -198,10 +198,17 @@ def _conditions(outcome: Outcome) -> dict[str, str]:
         "log": f"{outcome.log.name}, {with_unit(sums.measured, DURATION, 6)}",
         "edges": f"from {SOURCES[type(wanted.source)][1]}, {channels}",
         "wheel": f"{sums.sectors} sectors, {'with' if wanted.wheel.has_index else 'without'} an index",
+        "speed": _speed_meant(wanted),
     }
     if wanted.pressure is not None:
         found["inlet pressure"] = repr(wanted.pressure.channel) + (", fused" if wanted.pressure.fused else "")
     return found
+
+
+def _speed_meant(wanted: Estimation) -> str:
+    """Which speed is estimated, in words."""
+    order = wanted.filter.ripple_order
+    return f"of the instant, {plain(order)} ripples a turn" if order > 0.0 else "mean over a PWM period"
 
 
 def _badges(outcome: Outcome) -> Iterator[Badge]:
@@ -237,8 +244,8 @@ def _in_words(outcome: Outcome, frequency: Number) -> str:
     passed = f"{_count_text(sums.edges, 'edge')} of a wheel with {sums.sectors} sectors passed"
     missed = f", {plain(sums.missed)} more did not show" if sums.missed else ""
     settled = (
-        f"The angle is known to {with_unit(sums.angle_deviation.mean, ANGLE, 3)} and the speed to "
-        f"{with_unit(sums.speed_deviation.mean, SPEED, 3)} (one standard deviation)."
+        f"The angle is known to {with_unit(sums.angle_deviation.mean, ANGLE, 3)} and the speed, "
+        f"{_speed_meant(outcome.wanted)}, to {with_unit(sums.speed_deviation.mean, SPEED, 3)} (one standard deviation)."
         if sums.speed.count
         else "The record is too short for the filter to settle."
     )
