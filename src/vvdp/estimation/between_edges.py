@@ -25,7 +25,7 @@ SHORTEST = 1e-9
 """Least time without an edge [s]: an edge may be seen twice in an instant, and a speed follows from this time."""
 
 SUSPECTED = 6.0
-"""Sectors for which a manoeuvre has gone on when it is suspected [1]."""
+"""Sectors for which a manoeuvre has gone on when it is suspected [1]; assumed."""
 
 
 def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -> Heard:

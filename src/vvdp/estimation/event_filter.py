@@ -1,6 +1,7 @@
 """The event-based Kalman filter: angle and speed of the spool from the times at which edges passed.
 
-The belief is kept at the time of the last edge. A sample without an edge costs a prediction and nothing else.
+The belief is kept at the time of the last edge. A sample without an edge costs a prediction, and what the silence says
+once an edge is late.
 Derived in docs/models/event-filter.md.
 
 Source  ours, docs/models/event-filter.md, where a function names no other.
@@ -55,7 +56,7 @@ UNBELIEVABLE = 0.4
 """Share of irregular edges that shows that the believed speed is a multiple or a fraction of the true one [1]."""
 
 UNREST = 24.0
-"""Edges over which what a manoeuvre leaves behind fades [1]."""
+"""Edges over which what a manoeuvre leaves behind fades [1]; assumed."""
 
 TELLABLE = (0.25 * TURN) ** 2.0
 """Variance of the angle below which a turn that agrees with the index confirms it [rad^2]."""

@@ -17,10 +17,10 @@ from vvdp.numerics.kalman import AngleSpeed
 from vvdp.numerics.normal import normal_share, truncate
 
 SURE = 0.9
-"""Probability from which a wheel is taken to have halted [1]."""
+"""Probability from which a wheel is taken to have halted [1]; assumed."""
 
 LATE = 2.0
-"""Deviations after which an edge that was due is late, and its absence is heard [1]."""
+"""Deviations after which an edge that was due is late, and its absence is heard [1]; assumed."""
 
 LEAST = 1e-12
 """Share of a belief below which a hypothesis is left out [1]."""
@@ -29,7 +29,7 @@ DROPOUTS = 0.01
 """Losses of the sensor, for however long, for each stop of the wheel [1]; assumed."""
 
 UNLIKELY = 0.05
-"""Probability below which the wheel is not taken to have turned back [1]."""
+"""Probability below which the wheel is not taken to have turned back [1]; assumed."""
 
 STARTS = 30.0
 """How often an edge comes of a wheel that turned back [1/s]; assumed."""
@@ -42,9 +42,8 @@ class Silence(NamedTuple):
     """A time without an edge: its `duration` since the last one, where that lay and where the next one lies.
 
     `edge_variance` is the part of an edge's noise that is an angle; `irregular`, the share of edges that were missed or
-    ignored of late, rests on `watched` ones. Stops,
-    slow passages, and manoeuvres not yet known of begin at `stop_rate`; a wheel that starts again does so with
-    `start_variance`.
+    ignored of late, rests on `watched` ones. Stops, slow passages, and manoeuvres not yet known of begin at
+    `stop_rate`; a wheel that starts again does so with `start_variance`.
     """
 
     duration: Time

@@ -11,6 +11,7 @@ from vvdp.logs.edges import WaveEdges
 from vvdp.logs.noise_fit import CLEAR, Explained, Noise
 from vvdp.logs.ripple_findings import ripple_numbers
 from vvdp.logs.sums import Moments, Sums
+from vvdp.numerics.kalman import chance_band
 from vvdp.sensing.wheel import TURN, equal_wheel
 
 SURE = 4.0
@@ -27,7 +28,7 @@ SHARE_FAR = 5e-3
 def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """The numbers of docs/keys.md, `vvdp estimate`, as far as the estimation has them."""
     speed = sums.speed if sums.speed.count else sums.early_speed
-    low, high = nis_band(sums.nis.count)
+    low, high = chance_band(sums.nis.count)
     found: dict[str, Any] = {
         "duration_s": sums.measured,
         "samples": sums.samples,
@@ -144,15 +145,6 @@ def has_index(sums: Sums, wanted: Estimation) -> bool:
     wheel = sums.verdict.described if sums.verdict is not None else wanted.wheel
     polarity = isinstance(wanted.source, Wave) or (isinstance(wanted.source, Stamps) and bool(wanted.source.falling))
     return wheel.has_index and (polarity or wheel != equal_wheel(len(wheel.edges)))
-
-
-def nis_band(count: int) -> tuple[float, float]:
-    """Where the mean of `count` squared normalised innovations lies with a chance of 95 % if the settings fit."""
-    if not count:
-        return np.nan, np.nan
-    from scipy.stats import chi2
-
-    return float(chi2.ppf(0.025, count)) / count, float(chi2.ppf(0.975, count)) / count
 
 
 def _largest(values: Array) -> float:

@@ -11,8 +11,8 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import display_unit, number, plain, with_unit
 from vvdp.base.kinds import ANGLE, COUNT, DURATION, FREQUENCY, RATIO, SPEED, Kind
 from vvdp.logs.charts import Excerpt, Figure, data_table, short_clock
-from vvdp.logs.diagnostics import nis_band
 from vvdp.logs.sums import Sums
+from vvdp.numerics.kalman import chance_band
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Table
 from vvdp.sensing.wheel import TURN
@@ -218,7 +218,7 @@ def innovation_figure(file: Any, sums: Sums) -> Figure:
     tables = {"innovation-course": _innovation_table(t, nu, deviation), "innovation-squares": _square_table(sums)}
     usual = 2.0 * float(np.nanmedian(deviation)) if nu.size else 1.0
     reach = 1.3 * max(usual, float(np.quantile(np.abs(nu), 0.999)) if nu.size else 0.0)
-    low, high = nis_band(sums.nis.count)
+    low, high = chance_band(sums.nis.count)
     caption = (
         "By how much each edge differed from what was expected (left), and how the squares of that over the expected "
         "variance are distributed (right; orange: by chance alone, if the settings fit; the last step holds all from "

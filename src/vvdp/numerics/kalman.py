@@ -84,7 +84,12 @@ def update_n(
 
 
 def chance_band(count: int) -> tuple[float, float]:
-    """Where the mean of `count` squared normalised errors lies with a chance of 95 % if their deviations are true."""
+    """Where the mean of `count` squared normalised errors lies with a chance of 95 % if their deviations are true [1].
+
+    NaN of none.
+    """
+    if not count:
+        return np.nan, np.nan
     from scipy.special import chdtri
 
     return float(chdtri(count, 0.975)) / count, float(chdtri(count, 0.025)) / count
