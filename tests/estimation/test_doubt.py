@@ -117,7 +117,7 @@ def test_a_dropout_is_taken_up_again(filtered, gap, deviation, ripple):
 def test_a_doubt_is_about_the_mean_course():
     """Exact edges of a spool whose ripple of 12 % is known: the belief carried on stays on the mean course, angle and
     speed, from which edges off by up to 0.12/3 = 0.04 rad would draw it away."""
-    settings = replace(PUBLISHED, ripple_order=3.0)
+    settings = replace(PUBLISHED, ripple_order=3.0, ripple_variance=1e-12)
     start = event_filter_start(settings, 0.0, 0.0, 155.0)
     memory = start._replace(
         belief=start.belief._replace(angle_variance=1e-4, speed_variance=1e-4),

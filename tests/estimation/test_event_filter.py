@@ -332,6 +332,8 @@ def test_settings_that_contradict_are_refused():
         replace(PUBLISHED, manoeuvre_density=0.1)
     with pytest.raises(ParameterError, match="looks the same after less than a turn"):
         replace(PUBLISHED, index_turns=2.0)
+    with pytest.raises(ParameterError, match="ripple of 3 periods a turn"):
+        replace(PUBLISHED, ripple_order=3.0)
     assert PUBLISHED.index_turns == 0.0
     assert event_filter(INDEXED).index_turns == 2.0
 

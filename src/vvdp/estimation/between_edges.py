@@ -7,10 +7,9 @@ import numpy as np
 
 from vvdp.base.select import maximum
 from vvdp.estimation.association import sector
-from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.estimation.ripple import of_the_instant, predict_ripple, without_covariance
+from vvdp.estimation.ripple import Ripple, of_the_instant, predict_ripple, without_covariance
 from vvdp.estimation.silence import Heard, Silence, after_silence, is_late
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.wheel import edge_angle
@@ -31,10 +30,7 @@ SUSPECTED = 6.0
 def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -> Heard:
     """What is believed at a `time` [s] up to which no edge has come since the last one."""
     h, density = time - memory.time, memory.manoeuvre.density
-    instant = predict(memory.belief, h, density)
-    if settings.ripple_order > 0.0:
-        ripple = predict_ripple(memory.ripple, h, settings.ripple_drift)
-        instant = of_the_instant(instant, ripple, settings.ripple_order)
+    _, _, instant = bring_forward(memory, h, settings)
     heard = heard_plainly(instant)
     if settings.stop_rate > 0.0 and memory.tally.started > 0.0:
         silence = silence_until(memory, time, memory.tally.ignored + 1.0, settings)
@@ -49,6 +45,17 @@ def believed_at(memory: EventFilterMemory, time: float, settings: EventFilter) -
     period = sector(settings.wheel) / maximum(instant.speed, settings.lowest_speed)
     density, lasting = suspected_density(memory, period, settings), h + SUSPECTED * period
     return blur(heard, memory.slip + density * lasting * lasting * lasting / 3.0, density * lasting)
+
+
+def bring_forward(
+    memory: EventFilterMemory, duration: float, settings: EventFilter
+) -> tuple[AngleSpeed, Ripple, AngleSpeed]:
+    """The beliefs of the mean course and of the ripple `duration` [s] after the last one, and that of the instant."""
+    course = predict(memory.belief, duration, memory.manoeuvre.density)
+    if settings.ripple_order == 0.0:
+        return course, memory.ripple, course
+    ripple = predict_ripple(memory.ripple, duration, settings.ripple_drift)
+    return course, ripple, of_the_instant(course, ripple, settings.ripple_order)
 
 
 def heard_plainly(belief: AngleSpeed) -> Heard:
@@ -77,20 +84,6 @@ def suspected_density(memory: EventFilterMemory, period: float, settings: EventF
         return 0.0
     density: float = settings.manoeuvre_density / (1.0 + np.exp(-ratio) / (settings.stop_rate * period))
     return density
-
-
-def heard_estimate(heard: Heard, innovation: float, innovation_deviation: float, missed_edges: float) -> Estimate:
-    """The estimate that is made of what is believed at a sample; arguments as in `Estimate`."""
-    return Estimate(
-        angle=heard.angle,
-        speed=heard.speed,
-        angle_deviation=np.sqrt(heard.angle_variance),
-        speed_deviation=np.sqrt(heard.speed_variance),
-        innovation=innovation,
-        innovation_deviation=innovation_deviation,
-        missed_edges=missed_edges,
-        standstill=heard.standstill,
-    )
 
 
 def silence_until(memory: EventFilterMemory, time: float, edges: float, settings: EventFilter) -> Silence:

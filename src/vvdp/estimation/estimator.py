@@ -6,12 +6,11 @@ samples angle(t) = angle + speed (t - time of the sample) holds.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from vvdp.base.kinds import Angle, Count, Fraction, Speed
-from vvdp.numerics.kalman import AngleSpeed
 
 
 class Estimate(NamedTuple):
@@ -32,9 +31,24 @@ class Estimate(NamedTuple):
     standstill: Fraction
 
 
-def to_estimate(belief: AngleSpeed, innovation: float, innovation_deviation: float, missed_edges: float) -> Estimate:
-    """The estimate that a belief about the time of the sample makes; arguments as in `Estimate`."""
-    b = belief
+class Believed(Protocol):
+    """What is believed of angle and speed: a Gaussian belief, or the first two moments of another."""
+
+    @property
+    def angle(self) -> float: ...
+    @property
+    def speed(self) -> float: ...
+    @property
+    def angle_variance(self) -> float: ...
+    @property
+    def speed_variance(self) -> float: ...
+
+
+def to_estimate(
+    believed: Believed, standstill: float, innovation: float, innovation_deviation: float, missed_edges: float
+) -> Estimate:
+    """The estimate that is made of what is believed at the time of the sample; arguments as in `Estimate`."""
+    b = believed
     angle_deviation, speed_deviation = np.sqrt(b.angle_variance), np.sqrt(b.speed_variance)
     return Estimate(
         angle=b.angle,
@@ -44,7 +58,7 @@ def to_estimate(belief: AngleSpeed, innovation: float, innovation_deviation: flo
         innovation=innovation,
         innovation_deviation=innovation_deviation,
         missed_edges=missed_edges,
-        standstill=np.nan,
+        standstill=standstill,
     )
 
 

@@ -19,8 +19,8 @@ from vvdp.estimation.association import (
     irregular_share,
     sector,
 )
-from vvdp.estimation.between_edges import SLACK, believed_at, heard_estimate, inflate, silence_until
-from vvdp.estimation.estimator import Estimate, Estimator
+from vvdp.estimation.between_edges import SLACK, believed_at, inflate, silence_until
+from vvdp.estimation.estimator import Estimate, Estimator, to_estimate
 from vvdp.estimation.event_memory import RELIABLE, EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.expected_edge import (
@@ -76,7 +76,7 @@ def event_filter_step(
     if reading.edges > 0.0:
         memory, innovation, deviation = after_edge(memory, reading, settings)
     heard = believed_at(memory, reading.time, settings)
-    return memory, heard_estimate(heard, innovation, deviation, memory.tally.missed_edges)
+    return memory, to_estimate(heard, heard.standstill, innovation, deviation, memory.tally.missed_edges)
 
 
 def after_edge(

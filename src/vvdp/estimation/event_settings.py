@@ -57,6 +57,11 @@ class EventFilterValues(Params):
                 f"EventFilter.manoeuvre_density: {self.manoeuvre_density:g} rad^2/s^3 is below the "
                 f"acceleration_density of {self.acceleration_density:g} rad^2/s^3"
             )
+        if self.ripple_order > 0.0 and not self.ripple_variance > 0.0:
+            raise ParameterError(
+                f"EventFilter.ripple_variance: 0, but a ripple of {self.ripple_order:g} periods a turn is to be "
+                "estimated; expected a variance above 0"
+            )
 
 
 class EventFilter(EventFilterValues):

@@ -10,10 +10,10 @@ import numpy as np
 from vvdp.base.kinds import AngularVariance
 from vvdp.base.select import maximum
 from vvdp.estimation.association import sector
-from vvdp.estimation.between_edges import inflate
+from vvdp.estimation.between_edges import bring_forward, inflate
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.estimation.ripple import Ripple, displacement, of_the_instant, place_of, predict_ripple
+from vvdp.estimation.ripple import Ripple, displacement, place_of
 from vvdp.estimation.silence import Silence
 from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
@@ -56,13 +56,10 @@ def edge_angle_variance(speed: float, edge_interval: float, settings: EdgeNoise)
 def expected_at(memory: EventFilterMemory, reading: Reading, settings: EventFilter) -> Expected:
     """The beliefs at the time of a reading's edge, before it is taken in."""
     h = reading.edge_time - memory.time
-    course = predict(memory.belief, h, memory.manoeuvre.density)
+    course, ripple, instant = bring_forward(memory, h, settings)
     wide = inflate(predict(memory.belief, h, 0.0), reading.edge_time - memory.last.time, settings.manoeuvre_density)
     R = edge_angle_variance(course.speed, reading.edge_interval, settings)
-    if settings.ripple_order == 0.0:
-        return Expected(course, wide, memory.ripple, course, R)
-    ripple = predict_ripple(memory.ripple, h, settings.ripple_drift)
-    return Expected(course, wide, ripple, of_the_instant(course, ripple, settings.ripple_order), R)
+    return Expected(course, wide, ripple, instant, R)
 
 
 def arrival_density(expected: Expected, silence: Silence) -> float:

@@ -16,8 +16,8 @@ from vvdp.base.kinds import Angle, AngularVariance, Count, DutyRatio, Kind, Rati
 from vvdp.base.params import Params
 from vvdp.base.select import maximum, minimum
 from vvdp.estimation.association import sector
-from vvdp.estimation.between_edges import believed_at, heard_estimate, heard_plainly, inflate
-from vvdp.estimation.estimator import Estimate
+from vvdp.estimation.between_edges import believed_at, heard_plainly, inflate
+from vvdp.estimation.estimator import Estimate, to_estimate
 from vvdp.estimation.event_filter import after_edge, after_expected_edge
 from vvdp.estimation.event_memory import EventFilterMemory, LastEdge, Manoeuvre, Tally, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
@@ -209,7 +209,7 @@ def fusion_step(memory: FusionMemory, reading: FusionReading, settings: Fusion) 
     if reading.pressure_edges > 0.0 and reading.pressure_polarity != 0.0 and memory.filter.tally.associating > 0.0:
         memory = _after_pressure_edge(memory, reading, settings)
     heard = _hear(memory, encoder.time, settings)
-    estimate = heard_estimate(heard, innovation, deviation, memory.filter.tally.missed_edges)
+    estimate = to_estimate(heard, heard.standstill, innovation, deviation, memory.filter.tally.missed_edges)
     shown = FusionEstimate(
         estimate=estimate,
         phase=memory.mean[2],

@@ -98,6 +98,6 @@ def add_encoder(net: Network, spool: str, table: EncoderTable, values: EventFilt
     settings = WatchSettings(
         encoder=encoder, filter=replace(event_filter(encoder.wheel), **numbers), angle=angle, seed=table.seed
     )
-    unknown = to_estimate(watch_start(settings).filter.belief, 0.0, 0.0, 0.0)
+    unknown = to_estimate(watch_start(settings).filter.belief, 0.0, 0.0, 0.0, 0.0)
     watch = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
     net.program("encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"})

@@ -381,7 +381,7 @@ def torque_filter_step(
     memory = TorqueFilterMemory(time=now, belief=belief, edge=m.edge, tally=m.tally, change=m.change)
     x, P = belief
     motion = AngleSpeed(x.angle, x.speed, P.angle, P.angle_speed, P.speed)
-    estimate = to_estimate(motion, innovation, deviation, memory.tally.missed_edges)
+    estimate = to_estimate(motion, np.nan, innovation, deviation, memory.tally.missed_edges)
     return memory, estimate
 
 
