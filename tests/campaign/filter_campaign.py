@@ -11,7 +11,10 @@ from tests.campaign.cases import CLASSES, RATE, UNTIL, Case, case
 from tests.campaign.generator import TURN, sampled
 from tests.campaign.scoring import Errors, Traces, coverage, errors, independent_edges, pool, stands, wrong_by_a_factor
 
-from vvdp.estimation.event_filter import event_filter_estimator
+from vvdp.base.kinds import Fraction
+from vvdp.estimation.estimator import Estimate
+from vvdp.estimation.event_filter import event_filter_estimator, event_filter_step
+from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter, event_filter
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import CodeWheel, equal_wheel
@@ -51,11 +54,26 @@ def settings_of(of: Case) -> EventFilter:
     return replace(plain, **{name: value for name, value in wanted.items() if name in known})
 
 
+class Watched(NamedTuple):
+    """What the filter shows, and whether it has found the index."""
+
+    estimate: Estimate
+    found: Fraction
+
+
+def watched_step(
+    memory: EventFilterMemory, reading: Reading, settings: EventFilter
+) -> tuple[EventFilterMemory, Watched]:
+    """The filter's step."""
+    memory, estimate = event_filter_step(memory, reading, settings)
+    return memory, Watched(estimate, memory.search.found)
+
+
 @cache
 def compiled(sectors: int) -> Replay:
     """The filter, compiled; for each number of sectors its own shape of the memory, and the same text."""
     example = event_filter_estimator(event_filter(equal_wheel(sectors)))
-    return Replay(example.step, example.memory, Reading(0.0, 0.0, 0.0, 0.0, 0.0), example.settings)
+    return Replay(watched_step, example.memory, Reading(0.0, 0.0, 0.0, 0.0, 0.0), example.settings)
 
 
 def true_motion(of: Case, time: np.ndarray, *, directed: bool = False) -> np.ndarray:
@@ -79,7 +97,7 @@ def run(of: Case) -> Outcome:
     rows = sampled(of.seen, UNTIL, RATE, phase, stamped=of.stamped, told=of.told)
     replay = compiled(of.wheel.meant.size)
     shown = replay(event_filter_estimator(told).memory, rows, told).shown[rows[:, 0] >= SETTLED]
-    named = dict(zip(replay.columns, shown.T, strict=True))
+    named = {path.rpartition(".")[2]: column for path, column in zip(replay.columns, shown.T, strict=True)}
     time = rows[rows[:, 0] >= SETTLED, 0]
     traces = Traces(
         time=time,
@@ -87,15 +105,24 @@ def run(of: Case) -> Outcome:
         true=true_motion(of, time),
         deviations=np.column_stack([named["angle_deviation"], named["speed_deviation"]]),
     )
+    name_edges(traces, named["found"], TURN / of.wheel.meant.size)
     return Outcome(
         case=of,
         traces=traces,
         errors=errors(
             traces, TURN / of.wheel.meant.size, independent(of, told, 0.0 if of.stamped else 1.0 / RATE), of.sudden
         ),
-        wrong=wrong_by_a_factor(traces, of.usual),
+        wrong=wrong_by_a_factor(traces, of.usual, of.sudden),
         standstill=named["standstill"],
     )
+
+
+def name_edges(traces: Traces, found: np.ndarray, pitch: float) -> None:
+    """Count the angle before the index was `found` as after it: until then it is relative."""
+    since = int(np.argmax(found > 0.0))
+    if since > 0:
+        off = (traces.estimated - traces.true)[since - 1 : since + 1, 0]
+        traces.estimated[:since, 0] += pitch * np.round((off[1] - off[0]) / pitch)
 
 
 def told_within(each: Outcome) -> float:

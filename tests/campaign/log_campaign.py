@@ -106,7 +106,7 @@ def run(of: Case, logging: Logging, folder: Path, *, told: bool = True) -> Logge
         case=of,
         logging=logging,
         errors=errors(traces, pitch, independent(of, wanted.filter, interval), of.sudden),
-        wrong=wrong_by_a_factor(traces, of.usual),
+        wrong=wrong_by_a_factor(traces, of.usual, of.sudden),
         warnings=tuple(each.title for each in found.findings if each.grade is not Grade.PLAIN),
     )
 

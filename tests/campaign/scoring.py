@@ -65,8 +65,13 @@ def errors(traces: Traces, pitch: float, independent: float, sudden: tuple[tuple
     z = off[sure] / np.clip(deviations[sure], 1e-12, None)
     still = stands(traces)[sure]
     time = traces.time[sure][~still]
-    knowable = ~np.any([(time >= begin) & (time <= end) for begin, end in ((np.inf, np.inf), *sudden)], axis=0)
-    return Errors(z[~still, 1], z[~still, 0], independent, z[still], knowable)
+    return Errors(z[~still, 1], z[~still, 0], independent, z[still], is_knowable(time, sudden))
+
+
+def is_knowable(time: np.ndarray, sudden: tuple[tuple[float, float], ...]) -> np.ndarray:
+    """Whether edges have told, at each `time`, of all `sudden` changes before it, each given from when to when [s]."""
+    found: np.ndarray = ~np.any([(time >= begin) & (time <= end) for begin, end in ((np.inf, np.inf), *sudden)], axis=0)
+    return found
 
 
 def stands(traces: Traces) -> np.ndarray:
@@ -120,10 +125,13 @@ def band(independent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def wrong_by_a_factor(traces: Traces, usual: float) -> bool:
+def wrong_by_a_factor(traces: Traces, usual: float, sudden: tuple[tuple[float, float], ...] = ()) -> bool:
     """Whether the mean of the estimated speed over some half a second is no such speed at all, and two of the stated
-    deviations do not say so; less than a twentieth of the `usual` speed is as good as none."""
-    known = np.isfinite(traces.estimated[:, 1])
+    deviations do not say so; less than a twentieth of the `usual` speed is as good as none.
+
+    Just after a `sudden` change, from when to when [s], no edge has told of it: that is left out.
+    """
+    known = np.isfinite(traces.estimated[:, 1]) & is_knowable(traces.time, sudden)
     n = min(np.count_nonzero(known), max(1, round(OVER / float(np.median(np.diff(traces.time))))))
     weights = np.ones(n) / n
     said, was, deviation = (np.convolve(each[known, 1], weights, mode="valid") for each in traces[1:])

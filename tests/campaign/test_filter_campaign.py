@@ -23,7 +23,7 @@ its middle; and of a wheel that turns back quickly a sector may be lost that not
 records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
 
 
-NEEDS_POLARITY = {"stop", "reversal", "missed"}
+NEEDS_POLARITY = {"step", "stop", "reversal", "missed"}
 """Classes of which records without a polarity are left out: there late edges of a wheel that slows down are taken for
 later ones, and a count of missed edges for a slower wheel. docs/models/event-filter.md has what that comes to."""
 

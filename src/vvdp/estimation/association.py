@@ -95,8 +95,8 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     last  number of the last edge used
     """
     next_sector = edge_angle(last + 1.0, wheel) - edge_angle(last, wheel)
-    fresh = sighting.fresh
-    while fresh > 1.0 and sighting.advance < (fresh - 0.5) * next_sector:
+    fresh, reach = sighting.fresh, sighting.advance + np.sqrt(2.0 * sighting.variance)
+    while fresh > 1.0 and reach < (fresh - 0.5) * next_sector:
         fresh -= 2.0
     counted = counted_edge(last, sighting.ignored + fresh, sighting.polarity)
     nearest = nearest_edge(sighting.angle, sighting.polarity, wheel)
@@ -112,8 +112,8 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     manoeuvre = sighting.manoeuvre_odds + 0.5 * away * away / S_m + 0.5 * np.log(S_m / S)
     count_cost = minimum(0.5 * away * away / S, manoeuvre)
     off = edge_angle(nearest, wheel) - sighting.angle
-    missed = maximum(nearest - counted, 0.0)  # more than the next by count asks for
-    nearest_cost = 0.5 * off * off / S - np.log(maximum(missed_share(sighting.irregular) ** missed, DROPOUT))
+    odd = abs(nearest - counted)  # edges missed, or too many
+    nearest_cost = 0.5 * off * off / S - np.log(maximum(missed_share(sighting.irregular) ** odd, DROPOUT))
     between = edge_angle(nearest, wheel) - edge_angle(counted, wheel)
     slip = between * between / (1.0 + np.exp(abs(nearest_cost - count_cost)))
     return Association(nearest if nearest_cost < count_cost else counted, 1.0, slip)

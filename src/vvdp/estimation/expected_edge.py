@@ -9,7 +9,7 @@ import numpy as np
 
 from vvdp.base.kinds import AngularVariance
 from vvdp.base.select import maximum
-from vvdp.estimation.association import sector
+from vvdp.estimation.association import missed_in_a_row, sector
 from vvdp.estimation.between_edges import bring_forward, inflate
 from vvdp.estimation.event_memory import EventFilterMemory
 from vvdp.estimation.event_settings import EventFilter
@@ -63,10 +63,17 @@ def expected_at(memory: EventFilterMemory, reading: Reading, settings: EventFilt
 
 
 def arrival_density(expected: Expected, silence: Silence) -> float:
-    """Density in time with which the next edge comes now if the wheel goes on as believed [1/s]: omega N(nu; S)."""
+    """Density in time with which an edge comes now if the wheel goes on as believed [1/s]: sum of p_k omega N(nu_k; S)
+    over the next edge and over the one that is nearest now, before which k edges were missed.
+    """
     instant, S = expected.instant, expected.instant.angle_variance + expected.variance
-    off = silence.next_edge - instant.angle
-    density: float = maximum(instant.speed, 0.0) * np.exp(-0.5 * off * off / S) / np.sqrt(TURN * S)
+    off, width = silence.next_edge - instant.angle, silence.next_edge - silence.last_edge
+    seen = np.exp(-0.5 * off * off / S)
+    missed = np.round(-off / width)
+    if missed >= 1.0:
+        off += missed * width
+        seen += missed_in_a_row(silence.irregular, silence.watched, missed) * np.exp(-0.5 * off * off / S)
+    density: float = maximum(instant.speed, 0.0) * seen / np.sqrt(TURN * S)
     return density
 
 
