@@ -80,7 +80,7 @@ def test_sampling_warnings():
     limits = sampling_limits(4e-10, 4.93e-13)
     assert sampling_warning(limits, 1e-3) == ""
     assert sampling_warning(limits, 2e-3).endswith("a sample period of 2 ms is above the 1.23 ms advised")
-    assert "sampled every 4 ms it will limit-cycle: its limit is 2.46 ms" in sampling_warning(limits, 4e-3)
+    assert "sampled every 4 ms it will limit-cycle: its limit is 2.47 ms" in sampling_warning(limits, 4e-3)
 
 
 @given(st.floats(1.0, 300.0), st.floats(0.1, 3.0))
