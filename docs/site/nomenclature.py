@@ -17,8 +17,8 @@ from vvdp.base.conservation import Books, Stored
 from vvdp.base.params import Params, field_kinds, field_types
 
 PAGE = Path(__file__).parents[1] / "nomenclature.md"
-ROOMS = ("fluid", "valve", "hydraulics", "sensing", "geometry", "estimation", "network", "components", "systems")
-ROOMS += ("simulation",)
+ROOMS = ("fluid", "valve", "hydraulics", "sensing", "geometry", "estimation", "control")
+ROOMS += ("network", "components", "systems", "simulation")
 ROW = re.compile(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \| ([^|]*) \|$")
 
 

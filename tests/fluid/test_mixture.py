@@ -10,6 +10,7 @@ from vvdp.fluid.mixture import (
     bulk_modulus,
     compression_energy_per_mass,
     compression_energy_per_volume,
+    density_rise,
     enthalpy,
     fluid_density,
     fluid_state,
@@ -244,3 +245,29 @@ def test_pressures_may_be_an_array(make_oil):
         assert tuple(part[i] for part in state) == pytest.approx(tuple(fluid_state(pressure, oil)), rel=1e-15)
     assert mean_bulk_modulus(P, oil)[2] == pytest.approx(mean_bulk_modulus(1e7, oil), rel=1e-14)
     assert compression_energy_per_volume(P, 2e5, oil).shape == (3,)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"air_fraction": 0.0909},
+        {"polytropic_exponent": 1.0},
+        {"air_fraction": 0.0},
+        {"bulk_modulus_slope": 11.0},
+        {"vapour_pressure": 3e4},
+    ],
+)
+@pytest.mark.parametrize(("one", "other"), [(14e5, 10e5), (10e5, 14e5), (3e7, 1e5), (2e4, 1e6)])
+def test_density_rise_is_that_of_the_volume_ratios(make_oil, changed, one, other):
+    oil = make_oil(**changed)
+    expected = specific_volume_ratio(other, oil) / specific_volume_ratio(one, oil) - 1.0
+    assert density_rise(one, other, oil) == pytest.approx(expected, rel=1e-10, abs=1e-15)
+
+
+def test_small_density_rises_lose_no_digits(make_oil):
+    """1/beta over small differences: the quotient of the ratios would have none left."""
+    oil = make_oil(air_fraction=0.0909)
+    for d in (1.0, 1e-3, -1e-6):
+        found = density_rise(14e5 + d, 14e5, oil) / ((14e5 + d) - 14e5)
+        assert found == pytest.approx(1.0 / bulk_modulus(14e5, oil), rel=2e-6 * abs(d) + 1e-14)
+    assert density_rise(14e5, 14e5, oil) == 0.0

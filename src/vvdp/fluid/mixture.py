@@ -14,7 +14,15 @@ from vvdp.base.kinds import BulkModulus, EnergyDensity, Pressure, Ratio
 from vvdp.base.powers import expm1
 from vvdp.base.select import maximum, select
 from vvdp.fluid.oil import Oil, density
-from vvdp.fluid.parts import RAREFIED, air_part, liquid_enthalpy, liquid_part, power_growth, vapour_part
+from vvdp.fluid.parts import (
+    RAREFIED,
+    air_part,
+    density_growth,
+    liquid_enthalpy,
+    liquid_part,
+    power_growth,
+    vapour_part,
+)
 
 NODES, WEIGHTS = (tuple(map(float, 0.5 * column)) for column in np.polynomial.legendre.leggauss(16))
 
@@ -234,6 +242,30 @@ def compression_energy_per_volume(pressure: float, from_pressure: float, oil: Oi
     boiled = vapour.enthalpy - vapour_part(Pd, oil).enthalpy - d * vapour.volume
     energy: float = (l * (oil_expansion - d) + a * (expansion - d) + boiled) / (a + l + vapour.volume)
     return energy
+
+
+def density_rise(pressure: float, from_pressure: float, oil: Oil) -> float:
+    """By how much the fluid is denser than at another pressure, rho(P)/rho(Pd) - 1 = e^g(P, Pd) - 1 [1].
+
+    (nu(Pd) - nu(P))/nu(P), part by part: a ((P/Pd)^(1/n) - 1) of the air, l (l(Pd)/l(P) - 1) of the oil; exact for
+    small differences too.  pressure: P; from_pressure: Pd, both absolute [Pa], held at P0/100 below it.
+
+    Source  wang2017, eq. 5.5; closed form ours, docs/models/fluid.md
+
+    >>> print(f"{density_rise(14e5, 10e5, oil):.4e}")  # oil without air: 2.8576e-04
+    7.0562e-04
+    """
+    P0, n, m = oil.reference_pressure, oil.polytropic_exponent, oil.bulk_modulus_slope
+    P = maximum(pressure, RAREFIED * P0)
+    Pd = maximum(from_pressure, RAREFIED * P0)
+    d = P - Pd
+    a = oil.air_fraction * (P0 / P) ** (1.0 / n)
+    liquid, vapour = liquid_part(P, oil), vapour_part(P, oil)
+    l = (1.0 - oil.air_fraction) * liquid.volume
+    air_rise = a * np.expm1(-np.log1p(-d / P) / n)
+    oil_rise = l * np.expm1(-density_growth(-d, oil.liquid_bulk_modulus + m * (P - P0), m))
+    rise: float = (air_rise + oil_rise + vapour_part(Pd, oil).volume - vapour.volume) / (a + l + vapour.volume)
+    return rise
 
 
 def compression_energy_per_mass(pressure: float, from_pressure: float, temperature: float, oil: Oil) -> float:

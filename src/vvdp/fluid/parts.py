@@ -90,7 +90,7 @@ def liquid_part(pressure: float, oil: Oil) -> FluidPart:
     1.729
     """
     d, b, m = pressure - oil.reference_pressure, oil.liquid_bulk_modulus, oil.bulk_modulus_slope
-    volume: float = np.exp(-_density_growth(d, b, m))
+    volume: float = np.exp(-density_growth(d, b, m))
     return FluidPart(volume, volume / (b + m * d), liquid_enthalpy(d, b, m))
 
 
@@ -105,13 +105,18 @@ def liquid_enthalpy(rise: float, modulus: float, slope: float) -> float:
 
     Source  ours, docs/models/fluid.md
     """
-    g, k = _density_growth(rise, modulus, slope), slope - 1.0
+    g, k = density_growth(rise, modulus, slope), slope - 1.0
     level = abs(k) < 1e-12
     return modulus * select(level, g, expm1(k * g) / select(level, 1.0, k))
 
 
-def _density_growth(rise: float, modulus: float, slope: float) -> float:
-    """int dP/beta of oil over a rise of its pressure [1]."""
+def density_growth(rise: float, modulus: float, slope: float) -> float:
+    """Logarithm of the ratio by which oil without air becomes denser over a rise of its pressure, int dP/beta [1].
+
+    rise     of the pressure [Pa]
+    modulus  at first [Pa]
+    slope    of the modulus over pressure [1]
+    """
     m = select(slope > 0.0, slope, 1.0)
     growth: float = select(slope > 0.0, np.log1p(slope * rise / modulus) / m, rise / modulus)
     return growth

@@ -1,0 +1,96 @@
+"""Passivity-based control of the chamber: what the oil stores against its desired pressure is used, not cancelled.
+
+With W = W_V(P, P_d) the energy per volume and p = P - P_d, the flow Q_d + q makes the storage V W obey
+d(V W)/dt = (p + W) q - p A e_v exactly, whatever the bulk modulus; q = -lambda_3 p takes energy out.
+
+Source  ours, docs/models/passivity-control.md, where a function names no other.
+"""
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Conductance
+from vvdp.base.select import select
+from vvdp.control.chamber import (
+    ChamberDrive,
+    ChamberFlow,
+    ChamberReading,
+    DesiredPressure,
+    PositionGains,
+    chamber_volume,
+    desired_pressure,
+    volume_compliance,
+)
+from vvdp.control.reference import Rate, Reference
+from vvdp.fluid.mixture import bulk_modulus, compression_energy_per_volume, density_rise
+
+
+class PassivityGains(PositionGains):
+    """Gains of the passivity law; lambda_3 = `flow_gain` + `pressure_rate` V/beta(P_d), of which one is usually zero.
+
+    With a `pressure_rate` alone, the pressure error fades at that rate whatever the air in the oil.
+    Raises `ParameterError` where both are zero.
+    """
+
+    flow_gain: Conductance = 0.0
+    pressure_rate: Rate = 0.0
+
+    def check(self) -> None:
+        super().check()
+        if not self.flow_gain + self.pressure_rate > 0.0:
+            raise ParameterError("PassivityGains: flow_gain and pressure_rate are both 0; the pressure would drift")
+
+
+def pressure_error_gain(position: float, pressure: float, gains: PassivityGains, drive: ChamberDrive) -> float:
+    """lambda_3 [m^3/(s Pa)].  position: [m]; pressure: the desired one, absolute [Pa]."""
+    return gains.flow_gain + gains.pressure_rate * volume_compliance(position, pressure, drive)
+
+
+def exact_feedforward(desired: DesiredPressure, reading: ChamberReading, drive: ChamberDrive) -> float:
+    """Q_d = (A r + V/B P_d')/(1 + W/p) [m^3/s], p = P - P_d, 1/B = (e^g(P, P_d) - 1)/p, at p = 0 1/beta.
+
+    Both W and e^g - 1 are closed forms without differences that cancel, so that p may be as small as it likes.
+
+    Source  wang2017, eqs. 5.25, 5.33; the form is ours, docs/models/passivity-control.md
+    """
+    P, Pd = reading.pressure, desired.pressure
+    p = P - Pd
+    is_met = p == 0.0
+    unit = select(is_met, 1.0, p)
+    softness = select(is_met, 1.0 / bulk_modulus(Pd, drive.oil), density_rise(P, Pd, drive.oil) / unit)
+    storage = select(is_met, 0.0, compression_energy_per_volume(P, Pd, drive.oil) / unit)
+    volume = chamber_volume(reading.position, drive)
+    return (drive.area * desired.reference_velocity + volume * softness * desired.rate) / (1.0 + storage)
+
+
+def printed_feedforward(desired: DesiredPressure, reading: ChamberReading, drive: ChamberDrive) -> float:
+    """Q_d = A r + V/beta(P_d) P_d1' [m^3/s], with the part of the rate that the reference gives; for comparison.
+
+    Source  wang2017, eq. 5.34
+    """
+    compliance = volume_compliance(reading.position, desired.pressure, drive)
+    return drive.area * desired.reference_velocity + compliance * desired.known_rate
+
+
+def passivity_law(
+    reference: Reference, reading: ChamberReading, gains: PassivityGains, drive: ChamberDrive
+) -> ChamberFlow:
+    """The flow Q = Q_d - lambda_3 (P - P_d) with the exact feedforward; `orifice.valve_command` makes it a command.
+
+    Source  wang2017, eq. 5.37; feedforward ours, docs/models/passivity-control.md
+    """
+    desired = desired_pressure(reference, reading, gains, drive)
+    feedforward = exact_feedforward(desired, reading, drive)
+    gain = pressure_error_gain(reading.position, desired.pressure, gains, drive)
+    return ChamberFlow(feedforward - gain * (reading.pressure - desired.pressure), feedforward, desired)
+
+
+def printed_passivity_law(
+    reference: Reference, reading: ChamberReading, gains: PassivityGains, drive: ChamberDrive
+) -> ChamberFlow:
+    """The same as `passivity_law` with the published, approximate feedforward.
+
+    Source  wang2017, eq. 5.37
+    """
+    desired = desired_pressure(reference, reading, gains, drive)
+    feedforward = printed_feedforward(desired, reading, drive)
+    gain = pressure_error_gain(reading.position, desired.pressure, gains, drive)
+    return ChamberFlow(feedforward - gain * (reading.pressure - desired.pressure), feedforward, desired)

@@ -1,0 +1,149 @@
+"""Gains from poles, and what is certain of gains: certificates of both pressure laws, limits of the sample period.
+
+Source  ours, docs/models/passivity-control.md, where a function names no other.
+"""
+
+from typing import NamedTuple
+
+from vvdp.base.errors import ParameterError
+from vvdp.control.backstepping import BacksteppingGains
+from vvdp.control.chamber import ChamberDrive, PositionGains, desired_rate_sensitivities
+from vvdp.control.feedforward_pi import FeedforwardPI
+from vvdp.control.passivity import PassivityGains
+
+
+class Certificate(NamedTuple):
+    """A sufficient condition for exponential stability: `margin` = `offered` - `needed` has to be above 0."""
+
+    offered: float
+    needed: float
+
+    @property
+    def margin(self) -> float:
+        """By how much the condition holds."""
+        return self.offered - self.needed
+
+    @property
+    def holds(self) -> bool:
+        """Whether the gains are certified. Gains that are not may be stable all the same."""
+        return self.margin > 0.0
+
+
+def passivity_certificate(
+    compliance: float, flow_gain: float, gains: PositionGains, drive: ChamberDrive, disturbance: float = 0.0
+) -> Certificate:
+    """Whether the matrix of the published passivity law is positive definite: both sides in m^3/(s Pa).
+
+    lambda_3 + alpha_P V/beta - kappa > (V/2 beta)^2 (alpha_e^2/(l (K + K_p)) + alpha_ev^2/K_v). With the exact
+    feedforward any lambda_3 above 0 will do.
+
+    compliance   V/beta [m^3/Pa]
+    flow_gain    lambda_3, times the least 1 + W_V/(P - P_d) that occurs [m^3/(s Pa)]
+    disturbance  kappa, from what the feedforward approximates [m^3/(s Pa)]
+
+    Source  wang2017, eq. 5.38
+    """
+    pressure = desired_rate_sensitivities(gains, drive).pressure
+    return Certificate(flow_gain + pressure * compliance - disturbance, _coupling(compliance, gains, drive))
+
+
+def backstepping_certificate(compliance: float, gains: BacksteppingGains, drive: ChamberDrive) -> Certificate:
+    """Whether the matrix of the backstepping law is positive definite: both sides in m^3/(s Pa).
+
+    lambda_3 lambda_2/(V/beta) + alpha_P lambda_2 > (lambda_2/2)^2 (alpha_e^2/(l (K + K_p)) + alpha_ev^2/K_v).
+
+    compliance  V/beta [m^3/Pa]
+
+    Source  wang2017, eq. 5.41
+    """
+    weight, pressure = gains.pressure_weight, desired_rate_sensitivities(gains, drive).pressure
+    offered = gains.flow_gain * weight / compliance + pressure * weight
+    return Certificate(offered, _coupling(weight, gains, drive))
+
+
+def _coupling(weight: float, gains: PositionGains, drive: ChamberDrive) -> float:
+    """What the errors of position and velocity take of the pressure's damping [m^3/(s Pa)]."""
+    alpha = desired_rate_sensitivities(gains, drive)
+    of_position = alpha.position**2 / (gains.error_rate * (drive.stiffness + gains.position_gain))
+    return (0.5 * weight) ** 2 * (of_position + alpha.velocity**2 / gains.velocity_gain)
+
+
+class SamplingLimits(NamedTuple):
+    """The pole of the pressure loop [1/s], the sample period [s] at which it limit-cycles, and half of that."""
+
+    pole: float
+    limit: float
+    recommended: float
+
+
+def sampling_limits(flow_gain: float, compliance: float) -> SamplingLimits:
+    """What lambda_3 asks of the sample period, over which the flow is held: the pressure's pole is lambda_3 beta/V.
+
+    flow_gain   lambda_3 [m^3/(s Pa)]
+    compliance  V/beta, the least that occurs [m^3/Pa]
+    """
+    pole = flow_gain / compliance
+    return SamplingLimits(pole, 2.0 / pole, 1.0 / pole)
+
+
+def sampling_warning(limits: SamplingLimits, period: float) -> str:
+    """What to say of a sample period [s]; empty where it is short enough."""
+    if period <= limits.recommended:
+        return ""
+    loop = f"the pressure loop has a pole of {limits.pole:.0f} 1/s (lambda_3 beta/V)"
+    if period <= limits.limit:
+        return (
+            f"{loop}; a sample period of {1e3 * period:.3g} ms is above the {1e3 * limits.recommended:.3g} ms advised"
+        )
+    return (
+        f"{loop}; sampled every {1e3 * period:.3g} ms it will limit-cycle: "
+        f"its limit is {1e3 * limits.limit:.3g} ms, {1e3 * limits.recommended:.3g} ms is advised"
+    )
+
+
+def pi_of_poles(natural_rate: float, damping_ratio: float, area: float, flows: tuple[float, float]) -> FeedforwardPI:
+    """The gerotor drive's gains for s^2 + 2 zeta w s + w^2.
+
+    natural_rate   w [1/s]
+    damping_ratio  zeta; above 1 for two real poles [1]
+    area           that the flow moves [m^2]
+    flows          the least and the greatest that the drive delivers [m^3/s]
+    """
+    return FeedforwardPI(
+        area=area,
+        proportional_rate=2.0 * damping_ratio * natural_rate,
+        integral_rate=natural_rate**2,
+        lowest_flow=flows[0],
+        highest_flow=flows[1],
+    )
+
+
+def passivity_gains_of_poles(
+    natural_rate: float, damping_ratio: float, error_rate: float, pressure_rate: float, drive: ChamberDrive
+) -> PassivityGains:
+    """Gains with which the position error fades as s^2 + 2 zeta w s + w^2, the pressure error with a rate of its own.
+
+    M s^2 + (M l + K_v) s + K + K_p + l K_v is to be M times that: K_v = M (2 zeta w - l), K_p = M w^2 - K - l K_v.
+    Raises `ParameterError` where K_v would not be above 0, or K + K_p, which the storage needs above 0, is not.
+
+    natural_rate   w [1/s]
+    damping_ratio  zeta [1]
+    error_rate     l = lambda_p [1/s]
+    pressure_rate  lambda_3 beta/V [1/s]
+    """
+    M, K, l = drive.moving_mass, drive.stiffness, error_rate
+    velocity_gain = M * (2.0 * damping_ratio * natural_rate - l)
+    position_gain = M * natural_rate**2 - K - l * velocity_gain
+    if not velocity_gain > 0.0:
+        raise ParameterError(
+            f"error_rate: {l:g} 1/s leaves a velocity gain of {velocity_gain:.3g} N*s/m; "
+            f"expected it below 2 zeta w = {2.0 * damping_ratio * natural_rate:.4g} 1/s"
+        )
+    if position_gain < 0.0:
+        raise ParameterError(
+            f"natural_rate: {natural_rate:g} 1/s takes a position gain of {position_gain:.4g} N/m, against the spring; "
+            f"expected at least {((K + l * velocity_gain) / M) ** 0.5:.4g} 1/s"
+        )
+    return PassivityGains(
+        error_rate=l, position_gain=position_gain, velocity_gain=velocity_gain, pressure_rate=pressure_rate
+    )

@@ -1,0 +1,77 @@
+"""Steps and laws give the same numbers in plain Python and compiled."""
+
+import dataclasses
+from collections import namedtuple
+
+import numpy as np
+import pytest
+
+from vvdp.control.backstepping import backstepping_law
+from vvdp.control.calibration import calibrated_command, dead_band_calibration
+from vvdp.control.chamber import ChamberReading
+from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_step
+from vvdp.control.orifice import valve_command, valve_flow
+from vvdp.control.passivity import passivity_law, printed_passivity_law
+from vvdp.control.reference import Reference, ReferenceFilter, reference_step
+from vvdp.control.storage import loop_balance
+from vvdp.simulation.compiled import make_compilable
+from vvdp.simulation.reach import compiled_form, reachable
+
+
+def record(value):
+    """A parameter set as compiled code sees it."""
+    if dataclasses.is_dataclass(value):
+        fields = [f.name for f in dataclasses.fields(value)]
+        return namedtuple(type(value).__name__, fields)(*(record(getattr(value, name)) for name in fields))
+    return value
+
+
+def compiled(function):
+    from numba import njit
+
+    for reached, _ in reachable(function, {}).values():
+        make_compilable(reached, compiled_form(reached))
+    return njit(error_model="numpy")(function)
+
+
+def numbers(result):
+    return [x for part in result for x in numbers(part)] if isinstance(result, tuple) else [float(result)]
+
+
+@pytest.fixture
+def draw():
+    """Makes a random reference and reading."""
+    rng = np.random.default_rng(4)
+
+    def drawn():
+        reference = Reference(*(rng.uniform(-1.0, 1.0, 4) * (5e-3, 0.05, 5.0, 500.0)).tolist())
+        return reference, ChamberReading(*rng.uniform((0.0, -0.05, 9e5), (5e-3, 0.05, 14e5)).tolist())
+
+    return drawn
+
+
+def test_laws_compile(draw, drive, passive, backstepping):
+    pairs = [(passivity_law, passive), (printed_passivity_law, passive), (backstepping_law, backstepping)]
+    for law, gains in pairs:
+        fast, settings = compiled(law), (record(gains), record(drive))
+        for _ in range(20):
+            seen = draw()
+            plain = numbers(law(*seen, gains, drive))
+            assert numbers(fast(*seen, *settings)) == pytest.approx(plain, rel=1e-11, abs=1e-16)
+
+
+def test_everything_else_compiles(draw, drive, passive):
+    pi = FeedforwardPI(area=5e-4, proportional_rate=30.0, integral_rate=90.0, lowest_flow=-3e-5, highest_flow=3e-5)
+    reference, reading = draw()
+    steps = [
+        (reference_step, (reference, 1e-3, 1e-3), (ReferenceFilter(filter_rate=150.0),)),
+        (pi_step, (PIMemory(1e-6), reference, 2e-3, 1e-3), (pi,)),
+        (valve_command, (2e-5, 12e5), (drive.valve,)),
+        (valve_flow, (0.3, 12e5), (drive.valve,)),
+        (calibrated_command, (2e-5,), (dead_band_calibration((-2.7e-5, 3e-5), (-0.08, 0.06), 1e-6),)),
+        (loop_balance, (2e-5, reference, reading), (passive, drive)),
+    ]
+    for function, inputs, settings in steps:
+        plain = numbers(function(*inputs, *settings))
+        found = numbers(compiled(function)(*inputs, *map(record, settings)))
+        assert found == pytest.approx(plain, rel=1e-11, abs=1e-16), function.__name__

@@ -1,0 +1,159 @@
+"""Storage as evidence: it never rises under the exact law, and what is reported where it does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.signal import signal_value
+from vvdp.control.backstepping import backstepping_law
+from vvdp.control.chamber import ChamberReading, chamber_volume
+from vvdp.control.orifice import valve_command, valve_flow
+from vvdp.control.passivity import passivity_law, printed_passivity_law
+from vvdp.control.reference import ReferenceFilter, reference_at_rest, reference_step, trapezoid
+from vvdp.control.storage import (
+    StorageBalance,
+    estimation_storage,
+    least_estimation_weight,
+    loop_balance,
+    storage_excess,
+)
+from vvdp.control.tuning import sampling_limits
+from vvdp.fluid.mixture import bulk_modulus
+
+START = 0.25e-3
+BALANCED = 1e5 + (2594.0 * START + 211.5) / 1.74e-4
+
+
+def rates(y, flow, drive):
+    """The plant, volume-counting, as the source has it."""
+    x, v, P = y
+    beta, V = bulk_modulus(P, drive.oil), chamber_volume(x, drive)
+    force = drive.area * (P - drive.oil.reference_pressure) - drive.stiffness * x - drive.preload
+    return v, force / drive.moving_mass, beta / V * (flow - drive.area * v)
+
+
+def continuous(law, drive, gains, reference, start):
+    """The loop without sampling, about a reference at rest: storage at 2000 instants of 0.2 s."""
+
+    def flow_at(y):
+        return law(reference, ChamberReading(*y), gains, drive).flow
+
+    times = np.linspace(0.0, 0.2, 2000)
+    found = solve_ivp(
+        lambda t, y: rates(y, flow_at(y), drive),
+        (0.0, 0.2),
+        start,
+        "DOP853",
+        times,
+        rtol=1e-9,
+        atol=(1e-12, 1e-9, 1e-3),
+    )
+    return np.array([loop_balance(flow_at(y), reference, ChamberReading(*y), gains, drive) for y in found.y.T])
+
+
+def test_storage_never_rises_without_sampling(drive, passive):
+    """From 0.2 mm beside the reference; the published start of 1 mm is beyond the pressure of the supply."""
+    storage, supply = continuous(passivity_law, drive, passive, reference_at_rest(2e-3), (1.8e-3, 0.0, 1.3e6)).T
+    assert np.all(np.diff(storage) <= 1e-15 * storage[0])
+    assert storage[-1] < 1e-4 * storage[0]
+    assert np.all(supply <= 0.0)
+    change = np.sum(0.5 * (supply[1:] + supply[:-1])) * 0.2 / 1999
+    assert storage[-1] - storage[0] == pytest.approx(change, rel=1e-4)
+
+
+def move(y, command, drive, period, pieces=10):
+    """The plant a period later, by Runge and Kutta's method."""
+    h = period / pieces
+
+    def slope(y):
+        return np.array(rates(y, valve_flow(command, y[2], drive.valve), drive))
+
+    for _ in range(pieces):
+        a = slope(y)
+        b = slope(y + 0.5 * h * a)
+        c = slope(y + 0.5 * h * b)
+        y = y + h / 6.0 * (a + 2.0 * b + 2.0 * c + slope(y + h * c))
+    return y
+
+
+def sampled(law, drive, gains, period=1e-3):
+    """Position errors [m] and what storage rose beyond its supply [J], over a trapezoid of 5 mm in 0.4 s.
+
+    The command is held over the sample.
+    """
+    signal, settings = trapezoid(START, 5.25e-3, (0.15, 0.15), 0.05, periods=1), ReferenceFilter(filter_rate=250.0)
+    reference, y, errors, excesses = reference_at_rest(START), np.array([START, 0.0, BALANCED]), [], []
+    for k in range(round(0.4 / period)):
+        wanted = law(reference, ChamberReading(*y), gains, drive).flow
+        command = valve_command(wanted, y[2], drive.valve)
+        flow = valve_flow(command, y[2], drive.valve)
+        errors.append(y[0] - reference.position)
+        before = loop_balance(flow, reference, ChamberReading(*y), gains, drive)
+        y = move(y, command, drive, period)
+        reference = reference_step(reference, signal_value(k * period, signal), period, settings)
+        flow = valve_flow(command, y[2], drive.valve)
+        after = loop_balance(flow, reference, ChamberReading(*y), gains, drive)
+        excesses.append(storage_excess(before, after, period))
+    return np.array(errors), np.array(excesses)
+
+
+def rms(errors):
+    return 1e6 * np.sqrt(np.mean(errors**2))
+
+
+@pytest.mark.parametrize("law", [passivity_law, printed_passivity_law])
+def test_trapezoid_of_5_mm(drive, passive, law):
+    """Published 7.70 um rms, here over 0.4 s, from pause to pause; within 10 %."""
+    errors, excesses = sampled(law, drive, passive)
+    assert rms(errors) == pytest.approx(7.70, rel=0.10)
+    assert np.max(np.abs(errors)) < 50e-6
+    assert np.max(excesses) < 1e-7
+
+
+def test_trapezoid_by_backstepping(drive, passive, backstepping):
+    """9.16 um with the table's gains, 18.4 um with the passive ones, 7.45 um with them and lambda_2 = V/beta."""
+    mild = replace(backstepping, position_gain=55.0, velocity_gain=4.0)
+    assert rms(sampled(backstepping_law, drive, backstepping)[0]) == pytest.approx(9.16, rel=0.10)
+    assert rms(sampled(backstepping_law, drive, mild)[0]) == pytest.approx(18.4, rel=0.10)
+    right = replace(mild, pressure_weight=5.0e-13)
+    assert rms(sampled(backstepping_law, drive, right)[0]) == pytest.approx(7.45, rel=0.10)
+
+
+def test_excess_by_hand():
+    before, after = StorageBalance(1.0, -3.0), StorageBalance(0.9, -2.0)
+    assert storage_excess(before, after, 0.01) == pytest.approx(-0.08)
+    assert storage_excess(before, StorageBalance(1.0, -2.0), 0.01) == pytest.approx(0.02)
+
+
+def test_sampling_beyond_the_limit_swings(drive, passive):
+    """4 ms at a pole of 811 1/s: 2.5 ms is the limit. Published 512 um against 7.7 um."""
+    assert sampling_limits(4e-10, 4.93e-13).limit == pytest.approx(2.465e-3, rel=1e-3)
+    quick, _ = sampled(passivity_law, drive, passive, period=2e-3)
+    slow, excesses = sampled(passivity_law, drive, passive, period=4e-3)
+    assert np.sqrt(np.mean(slow**2)) > 10.0 * np.sqrt(np.mean(quick**2))
+    assert np.max(excesses) > 1e-5
+
+
+def test_estimation_storage_by_hand():
+    assert estimation_storage(np.array([1.0, 2.0]), np.diag([4.0, 0.5])) == pytest.approx(0.25 + 8.0)
+
+
+def test_least_weight_makes_the_sum_fall():
+    """Of a cascade: an estimation error that fades and drives a tracking error."""
+    t = np.linspace(0.0, 5.0, 500)
+    tracking, estimation = (t * np.exp(-2.0 * t)) ** 2, np.exp(-4.0 * t)
+    c = least_estimation_weight(tracking, estimation)
+    assert np.all(np.diff(tracking + 1.0001 * c * estimation) <= 0.0)
+    assert not np.all(np.diff(tracking + 0.99 * c * estimation) <= 0.0)
+    assert least_estimation_weight(estimation, estimation) == 0.0
+    # d/dt of (t^2 + c) e^-4t is below zero for c >= (t - 2 t^2)/2, at most 1/16 at t = 1/4
+    assert c == pytest.approx(1.0 / 16.0, rel=1e-3)
+
+
+def test_weight_that_cannot_be_found_is_refused():
+    with pytest.raises(ParameterError, match="sample 1: the tracking storage rises by 1 J"):
+        least_estimation_weight(np.array([0.0, 1.0]), np.array([1.0, 1.0]))
+    assert least_estimation_weight(np.array([0.0, 1.0]), np.array([1.0, 1.0]), tolerance=1.0) == 0.0
