@@ -167,9 +167,10 @@ def draft_of(memory: AxialMemory, leading: int) -> Draft:
 
 
 def hold_position(draft: Draft, stop_position: float) -> None:
-    """At the stop position and velocity are known, in place; further states of the drive rest at 0."""
-    know_leading(draft.factors, draft.leading)
-    draft.mean[: draft.leading] = 0.0
+    """At the stop position and velocity are known, in place."""
+    known = min(draft.leading, 2)
+    know_leading(draft.factors, known)
+    draft.mean[:known] = 0.0
     draft.mean[0] = stop_position
 
 

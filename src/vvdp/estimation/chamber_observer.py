@@ -17,6 +17,7 @@ from vvdp.estimation.axial_filter import (
     AxialEstimate,
     AxialMemory,
     AxialSeen,
+    Draft,
     PollutionModel,
     axial_start,
     correct,
@@ -132,17 +133,21 @@ def chamber_observer_step(
     if seen.held > 0.0:
         hold_position(draft, settings.stop_position)
     else:
-        step = oscillator_step(settings.sample_period, settings.drive)
-        before, change = memory.drive_input, a - memory.drive_input
-        noise, F = np.empty(2), np.empty((2, 2))
-        noise[0] = settings.position_drift * settings.position_drift
-        noise[1] = settings.velocity_drift * settings.velocity_drift
-        F[0, 0], F[0, 1] = step.position
-        F[1, 0], F[1, 1] = step.velocity
-        move_leading(draft.mean, draft.factors, F, noise)
-        draft.mean[0] += step.constant[0] * before + step.growing[0] * change
-        draft.mean[1] += step.constant[1] * before + step.growing[1] * change
+        move_chamber(draft, memory.drive_input, a, settings)
     if not is_frozen(seen):
         turn = drift_in_turn(draft, turn, settings.pollution)
     estimate = correct(draft, seen, 0.0, settings.pollution)
     return AxialMemory(mean=draft.mean, factors=draft.factors, drive_input=a, turn=turn), estimate
+
+
+def move_chamber(draft: Draft, before: float, now: float, settings: ChamberObserver) -> None:
+    """Step the belief on by a sample, in place; the driving acceleration goes from `before` to `now` [m/s^2]."""
+    step = oscillator_step(settings.sample_period, settings.drive)
+    noise, F = np.empty(2), np.empty((2, 2))
+    noise[0] = settings.position_drift * settings.position_drift
+    noise[1] = settings.velocity_drift * settings.velocity_drift
+    F[0, 0], F[0, 1] = step.position
+    F[1, 0], F[1, 1] = step.velocity
+    move_leading(draft.mean, draft.factors, F, noise)
+    draft.mean[0] += step.constant[0] * before + step.growing[0] * (now - before)
+    draft.mean[1] += step.constant[1] * before + step.growing[1] * (now - before)
