@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.dense_filter import predict_n, update_n
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.signal import constant
@@ -32,7 +33,6 @@ from vvdp.estimation.pressure_edges import (
     pressure_edges_start,
     pressure_edges_step,
 )
-from vvdp.numerics.kalman import predict_n, update_n
 from vvdp.sensing.encoder import NO_FAULTS, SAMPLED, Encoder, Shaft, encoder_start, encoder_step
 from vvdp.sensing.photodiode import LightSpot
 from vvdp.sensing.reading import Reading

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.dense_filter import predict_n, update_n
 
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.ripple import (
@@ -17,7 +18,7 @@ from vvdp.estimation.ripple import (
     update_with_ripple,
     without_covariance,
 )
-from vvdp.numerics.kalman import AngleSpeed, predict, predict_n, update, update_n
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.sensing.wheel import equal_wheel
 
 SECTOR = np.pi / 4.0

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.dense_filter import predict_n, update_n
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.params import Params
@@ -36,7 +37,6 @@ from vvdp.estimation.threshold import (
     threshold_start,
     threshold_step,
 )
-from vvdp.numerics.kalman import predict_n, update_n
 from vvdp.sensing.encoder import (
     INTERPOLATED,
     NO_FAULTS,

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.dense_filter import predict_n, update_n
 
-from vvdp.numerics.kalman import AngleSpeed, predict, predict_n, update, update_n
+from vvdp.numerics.kalman import AngleSpeed, predict, update
 
 
 def matrix(belief):

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.dense_filter import update_n
 
 from vvdp.base.errors import RunError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
-from vvdp.numerics.kalman import update_n
 from vvdp.numerics.random import Random, normal, random_start
 from vvdp.simulation.replay import Replay
 

@@ -289,7 +289,7 @@ def _drift(covariance: Array, h: float, acceleration_density: float, settings: F
 
 
 def _observe(mean: Array, covariance: Array, observation: Array, innovation: float, variance: float) -> None:
-    """As `vvdp.numerics.kalman.update_n`, in place; in loops a small filter compiles and runs several times faster."""
+    """A Kalman filter's update with whole matrices, in place: between updates parts of it are overwritten."""
     x, P, n = mean, covariance, mean.size
     g = np.zeros(n)
     S = variance

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 from scipy.integrate import quad
 from scipy.linalg import expm, solve_discrete_are
+from tests.dense_filter import update_n
 
 from vvdp.base.errors import ParameterError
 from vvdp.estimation.baselines.torque_filter import (
@@ -33,7 +34,7 @@ from vvdp.estimation.baselines.torque_filter import (
 )
 from vvdp.estimation.event_memory import new_tally
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.numerics.kalman import AngleSpeed, predict, update_n
+from vvdp.numerics.kalman import AngleSpeed, predict
 from vvdp.sensing.reading import Reading
 from vvdp.sensing.wheel import edge_angle, equal_wheel
 from vvdp.simulation.replay import Replay

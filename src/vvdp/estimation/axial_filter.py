@@ -1,0 +1,274 @@
+"""What the observers of the spool's axial position have in common: what they see, believe and tell, how they correct.
+
+The leading states are those of the drive, position first; then come the coefficients of the pollution.
+Derived in docs/models/axial-observer.md.
+
+Source  ours, docs/models/axial-observer.md, where a function names no other.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import (
+    NUMBER,
+    Angle,
+    Count,
+    Duration,
+    Flow,
+    Fraction,
+    Length,
+    Number,
+    Position,
+    Pressure,
+    Ratio,
+    Speed,
+    Time,
+    Velocity,
+)
+from vvdp.base.params import Params
+from vvdp.estimation.noise_basis import NoiseBasis, basis_slope, function_count, write_basis
+from vvdp.numerics.kalman import add_variance, consider, factors_of, know_leading, observe, variance_of
+
+KNOWN_ANGLE = 0.5
+"""Deviation of the spool angle above which the pollution counts as noise without a pattern [rad]; assumed."""
+
+WARN_MARGIN, FREEZE_MARGIN = 1e-2, 1e-3
+"""Observability margins below which the observer warns, and below which it keeps the pollution as learned [1]."""
+
+
+class Phase(NamedTuple):
+    """Where the pollution is in its period, and how fast it goes through it: the spool's estimate, or a clock's.
+
+    A deviation above `KNOWN_ANGLE`, or NaN: the angle is not known.
+    """
+
+    angle: Angle
+    speed: Speed
+    angle_deviation: Angle
+
+
+class DutySight(NamedTuple):
+    """A duty ratio as the pressure wave shows it, how long ago that was, and its deviation; NaN: nothing new."""
+
+    duty_ratio: Number
+    age: Time
+    deviation: Ratio
+
+
+class AxialSeen(NamedTuple):
+    """What an observer sees at a sample.
+
+    `optical` is the sensor's reading, NaN where it is lost; `pressure` that of the chamber, absolute; `flow` goes into
+    the axial chamber. `held` is 1 while the spool rests at its stop. `margin` is the observability margin.
+    """
+
+    time: Time
+    optical: Position
+    phase: Phase
+    pressure: Pressure
+    flow: Flow
+    held: Fraction
+    margin: Ratio
+    duty: DutySight
+
+
+class AxialEstimate(NamedTuple):
+    """What is believed at a sample. Deviations are NaN where an observer does not know them.
+
+    `pollution` is what the reading is believed to be off by. `innovation` and its deviation are 0 at samples without a
+    reading. `lost`, `frozen` and `warned` are 1 where the sensor is silent, where the pollution is kept as learned,
+    and where the margin is low.
+    """
+
+    position: Position
+    velocity: Velocity
+    position_deviation: Length
+    velocity_deviation: Velocity
+    pollution: Position
+    innovation: Position
+    innovation_deviation: Length
+    lost: Fraction
+    frozen: Fraction
+    warned: Fraction
+
+
+class AxialMemory(NamedTuple):
+    """Mean (n,) and factors (n, n) of the belief, the drive's input at the last sample, and the coefficient whose turn
+    it is to drift."""
+
+    mean: Annotated[Array, NUMBER]
+    factors: Annotated[Array, NUMBER]
+    drive_input: Number
+    turn: Count
+
+
+class PollutionModel(Params):
+    """The pollution of the axial sensor as an observer models it.
+
+    `sensor_deviation` is that of the white noise of a sample. A coefficient drifts by `coefficient_drift` a sample and
+    is known to `coefficient_deviation` at first. The optical signal is `optical_delay` older than the angle that comes
+    with it, negative: younger. The duty ratio is the position over `helix_length`, and known no better than
+    `duty_deviation`.
+    """
+
+    basis: NoiseBasis
+    sensor_deviation: Length
+    coefficient_drift: Length
+    coefficient_deviation: Length
+    helix_length: Length
+    duty_deviation: Ratio
+    optical_delay: Duration = 0.0
+
+    def check(self) -> None:
+        for name in ("sensor_deviation", "coefficient_drift", "duty_deviation"):
+            if not getattr(self, name) > 0.0:
+                raise ParameterError(
+                    f"PollutionModel.{name}: 0; no sensor is without noise and no pollution without change, and at 0 "
+                    "the covariance is no longer positive; expected above 0"
+                )
+
+
+def refuse_other_period(observer: float, program: float) -> None:
+    """Raises ParameterError where an observer was made for another sample period than its program's, both [s]."""
+    if abs(observer - program) > 1e-9 * program:
+        raise ParameterError(
+            f"the observer is made for a sample every {observer:g} s, its program samples every {program:g} s; "
+            "expected the same"
+        )
+
+
+def axial_start(plant_mean: Array, plant_deviations: Array, pollution: PollutionModel) -> AxialMemory:
+    """The memory before the first sample: states of the drive and their deviations as given, no pollution."""
+    n = function_count(pollution.basis)
+    mean = np.concatenate([plant_mean, np.zeros(n)])
+    deviations = np.concatenate([plant_deviations, np.full(n, pollution.coefficient_deviation)])
+    return AxialMemory(mean=mean, factors=factors_of(np.diag(deviations**2.0)), drive_input=0.0, turn=0.0)
+
+
+class Draft(NamedTuple):
+    """The belief that a step works on, in place: a copy of the memory's, and room for a row of observation and a
+    gain. the `leading` states are the drive's."""
+
+    mean: Array
+    factors: Array
+    row: Array
+    gain: Array
+    leading: int
+
+
+def draft_of(memory: AxialMemory, leading: int) -> Draft:
+    """A copy of what the memory believes, to be worked on."""
+    n = memory.mean.size
+    room = np.empty((2, n))
+    return Draft(mean=memory.mean.copy(), factors=memory.factors.copy(), row=room[0], gain=room[1], leading=leading)
+
+
+def hold_position(draft: Draft, stop_position: float) -> None:
+    """At the stop position and velocity are known, in place."""
+    known = min(draft.leading, 2)
+    know_leading(draft.factors, known)
+    draft.mean[:known] = 0.0
+    draft.mean[0] = stop_position
+
+
+def is_frozen(seen: AxialSeen) -> bool:
+    """Whether the pollution is kept as learned. At the stop it is not, for the position is known there."""
+    return seen.margin < FREEZE_MARGIN and seen.held == 0.0
+
+
+def drift_in_turn(draft: Draft, turn: float, pollution: PollutionModel) -> float:
+    """Let one coefficient drift for all of them, in place, and return whose turn is next.
+
+    Each takes its turn every n samples with the drift of n samples, so that a sample costs n^2 and not n^3.
+    """
+    n, j = draft.mean.size - draft.leading, draft.leading + int(turn)
+    draft.gain[:] = 0.0
+    draft.gain[j] = 1.0
+    add_variance(draft.factors, draft.gain, n * pollution.coefficient_drift * pollution.coefficient_drift, j)
+    return (turn + 1.0) % n
+
+
+def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> float:
+    """Take in a measurement with the draft's row, in place, and return the variance of its innovation.
+
+    frozen  the coefficients stay, and the covariance knows that they did
+    """
+    S = observe(draft.factors, draft.row, variance, draft.gain)
+    for i in range(draft.leading if frozen else draft.mean.size):
+        draft.mean[i] += draft.gain[i] * innovation
+    if frozen:
+        consider(draft.factors, draft.gain, S, draft.leading)
+    return S
+
+
+def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> tuple[float, float, float]:
+    """Take in the optical signal, in place; returns pollution, innovation and its deviation [m].
+
+    Where the angle is not known the pollution counts as noise; where it is uncertain, what that does to the pollution.
+    """
+    phase, mean, row, first = seen.phase, draft.mean, draft.row, draft.leading
+    row[:first] = 0.0
+    row[0] = 1.0
+    R = pollution.sensor_deviation * pollution.sensor_deviation
+    believed = 0.0
+    if phase.angle_deviation < KNOWN_ANGLE:
+        angle = phase.angle - phase.speed * pollution.optical_delay
+        write_basis(angle, pollution.basis, row, first)
+        for i in range(first, mean.size):
+            believed += mean[i] * row[i]
+        off = basis_slope(angle, pollution.basis, mean, row, first) * phase.angle_deviation
+        R += off * off
+    else:
+        row[first:] = 0.0
+        for i in range(first, mean.size):
+            R += 0.5 * (mean[i] * mean[i] + variance_of(draft.factors, i))
+    if seen.optical != seen.optical:
+        return believed, 0.0, 0.0
+    innovation = seen.optical - mean[0] - believed
+    S = take_in(draft, innovation, R, is_frozen(seen))
+    return believed, innovation, np.sqrt(S)
+
+
+def take_duty(draft: Draft, seen: AxialSeen, velocity: float, pollution: PollutionModel) -> None:
+    """Take in the duty ratio of the pressure wave, in place, where the optical sensor is lost or nearly blind.
+
+    What it showed is the position at that time, taken back from now with the `velocity` [m/s].
+
+    Source  wang2017, section 7.3, for the idea
+    """
+    duty, L = seen.duty, pollution.helix_length
+    needed = seen.margin < WARN_MARGIN or seen.optical != seen.optical
+    if not (needed and seen.held == 0.0 and duty.duty_ratio == duty.duty_ratio):
+        return
+    draft.row[:] = 0.0
+    draft.row[0] = 1.0
+    if draft.leading > 1:
+        draft.row[1] = -duty.age
+    known = duty.deviation * duty.deviation + pollution.duty_deviation * pollution.duty_deviation
+    innovation = L * duty.duty_ratio - draft.mean[0] + velocity * duty.age
+    take_in(draft, innovation, L * L * known, is_frozen(seen))
+
+
+def correct(draft: Draft, seen: AxialSeen, velocity: float, pollution: PollutionModel) -> AxialEstimate:
+    """Take in all that tells the position, in place, and return what is believed then.
+
+    velocity  of a drive that has none among its states [m/s]; else it is the second state
+    """
+    mean, factors, moving = draft.mean, draft.factors, draft.leading > 1
+    believed, innovation, deviation = take_optical(draft, seen, pollution)
+    take_duty(draft, seen, mean[1] if moving else velocity, pollution)
+    return AxialEstimate(
+        position=mean[0],
+        velocity=mean[1] if moving else velocity,
+        position_deviation=np.sqrt(variance_of(factors, 0)),
+        velocity_deviation=np.sqrt(variance_of(factors, 1)) if moving else np.nan,
+        pollution=believed,
+        innovation=innovation,
+        innovation_deviation=deviation,
+        lost=1.0 if seen.optical != seen.optical else 0.0,
+        frozen=1.0 if is_frozen(seen) else 0.0,
+        warned=1.0 if seen.margin < WARN_MARGIN else 0.0,
+    )

@@ -1,0 +1,73 @@
+"""Where the spool is that a gerotor pump moves: a periodic Kalman filter that knows the flow.
+
+x' = Q/A_s, the flow taken as a line between two samples. The integral of the position is no state of it: no
+measurement tells it. Derived in docs/models/axial-observer.md.
+
+Source  ours, docs/models/axial-observer.md, where a function names no other.
+"""
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Area, Length, Position, Time
+from vvdp.base.params import Params
+from vvdp.estimation.axial_filter import (
+    AxialEstimate,
+    AxialMemory,
+    AxialSeen,
+    PollutionModel,
+    axial_start,
+    correct,
+    draft_of,
+    drift_in_turn,
+    hold_position,
+    is_frozen,
+)
+
+
+class GerotorObserver(Params):
+    """The periodic Kalman filter of the gerotor drive; `area` is that of the spool's end.
+
+    The position drifts by `position_drift` a sample and is known to `position_deviation` at first.
+    """
+
+    area: Area
+    pollution: PollutionModel
+    sample_period: Time
+    position_drift: Length
+    position_deviation: Length
+    stop_position: Position
+
+    def check(self) -> None:
+        if not (self.area > 0.0 and self.sample_period > 0.0 and self.position_drift > 0.0):
+            raise ParameterError(
+                f"GerotorObserver: area {self.area:g} m^2, sample_period {self.sample_period:g} s, position_drift "
+                f"{self.position_drift:g} m; expected all above 0"
+            )
+
+
+def gerotor_observer_start(settings: GerotorObserver, position: float) -> AxialMemory:
+    """The memory before the first sample, with the spool about at `position` [m]."""
+    deviations = np.array([settings.position_deviation])
+    return axial_start(np.array([position]), deviations, settings.pollution)
+
+
+def gerotor_observer_step(
+    memory: AxialMemory, seen: AxialSeen, settings: GerotorObserver
+) -> tuple[AxialMemory, AxialEstimate]:
+    """Memory and estimate after a sample; the velocity is that of the flow.
+
+    Source  wang2017, eqs. 4.10, 4.14 and 4.15, corrected and exact in time: docs/errata.md
+    """
+    draft, turn = draft_of(memory, 1), memory.turn
+    velocity = seen.flow / settings.area
+    if seen.held > 0.0:
+        hold_position(draft, settings.stop_position)
+    else:
+        draft.mean[0] += 0.5 * settings.sample_period * (memory.drive_input + velocity)
+        # The transition is 1, so the noise alone is left of the step.
+        draft.factors[0, 0] += settings.position_drift * settings.position_drift
+    if not is_frozen(seen):
+        turn = drift_in_turn(draft, turn, settings.pollution)
+    estimate = correct(draft, seen, velocity, settings.pollution)
+    return AxialMemory(mean=draft.mean, factors=draft.factors, drive_input=velocity, turn=turn), estimate

@@ -1,0 +1,107 @@
+"""What the pollution of the axial sensor is made of: functions of the spool angle, periodic with a turn, of mean zero.
+
+A pollution that is periodic in time has a clock's phase for the angle. Derived in docs/models/axial-observer.md.
+
+Source  ours, docs/models/axial-observer.md, where a function names no other.
+"""
+
+from math import erf
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Angle, Count
+from vvdp.base.params import Params
+
+TURN = 2.0 * np.pi
+
+
+class NoiseBasis(Params):
+    """Cosine and sine of 1 to `harmonics` times the angle, and `bumps` Gaussian bells at equal distances over the turn.
+
+    A bell has fallen to 1/e at `bump_width` from its centre. Its mean is taken off, for the mean of a turn belongs to
+    the position.
+    """
+
+    harmonics: Count
+    bumps: Count = 0.0
+    bump_width: Angle = 1.0
+
+    def check(self) -> None:
+        whole = self.harmonics % 1.0 == 0.0 and self.bumps % 1.0 == 0.0
+        if not (whole and self.harmonics + self.bumps >= 1.0):
+            raise ParameterError(
+                f"NoiseBasis: {self.harmonics:g} harmonics and {self.bumps:g} bumps; expected whole numbers, one of "
+                "them above zero"
+            )
+        if not 0.0 < self.bump_width < 0.5 * TURN:
+            raise ParameterError(
+                f"NoiseBasis.bump_width: {self.bump_width:g} rad; expected between 0 and half a turn, {0.5 * TURN:.4g}"
+            )
+
+
+def fourier_basis(harmonics: int) -> NoiseBasis:
+    """Cosines and sines of the first `harmonics` multiples of the angle.
+
+    Source  wang2017, eq. 4.8
+    """
+    return NoiseBasis(harmonics=float(harmonics))
+
+
+def gaussian_basis(bumps: int, width: float) -> NoiseBasis:
+    """`bumps` bells of `width` [rad] and mean zero.
+
+    Source  wang2017, eq. 4.9, completed: docs/errata.md
+    """
+    return NoiseBasis(harmonics=0.0, bumps=float(bumps), bump_width=width)
+
+
+def function_count(basis: NoiseBasis) -> int:
+    """How many functions a basis has."""
+    return int(2.0 * basis.harmonics + basis.bumps)
+
+
+def bump_mean(width: float) -> float:
+    """Mean of a bell over the turn: w/(2 sqrt(pi)) erf(pi/w) [1]; `width` [rad]."""
+    mean: float = width / (2.0 * np.sqrt(np.pi)) * erf(np.pi / width)
+    return mean
+
+
+def write_basis(phase: float, basis: NoiseBasis, row: Array, first: int) -> None:
+    """Write the values of the functions at `phase` [rad] into `row`, from place `first` on."""
+    c1, s1 = np.cos(phase), np.sin(phase)
+    c, s, place = c1, s1, first
+    for _ in range(int(basis.harmonics)):
+        row[place], row[place + 1] = c, s
+        c, s = c * c1 - s * s1, s * c1 + c * s1
+        place += 2
+    if basis.bumps > 0.0:
+        mean = bump_mean(basis.bump_width)
+        for i in range(int(basis.bumps)):
+            z = from_centre(phase, i, basis)
+            row[place + i] = np.exp(-z * z) - mean
+
+
+def from_centre(phase: float, number: int, basis: NoiseBasis) -> float:
+    """Distance of `phase` [rad] to the nearest centre of bell `number`, counted in widths [1]."""
+    turns = phase / TURN - number / basis.bumps
+    distance: float = TURN * (turns - np.floor(turns + 0.5)) / basis.bump_width
+    return distance
+
+
+def basis_slope(phase: float, basis: NoiseBasis, mean: Array, row: Array, first: int) -> float:
+    """By how much the pollution changes with the phase [m/rad].
+
+    mean, row  coefficients and values of the functions, both from place `first` on
+    """
+    slope, place = 0.0, first
+    for h in range(1, int(basis.harmonics) + 1):
+        slope += h * (mean[place + 1] * row[place] - mean[place] * row[place + 1])
+        place += 2
+    if basis.bumps > 0.0:
+        offset = bump_mean(basis.bump_width)
+        for i in range(int(basis.bumps)):
+            z = from_centre(phase, i, basis)
+            slope -= 2.0 * z / basis.bump_width * (row[place + i] + offset) * mean[place + i]
+    return slope

@@ -1,0 +1,151 @@
+"""Where the spool is, with the chamber pressure as a state that is measured as well.
+
+P' = beta/V (Q - A x'): the flow that fills the chamber tells the velocity without the optical sensor, and the loss of
+observability at the spring's own frequency disappears. Derived in docs/models/axial-observer.md.
+
+Source  ours, docs/models/axial-observer.md, where a function names no other.
+"""
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import BulkModulus, Length, Position, PressureDifference, Time, Velocity, Volume
+from vvdp.base.params import Params
+from vvdp.estimation.axial_filter import (
+    AxialEstimate,
+    AxialMemory,
+    AxialSeen,
+    Draft,
+    PollutionModel,
+    axial_start,
+    correct,
+    draft_of,
+    drift_in_turn,
+    hold_position,
+    is_frozen,
+    take_in,
+)
+from vvdp.estimation.chamber_observer import SpringDrive
+from vvdp.numerics.kalman import move_leading
+
+TERMS = 18
+"""Of the exponential's series: enough to rounding for h w = `MOST_SWING`."""
+MOST_SWING = 2.0
+
+
+class PressureObserver(Params):
+    """The periodic Kalman filter of the chamber drive that reckons with the flow into the chamber.
+
+    The chamber holds `chamber_volume` at position 0, with oil of `bulk_modulus` in it. Its pressure is measured to
+    `pressure_deviation` and drifts by `pressure_drift` a sample, for what bulk modulus and flow are off.
+    """
+
+    drive: SpringDrive
+    pollution: PollutionModel
+    sample_period: Time
+    chamber_volume: Volume
+    bulk_modulus: BulkModulus
+    position_drift: Length
+    velocity_drift: Velocity
+    pressure_drift: PressureDifference
+    pressure_deviation: PressureDifference
+    position_deviation: Length
+    velocity_deviation: Velocity
+    stop_position: Position
+
+    def check(self) -> None:
+        drifts = (self.position_drift, self.velocity_drift, self.pressure_drift, self.pressure_deviation)
+        if not (min(drifts) > 0.0 and self.sample_period > 0.0 and self.chamber_volume > 0.0):
+            raise ParameterError(
+                "PressureObserver: drifts, pressure_deviation, sample_period and chamber_volume have to be above 0"
+            )
+        d = self.drive
+        stiff = d.stiffness + d.area * d.area * self.bulk_modulus / self.chamber_volume
+        swing = self.sample_period * np.sqrt(stiff / d.moving_mass)
+        if not swing <= MOST_SWING:
+            raise ParameterError(
+                f"PressureObserver.sample_period: {self.sample_period:g} s, but spool and oil swing with "
+                f"{swing / self.sample_period:.4g} rad/s; expected at most "
+                f"{MOST_SWING * self.sample_period / swing:.3g} s"
+            )
+
+
+def pressure_observer_start(settings: PressureObserver, position: float, pressure: float) -> AxialMemory:
+    """The memory before the first sample, with the spool about at `position` [m] and a chamber `pressure`, absolute
+    [Pa]."""
+    s = settings
+    deviations = np.array([s.position_deviation, s.velocity_deviation, s.pressure_deviation])
+    start = np.array([position, 0.0, pressure - s.drive.reference_pressure])
+    return axial_start(start, deviations, s.pollution)
+
+
+def pressure_observer_step(
+    memory: AxialMemory, seen: AxialSeen, settings: PressureObserver
+) -> tuple[AxialMemory, AxialEstimate]:
+    """Memory and estimate after a sample."""
+    draft, turn = draft_of(memory, 3), memory.turn
+    gauge = seen.pressure - settings.drive.reference_pressure
+    if seen.held > 0.0:
+        hold_position(draft, settings.stop_position)
+        draft.mean[2] = gauge
+    else:
+        move_with_pressure(draft, 0.5 * (memory.drive_input + seen.flow), settings)
+        draft.row[:] = 0.0
+        draft.row[2] = 1.0
+        variance = settings.pressure_deviation * settings.pressure_deviation
+        take_in(draft, gauge - draft.mean[2], variance, is_frozen(seen))
+    if not is_frozen(seen):
+        turn = drift_in_turn(draft, turn, settings.pollution)
+    estimate = correct(draft, seen, 0.0, settings.pollution)
+    return AxialMemory(mean=draft.mean, factors=draft.factors, drive_input=seen.flow, turn=turn), estimate
+
+
+def move_with_pressure(draft: Draft, flow: float, settings: PressureObserver) -> None:
+    """Step the belief on by a sample, in place; `flow` into the chamber is its mean over it [m^3/s]."""
+    drive, noise = settings.drive, np.empty(3)
+    rate = settings.bulk_modulus / (settings.chamber_volume + drive.area * draft.mean[0])
+    A = np.zeros((3, 3))
+    A[0, 1] = 1.0
+    A[1, 0] = -drive.stiffness / drive.moving_mass
+    A[1, 1] = -drive.viscous_friction / drive.moving_mass
+    A[1, 2] = drive.area / drive.moving_mass
+    A[2, 1] = -rate * drive.area
+    F, G = exponential_step(A, settings.sample_period)
+    noise[0] = settings.position_drift * settings.position_drift
+    noise[1] = settings.velocity_drift * settings.velocity_drift
+    noise[2] = settings.pressure_drift * settings.pressure_drift
+    move_leading(draft.mean, draft.factors, F, noise)
+    push = -drive.preload / drive.moving_mass
+    for i in range(3):
+        draft.mean[i] += G[i, 1] * push + G[i, 2] * rate * flow
+
+
+def exponential_step(rates: Array, duration: float) -> tuple[Array, Array]:
+    """F = exp(A h), and G = int_0^h exp(A s) ds, by which inputs that are held act, both (n, n).
+
+    G is the Taylor series in Horner's form, F = I + A G. Right to rounding while the largest h w is below `MOST_SWING`.
+
+    rates     A (n, n)
+    duration  h [s]
+    """
+    n = rates.shape[0]
+    G, F = np.zeros((n, n)), np.zeros((n, n))
+    for i in range(n):
+        G[i, i] = duration
+    for term in range(TERMS, 0, -1):
+        # F serves as room for A G.
+        for i in range(n):
+            for j in range(n):
+                F[i, j] = 0.0
+                for k in range(n):
+                    F[i, j] += rates[i, k] * G[k, j]
+        if term == 1:
+            break
+        for i in range(n):
+            for j in range(n):
+                G[i, j] = F[i, j] * duration / term
+            G[i, i] += duration
+    for i in range(n):
+        F[i, i] += 1.0
+    return F, G
