@@ -22,7 +22,8 @@ FREEZE_BELOW = 1e-3
 """Margin below which what is believed of the noise should stay as it is."""
 CLOSEST = 1e-8
 """Relative distance from a lost speed at which rounding hides the margin, which goes with its square."""
-FEWEST_NODES = 40
+NODES, PIECE = 16, 4.0
+"""Nodes of a piece of the quadrature, and the radians of the fastest motion that it spans: exact to rounding."""
 
 
 class Plant(NamedTuple):
@@ -164,9 +165,15 @@ def numeric_grammian(rates: Array, spool_speed: float, harmonics: int) -> Grammi
 
     T = 2.0 * np.pi / spool_speed
     fastest = max(harmonics * spool_speed, float(np.max(np.abs(np.linalg.eigvals(rates)))))
-    nodes, weights = np.polynomial.legendre.leggauss(FEWEST_NODES + int(fastest * T))
-    times, weights = 0.5 * T * (nodes + 1.0), 0.5 * T * weights
-    states = expm(rates * times[:, None, None])
+    pieces = 1 + int(fastest * T / PIECE)
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    within, width = (0.5 * T / pieces) * (nodes + 1.0), T / pieces
+    passage, begun = expm(rates * width), [np.eye(len(rates))]
+    for _ in range(pieces - 1):
+        begun.append(passage @ begun[-1])
+    states = (expm(rates * within[:, None, None]) @ np.array(begun)[:, None]).reshape(-1, *rates.shape)
+    times = (np.arange(pieces)[:, None] * width + within).ravel()
+    weights = np.tile(0.5 * width * weights, pieces)
     seen = np.delete(states, 1, axis=1)
     angles = np.outer(np.arange(1, harmonics + 1), spool_speed * times)
     basis = np.stack([np.cos(angles), np.sin(angles)], axis=1).reshape(2 * harmonics, -1)
