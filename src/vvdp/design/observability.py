@@ -164,7 +164,8 @@ def _speeds(gamma: float, spool_speed: float, harmonics: int) -> Array:
     """Spool speeds to be drawn [rad/s]: among them the chosen one, the lost ones, and one between any two of these."""
     low = min(0.6 * gamma / harmonics, 0.5 * spool_speed) if gamma > 0.0 else 0.1 * spool_speed
     high = max(2.2 * gamma, 1.3 * spool_speed)
-    lost = lost_speeds(gamma, harmonics)
+    lost = lost_speeds(gamma, max(harmonics, *OTHER_HARMONICS))
+    lost = lost[lost > low]
     return np.unique([*np.linspace(low, high, DRAWN), *lost, *(0.5 * (lost[1:] + lost[:-1])), spool_speed])
 
 
@@ -243,7 +244,7 @@ def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
         for key, colour in zip(keys, shades(len(keys)), strict=True)
     )
     beside = [Line(x=x, y=chosen, label="position alone", colour=Colour.LOAD)]
-    styles = {"damped": ("with the friction", Colour.RELIEF), "with_pressure": ("and the pressure", Colour.GREEN)}
+    styles = {"damped": ("with the friction", Colour.RELIEF), "with_pressure": ("position and pressure", Colour.GREEN)}
     beside += [
         Line(x=x, y=key, label=label, colour=colour, table="beside")
         for key, (label, colour) in styles.items()
