@@ -22,8 +22,9 @@ FREEZE_BELOW = 1e-3
 """Margin below which what is believed of the noise should stay as it is."""
 CLOSEST = 1e-8
 """Relative distance from a lost speed at which rounding hides the margin, which goes with its square."""
-NODES, PIECE = 16, 4.0
-"""Nodes of a piece of the quadrature, and the radians of the fastest motion that it spans: exact to rounding."""
+NODES, TERMS = 10, 25
+"""Of the quadrature of a piece in which the fastest motion turns by a radian, and of the exponential there: exact to
+rounding."""
 
 
 class Plant(NamedTuple):
@@ -161,17 +162,16 @@ def numeric_grammian(rates: Array, spool_speed: float, harmonics: int) -> Grammi
     rates        of the states by the states, shape (n, n) [1/s]
     spool_speed  [rad/s]
     """
-    from scipy.linalg import expm
-
     T = 2.0 * np.pi / spool_speed
     fastest = max(harmonics * spool_speed, float(np.max(np.abs(np.linalg.eigvals(rates)))))
-    pieces = 1 + int(fastest * T / PIECE)
+    pieces = 1 + int(fastest * T)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     within, width = (0.5 * T / pieces) * (nodes + 1.0), T / pieces
-    passage, begun = expm(rates * width), [np.eye(len(rates))]
+    passages = _transitions(rates, np.array([*within, width]))
+    begun = [np.eye(len(rates))]
     for _ in range(pieces - 1):
-        begun.append(passage @ begun[-1])
-    states = (expm(rates * within[:, None, None]) @ np.array(begun)[:, None]).reshape(-1, *rates.shape)
+        begun.append(passages[-1] @ begun[-1])
+    states = (passages[:-1] @ np.array(begun)[:, None]).reshape(-1, *rates.shape)
     times = (np.arange(pieces)[:, None] * width + within).ravel()
     weights = np.tile(0.5 * width * weights, pieces)
     seen = np.delete(states, 1, axis=1)
@@ -179,6 +179,16 @@ def numeric_grammian(rates: Array, spool_speed: float, harmonics: int) -> Grammi
     basis = np.stack([np.cos(angles), np.sin(angles)], axis=1).reshape(2 * harmonics, -1)
     plant = np.einsum("t,tmi,tmj->ij", weights, seen, seen)
     return Grammian(plant, np.einsum("t,ti,bt->ib", weights, seen[:, 0], basis), T)
+
+
+def _transitions(rates: Array, times: Array) -> Array:
+    """exp(A t) of short times, within which nothing turns by more than a radian, shape (times, n, n)."""
+    term = np.broadcast_to(np.eye(len(rates)), (len(times), *rates.shape))
+    found = term
+    for order in range(1, TERMS):
+        term = term @ rates * (times[:, None, None] / order)
+        found = found + term
+    return found
 
 
 def without_noise(grammian: Grammian) -> Array:
