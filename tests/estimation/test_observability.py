@@ -166,8 +166,10 @@ def test_damping_lifts_the_margin_a_little():
         (-1.0, 5, "spool speed: -1 rad/s; expected one above zero"),
         (0.0, 5, "spool speed: 0 rad/s"),
         (np.inf, 5, "spool speed: inf rad/s"),
-        (1.0, 0, "harmonics: 0; expected a whole number, at least 1"),
+        (1.0, 0, "harmonics: 0; expected a whole number, 1 to 200"),
         (1.0, 2.5, "harmonics: 2.5"),
+        (1.0, 201, "harmonics: 201"),
+        (1.0, np.nan, "harmonics: nan"),
     ],
 )
 def test_noise_without_a_turn_is_refused(speed, harmonics, word):

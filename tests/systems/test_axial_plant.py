@@ -106,7 +106,7 @@ def test_another_name_is_refused(tmp_path):
 
 
 def test_one_of_several_is_asked_for(tmp_path):
-    second = SPOOL.replace('spool = {', 'other = { type = "rod" }\nspool = {') + SECOND.replace("slide", "other", 1)
+    second = SPOOL.replace("spool = {", 'other = { type = "rod" }\nspool = {') + SECOND.replace("slide", "other", 1)
     system = spool(tmp_path, second.replace('rod = "slide"\nmass', 'rod = "other"\nmass'))
     with pytest.raises(ConfigError, match=r"which one.*slide, other"):
         axial_plant(system)

@@ -30,9 +30,7 @@ def observability(
             "--speed", metavar="SPEED", help='Spool speed, for example "22.5 rev/s" (default: of the system).'
         ),
     ] = None,
-    harmonics: Annotated[
-        int, typer.Option("--harmonics", metavar="K", min=1, max=200, help="Harmonics of the noise.")
-    ] = 5,
+    harmonics: Annotated[float, typer.Option("--harmonics", metavar="K", help="Harmonics of the noise.")] = 5,
     of: Annotated[str, typer.Option("--of", metavar="ROD", help="What moves along its axis, where several do.")] = "",
     out: Annotated[Path | None, out_option("results/observability-SYSTEM-DATE-TIME")] = None,
     force: Force = False,
@@ -47,6 +45,7 @@ def observability(
     """
     from vvdp.base.files import result_directory
     from vvdp.design.observability import observability as worked_out
+    from vvdp.estimation.observability import check_noise
     from vvdp.systems.axial_plant import axial_plant
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
@@ -54,9 +53,10 @@ def observability(
     loaded = load_system(system, settings or ())
     moved = axial_plant(loaded, of)
     omega = _speed(loaded, speed)
+    check_noise(omega, harmonics)
     directory = out if out is not None else default_directory(f"observability-{loaded.name}")
     with result_directory(directory, force=force) as folder:
-        result = worked_out(loaded.name, moved, omega, harmonics)
+        result = worked_out(loaded.name, moved, omega, int(harmonics))
         reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
     show_result(result, directory, json=json, reported=reported, names=("lost", "windows"))
 

@@ -20,6 +20,7 @@ WARN_BELOW = 0.01
 """Margin below which an observer has little to go by."""
 FREEZE_BELOW = 1e-3
 """Margin below which what is believed of the noise should stay as it is."""
+MOST_HARMONICS = 200
 CLOSEST = 1e-8
 """Relative distance from a lost speed at which rounding hides the margin, which goes with its square."""
 NODES, TERMS = 10, 25
@@ -60,8 +61,8 @@ def check_noise(spool_speed: float, harmonics: float) -> None:
     """
     if not 0.0 < spool_speed < np.inf:
         raise ParameterError(f"spool speed: {spool_speed:g} rad/s; expected one above zero")
-    if not (harmonics >= 1 and float(harmonics).is_integer()):
-        raise ParameterError(f"harmonics: {harmonics:g}; expected a whole number, at least 1")
+    if not (1 <= harmonics <= MOST_HARMONICS and float(harmonics).is_integer()):
+        raise ParameterError(f"harmonics: {harmonics:g}; expected a whole number, 1 to {MOST_HARMONICS}")
 
 
 def lost_speeds(natural_frequency: float, harmonics: int) -> Array:
