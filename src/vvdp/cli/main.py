@@ -26,6 +26,7 @@ from vvdp.cli import (
     geometry,
     listing,
     new,
+    observability,
     plot,
     report,
     rig,
@@ -43,7 +44,20 @@ INTERRUPTED = 130
 COLLECT_AFTER = 50_000
 """New objects between two searches for garbage. While libraries load, nearly all are kept: a tenth of a short run."""
 
-ORDER = ("run", "valve", "map", "rig", "study", "design", "compare", "plot", "export", "estimate", "geometry")
+ORDER = (
+    "run",
+    "valve",
+    "map",
+    "rig",
+    "study",
+    "design",
+    "compare",
+    "plot",
+    "export",
+    "estimate",
+    "observability",
+    "geometry",
+)
 """Verbs that compute, in the order of their use; the others follow."""
 
 
@@ -75,6 +89,7 @@ app.add_typer(compare.app, name="compare")
 app.command("plot", cls=Verb)(plot.plot)
 app.add_typer(export.app, name="export")
 app.command("estimate", cls=Verb)(estimate.estimate)
+app.command("observability", cls=Verb)(observability.observability)
 app.command("geometry", cls=Verb)(geometry.geometry)
 app.command("show", cls=Verb)(show.show)
 app.command("list", cls=Verb)(listing.systems)
