@@ -456,6 +456,9 @@ def components():
             unsteady_friction.LayeredState: lambda: unsteady_friction.LayeredState(
                 *map(float, rng.uniform(-1e-3, 1e-3, 6))
             ),
+            gerotor_drive.GerotorState: lambda: gerotor_drive.GerotorState(
+                float(rng.uniform(-3e-5, 3e-5)), float(rng.uniform(-8e-3, 30e-3))
+            ),
             switching_valve.SpoolState: lambda: switching_valve.SpoolState(
                 float(rng.uniform(-1e-4, 1.1e-3)), float(rng.uniform(-1.0, 1.0))
             ),
