@@ -51,6 +51,8 @@ VALUES: dict[str, list[dict[str, float]]] = {
     "SwitchingValve": [{"stroke": 1e-2, "lap": 1e-3}, {"stroke": 1e-2, "lap": -5e-3}],
     "TwoWayValve": [{"normally_open": 0.0}, {"normally_open": 1.0}],
     "EndStop": [{"lower_end": -5e-3, "upper_end": 1e-2}],
+    "GerotorDrive": [{"lower_end": -5e-3, "upper_end": 1e-2}],
+    "GerotorCalibration": [{"commands": (-1.0, -0.1, 0.1, 1.0), "flows": (-3e-5, 0.0, 0.0, 3e-5)}],
     "FlowSource": [{"counted_at_outlet": 0.0}, {"counted_at_outlet": 1.0}],
 }
 OIL = Oil(

@@ -112,7 +112,7 @@ def test_whole_circuit_is_the_same_in_every_form(name, setting):
             *numbers_of(rates),
             *numbers_of(modes),
             *numbers_of(outputs),
-            *model.stored(state, p),
+            *numbers_of(model.stored(state, p)),
             *numbers_of(model.conditions(t, p)),
         ]
 
@@ -266,7 +266,13 @@ SIGNED = {
     "exponent": (-0.15, 0.0),
 }
 ANY_NUMBER = (0.2, 0.9)
-OWN_RANGES = {"power_growth": {"ratio": (0.01, 200.0), "exponent": (0.0, 0.5)}}
+GEROTOR_FLOWS = {"flow": (-4e-5, 4e-5)}
+OWN_RANGES = {
+    "power_growth": {"ratio": (0.01, 200.0), "exponent": (0.0, 0.5)},
+    "gerotor_command": GEROTOR_FLOWS,
+    "calibrated_command": GEROTOR_FLOWS,
+    "oil_stiffness": {"bulk_modulus": (1e8, 1e9)},
+}
 FORWARD = {"flow": (1e-4, 1e-3), "duty_ratio": (0.35, 0.65)}  # for formulas that say "> 0"
 ONLY_FORWARD = {
     "transition_loss", "closed_form_load_flow", "compression_regime", "equilibrium_speed", "fit_friction_area",
@@ -341,6 +347,7 @@ def components():
         flow_control_valve,
         flow_source,
         friction,
+        gerotor_drive,
         line,
         motor,
         pilot_check_valve,
@@ -367,6 +374,9 @@ def components():
     oil, valve = by_name["Oil"], by_name["RotaryValve"]
     air = {"liquid_bulk_modulus": 1.4e9, "air_fraction": 0.01, "reference_pressure": 101325.0}
     polytropic = {**air, "polytropic_exponent": 1.3}
+    gerotor = {
+        "largest_flow": 3e-5, "forward_dead_band": 0.06, "backward_dead_band": 0.08, "backward_gain": 0.9
+    }  # fmt: skip
     made = [
         check_valve.CheckValve(
             cracking_pressure=1e4, rated_flow=1e-3, rated_drop=1e5, reverse_opening=0.1, opening_time=2e-3
@@ -411,6 +421,12 @@ def components():
         ),
         characteristic.Characteristic(dead_band=0.05, rangeability=30.0),
         flow_source.FlowSource(counted_at_outlet=1.0),
+        gerotor_drive.GerotorDrive(
+            area=5e-4, lag=0.01, conductance=1.1e-10, viscous_friction=8.3, lower_end=-6e-3, upper_end=27e-3
+        ),
+        gerotor_drive.GerotorMap(**gerotor),
+        gerotor_drive.GerotorBelief(**gerotor, straight_flow=1e-6),
+        gerotor_drive.GerotorCalibration(commands=(-1.0, -0.1, 0.1, 1.0), flows=(-3e-5, 0.0, 0.0, 3e-5)),
         torque.SpoolSurface(
             bearing_length=0.02, pocket_length=0.05, pocket_coverage=0.7, pocket_depth=1e-3, pocket_drag_factor=4.0
         ),
@@ -439,6 +455,9 @@ def components():
             geometry.PortShape: lambda: geometry.port_shape(valve),
             unsteady_friction.LayeredState: lambda: unsteady_friction.LayeredState(
                 *map(float, rng.uniform(-1e-3, 1e-3, 6))
+            ),
+            gerotor_drive.GerotorState: lambda: gerotor_drive.GerotorState(
+                float(rng.uniform(-3e-5, 3e-5)), float(rng.uniform(-8e-3, 30e-3))
             ),
             switching_valve.SpoolState: lambda: switching_valve.SpoolState(
                 float(rng.uniform(-1e-4, 1.1e-3)), float(rng.uniform(-1.0, 1.0))

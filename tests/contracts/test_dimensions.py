@@ -15,6 +15,7 @@ import numpy as np
 import pint
 import pytest
 
+from vvdp.base.conservation import NOTHING
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.simulation.values import flat, leaves, names, rebuild
@@ -77,6 +78,8 @@ def scaled(value):
         by = own_factor(value, name) or (factor(kind.unit) if kind else None)
         if isinstance(member, Signal):
             members.append(scaled_signal(member, by))
+        elif member is NOTHING:
+            members.append(member)
         elif names(member):
             members.append(scaled(member))
         else:

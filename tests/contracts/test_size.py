@@ -227,6 +227,7 @@ ALLOWED = {
     "studies.run._results": ONE_PASS,
     "systems.bench.RotaryBench": FACADE,
     "systems.drawing.Drawer": DRAWN_FILE,
+    "systems.axial_benches.axial_chamber": "one argument for each table of its system file",
     "systems.rotary_bench.constant_load": "one argument for each table of its system file",
     "systems.rotary_bench.orifice_load": "one argument for each table of its system file",
     "valve.operating_point.operating_point": RECORD,

@@ -19,7 +19,8 @@ class Books(NamedTuple):
 
     `supplied` and `spent` are NamedTuples of energies [J] with a name for every source and every sink, `totals` one of
     integrals over time of whatever else is to be averaged exactly. In the rates that a circuit returns, the same
-    fields hold powers [W], flows [tank volumes per second] and the averaged quantities themselves.
+    fields hold powers [W], flows [tank volumes per second] and the averaged quantities themselves. Where there are
+    several oils, `taken_in` and `given_out` are NamedTuples with a name for each.
     """
 
     supplied: Any
@@ -30,7 +31,10 @@ class Books(NamedTuple):
 
 
 class Stored(NamedTuple):
-    """What a component or a circuit holds: energy [J] above the tank's state, and oil [m^3 at tank conditions]."""
+    """What a component or a circuit holds: energy [J] above the tank's state, and oil [m^3 at tank conditions].
+
+    Where a circuit has several oils, `volume` is a NamedTuple with a name for each.
+    """
 
     energy: Energy
     volume: TankVolume

@@ -219,6 +219,7 @@ ForceSignal = Annotated[Signal, FORCE]
 SpeedSignal = Annotated[Signal, SPEED]
 TemperatureSignal = Annotated[Signal, TEMPERATURE]
 FractionSignal = Annotated[Signal, FRACTION]
+SignedFractionSignal = Annotated[Signal, SIGNED_FRACTION]
 DutySignal = Annotated[Signal, DUTY_RATIO]
 
 

@@ -1,9 +1,10 @@
-"""Four-way directional valve with closed centre, by itself and with a proportional valve in its return."""
+"""Directional valves: three-way proportional; four-way with closed centre, alone and with a throttle in its return."""
 
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Flow, FlowCoefficient, Fraction, Kink, Power, SignedFraction, Time
+from vvdp.base.kinds import Area, Flow, FlowCoefficient, Fraction, Kink, Power, SignedFraction, Time
+from vvdp.base.modes import side
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.directional_valve import (
@@ -15,6 +16,8 @@ from vvdp.hydraulics.directional_valve import (
     position_rate,
 )
 from vvdp.hydraulics.flow import Passage, passage
+from vvdp.hydraulics.orifice import Orifice, orifice_flow
+from vvdp.hydraulics.ports import Medium
 from vvdp.hydraulics.series import first_share, series_flow
 from vvdp.network.component import Component
 
@@ -33,6 +36,12 @@ class ThrottledDirectionalValve(DirectionalValve):
         super().check()
         if self.return_lag <= 0.0:
             raise ParameterError("ThrottledDirectionalValve.return_lag: 0 s; expected a time above zero")
+
+
+class ThreeWayProportionalValve(Orifice):
+    """Two sharp edges from one chamber, to supply and to tank, each with `full_area` at the end of the stroke."""
+
+    full_area: Area
 
 
 class ThrottledDirectionalState(NamedTuple):
@@ -55,6 +64,16 @@ class DirectionalFlows(NamedTuple):
     backward: Fraction
     forward_side: Kink
     backward_side: Kink
+
+
+class ThreeWayProportionalFlows(NamedTuple):
+    """Flows of a three-way proportional valve into its nodes, its loss, and on which side of its centre it stands."""
+
+    pressure: Flow
+    tank: Flow
+    a: Flow
+    loss: Power
+    centre: Kink
 
 
 class ThrottledDirectionalLosses(NamedTuple):
@@ -145,6 +164,29 @@ def throttled_directional_valve(
     )
 
 
+def three_way_proportional_valve(
+    pressure: FluidState,
+    tank: FluidState,
+    a: FluidState,
+    command: SignedFraction,
+    medium: Medium,
+    values: ThreeWayProportionalValve,
+) -> ThreeWayProportionalFlows:
+    """3/3 proportional valve without lag: a `command` above 0 joins pressure to a, one below 0 a to tank."""
+    u = clip(command, -1.0, 1.0)
+    filling, emptying = values.full_area * clip(u, 0.0, 1.0), values.full_area * clip(-u, 0.0, 1.0)
+    drop_in, drop_out = pressure.pressure - a.pressure, a.pressure - tank.pressure
+    to_a = passage(orifice_flow(filling, drop_in, medium.density, values), pressure, a)
+    to_tank = passage(orifice_flow(emptying, drop_out, medium.density, values), a, tank)
+    return ThreeWayProportionalFlows(
+        pressure=-to_a.flow,
+        tank=to_tank.flow,
+        a=to_a.flow - to_tank.flow,
+        loss=to_a.loss + to_tank.loss,
+        centre=side(u),
+    )
+
+
 def _edge(upstream: FluidState, downstream: FluidState, opening: float, values: DirectionalValve) -> Passage:
     """What goes over one edge."""
     return passage(edge_flow(upstream.pressure - downstream.pressure, opening, values), upstream, downstream)
@@ -161,3 +203,4 @@ def _return(
 
 DIRECTIONAL_VALVE = Component(directional_valve, symbol="directional_valve")
 THROTTLED_DIRECTIONAL_VALVE = Component(throttled_directional_valve, symbol="directional_valve")
+THREE_WAY_PROPORTIONAL_VALVE = Component(three_way_proportional_valve, symbol="switching_valve_3_2")

@@ -18,9 +18,14 @@ from vvdp.components.controlled_valves import (
     SERIES_THROTTLES,
     UNLOADING_VALVE,
 )
-from vvdp.components.directional_valves import DIRECTIONAL_VALVE, THROTTLED_DIRECTIONAL_VALVE
+from vvdp.components.directional_valves import (
+    DIRECTIONAL_VALVE,
+    THREE_WAY_PROPORTIONAL_VALVE,
+    THROTTLED_DIRECTIONAL_VALVE,
+)
 from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.flow_sources import FLOW_SOURCE
+from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
 from vvdp.components.machines import MOTOR, PUMP
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
@@ -72,6 +77,7 @@ def _by_name(*components: Component | Assembly) -> Mapping[str, Component | Asse
 
 
 COMPONENTS = _by_name(
+    CALIBRATED_GEROTOR_DRIVE,
     CHECK_VALVE,
     COLUMN,
     CYLINDER,
@@ -81,6 +87,7 @@ COMPONENTS = _by_name(
     END_STOP,
     FLOW_CONTROL_VALVE,
     FLOW_SOURCE,
+    GEROTOR_DRIVE,
     LAMINAR_GAP,
     LAYERED_PIPE,
     LINE,
@@ -108,6 +115,7 @@ COMPONENTS = _by_name(
     SHOCK_VALVE,
     SPRING,
     SWITCHING_VALVE,
+    THREE_WAY_PROPORTIONAL_VALVE,
     THROTTLED_DIRECTIONAL_VALVE,
     TORSION_SPRING,
     TWO_WAY_VALVE,

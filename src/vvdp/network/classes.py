@@ -44,6 +44,7 @@ from vvdp.network.nodes import (
     can_boil,
     free_air_name,
     has_free_air,
+    is_held,
 )
 from vvdp.network.paths import Places, StartValue, averaged_flows, flows_of, part_outputs, tank_exchanges
 from vvdp.simulation.values import blank, names
@@ -84,6 +85,11 @@ class Classes:
         hints = {n: _energy(kinds[""]) if "" in kinds else self.spent_parts[n] for n, kinds in losses.items()}
         hints |= {free_air_name(n): ExchangedEnergy for n, node in self.network.nodes.items() if has_free_air(node)}
         return named_tuple("Spent", hints)
+
+    @cached_property
+    def oil_volumes(self) -> type:
+        """What is told of each oil where there are several."""
+        return named_tuple("OilVolumes", dict.fromkeys(self.places.oils, TankVolume))
 
     @cached_property
     def totals(self) -> type:
@@ -163,7 +169,7 @@ class Classes:
         hints = dict(get_type_hints(self.medium, include_extras=True))
         for name, node in self.network.nodes.items():
             match node:
-                case Tank():
+                case Tank() | PressureSource() if is_held(node):
                     _join(hints, name, {name: FluidState})
                 case Shaft():
                     _join(hints, name, {f"{name}_inertia": Inertia})
@@ -222,7 +228,8 @@ class Classes:
     @cached_property
     def empty_books(self) -> Books:
         """Books before a run."""
-        return Books(blank(self.supplied_class), blank(self.spent_class), 0.0, 0.0, blank(self.totals))
+        none: Any = 0.0 if len(self.places.oils) <= 1 else blank(self.oil_volumes)
+        return Books(blank(self.supplied_class), blank(self.spent_class), none, none, blank(self.totals))
 
 
 def flow_names(part: Part) -> list[str]:

@@ -234,8 +234,10 @@ GIVEN_UNITS = {Role.PORT: "m^3/s", Role.SHAFT: "N*m", Role.SHAFT_SPEED: "N*m", R
 def check_component(component: Component) -> None:
     """Refuse, with a NetworkError that names it, a component whose functions do not fit together."""
     name, ports, fields = component.name, component.ports, set(names(component.result))
-    if not ports:
-        raise NetworkError(f"{name} has no port; annotate at least one argument as FluidState, or a shaft or rod")
+    if not ports and component.state is None:
+        raise NetworkError(
+            f"{name} has no port; annotate at least one argument as FluidState, or a shaft or rod, or give it a state"
+        )
     hydraulic = component.hydraulic_ports
     if "flow" in fields and len(hydraulic) != 2:
         returned = "a Passage" if component.result is Passage else "a field 'flow'"
@@ -246,7 +248,7 @@ def check_component(component: Component) -> None:
         raise NetworkError(
             f"{name} returns both 'flow' and {min(twice)!r}; the one or the other, else oil counts twice"
         )
-    if not component.is_passage and not fields & set(ports):
+    if ports and not component.is_passage and not fields & set(ports):
         raise NetworkError(
             f"{name} gives nothing to a port; its result needs a field named as one of {', '.join(ports)}"
         )

@@ -29,6 +29,7 @@ from vvdp.network.nodes import (
     Tank,
     free_air_name,
     has_free_air,
+    is_held,
 )
 from vvdp.network.oil_options import aerated_volumes, air_lines, boiling_modes, boiling_outputs
 from vvdp.network.paths import (
@@ -118,7 +119,7 @@ class Functions:
         yield from keyword_call("supplied=Supplied", self.classes.supplied_class, self._supplied_powers())
         yield from keyword_call("spent=Spent", self.classes.spent_class, self._spent_powers())
         yield "taken_in=taken_in,"
-        yield f"given_out={' + '.join(['taken_in', *(f'into_{name}' for name in self._prescribed_pressures)])},"
+        yield f"given_out={self._by_oil(self._given_out)},"
         yield from keyword_call("totals=Totals", self.classes.totals, self._totals())
 
     @property
@@ -128,8 +129,25 @@ class Functions:
     def _exchange(self) -> Iterator[str]:
         """Lines that say what oil goes into tanks and sources, and how much of it comes out of them."""
         yield from (f"into_{name} = {self.text.inflow_sum(name)}" for name in self._prescribed_pressures)
-        terms = [f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in tank_exchanges(self.places).values()]
-        yield f"taken_in = {' + '.join(terms) or '0.0'}"
+        yield f"taken_in = {self._by_oil(self._taken_in)}"
+
+    def _by_oil(self, volumes: Callable[[str], str]) -> str:
+        """What `volumes` says of the oil of that name: as it is where there is one only, else by name."""
+        oils = self.places.oils
+        if len(oils) <= 1:
+            return volumes(next(iter(oils), "oil"))
+        return f"{self.text.use(self.classes.oil_volumes)}({', '.join(f'{oil}={volumes(oil)}' for oil in oils)})"
+
+    def _taken_in(self, oil: str) -> str:
+        """The flow of an oil out of tanks and sources."""
+        flows = tank_exchanges(self.places, oil).values()
+        return " + ".join(f"{self.text.use(maximum)}({negative(flow)}, 0.0)" for flow in flows) or "0.0"
+
+    def _given_out(self, oil: str) -> str:
+        """The flow of an oil into tanks and sources: what was taken out of them, and what they have got since."""
+        taken_in = "taken_in" if len(self.places.oils) <= 1 else f"taken_in.{oil}"
+        got = (name for name in self._prescribed_pressures if self.places.oil_name(name) == oil)
+        return " + ".join([taken_in, *(f"into_{name}" for name in got)])
 
     def _supplied_powers(self) -> dict[str, str]:
         found = {}
@@ -212,7 +230,7 @@ class Functions:
         if any(part.component.held for part in self.network.parts.values()):
             lines.append(f"h = {self.text.use(self.classes.medium)}({', '.join(fields)})")
         for name, node in self.network.nodes.items():
-            if isinstance(node, Tank):
+            if is_held(node):
                 pressure, oil = self.text.source(node.pressure, name), self.places.path(node.oil)
                 fields[name] = f"{self.text.state_of(node.oil)}({pressure}, {oil})"
             elif isinstance(node, Shaft | Rod):
@@ -245,7 +263,7 @@ class Functions:
 
     def contents(self) -> list[str]:
         """The function `stored`."""
-        lines, energies, held = list[str](), list[str](), list[str]()
+        lines, energies, held = list[str](), list[str](), dict[str, str]()
         used = [p for p in self.network.parts.values() if p.component.walls or p.component.stored]
         joined = {
             p.nodes[a.name]
@@ -267,15 +285,20 @@ class Functions:
         for name, node in self.network.nodes.items():
             if isinstance(node, OilVolume):
                 lines.append(f"in_{name} = {self._content(name, node)}")
-                held.append(f"in_{name}")
+                held[f"in_{name}"] = self.places.oil_name(name)
             elif isinstance(node, Shaft | Rod):
                 speed = "speed" if isinstance(node, Shaft) else "velocity"
                 energies.append(f"0.5 * ({self._inertia(name, node)}) * s.{name}.{speed} ** 2")
         lines += [f"in_{p.name} = {self.text.call(p, p.component.stored)}" for p in own]
-        held += [f"in_{p.name}" for p in own]
-        energies, volumes = [f"{name}.energy" for name in held] + energies, [f"{name}.volume" for name in held]
+        held |= {f"in_{p.name}": self.places.oil_name_of(self.text.oil(p)) for p in own}
+        energies = [f"{name}.energy" for name in held] + energies
         lines.append(f"energy = {' + '.join(energies) or '0.0'}")
-        lines.append(f"return Stored(energy, {' + '.join(volumes) or '0.0'})")
+
+        def volume(oil: str) -> str:
+            own = (f"{name}.volume" for name, of in held.items() if of == oil or len(self.places.oils) <= 1)
+            return " + ".join(own) or "0.0"
+
+        lines.append(f"return Stored(energy, {self._by_oil(volume)})")
         return ["def stored(s, p):", *indent(lines)]
 
     def _check_contents(self, part: Part) -> None:

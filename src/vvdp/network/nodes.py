@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeGuard
 
 from vvdp.base.kinds import Inertia, Mass, Volume
 from vvdp.base.params import Params
@@ -113,6 +113,11 @@ def free_air_name(name: str) -> str:
 def has_free_air(node: Node) -> bool:
     """Whether the free air of a node is a state: of volumes of oil whose air dissolves."""
     return isinstance(node, OilVolume) and dissolves(node.oil)
+
+
+def is_held(node: Node) -> TypeGuard[Tank | PressureSource]:
+    """Whether the oil's state in a node is worked out once per sample: where a signal prescribes its pressure."""
+    return isinstance(node, Tank | PressureSource) and isinstance(node.pressure, Signal)
 
 
 def can_boil(node: Node) -> bool:

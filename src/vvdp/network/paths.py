@@ -23,6 +23,7 @@ from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.base.tables import nearest
 from vvdp.fluid.mixture import FluidState
+from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.ports import RodState, ShaftState
 from vvdp.network.component import Role
 from vvdp.network.network import Network, Part
@@ -210,6 +211,20 @@ class Places:
         return self._by_identity[id(value)]
 
     @cached_property
+    def oils(self) -> tuple[str, ...]:
+        """Names of the oils that nodes hold."""
+        return tuple(dict.fromkeys(n for n in map(self.oil_name, self.network.nodes) if n))
+
+    def oil_name(self, node: str) -> str:
+        """The name of the oil in a node; empty where there is none."""
+        held = self.network.nodes[node]
+        return self.oil_name_of(held.oil) if isinstance(held, HydraulicNode) else ""
+
+    def oil_name_of(self, oil: Oil) -> str:
+        """Where an oil stands among the parameters."""
+        return self.path(oil).removeprefix("p.")
+
+    @cached_property
     def starts(self) -> Mapping[str, tuple[StartValue, ...]]:
         """The start values of each node and part that has any."""
         found: dict[str, tuple[StartValue, ...]] = {}
@@ -291,10 +306,14 @@ def flows_of(part: Part) -> dict[str, str]:
     return {f"{port}_flow": f"{part.name}.{port}" for port in given}
 
 
-def tank_exchanges(places: Places) -> dict[str, str]:
-    """Names and texts of the flows into tanks and pressure sources, each through one port."""
+def tank_exchanges(places: Places, oil: str = "") -> dict[str, str]:
+    """Names and texts of the flows into tanks and pressure sources, of all or of those of one oil, each through one
+    port.
+    """
     found = {}
-    for node in (name for name, node in places.network.nodes.items() if isinstance(node, Tank | PressureSource)):
+    for node, held in places.network.nodes.items():
+        if not isinstance(held, Tank | PressureSource) or oil not in ("", places.oil_name(node)):
+            continue
         for met in places.ports_at(node):
             component, name = met.part.component, f"{met.part.name}_{met.port}_flow"
             if component.is_passage and met.port in component.hydraulic_ports:

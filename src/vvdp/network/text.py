@@ -28,6 +28,7 @@ from vvdp.network.nodes import (
     Tank,
     free_air_name,
     has_free_air,
+    is_held,
 )
 from vvdp.network.paths import Places, check_unit
 from vvdp.simulation.values import names
@@ -196,7 +197,7 @@ class Text:
                     yield f"{name} = {self.use(aerated_state)}(s.{name}, {air}, {oil})"
                 case OilVolume():
                     yield f"{name} = {self.state_of(node.oil)}(s.{name}, {self.places.path(node.oil)})"
-                case Tank():
+                case Tank() | PressureSource() if is_held(node):
                     pressure = self.source(node.pressure, name, PRESSURE_LEVEL)
                     known = f"{self.use(state_at)}({pressure}, h.{name}, " if is_plain(node.oil) else ""
                     call = known or f"{self.state_of(node.oil)}({pressure}, "

@@ -1,8 +1,11 @@
 """Whether the books of a run balance: nothing is computed as the difference of the others."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from vvdp.base.arrays import Array
+from vvdp.base.conservation import Books
 from vvdp.base.kinds import EXCHANGED_ENERGY
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.run import Run
@@ -16,8 +19,23 @@ SLACK = 1e-3
 
 
 @dataclass(frozen=True)
+class OilBalance:
+    """One oil in, out, and into store over a run [m^3 at tank conditions]."""
+
+    taken_in: float
+    given_out: float
+    stored: float
+    throughput: float
+
+    @property
+    def residual(self) -> float:
+        """(in - out - stored) over the throughput: what went through, but at least what the system holds."""
+        return _share(self.taken_in - self.given_out - self.stored, self.throughput)
+
+
+@dataclass(frozen=True)
 class Balance:
-    """Energy [J] and oil [m^3 at tank conditions] in, out, and into store over a run.
+    """Energy [J] in, out, and into store over a run, and the balance of each oil.
 
     `falling` names the entries of `spent` that gave energy back (flow that runs up the pressure, a friction that
     drives), but for those of the kind `EXCHANGED_ENERGY`; `outside` the states that left the range of their kind.
@@ -27,10 +45,7 @@ class Balance:
     energy_out: float
     energy_stored: float
     energy_throughput: float
-    volume_in: float
-    volume_out: float
-    volume_stored: float
-    volume_throughput: float
+    oils: tuple[OilBalance, ...]
     falling: tuple[str, ...] = ()
     outside: tuple[str, ...] = ()
 
@@ -41,8 +56,8 @@ class Balance:
 
     @property
     def mass_residual(self) -> float:
-        """(in - out - stored) over the throughput: what went through, but at least what the system holds."""
-        return _share(self.volume_in - self.volume_out - self.volume_stored, self.volume_throughput)
+        """The largest residual of an oil: none makes up for another."""
+        return max((oil.residual for oil in self.oils), key=abs)
 
     @property
     def is_closed(self) -> bool:
@@ -82,9 +97,7 @@ def balance_between(
     held, holds = model.stored(before, case.params), model.stored(after, case.params)
     supplied = flat(after.books.supplied) - flat(before.books.supplied)
     spent = flat(after.books.spent) - flat(before.books.spent)
-    energy_stored, volume_stored = float(holds.energy - held.energy), float(holds.volume - held.volume)
-    taken_in = float(after.books.taken_in - before.books.taken_in)
-    given_out = float(after.books.given_out - before.books.given_out)
+    energy_stored = float(holds.energy - held.energy)
     passed = max(abs(supplied).sum(), abs(spent).sum(), abs(energy_stored))
     throughput = float(max(passed, abs(held.energy), abs(holds.energy)))
     return Balance(
@@ -92,10 +105,7 @@ def balance_between(
         energy_out=float(spent.sum()),
         energy_stored=energy_stored,
         energy_throughput=throughput,
-        volume_in=taken_in,
-        volume_out=given_out,
-        volume_stored=volume_stored,
-        volume_throughput=float(max(abs(taken_in), abs(given_out), abs(volume_stored), holds.volume)),
+        oils=tuple(_oil_balances(before.books, after.books, held.volume, holds.volume)),
         falling=tuple(
             path
             for (path, _, kind), change in zip(leaves(after.books.spent), spent, strict=True)
@@ -103,6 +113,14 @@ def balance_between(
         ),
         outside=() if extremes is None else states_outside(case, *extremes),
     )
+
+
+def _oil_balances(before: Books, after: Books, held: Any, holds: Any) -> Iterator[OilBalance]:
+    """The balance of each oil, from the books and the volumes in store at both ends."""
+    taken_in, given_out = flat(after.taken_in) - flat(before.taken_in), flat(after.given_out) - flat(before.given_out)
+    for into, out, begin, end in zip(taken_in, given_out, flat(held), flat(holds), strict=True):
+        most = max(abs(into), abs(out), abs(end - begin), end)
+        yield OilBalance(float(into), float(out), float(end - begin), float(most))
 
 
 def states_outside(case: Case, low: Array, high: Array) -> tuple[str, ...]:

@@ -1,0 +1,113 @@
+"""The two axial drives of a spool as parts of any network; each returns the path of the spool's position."""
+
+from dataclasses import dataclass
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.signal import Signal
+from vvdp.components.directional_valves import THREE_WAY_PROPORTIONAL_VALVE, ThreeWayProportionalValve
+from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
+from vvdp.components.rods import END_STOP, PLUNGER, ROD_FRICTION, SPRING
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.chamber_drive import holding_pressure, static_reach
+from vvdp.hydraulics.cylinder import Plunger
+from vvdp.hydraulics.friction import RodFriction
+from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap, GerotorState
+from vvdp.hydraulics.rod import EndStop, Spring
+from vvdp.network.network import Network
+from vvdp.network.nodes import Chamber, Source, Start
+
+
+@dataclass(frozen=True)
+class ChamberDrive:
+    """A chamber against a spring, with its valve and an oil of its own, and where it starts [Pa absolute, m].
+
+    `chamber` is the volume at position 0; what the piston sweeps comes on top.
+    """
+
+    piston: Plunger
+    spring: Spring
+    friction: RodFriction
+    stops: EndStop
+    valve: ThreeWayProportionalValve
+    chamber: Chamber
+    oil: Oil
+    pressure: Start
+    position: Start
+
+
+@dataclass(frozen=True)
+class PilotJoints:
+    """What feeds a chamber drive and moves its valve: signals, states or commands [Pa absolute, 1]."""
+
+    supply_pressure: Signal
+    tank_pressure: Signal
+    command: Source
+
+
+def add_chamber_drive(net: Network, drive: ChamberDrive, joints: PilotJoints, prefix: str = "") -> str:
+    """Add a chamber drive to a network; `prefix` goes before its names where there are several.
+
+    Its nodes are `pilot_supply`, `pilot_tank`, `pilot_chamber` and `slide`, its components `pilot_valve`,
+    `axial_piston`, `axial_spring`, `axial_friction` and `axial_stops`.
+    """
+    supply, tank, chamber, slide = (prefix + n for n in ("pilot_supply", "pilot_tank", "pilot_chamber", "slide"))
+    net.pressure_source(supply, joints.supply_pressure, oil=drive.oil)
+    net.tank(tank, joints.tank_pressure, oil=drive.oil)
+    net.volume(chamber, drive.chamber, start=drive.pressure, oil=drive.oil)
+    net.rod(slide, position=drive.position)
+    net.add(
+        prefix + "pilot_valve",
+        THREE_WAY_PROPORTIONAL_VALVE,
+        drive.valve,
+        pressure=supply,
+        tank=tank,
+        a=chamber,
+        command=joints.command,
+    )
+    net.add(prefix + "axial_piston", PLUNGER, drive.piston, a=chamber, rod=slide)
+    net.add(prefix + "axial_spring", SPRING, drive.spring, rod=slide)
+    net.add(prefix + "axial_friction", ROD_FRICTION, drive.friction, rod=slide)
+    net.add(prefix + "axial_stops", END_STOP, drive.stops, rod=slide)
+    return f"{slide}.position"
+
+
+def check_reach(wanted: float, supply_pressure: float, drive: ChamberDrive) -> None:
+    """Refuse, with a ParameterError, a stroke that the supply cannot hold against the spring, or that a stop ends.
+
+    wanted           highest position that is asked for [m]
+    supply_pressure  lowest pressure of the supply, absolute [Pa]
+    """
+    reference = drive.oil.reference_pressure
+    reach = static_reach(supply_pressure, reference, drive.piston, drive.spring)
+    if wanted > reach:
+        needed = holding_pressure(wanted, reference, drive.piston, drive.spring)
+        raise ParameterError(
+            f"pilot.supply_pressure: {(supply_pressure - reference) / 1e5:.4g} bar hold the spool at "
+            f"{1e3 * reach:.4g} mm at most; {1e3 * wanted:.4g} mm are asked for, which take "
+            f"{(needed - reference) / 1e5:.4g} bar"
+        )
+    if wanted > drive.stops.upper_end:
+        raise ParameterError(
+            f"axial_stops.upper_end: {1e3 * drive.stops.upper_end:.4g} mm end the stroke below the "
+            f"{1e3 * wanted:.4g} mm that are asked for"
+        )
+
+
+def add_gerotor_drive(
+    net: Network,
+    drive: GerotorDrive,
+    characteristic: GerotorMap | GerotorCalibration,
+    command: Source,
+    position: float,
+    prefix: str = "",
+) -> str:
+    """Add a gerotor drive, the component `gerotor`, to a network; the spool stands at `position` [m] at first."""
+    if not drive.lower_end <= position <= drive.upper_end:
+        raise ParameterError(
+            f"axial_position: {position:g} m lies outside the ends of the stroke, {drive.lower_end:g} to "
+            f"{drive.upper_end:g} m"
+        )
+    component = GEROTOR_DRIVE if isinstance(characteristic, GerotorMap) else CALIBRATED_GEROTOR_DRIVE
+    name = prefix + "gerotor"
+    net.add(name, component, drive, characteristic, start=GerotorState(0.0, position), command=command)
+    return f"{name}.position"

@@ -1,0 +1,173 @@
+"""The optical sensor of the spool's axial position: light off the spool's end, polluted once per turn of the spool.
+
+The end is neither even nor square to the axis, so that the light swings with the spool's angle as if the spool moved.
+Derived in docs/models/axial-drives.md.
+
+Source  ours, docs/models/axial-drives.md, where a function names no other.
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import ANGLE, FRACTION, POSITION, RATIO, Angle, Fraction, Length, Position, Time
+from vvdp.base.params import Params
+from vvdp.base.select import clip
+from vvdp.numerics.piecewise import check_rising, piecewise_linear
+from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
+
+
+class Pollution(Params):
+    """What the spool's angle adds to the position that is seen: scale sum(a_g sin(g theta + phi_g)), g from 1 on."""
+
+    scale: Length
+    amplitudes: Annotated[tuple[float, ...], RATIO]
+    phases: Annotated[tuple[float, ...], ANGLE]
+
+    def check(self) -> None:
+        if len(self.amplitudes) != len(self.phases):
+            raise ParameterError(
+                f"Pollution.phases: {len(self.phases)} for {len(self.amplitudes)} amplitudes; expected one each"
+            )
+
+
+class LightCurve(Params):
+    """Share of the light that comes back, by position: the mean over a turn, straight lines between the rows."""
+
+    positions: Annotated[tuple[float, ...], POSITION]
+    light: Annotated[tuple[float, ...], FRACTION]
+
+    def check(self) -> None:
+        if len(self.positions) < 2 or len(self.positions) != len(self.light):
+            raise ParameterError(
+                f"LightCurve.light: {len(self.light)} rows for {len(self.positions)} positions; expected one for each "
+                "of at least two"
+            )
+        check_rising("LightCurve.positions", self.positions)
+        sign = -1.0 if self.light[-1] < self.light[0] else 1.0
+        for row in range(1, len(self.light)):
+            if not sign * (self.light[row] - self.light[row - 1]) > 0.0:
+                raise ParameterError(
+                    f"LightCurve.light: row {row + 1} has {self.light[row]:g} after {self.light[row - 1]:g}, from "
+                    f"{self.light[0]:g} to {self.light[-1]:g} in all; a position can be told only where the light "
+                    "falls or rises from row to row"
+                )
+
+
+class AxialSensor(Params):
+    """Light curve and calibration, pollution at the lower and at the upper end of the calibration, and instrument.
+
+    Between the ends the pollution goes over from one to the other. The instrument measures the share of light: its
+    offset is a bias, its faults are a frozen and a lost signal.
+    """
+
+    curve: LightCurve
+    calibration: LightCurve
+    near: Pollution
+    far: Pollution
+    instrument: Instrument
+
+
+class SpoolPlace(NamedTuple):
+    """How the spool truly stands at a sample."""
+
+    time: Time
+    position: Position
+    angle: Angle
+
+
+class AxialReading(NamedTuple):
+    """One sample of the axial sensor: the position that its calibration tells, and the share of light."""
+
+    time: Time
+    position: Position
+    light: Fraction
+
+
+def pollution_at(angle: float, pollution: Pollution) -> float:
+    """What the spool's angle adds to the position that is seen [m]; it repeats with every turn.
+
+    angle  of the spool [rad]
+
+    Source  wang2017, section 4.2.1
+    """
+    turn = 2.0 * np.pi
+    rest = angle - turn * np.floor(angle / turn)
+    added = 0.0
+    for g in range(len(pollution.amplitudes)):
+        added = added + pollution.amplitudes[g] * np.sin((g + 1.0) * rest + pollution.phases[g])
+    return pollution.scale * added
+
+
+def seen_position(position: float, angle: float, sensor: AxialSensor) -> float:
+    """Position whose light comes off the spool [m], with the pollution there.
+
+    position  of the spool [m]
+    angle     of the spool [rad]
+    """
+    rows = sensor.calibration.positions
+    share = clip((position - rows[0]) / (rows[len(rows) - 1] - rows[0]), 0.0, 1.0)
+    return position + (1.0 - share) * pollution_at(angle, sensor.near) + share * pollution_at(angle, sensor.far)
+
+
+def light_at(position: float, curve: LightCurve) -> float:
+    """Share of the light that comes back [1].
+
+    position  that is seen [m]
+    """
+    return piecewise_linear(position, curve.positions, curve.light)
+
+
+def calibrated_position(light: float, calibration: LightCurve) -> float:
+    """Position that a calibration tells [m]; beyond its ends, the end.
+
+    light  share that comes back [1]
+    """
+    return piecewise_linear(light, calibration.light, calibration.positions)
+
+
+def axial_sensor_start(sensor: AxialSensor) -> InstrumentMemory:
+    """Memory before the first sample; equal seeds give equal noise."""
+    return instrument_start(sensor.instrument)
+
+
+def axial_sensor_step(
+    memory: InstrumentMemory, place: SpoolPlace, sensor: AxialSensor
+) -> tuple[InstrumentMemory, AxialReading]:
+    """Memory and reading after a sample."""
+    light = light_at(seen_position(place.position, place.angle, sensor), sensor.curve)
+    remembered, measured = instrument_step(memory, place.time, light, sensor.instrument)
+    return remembered, AxialReading(place.time, calibrated_position(measured, sensor.calibration), measured)
+
+
+def calibrate(positions: Array, light: Array) -> LightCurve:
+    """The calibration from whole turns, recorded at one position each: the mean over a turn.
+
+    Raises ParameterError where the means neither rise nor fall throughout.
+
+    positions  shape (n,), increasing [m]
+    light      shape (n, samples of a turn) [1]
+    """
+    means = np.mean(light, axis=1)
+    return LightCurve(positions=tuple(map(float, positions)), light=tuple(map(float, means)))
+
+
+def recorded_pollution(record: Array, harmonics: int) -> Pollution:
+    """The pollution that a turn recorded against a hard stop shows: its first harmonics, without the mean.
+
+    Raises ParameterError where the record is too short to tell them.
+
+    record  positions seen at even angles from 0 over a turn, shape (samples,) [m]
+    """
+    if harmonics < 1 or 2 * harmonics >= len(record):
+        raise ParameterError(
+            f"{harmonics} harmonics of {len(record)} samples of a turn; expected fewer than half of them"
+        )
+    found = 2.0 * np.fft.rfft(record)[1 : harmonics + 1] / len(record)
+    return Pollution(
+        scale=1.0,
+        amplitudes=tuple(map(float, np.abs(found))),
+        phases=tuple(map(float, np.angle(found) + 0.5 * np.pi)),
+    )
