@@ -13,7 +13,8 @@ from vvdp.design.optimise import optimise
 from vvdp.design.problem import problem
 from vvdp.design.quantities import quantities, setup
 from vvdp.design.temperature import over_temperature
-from vvdp.geometry.shape import nozzle_reach, perpendicular_area, valve_shape
+from vvdp.geometry.shape import nozzle_reach, perpendicular_area
+from vvdp.geometry.shape_tables import valve_shape
 from vvdp.steady.cycle_means import ANGLES as FEWER_ANGLES
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import branch_drops, branch_flow

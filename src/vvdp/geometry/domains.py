@@ -14,7 +14,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.geometry.facets import FINENESS, Faceted, Part
 from vvdp.geometry.kernel import Floats, union
 from vvdp.geometry.mesh import Mesh, patch_areas, require_sound, volume
-from vvdp.geometry.shape import ValveShape, collector_position, rail_arc, stations, stroke
+from vvdp.geometry.shape import ValveShape, collector_position, rail_arc, stations, travel
 from vvdp.geometry.solids import (
     BEYOND,
     OVERLAP,
@@ -42,6 +42,8 @@ LEAST_OPENING = 1e-4
 """Share of the nozzle area below which nozzles count as shut."""
 STUB = 0.197
 """Length of the nozzle stubs that feed the centre section alone, over the spool radius: 2.5 mm on 12.7 mm."""
+ROUNDING = 1e-11
+"""Length [m] by which a position may miss the stroke."""
 APPROACH = 0.63
 """Length of chamber upstream of the channels of the outlet turbine alone, over the spool radius: 8 mm."""
 
@@ -126,11 +128,10 @@ def _require_open(angle: float, position: float, shape: ValveShape, valve: Rotar
 
 def require_within_stroke(position: float, shape: ValveShape, valve: RotaryValve) -> None:
     """Raises ParameterError where the sleeve does not let the spool get to an axial position."""
-    middle, half = 0.5 * valve.helix_length, 0.5 * stroke(shape, valve)
-    if abs(position - middle) > half * (1.0 + 1e-9) + 1e-12:
+    low, high = travel(shape, valve)
+    if not low - ROUNDING <= position <= high + ROUNDING:
         raise ParameterError(
-            f"the axial position {1e3 * position:.4g} mm is outside the stroke, {1e3 * (middle - half):.4g} to "
-            f"{1e3 * (middle + half):.4g} mm"
+            f"the axial position {1e3 * position:.4g} mm is outside the stroke, {1e3 * low:.4g} to {1e3 * high:.4g} mm"
         )
 
 
