@@ -1,5 +1,6 @@
 """The axial travel of a spool: what its drive gives, helix needs and solids allow, and how a run says so."""
 
+from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
@@ -181,3 +182,16 @@ def test_faults_of_the_shape_have_their_line():
 def test_a_shape_without_a_valve_is_refused():
     with pytest.raises(ConfigError, match="the circuit has 0 rotary valves; expected one"):
         load_system("long-hose", WIDE)
+
+
+@pytest.mark.parametrize(("position", "kept"), [("-6.2 mm", True), ("27 mm", True), ("-8 mm", False), ("28 mm", False)])
+def test_a_spool_at_its_stops_is_within_the_laws_of_the_valve(position, kept):
+    """-kappa - 0.05 = -0.3501 of 20.32 mm is -7.11 mm, 1.3501 of it 27.43 mm."""
+    system = load_system("prototype", (f"operation.axial_position={position}",))
+    (duty,) = [each for each in system.extras.bounds(_numbers()) if each.label == "duty ratio"]
+    assert duty.is_kept is kept
+
+
+def _numbers() -> dict[str, float]:
+    """Numbers of a run that the bounds of a bench ask for, none of them unusual."""
+    return defaultdict(lambda: 1.0)
