@@ -26,7 +26,8 @@ def geometry(
         typer.Option(
             "--shape",
             metavar="NAME|FILE",
-            help="A shipped shape (full-stroke), or a TOML file whose table [geometry] replaces lengths.",
+            help="A shipped shape (full-stroke, rail-a to rail-d, rail-final), or a TOML file whose table [geometry] "
+            "replaces lengths.",
         ),
     ] = None,
     angle: Annotated[

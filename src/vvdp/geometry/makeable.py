@@ -96,6 +96,11 @@ def _duct_faults(shape: ValveShape, valve: RotaryValve) -> Iterator[str]:
             f"the rail spans {np.degrees(rail_arc(shape, valve) + ends):.4g} deg with its ends; expected less than "
             "360 deg (rail_lead and rail_tail too large)"
         )
+    if shape.rail_port_angle > rail_arc(shape, valve):
+        yield (
+            f"rail_port_angle = {np.degrees(shape.rail_port_angle):.4g} deg; expected at most the "
+            f"{np.degrees(rail_arc(shape, valve)):.4g} deg of the rail"
+        )
     yield from _at_most("rail_port_diameter", shape.rail_port_diameter, shape.rail_diameter, "the rail diameter")
     yield from _at_most(
         "collector_port_diameter", shape.collector_port_diameter, shape.collector_diameter, "the collector diameter"

@@ -132,8 +132,8 @@ def _write_oil(folder: Path, name: str, build: Callable[[], Domain], product: Pr
     try:
         domain = build()
     except ParameterError:
-        if name.startswith("turbine") or name == "rail":
-            raise  # these do not depend on the nozzles being open
+        if not name.startswith(("centre", "valve")):
+            raise  # others do not depend on the nozzles being open
         product.shut.append(name)
         return
     folder.mkdir(exist_ok=True)

@@ -23,7 +23,9 @@ class ValveShape(Params):
     land of `window_length` with as many windows as sections, each `window_half_angle` to either side, `ring_length`,
     then the annular chamber of the outlet turbine, whose shell carries `outlet_blades` straight channels. Channels and
     nozzles are tangent to circles of radius `outlet_arm` and `nozzle_arm`; their tapers are entry over mouth, for
-    nozzles at the rail's centre line. `stroke_ratio` is the axial travel over the helix length.
+    nozzles at the rail's centre line. The rail begins `rail_lead` before the first nozzle's root and ends `rail_tail`
+    after the last one's; its port is `rail_port_angle` from where it begins. `stroke_ratio` is the axial
+    travel over the helix length.
     """
 
     hub_radius: Length
@@ -50,6 +52,7 @@ class ValveShape(Params):
     rail_diameter: Length
     rail_lead: FixedAngle
     rail_tail: FixedAngle
+    rail_port_angle: FixedAngle
     rail_port_diameter: Length
     port_length: Length
     sleeve_wall: Length
@@ -58,7 +61,7 @@ class ValveShape(Params):
     def check(self) -> None:
         """Refuse lengths that are not there, and blades that are no number of blades."""
         for name in (field.name for field in fields(self)):
-            if name not in ("stroke_ratio", "rail_tail") and not getattr(self, name) > 0.0:
+            if name not in ("stroke_ratio", "rail_tail", "rail_port_angle") and not getattr(self, name) > 0.0:
                 raise ParameterError(f"ValveShape.{name} must be greater than zero")
         if self.outlet_blades != round(self.outlet_blades):
             raise ParameterError(f"ValveShape.outlet_blades = {self.outlet_blades:g}; expected a whole number")
@@ -268,7 +271,7 @@ def spool_volume(shape: ValveShape, valve: RotaryValve) -> Volume:
 
 
 def rail_arc(shape: ValveShape, valve: RotaryValve) -> float:
-    """Angle from the port to the other end of the rail's centre line [rad].
+    """Angle from one end of the rail's centre line to the other [rad].
 
     Source  ours, docs/models/geometry.md
     """
