@@ -4,7 +4,7 @@ import pytest
 
 VERBS = [
     "map", "rig pressure-drop", "rig derived-capacity", "rig ripple", "rig step", "rig pump", "rig claims",
-    "design optimum", "design pareto", "design tolerance", "design temperature", "geometry", "valve",
+    "design optimum", "design pareto", "design tolerance", "design temperature", "valve",
 ]  # fmt: skip
 DRAWN = """
 nodes.line = { type = "volume", volume = "1 l", start = "50 bar" }
@@ -27,4 +27,12 @@ def test_a_verb_says_what_it_needs(vvdp, here, verb):
     refused = vvdp(*verb.split(), "drain.toml")
     assert refused.code == 2
     assert f"`vvdp {verb}` needs a pump unit with a rotary valve" in " ".join(refused.err.split())
+    assert [path.name for path in here.iterdir()] == ["drain.toml"]
+
+
+def test_geometry_needs_one_rotary_valve(vvdp, here):
+    (here / "drain.toml").write_text(DRAWN)
+    refused = vvdp("geometry", "drain.toml")
+    assert refused.code == 2
+    assert "`vvdp geometry` needs a circuit with one rotary valve; this one has none" in " ".join(refused.err.split())
     assert [path.name for path in here.iterdir()] == ["drain.toml"]

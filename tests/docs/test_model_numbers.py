@@ -13,8 +13,17 @@ from vvdp.design.optimise import optimise
 from vvdp.design.problem import problem
 from vvdp.design.quantities import quantities, setup
 from vvdp.design.temperature import over_temperature
-from vvdp.geometry.shape import nozzle_reach, perpendicular_area, valve_shape
+from vvdp.geometry.shape import (
+    nozzle_reach,
+    perpendicular_area,
+    rail_volume,
+    spool_volume,
+    stations,
+    travel,
+)
+from vvdp.geometry.shape_tables import given_shape, valve_shape
 from vvdp.steady.cycle_means import ANGLES as FEWER_ANGLES
+from vvdp.systems.spool_travel import duty_travel
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import branch_drops, branch_flow
 from vvdp.valve.condition import Condition
@@ -146,6 +155,22 @@ def test_published_optimum(bounds):
     for cell, value in zip(cells, numbers, strict=True):
         last = 10.0 ** -len(cell.strip().partition(".")[2])
         assert float(cell) == pytest.approx(value, abs=0.51 * last)
+
+
+def test_stroke_and_rail_designs():
+    """Lengths, weight and reach of the solids with the full stroke, and the volumes of the five rails."""
+    page = " ".join((DOCS / "models" / "geometry.md").read_text("utf-8").split())
+    wide, at = given_shape(VALVE, "full-stroke", ()).shape, duty_travel(VALVE)
+    low, high = travel(wide, VALVE)
+    length = 2.0 * stations(wide, VALVE).spool_end - VALVE.helix_length
+    mass = wide.spool_density * spool_volume(wide, VALVE)
+    assert f"= {1e3 * (at.high - at.low):.2f} mm, from {1e3 * at.low:.2f} to {1e3 * at.high:.2f} mm" in page
+    assert f"a ratio of {wide.stroke_ratio:.2f}, {1e3 * low:.2f} to {1e3 * high:.2f} mm" in page
+    assert f"becomes {1e3 * length:.0f} mm long and {mass:.2f} kg heavy" in page
+    for name in ("a", "b", "c", "d", "final"):
+        held = 1e6 * rail_volume(given_shape(VALVE, f"rail-{name}", ()).shape, VALVE)
+        row = page[page.index(f"| `rail-{name}` |") :]
+        assert row.split("|")[3].strip() == f"{held:.2f} cm³"
 
 
 def test_inertia_of_the_oil():

@@ -11,7 +11,8 @@ from trimesh.triangles import cross
 
 from vvdp.cli.main import main
 from vvdp.geometry.mesh import Floats, Indices, Mesh
-from vvdp.geometry.shape import ValveShape, valve_shape
+from vvdp.geometry.shape import ValveShape
+from vvdp.geometry.shape_tables import valve_shape
 from vvdp.geometry.solids import sleeve, spool
 from vvdp.systems.system import load_system
 from vvdp.valve.rotary import RotaryValve

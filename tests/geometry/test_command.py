@@ -53,7 +53,7 @@ def test_the_command_makes_and_tells_everything(made, keys_as_described):
     figures = {path.stem for path in (folder / "figures").glob("*.svg")}
     assert figures == {"unwrapped", "openings-over-angle", "solids", "oil"}
     described = json.loads((folder / "oil" / "domains.json").read_text("utf-8"))
-    assert set(described) == {"rail", "centre", "turbine", "valve", "turbine-tank"}
+    assert set(described) == {"rail", "without-spool", "centre", "turbine", "valve", "turbine-tank"}
     for name, each in described.items():
         mesh = read_stl(folder / "oil" / each["file"])
         assert (components(mesh), open_edges(mesh)) == (1, 0), name

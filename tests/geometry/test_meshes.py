@@ -168,7 +168,7 @@ def test_inertia_of_the_spool(built_shape, built_valve, spool_mesh):
     ],
 )
 def test_other_valves_are_made_as_well(built_valve, changes):
-    from vvdp.geometry.shape import valve_shape
+    from vvdp.geometry.shape_tables import valve_shape
 
     valve = replace(built_valve, **changes)
     shape, _ = valve_shape(valve)

@@ -39,8 +39,8 @@ def test_a_shipped_system_is_trusted_settled_and_has_no_warning(name):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        (["operation.duty_ratio=-1"], "duty ratio: −1, below 0; the spool stands beyond the helix"),
-        (["operation.duty_ratio=2"], "duty ratio: 2, above 1"),
+        (["operation.duty_ratio=-1"], "duty ratio: −1, below −0.3501; the spool stands beyond the helix"),
+        (["operation.duty_ratio=2"], "duty ratio: 2, above 1.35"),
         (["valve.eccentricity=0.95"], "eccentricity of the spool: 0.95, above 0.9; it touches the sleeve"),
         (["valve.radial_clearance=1 mm"], "clearance over radius: 0.07874, above 0.01"),
         (["operation.oil_temperature=150 degC"], "oil temperature: 150 °C, above 100 °C"),

@@ -22,8 +22,13 @@ def geometry(
     system: SystemName,
     out: Annotated[Path | None, out_option("results/geometry-SYSTEM-DATE-TIME")] = None,
     shape: Annotated[
-        Path | None,
-        typer.Option("--shape", metavar="FILE", help="TOML file whose table [geometry] replaces shipped lengths."),
+        str | None,
+        typer.Option(
+            "--shape",
+            metavar="NAME|FILE",
+            help="A shipped shape (full-stroke, rail-a to rail-d, rail-final), or a TOML file whose table [geometry] "
+            "replaces lengths.",
+        ),
     ] = None,
     angle: Annotated[
         str,
@@ -45,8 +50,8 @@ def geometry(
 ) -> None:
     """Build spool, sleeve and oil volumes as solids and draw them.
 
-    The axial position is that of the duty ratio at the start of the run. Lengths that only the shape needs are set with
-    --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.
+    The axial position is that of the start of the run. Lengths that only the shape needs are those of the system's own
+    table [geometry], replaced by --shape and by --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.
     """
     from vvdp.base.extras import require, require_solids
 
@@ -73,22 +78,22 @@ def geometry(
 
 
 def _order(
-    loaded: "System", file: Path | None, settings: list[str], angle: float, fineness: float, *, step: bool
+    loaded: "System", file: str | None, settings: list[str], angle: float, fineness: float, *, step: bool
 ) -> "Order":
     """What is to be made. Raises ParameterError where the spool would stand outside its stroke."""
-    from vvdp.base.signal import signal_value
     from vvdp.geometry.domains import require_within_stroke
     from vvdp.geometry.product import Order
-    from vvdp.geometry.shape import given_shape
-    from vvdp.systems.bench import rotary_bench
+    from vvdp.geometry.shape_tables import given_shape
+    from vvdp.systems.spool_travel import first_position, require_rotary_valve
 
-    bench = rotary_bench(loaded, "geometry")
-    made, rows = given_shape(bench.valve, file, settings)
-    position = float(signal_value(0.0, bench.axial_position))
-    require_within_stroke(position, made, bench.valve)
+    valve = require_rotary_valve(loaded, "geometry")
+    made, rows = given_shape(valve, file, settings, loaded.lengths)
+    told = first_position(loaded)
+    position = 0.5 * valve.helix_length if told is None else told
+    require_within_stroke(position, made, valve)
     return Order(
         name=loaded.name,
-        valve=bench.valve,
+        valve=valve,
         shape=made,
         rows=rows,
         angle=angle,

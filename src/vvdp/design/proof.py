@@ -10,7 +10,7 @@ from vvdp.base.kinds import FREQUENCY, MEAN_POWER, Kind
 from vvdp.design.optimise import Optimum
 from vvdp.design.problem import Problem, Side
 from vvdp.design.variables import redesign
-from vvdp.geometry.shape import given_shape
+from vvdp.geometry.shape_tables import given_shape
 from vvdp.simulation.batch import simulate_batch
 from vvdp.simulation.link import quiet
 from vvdp.simulation.run import simulate
@@ -136,7 +136,8 @@ def doubts(problem: Problem, values: Mapping[str, float]) -> list[str]:
 def _unmade(problem: Problem, values: Mapping[str, float]) -> list[str]:
     """What keeps the optimum from being built as a solid with the usual lengths of its shape."""
     try:
-        given_shape(rotary_bench(optimum_system(problem, values), "design").valve, None, ())
+        system = optimum_system(problem, values)
+        given_shape(rotary_bench(system, "design").valve, None, (), system.lengths)
     except ConfigError as raised:
         lines = "; ".join(line for fault in raised.faults for line in fault.message.splitlines())
         told = "the usual lengths of the shape do not fit this valve, vvdp geometry needs others"

@@ -14,7 +14,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.geometry.facets import FINENESS, Faceted, Part
 from vvdp.geometry.kernel import Floats, union
 from vvdp.geometry.mesh import Mesh, patch_areas, require_sound, volume
-from vvdp.geometry.shape import ValveShape, collector_position, rail_arc, stations, stroke
+from vvdp.geometry.shape import ValveShape, collector_position, rail_arc, sleeve_half_length, stations, travel
 from vvdp.geometry.solids import (
     BEYOND,
     OVERLAP,
@@ -26,6 +26,7 @@ from vvdp.geometry.solids import (
     nozzle,
     nozzles,
     pocket_cutter,
+    port_angle,
     rail,
     rail_angles,
     rail_port,
@@ -42,6 +43,8 @@ LEAST_OPENING = 1e-4
 """Share of the nozzle area below which nozzles count as shut."""
 STUB = 0.197
 """Length of the nozzle stubs that feed the centre section alone, over the spool radius: 2.5 mm on 12.7 mm."""
+ROUNDING = 1e-11
+"""Length [m] by which a position may miss the stroke."""
 APPROACH = 0.63
 """Length of chamber upstream of the channels of the outlet turbine alone, over the spool radius: 8 mm."""
 
@@ -68,7 +71,7 @@ class Domain:
 def _beyond_port(shape: ValveShape, valve: RotaryValve, radius: float, z: float, patch: str, kernel: Faceted) -> Part:
     """A block that cuts the port of a rail off at its end, and names the end."""
     far, size = radius + shape.port_length, 2.0 * max(shape.rail_port_diameter, shape.collector_port_diameter)
-    return kernel.radial_cylinder(patch, size, rail_angles(shape, valve)[0], far, far + size, z)
+    return kernel.radial_cylinder(patch, size, port_angle(shape, valve), far, far + size, z)
 
 
 def _inlet(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Part:
@@ -126,11 +129,10 @@ def _require_open(angle: float, position: float, shape: ValveShape, valve: Rotar
 
 def require_within_stroke(position: float, shape: ValveShape, valve: RotaryValve) -> None:
     """Raises ParameterError where the sleeve does not let the spool get to an axial position."""
-    middle, half = 0.5 * valve.helix_length, 0.5 * stroke(shape, valve)
-    if abs(position - middle) > half * (1.0 + 1e-9) + 1e-12:
+    low, high = travel(shape, valve)
+    if not low - ROUNDING <= position <= high + ROUNDING:
         raise ParameterError(
-            f"the axial position {1e3 * position:.4g} mm is outside the stroke, {1e3 * (middle - half):.4g} to "
-            f"{1e3 * (middle + half):.4g} mm"
+            f"the axial position {1e3 * position:.4g} mm is outside the stroke, {1e3 * low:.4g} to {1e3 * high:.4g} mm"
         )
 
 
@@ -189,12 +191,16 @@ def _across_jet(patch: str, shape: ValveShape, valve: RotaryValve, distance: flo
     return kernel.mapped_box(patch, block, (0.0, 0.0, 0.0))
 
 
+def _collecting(shape: ValveShape, valve: RotaryValve, patch: str, kernel: Faceted) -> Part:
+    """Collector and port of the load, reaching into the bore, ended at the port's end by `patch`."""
+    end = _beyond_port(shape, valve, shape.collector_radius, collector_position(shape, valve), patch, kernel)
+    return collector(shape, valve, kernel) + (collector_port(shape, valve, kernel) - end)
+
+
 def _outlet(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Part:
     """Collector and port, in sleeve coordinates, ended at the bore and at the port's end."""
-    z = collector_position(shape, valve)
-    end = _beyond_port(shape, valve, shape.collector_radius, z, "outlet", kernel)
-    whole = collector(shape, valve, kernel) + (collector_port(shape, valve, kernel) - end)
-    return whole - kernel.cylinder("spool", valve.spool_radius, 0.0, 2.0 * z)
+    spool = kernel.cylinder("spool", valve.spool_radius, 0.0, 2.0 * collector_position(shape, valve))
+    return _collecting(shape, valve, "outlet", kernel) - spool
 
 
 def turbine_domain(
@@ -243,6 +249,24 @@ def valve_domain(
     return Domain("valve", mesh, _in_ring(shape, valve, angle, position))
 
 
+def open_domain(shape: ValveShape, valve: RotaryValve, fineness: float = FINENESS) -> Domain:
+    """The sleeve with the spool taken out, as rail and nozzles are measured: rail, nozzles, bore, both collectors.
+
+    Patches inlet, rail, nozzles, bore, collector, outlet-load, outlet-tank. The bore is closed at the sleeve's ends.
+
+    Source  ours, docs/models/geometry.md; wang2017, section 2.4
+    """
+    kernel, R, half = facet_kernel(valve, fineness), valve.spool_radius, sleeve_half_length(shape, valve)
+    parts = [
+        _inlet(shape, valve, kernel),
+        kernel.cylinder("bore", R, -half, half),
+        _collecting(shape, valve, "outlet-load", kernel),
+        _collecting(shape, valve, "outlet-tank", kernel).mirror(),
+    ]
+    mesh = require_sound(union(parts).mesh(), "sleeve without spool", 1, round(valve.sections) - 1)
+    return Domain("without-spool", mesh, (0.0, 0.0, 0.5 * half))
+
+
 def tank_side(
     build: Callable[..., Domain],
     shape: ValveShape,
@@ -265,6 +289,7 @@ def load_domains(
     """The domains of the load's side by their names, each built when called; the rail serves both sides."""
     return {
         "rail": lambda: rail_domain(shape, valve, fineness),
+        "without-spool": lambda: open_domain(shape, valve, fineness),
         "centre": lambda: centre_domain(shape, valve, angle, position, fineness),
         "turbine": lambda: turbine_domain(shape, valve, angle, position, fineness),
         "valve": lambda: valve_domain(shape, valve, angle, position, fineness),

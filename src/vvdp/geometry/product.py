@@ -22,7 +22,8 @@ from vvdp.geometry.domains import TURNING, Domain, load_domains, rail_without_po
 from vvdp.geometry.files import write_ascii_stl, write_binary_stl, write_glb
 from vvdp.geometry.measure import Comparison, comparisons, openings_over_a_period
 from vvdp.geometry.mesh import Floats, Mesh, components, genus, polar_moment, volume
-from vvdp.geometry.shape import ValveShape, shape_text
+from vvdp.geometry.shape import ValveShape
+from vvdp.geometry.shape_tables import shape_text
 from vvdp.geometry.solids import sleeve, sleeve_part, spool, spool_part
 from vvdp.valve.rotary import RotaryValve
 
@@ -131,8 +132,8 @@ def _write_oil(folder: Path, name: str, build: Callable[[], Domain], product: Pr
     try:
         domain = build()
     except ParameterError:
-        if name.startswith("turbine") or name == "rail":
-            raise  # these do not depend on the nozzles being open
+        if not name.startswith(("centre", "valve")):
+            raise  # others do not depend on the nozzles being open
         product.shut.append(name)
         return
     folder.mkdir(exist_ok=True)

@@ -36,6 +36,8 @@ ORIGINS = (
     "areas, volume and drops as noted."
 )
 VOLUMES = {"rail": "inlet rail", "centre": "centre section", "turbine": "outlet turbine", "valve": "whole valve"}
+MEASURED = {"without-spool": "sleeve without spool"}
+"""Volumes of oil that are not on the way to the load, but in which a drop is measured."""
 QUANTITIES = {
     "duty_ratio": (DUTY_RATIO, "duty ratio"),
     "axial_position_m": (POSITION, "axial position of the spool"),
@@ -208,7 +210,7 @@ def _body_name(file: str) -> str:
 
 def _volume_name(name: str) -> str:
     """What a volume of oil is called."""
-    return VOLUMES[name.removesuffix("-tank")] + (" of the tank" if name.endswith("-tank") else "")
+    return {**VOLUMES, **MEASURED}[name.removesuffix("-tank")] + (" of the tank" if name.endswith("-tank") else "")
 
 
 def _patches(product: Product) -> Table:

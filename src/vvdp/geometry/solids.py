@@ -170,9 +170,14 @@ def nozzle(
 
 
 def rail_angles(shape: ValveShape, valve: RotaryValve) -> tuple[float, float]:
-    """Angles of the port and of the other end of the rail's centre line [rad]; the first nozzle's mouth is at 0."""
-    port = -nozzle_lag(shape, valve) - shape.rail_lead
-    return port, port + rail_arc(shape, valve)
+    """Angles of both ends of the rail's centre line [rad]; the first nozzle's mouth is at 0."""
+    begin = -nozzle_lag(shape, valve) - shape.rail_lead
+    return begin, begin + rail_arc(shape, valve)
+
+
+def port_angle(shape: ValveShape, valve: RotaryValve) -> float:
+    """Angle of all ports [rad], of the rail and of the collectors."""
+    return rail_angles(shape, valve)[0] + shape.rail_port_angle
 
 
 def rail(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S:
@@ -189,7 +194,7 @@ def nozzles(shape: ValveShape, valve: RotaryValve, bore: float, kernel: Kernel[S
 def rail_port(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> S:
     """The port of the inlet rail, reaching beyond its end."""
     far = shape.rail_radius + shape.port_length + BEYOND * valve.spool_radius
-    angle, _ = rail_angles(shape, valve)
+    angle = port_angle(shape, valve)
     return kernel.radial_cylinder("rail", 0.5 * shape.rail_port_diameter, angle, shape.rail_radius, far, 0.0)
 
 
@@ -205,7 +210,7 @@ def collector_port(shape: ValveShape, valve: RotaryValve, kernel: Kernel[S]) -> 
     """The port of the load's collector, reaching beyond its end."""
     radius, near = 0.5 * shape.collector_port_diameter, shape.collector_radius
     far = near + shape.port_length + BEYOND * valve.spool_radius
-    angle, _ = rail_angles(shape, valve)
+    angle = port_angle(shape, valve)
     return kernel.radial_cylinder("collector", radius, angle, near, far, collector_position(shape, valve))
 
 

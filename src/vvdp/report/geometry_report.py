@@ -8,7 +8,8 @@ from vvdp.base.tables import parsed_table
 from vvdp.geometry.files import read_stl
 from vvdp.geometry.product import FILM, SHAPE
 from vvdp.geometry.result import VOLUMES
-from vvdp.geometry.shape import ValveShape, given_shape
+from vvdp.geometry.shape import ValveShape
+from vvdp.geometry.shape_tables import given_shape
 from vvdp.geometry.solids import half_sleeve, spool
 from vvdp.report.drawing import Drawn
 from vvdp.report.geometry_figures import oil_figure, solids_figure, unwrapped_figure
@@ -16,7 +17,7 @@ from vvdp.report.result_page import Page, write_result_page
 from vvdp.report.solid_view import solid_view
 from vvdp.results.result import Result
 from vvdp.results.store import read_meta, read_result
-from vvdp.systems.bench import rotary_bench
+from vvdp.systems.spool_travel import require_rotary_valve
 from vvdp.systems.system import built_system
 from vvdp.valve.rotary import RotaryValve
 
@@ -41,8 +42,8 @@ def _read_shape(directory: Path, name: str) -> tuple[ValveShape, RotaryValve]:
     """The lengths and the valve that the files of a directory give."""
     file = directory / "system.toml"
     system = built_system(parsed_table(file.read_text("utf-8"), str(file)), name, directory)
-    valve = rotary_bench(system, "geometry").valve
-    return given_shape(valve, directory / SHAPE, ())[0], valve
+    valve = require_rotary_valve(system, "geometry")
+    return given_shape(valve, str(directory / SHAPE), ()).shape, valve
 
 
 def _drawings(directory: Path, result: Result, shape: ValveShape, valve: RotaryValve) -> Iterator[Drawn]:

@@ -14,6 +14,7 @@ from vvdp.systems.bench import RotaryBench
 from vvdp.systems.bench_validity import efficiency_doubt
 from vvdp.systems.overview import impossible_part, loss_lines, node_lines, power_lines
 from vvdp.systems.spool_estimate import estimate_doubts
+from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.summary import is_closed
 from vvdp.systems.validity import broken_bounds
 
@@ -76,6 +77,13 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             remedy="Do not use these numbers. Look for a value with the wrong sign or unit.",
         )
     yield from _range_warnings(run)
+    for sentence in travel_warnings(run.system):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Travel of the spool",
+            text=f"{sentence[:1].upper()}{sentence[1:]}.",
+            remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
+        )
     if not run.has("settled") and (run.system.extras is not None or not run.varies):
         yield _settling_warning(run)
 

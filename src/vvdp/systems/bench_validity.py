@@ -10,6 +10,7 @@ from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.systems.load_ripple import estimated_ripple, vessel_capacity
 from vvdp.systems.spool_estimate import estimate_doubts
+from vvdp.systems.spool_travel import duty_travel
 from vvdp.systems.validity import Bound
 from vvdp.valve.gap_flow import sheared_temperature_rise, taylor_number
 from vvdp.valve.geometry import barrier_width
@@ -44,6 +45,8 @@ LOAD_SWING = 0.3
 """Swing of the load pressure within a period, over its mean, from which on it moves the frequency by a tenth."""
 FREE_AIR = 0.03
 """Free air from which on counting volumes instead of masses puts the analytic losses a tenth off."""
+STOP_ROOM = 0.05
+"""Share of the helix length by which a spool may go beyond the ends of the duty ratio, to its stops: 1 mm here."""
 HEAT_CONDUCTION = 0.13
 """Thermal conductivity of mineral oil [W/(m K)]."""
 
@@ -88,7 +91,16 @@ def transition_loss(beyond_open: float, put_in: float) -> float:
 def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bound]:
     """The bounds of the laws of valve and spool at what a run has `found`."""
     low, high = bench.duty_ratio.extremes
-    yield _bound("duty ratio", high, "the spool stands beyond the helix", low=low, least=0.0, most=1.0, kind=DUTY_RATIO)
+    ends = duty_travel(bench.valve)
+    yield _bound(
+        "duty ratio",
+        high,
+        "the spool stands beyond the helix",
+        low=low,
+        least=ends.low / bench.valve.helix_length - STOP_ROOM,
+        most=ends.high / bench.valve.helix_length + STOP_ROOM,
+        kind=DUTY_RATIO,
+    )
     temperature = signal_value(0.0, bench.operation.oil_temperature)
     rho, mu = density(temperature, bench.oil), dynamic_viscosity(temperature, bench.oil)
     yield from _flow_bounds(bench, found, rho, mu)

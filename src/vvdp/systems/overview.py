@@ -10,6 +10,7 @@ from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft
 from vvdp.network.paths import flows_of
 from vvdp.simulation.outcome import SETTLED
+from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.summary import is_closed
 from vvdp.systems.system import System
 from vvdp.systems.validity import broken_bounds
@@ -112,6 +113,7 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
     if not found["finished"]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     yield from broken_bounds(system, found)
+    yield from travel_warnings(system)
     if not found["settled"]:
         yield from _not_settled(system)
     if system.extras is not None:

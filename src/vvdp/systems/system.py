@@ -2,7 +2,7 @@
 
 import os
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -14,7 +14,10 @@ from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, build, parsed_table, read_table, suggestion, with_settings
+from vvdp.base.tables import Sourced, Table, build, fault_at, parsed_table, read_table, suggestion, with_settings
+from vvdp.geometry.shape import ValveShape
+from vvdp.geometry.shape_tables import NAME as SHAPE
+from vvdp.geometry.shape_tables import read_shape
 from vvdp.network.build import Circuit
 from vvdp.network.build import build as build_circuit
 from vvdp.network.network import Network
@@ -31,6 +34,8 @@ from vvdp.systems.circuits import (
 from vvdp.systems.drawing import draw_network
 from vvdp.systems.extras import Extras
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
+from vvdp.systems.spool_travel import rotary_valves
+from vvdp.valve.rotary import RotaryValve
 
 HEADINGS = ("title", "circuit")
 DRAWN = ("nodes", "components")
@@ -77,7 +82,8 @@ class System:
     """A system ready to run: its circuit with values, and where each value comes from.
 
     `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
-    tables of the file. Modules that the file names are looked for in `folder`.
+    tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says of the
+    valve as a solid.
     """
 
     name: str
@@ -91,6 +97,7 @@ class System:
     folder: Path = Path()
     function: NetworkFunction | None = None
     redrawn: bool = False
+    lengths: Mapping[str, Any] | None = None
 
     @property
     def model(self) -> Model:
@@ -107,6 +114,15 @@ class System:
         """What the system brings along beyond others; None where that is nothing."""
         found = self.circuit.network.extras
         return None if found is None else found(self)
+
+    @cached_property
+    def shape(self) -> ValveShape | None:
+        """The valve as a solid, makeable or not; None where the file has no table [geometry]."""
+        if self.lengths is None:
+            return None
+        valve = rotary_valves(self.circuit.network, self.tables)[0]
+        found = read_shape(valve, self.lengths, self.table, [])
+        return None if found is None else found.shape
 
     @property
     def module(self) -> Path | None:
@@ -224,6 +240,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     network: Network | None = None
+    lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
     if function is not None:
         values, rows = _tables(function, content, table, faults)
         network = None if faults else _drawn_by(function, values, table, faults)
@@ -231,6 +248,8 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         network, rows, values = draw_network(content, table, faults)
     if run is not None:
         rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
+    if network is not None and lengths is not None:
+        rows += _shape_rows(lengths, rotary_valves(network, values), table, faults)
     circuit = stepping = None
     if network is not None and run is not None and not faults:
         try:
@@ -251,7 +270,18 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         content=table.content,
         folder=folder,
         function=function,
+        lengths=lengths,
     )
+
+
+def _shape_rows(lengths: Any, valves: Sequence[RotaryValve], table: Table, faults: list[Fault]) -> Iterator[Sourced]:
+    """Where each value of the table [geometry] comes from; whether it can be made is not asked here."""
+    if not isinstance(lengths, Mapping):
+        faults.append(fault_at(table, SHAPE, f"{lengths!r} is not a table"))
+    elif len(valves) != 1:
+        faults.append(fault_at(table, SHAPE, f"the circuit has {len(valves)} rotary valves; expected one"))
+    elif (found := read_shape(valves[0], lengths, table, faults)) is not None:
+        yield from (row for row in found.rows if row.key in lengths)
 
 
 def _locate_fault(message: str, table: Table) -> Fault:
