@@ -122,7 +122,7 @@ def test_trapezoid_by_backstepping(drive, passive, backstepping):
     assert rms(sampled(backstepping_law, drive, right)[0]) == pytest.approx(7.45, rel=0.10)
 
 
-def test_excess_by_hand():
+def test_energy_excess_by_hand():
     before, after = StorageBalance(1.0, -3.0), StorageBalance(0.9, -2.0)
     assert storage_excess(before, after, 0.01) == pytest.approx(-0.08)
     assert storage_excess(before, StorageBalance(1.0, -2.0), 0.01) == pytest.approx(0.02)

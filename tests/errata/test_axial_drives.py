@@ -48,7 +48,7 @@ def test_pressure_of_the_force_balance_is_gauge():
 
 
 def test_bulk_modulus_of_the_gauge_pressure_would_be_too_small():
-    """At 12.99 bar gauge, 14 bar absolute: beta of the number 12.99 bar is 11 % less, and at 0 gauge hardly any is left."""
+    """At 12.99 bar gauge, 14 bar absolute: beta of the number 12.99 bar is 11 % less; at 0 gauge hardly any is left."""
     true = fluid_state(14.0e5, AERATED).bulk_modulus
     wrong = fluid_state(14.0e5 - ATMOSPHERE, AERATED).bulk_modulus
     assert wrong / true == pytest.approx(0.887, abs=2e-3)
