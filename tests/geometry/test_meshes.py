@@ -118,7 +118,7 @@ def test_meshes_measure_what_the_formulas_say(built_shape, built_valve, spool_me
     rail = rail_without_port(built_shape, built_valve, 25.0)
     found = comparisons(built_shape, built_valve, spool_mesh, sleeve_mesh, rail)
     assert {each.key: each.difference for each in found if abs(each.difference) > 5e-3} == {}
-    assert len(found) == 6
+    assert len(found) == 7
 
 
 @pytest.mark.parametrize("duty", [0.1, 0.35, 0.5, 0.8])
@@ -127,6 +127,24 @@ def test_openings_over_a_period_agree_with_the_hydraulic_model(duty, built_valve
     over = openings_over_a_period(spool_mesh, sleeve_mesh, x, built_valve, 49)
     formula = np.array([port_openings(float(angle), x, built_valve) for angle in over[:, 0]])
     assert abs(over[:, 1:] - formula).max() < 5e-3
+
+
+@pytest.fixture(scope="module")
+def wide_parts(built_shape, built_valve):
+    """Spool and sleeve with the travel for both ends of the duty ratio."""
+    wide = replace(built_shape, stroke_ratio=1.66)
+    return spool(wide, built_valve, 20.0), sleeve(wide, built_valve, 20.0)
+
+
+@pytest.mark.parametrize("position", [-6.2e-3, -1e-3, 21.5e-3, 26.4e-3])
+def test_openings_beyond_the_helix_agree_with_the_hydraulic_model(position, built_valve, wide_parts):
+    """At the ends one port has all of the nozzles over the whole period: neither barrier nor end of a pocket is there."""
+    over = openings_over_a_period(*wide_parts, position, built_valve, 49)
+    formula = np.array([port_openings(float(angle), position, built_valve) for angle in over[:, 0]])
+    assert abs(over[:, 1:] - formula).max() < 5e-3
+    if position in (-6.2e-3, 26.4e-3):
+        port = 1 if position > 0.0 else 2
+        assert over[:, port].min() > 0.995
 
 
 def test_a_wrong_barrier_is_noticed(built_shape, built_valve, sleeve_mesh):
