@@ -138,7 +138,7 @@ def wide_parts(built_shape, built_valve):
 
 @pytest.mark.parametrize("position", [-6.2e-3, -1e-3, 21.5e-3, 26.4e-3])
 def test_openings_beyond_the_helix_agree_with_the_hydraulic_model(position, built_valve, wide_parts):
-    """At the ends one port has all of the nozzles over the whole period: neither barrier nor end of a pocket is there."""
+    """At the ends one port has all nozzles over the whole period: neither barrier nor end of a pocket is there."""
     over = openings_over_a_period(*wide_parts, position, built_valve, 49)
     formula = np.array([port_openings(float(angle), position, built_valve) for angle in over[:, 0]])
     assert abs(over[:, 1:] - formula).max() < 5e-3
