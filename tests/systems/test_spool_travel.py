@@ -144,6 +144,15 @@ def test_drive_helix_and_solids_that_disagree_are_all_told():
     assert "goes down to \u22126.2 mm, its solids end at 0 mm" in told[1]
 
 
+@pytest.mark.parametrize("name", ["axial-chamber", "axial-gerotor"])
+def test_the_shipped_drives_fit_the_helix_and_the_shipped_full_stroke(name, valve):
+    """End stops on the rod, or in the drive itself: -6.2 to 27 mm, within -6.71 to 27.03 mm."""
+    stops = stop_travel(load_system(name).circuit.network)
+    assert stops == pytest.approx((-6.2e-3, 27e-3))
+    assert list(helix_conflicts(stops, valve)) == []
+    assert list(solid_conflicts(stops, valve, given_shape(valve, "full-stroke", ()).shape)) == []
+
+
 FILE = """
 [geometry]
 stroke_ratio = { value = "1.66", status = "derived", note = "room for both ends" }
