@@ -32,6 +32,7 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
     "design temperature": ("design temperature prototype",),
     "compare estimators": ("compare estimators --seeds 2 --scenario constant --scenario step --estimator m-over-t",),
     "estimate": ("estimate log.csv --wave photodiode --pressure inlet",),
+    "observability": ("observability axial-chamber",),
     "geometry": ("geometry prototype --fineness 10 --frames 0",),
 }
 """What is run for the keys of a verb, small, beside a log; `--out` and `--json` are added."""

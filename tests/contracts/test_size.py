@@ -118,6 +118,7 @@ ALLOWED = {
     "cli.design.tolerance": VERB,
     "cli.estimate.estimate": VERB,
     "cli.geometry.geometry": VERB,
+    "cli.observability.observability": VERB,
     "cli.map.map": VERB,
     "cli.plot.plot": VERB,
     "cli.rig._run": VERB,

@@ -87,7 +87,7 @@ def observability(name: str, moved: AxialPlant, spool_speed: float, harmonics: i
     tables = {
         "margin": _margins(moved, gamma, speeds, harmonics),
         "beside": _margins_beside(moved, gamma, np.linspace(speeds[0], speeds[-1], DRAWN_BESIDE), harmonics),
-        "lost": _lost(gamma, harmonics),
+        "lost": _lost_table(gamma, harmonics),
         "windows": _windows_table(_windows(moved, gamma, speeds, harmonics)),
     }
     return Result(
@@ -200,7 +200,7 @@ def _windows_table(windows: Iterator[Window]) -> Table:
     )
 
 
-def _lost(gamma: float, harmonics: int) -> Table:
+def _lost_table(gamma: float, harmonics: int) -> Table:
     speeds = lost_speeds(gamma, harmonics)
     return Table(
         title="Lost spool speeds",
