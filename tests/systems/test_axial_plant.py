@@ -1,10 +1,11 @@
 """What moves in a system is read from its circuit as it is written, wherever it stands and whatever acts on it."""
 
+import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
 from vvdp.fluid.mixture import fluid_state
-from vvdp.systems.axial_plant import axial_plant, spool_speed
+from vvdp.systems.axial_plant import AxialPlant, AxialSight, axial_plant, axial_sight
 from vvdp.systems.system import load_system
 
 SPOOL = """
@@ -70,7 +71,17 @@ def test_plant_of_a_drawn_spool(tmp_path):
     found = axial_plant(system)
     assert found.name == "slide"
     assert found.plant == pytest.approx((0.5, 2594.0, 20.0), rel=1e-6)
-    assert spool_speed(system) == pytest.approx(2.0 * 3.141592653589793 * 22.5)
+    assert axial_sight(system) == AxialSight()
+
+
+def test_plants_of_the_axial_drives():
+    """As their files have them; the gerotor's spool follows a flow. Each is what its sensor sees."""
+    chamber, gerotor = load_system("axial-chamber"), load_system("axial-gerotor")
+    assert axial_plant(chamber).plant == pytest.approx((0.5, 2594.0, 8.3), rel=1e-9)
+    assert axial_plant(gerotor) == AxialPlant("gerotor", None)
+    turn = 2.0 * np.pi
+    assert axial_sight(chamber) == ("slide", pytest.approx(22.5 * turn), 5)
+    assert axial_sight(gerotor) == ("gerotor", pytest.approx(10.0 * turn), 5)
 
 
 def test_oil_is_as_stiff_as_beta_a2_over_v_says(tmp_path):

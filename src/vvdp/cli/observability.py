@@ -1,7 +1,7 @@
 """`vvdp observability`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -17,8 +17,8 @@ from vvdp.cli.options import (
 )
 from vvdp.cli.printing import show_result, write_with_report
 
-if TYPE_CHECKING:
-    from vvdp.systems.system import System
+USUAL_HARMONICS = 5
+"""Of the noise, where a system does not say: ten functions, as the source has them."""
 
 
 def observability(
@@ -30,7 +30,10 @@ def observability(
             "--speed", metavar="SPEED", help='Spool speed, for example "22.5 rev/s" (default: of the system).'
         ),
     ] = None,
-    harmonics: Annotated[float, typer.Option("--harmonics", metavar="K", help="Harmonics of the noise.")] = 5,
+    harmonics: Annotated[
+        float | None,
+        typer.Option("--harmonics", metavar="K", help="Harmonics of the noise (default: of the system, else 5)."),
+    ] = None,
     of: Annotated[str, typer.Option("--of", metavar="ROD", help="What moves along its axis, where several do.")] = "",
     out: Annotated[Path | None, out_option("results/observability-SYSTEM-DATE-TIME")] = None,
     force: Force = False,
@@ -46,32 +49,33 @@ def observability(
     from vvdp.base.files import result_directory
     from vvdp.design.observability import observability as worked_out
     from vvdp.estimation.observability import check_noise
-    from vvdp.systems.axial_plant import axial_plant
+    from vvdp.systems.axial_plant import axial_plant, axial_sight
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or ())
+    sight = axial_sight(loaded)
     moved = axial_plant(loaded, of)
-    omega = _speed(loaded, speed)
-    check_noise(omega, harmonics)
+    omega = _speed(loaded.name, speed, sight.spool_speed)
+    count = harmonics if harmonics is not None else sight.harmonics or USUAL_HARMONICS
+    check_noise(omega, count)
     directory = out if out is not None else default_directory(f"observability-{loaded.name}")
     with result_directory(directory, force=force) as folder:
-        result = worked_out(loaded.name, moved, omega, int(harmonics))
+        result = worked_out(loaded.name, moved, omega, int(count))
         reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
     show_result(result, directory, json=json, reported=reported, names=("lost", "windows"))
 
 
-def _speed(system: "System", text: str | None) -> float:
-    """The spool speed of the option, else that of the system [rad/s]. Raises ConfigError without one above zero."""
+def _speed(system: str, text: str | None, own: float | None) -> float:
+    """The spool speed of the option, else a system's own [rad/s]. Raises ConfigError without one above zero."""
     from vvdp.base.errors import ConfigError, Fault
     from vvdp.base.kinds import SPEED
-    from vvdp.systems.axial_plant import SPOOL, spool_speed
 
-    found = spool_speed(system) if text is None else parsed_option("--speed", text, SPEED)
+    found = own if text is None else parsed_option("--speed", text, SPEED)
     if found is None:
-        message = f"missing; the circuit has no driven shaft {SPOOL!r} whose speed is prescribed"
+        message = f"missing; {system} has no axial sensor on a shaft whose speed is prescribed"
         raise ConfigError([Fault("--speed", 0, "", message)])
     if not found > 0.0:
-        shown = repr(text) if text is not None else f"{found:g} rad/s at the start of {system.name}"
+        shown = repr(text) if text is not None else f"{found:g} rad/s at the start of {system}"
         raise ConfigError([Fault("--speed", 0, "", f"{shown}; expected a speed greater than zero")])
     return found

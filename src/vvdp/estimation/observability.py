@@ -175,7 +175,7 @@ def numeric_grammian(rates: Array, spool_speed: float, harmonics: int) -> Grammi
     states = (passages[:-1] @ np.array(begun)[:, None]).reshape(-1, *rates.shape)
     times = (np.arange(pieces)[:, None] * width + within).ravel()
     weights = np.tile(0.5 * width * weights, pieces)
-    seen = np.delete(states, 1, axis=1)
+    seen = states[:, [0, *range(2, len(rates))]]
     angles = np.outer(np.arange(1, harmonics + 1), spool_speed * times)
     basis = np.stack([np.cos(angles), np.sin(angles)], axis=1).reshape(2 * harmonics, -1)
     plant = np.einsum("t,tmi,tmj->ij", weights, seen, seen)

@@ -11,13 +11,12 @@ from vvdp.base.signal import Signal, signal_value
 from vvdp.estimation.observability import Plant
 from vvdp.hydraulics.rod import EndStop
 from vvdp.network.nodes import DrivenShaft, Rod
+from vvdp.sensing.axial_sensor import AxialSensor
 from vvdp.simulation.values import as_value, flat, leaves
 
 if TYPE_CHECKING:
     from vvdp.systems.system import System
 
-SPOOL = "spool"
-"""The shaft by which the noise of the axial sensor repeats itself."""
 STEP = 1e-4
 """Of position [m] and, as a share, of pressure, over which slopes are taken."""
 SLIDING, SLIDING_STEP = 1.0, 0.1
@@ -38,15 +37,32 @@ class AxialPlant(NamedTuple):
     oil_stiffnesses: tuple[float, ...] = ()
 
 
-def spool_speed(system: "System") -> float | None:
-    """The speed of a driven shaft `spool` at the start [rad/s]; None where there is none, or a program commands it."""
-    node = system.circuit.network.nodes.get(SPOOL)
+class AxialSight(NamedTuple):
+    """What an axial sensor of a system sees, as far as the circuit says: what moves, by its name, the spool's speed at
+    the start [rad/s], and how many harmonics its pollution has."""
+
+    moved: str = ""
+    spool_speed: float | None = None
+    harmonics: int | None = None
+
+
+def axial_sight(system: "System") -> AxialSight:
+    """What the axial sensor of a system sees; nothing is known where there is none, or several."""
+    network = system.circuit.network
+    found = [program for program in network.programs.values() if isinstance(program.settings, AxialSensor)]
+    if len(found) != 1:
+        return AxialSight()
+    sensor, reads = found[0].settings, found[0].reads
+    assert isinstance(sensor, AxialSensor)
+    moved, spool = (reads[word].rpartition(".")[0] for word in ("position", "angle"))
+    node = network.nodes.get(spool)
     source = node.speed if isinstance(node, DrivenShaft) else None
-    return float(signal_value(0.0, source)) if isinstance(source, Signal) else None
+    speed = float(signal_value(0.0, source)) if isinstance(source, Signal) else None
+    return AxialSight(moved, speed, max(len(end.amplitudes) for end in (sensor.near, sensor.far)))
 
 
 def axial_plant(system: "System", name: str = "") -> AxialPlant:
-    """What moves along its axis in a system, called `name` where several do.
+    """What moves along its axis in a system: `name`, else what the axial sensor sees, else the only one.
 
     The slopes are those of the written circuit in the middle between the end stops, with pressures that hold it there.
     Raises ConfigError, which names what there is, where that is not one, and where it is pushed off any place.
@@ -54,15 +70,15 @@ def axial_plant(system: "System", name: str = "") -> AxialPlant:
     rods = [each for each, node in system.circuit.network.nodes.items() if isinstance(node, Rod)]
     moved = [path.rpartition(".")[0] for path, _, kind in leaves(system.case.state) if kind is POSITION]
     movers = rods or moved
-    chosen = name or (movers[0] if len(movers) == 1 else "")
-    if chosen not in movers:
+    chosen = name or axial_sight(system).moved or (movers[0] if len(movers) == 1 else "")
+    if chosen not in {*rods, *moved}:
         known = ", ".join(movers) or "nothing in this circuit does"
         asked = f"{name!r} is none of these: " if name else "which one? " if movers else ""
         message = (
             f"`vvdp observability` needs what moves along its axis, a rod or a spool with its drive; {asked}{known}"
         )
         raise ConfigError([Fault(system.name, 0, "", message)])
-    return _linear(system, chosen) if rods else AxialPlant(chosen, None)
+    return _linear(system, chosen) if chosen in rods else AxialPlant(chosen, None)
 
 
 def _linear(system: "System", rod: str) -> AxialPlant:
