@@ -1,6 +1,9 @@
 """`vvdp observability`: the numbers of the spool of chapter 5, what it says of them, and what it refuses."""
 
 import json
+import re
+import shlex
+from pathlib import Path
 
 import pytest
 
@@ -31,8 +34,9 @@ def numbers(vvdp, system, *options):
     return json.loads(answer.out)
 
 
-def test_fixed_words(vvdp, here):
+def test_fixed_words(vvdp, here, keys_as_described):
     found = numbers(vvdp, "axial-chamber", "--speed", "22.5 rev/s", "--harmonics", "5")
+    keys_as_described("observability", found)
     assert found["verb"] == "observability"
     assert found["observability_margin"] == pytest.approx(0.0738, abs=5e-5)
     assert found["observable"] is True
@@ -97,13 +101,15 @@ def test_a_spool_that_a_flow_moves_is_seen_at_every_speed(vvdp, here):
     assert "mass_kg" not in found
 
 
-def test_a_person_reads_the_speeds(vvdp, here):
-    answer = vvdp("observability", "axial-chamber", "--out", "out")
+def test_a_person_reads_the_speeds(vvdp, here, is_shown):
+    """As the guide has it."""
+    guide = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text("utf-8")
+    (command, shown), *_ = re.findall(r"^    \$ vvdp (observability .*)\n((?:    .*\n|\n)*)", guide, re.MULTILINE)
+    answer = vvdp(*shlex.split(command))
     assert answer.code == 0
-    said = " ".join(answer.out.split())
-    assert "Position and velocity are lost at 11.46, 5.732, 3.821, 2.866, 2.293 rev/s." in said
-    assert "10.25 to 13.01 rev/s" in said
-    page = (here / "out" / "report.html").read_text("utf-8")
+    assert is_shown(re.sub("^    ", "", shown, flags=re.MULTILINE), answer.out)
+    assert "10.25 to 13.01 rev/s" in answer.out
+    page = (here / "results" / "seen" / "report.html").read_text("utf-8")
     assert "Observability margin over spool speed" in page
     assert "wang2017" in page or "Wang" in page
 

@@ -63,7 +63,8 @@ def observability(
     with result_directory(directory, force=force) as folder:
         result = worked_out(loaded.name, moved, omega, int(count))
         reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
-    show_result(result, directory, json=json, reported=reported, names=("lost", "windows"))
+    names = [name for name in ("lost", "windows") if result.tables[name].rows]
+    show_result(result, directory, json=json, reported=reported, names=names)
 
 
 def _speed(system: str, text: str | None, own: float | None) -> float:

@@ -244,7 +244,10 @@ def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
         for key, colour in zip(keys, shades(len(keys)), strict=True)
     )
     beside = [Line(x=x, y=chosen, label="position alone", colour=Colour.LOAD)]
-    styles = {"damped": ("with the friction", Colour.RELIEF), "with_pressure": ("position and pressure", Colour.GREEN)}
+    styles = {
+        "damped": ("position, with friction", Colour.RELIEF),
+        "with_pressure": ("position and pressure", Colour.GREEN),
+    }
     beside += [
         Line(x=x, y=key, label=label, colour=colour, table="beside")
         for key, (label, colour) in styles.items()
@@ -259,14 +262,17 @@ def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
         Level(value=FREEZE_BELOW, label="freeze", colour=Colour.RED),
     )
     panel = partial(Lines, label="margin", levels=limits + lost, low=LEAST_DRAWN, high=3.0, y_log=True)
+    panels = (panel(lines=several, legend="harmonics"), panel(lines=tuple(beside), legend="measured"))
+    below = (
+        f" Below: {harmonics} harmonics, the position alone, with friction of the plant, and with measured pressure."
+    )
     return Chart(
         name="margin-over-speed",
-        caption="Observability margin over spool speed. Above: with several numbers of harmonics in the noise. Below: "
-        f"{harmonics} harmonics, the position alone, with the friction of the plant, and with measured pressure. "
-        "Upright: lost speeds.",
+        caption="Observability margin over spool speed, with several numbers of harmonics in the noise. Upright: lost "
+        f"speeds.{below if len(beside) > 1 else ''}",
         table="margin",
-        panels=(panel(lines=several, legend="harmonics"), panel(lines=tuple(beside), legend="measured")),
-        height=5.0,
+        panels=panels if len(beside) > 1 else panels[:1],
+        height=5.0 if len(beside) > 1 else 3.0,
     )
 
 
