@@ -215,7 +215,7 @@ def _lost_table(gamma: float, harmonics: int) -> Table:
 def _margins(moved: AxialPlant, gamma: float, speeds: Array, harmonics: int) -> Table:
     """The margin over spool speed with several numbers of harmonics."""
     found = {
-        f"harmonics_{k}": Column(
+        f"with_{k}_harmonics": Column(
             np.array([_margin(moved, gamma, omega, k) for omega in speeds]), kinds.RATIO, f"margin, harmonics: {k}"
         )
         for k in sorted({*OTHER_HARMONICS, harmonics})
@@ -238,9 +238,9 @@ def _margins_beside(moved: AxialPlant, gamma: float, speeds: Array, harmonics: i
 
 def _chart(tables: dict[str, Table], gamma: float, harmonics: int) -> Chart:
     keys = [key for key in tables["margin"].columns if key != "speed_rad_s"]
-    chosen, x = f"harmonics_{harmonics}", "speed_rad_s"
+    chosen, x = f"with_{harmonics}_harmonics", "speed_rad_s"
     several = tuple(
-        Line(x=x, y=key, label=key.rpartition("_")[2], colour=colour, width=2.0 if key == chosen else 1.1)
+        Line(x=x, y=key, label=key.split("_")[1], colour=colour, width=2.0 if key == chosen else 1.1)
         for key, colour in zip(keys, shades(len(keys)), strict=True)
     )
     beside = [Line(x=x, y=chosen, label="position alone", colour=Colour.LOAD)]
