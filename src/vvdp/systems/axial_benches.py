@@ -4,19 +4,10 @@ The functions that return a `Network` are what a system file names as its circui
 """
 
 from types import MappingProxyType
+from typing import TypeVar
 
-from vvdp.base.kinds import (
-    DUTY_RATIO,
-    POSITION,
-    Length,
-    Position,
-    Pressure,
-    PressureSignal,
-    SignedFractionSignal,
-    SpeedSignal,
-    TemperatureSignal,
-)
-from vvdp.base.params import Params
+from vvdp.base.kinds import DUTY_RATIO, POSITION
+from vvdp.base.errors import ParameterError
 from vvdp.components.axial_drive import (
     ChamberDrive,
     PilotJoints,
@@ -26,6 +17,9 @@ from vvdp.components.axial_drive import (
 )
 from vvdp.components.directional_valves import ThreeWayProportionalValve
 from vvdp.components.library import UsualOil
+from vvdp.control.backstepping import BacksteppingGains
+from vvdp.control.passivity import PassivityGains
+from vvdp.control.reference import ReferenceFilter
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.chamber_drive import static_reach
 from vvdp.hydraulics.cylinder import Plunger
@@ -35,50 +29,23 @@ from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
 from vvdp.simulation.outcome import Outcome
+from vvdp.systems.axial_control import AxialControl, add_chamber_control, add_drive, chamber_loop, scale_signal
+from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
+from vvdp.systems.axial_numbers import AxialLoop
 from vvdp.systems.axial_sensor import AxialSensorTable, add_axial_sensor
+from vvdp.systems.axial_tables import (
+    AxialStroke,
+    ChamberOperation,
+    ControlledChamber,
+    GerotorOperation,
+    InitialChamber,
+    InitialPosition,
+    PilotSupply,
+)
 from vvdp.systems.extras import Extras, Summary
 
 
-class AxialStroke(Params):
-    """Length of the helix, duty ratio 0 to 1, and between which positions the spool is to move."""
-
-    helix_length: Length
-    lowest_position: Position
-    highest_position: Position
-
-
-class PilotSupply(Params):
-    """What feeds the chamber of an axial drive."""
-
-    supply_pressure: PressureSignal
-    tank_pressure: PressureSignal
-
-
-class ChamberOperation(Params):
-    """What is prescribed from outside: the valve's command, and how fast the spool is turned."""
-
-    command: SignedFractionSignal
-    spool_speed: SpeedSignal
-    oil_temperature: TemperatureSignal
-
-
-class GerotorOperation(Params):
-    """What is prescribed from outside: the pump's command, and how fast the spool is turned."""
-
-    command: SignedFractionSignal
-    spool_speed: SpeedSignal
-
-
-class InitialPosition(Params):
-    """Where a run starts."""
-
-    axial_position: Position
-
-
-class InitialChamber(InitialPosition):
-    """Where a run with a pressure chamber starts."""
-
-    chamber_pressure: Pressure
+Table = TypeVar("Table")
 
 
 class ChamberReach(Extras):
@@ -112,10 +79,15 @@ def axial_chamber(
     pilot: PilotSupply,
     stroke: AxialStroke,
     axial_sensor: AxialSensorTable,
-    operation: ChamberOperation,
+    operation: ControlledChamber | ChamberOperation,
     initial: InitialChamber,
+    axial_observer: AxialObserverTable | None = None,
+    axial_reference: ReferenceFilter | None = None,
+    axial_sequence: AxialSequence | None = None,
+    passivity: PassivityGains | None = None,
+    backstepping: BacksteppingGains | None = None,
 ) -> Network:
-    """One pressure chamber against a spring, its valve on a prescribed command."""
+    """One pressure chamber against a spring: its valve on a prescribed command, or controlled to a duty ratio."""
     drive = ChamberDrive(
         piston=axial_piston,
         spring=axial_spring,
@@ -129,11 +101,40 @@ def axial_chamber(
     )
     check_reach(stroke.highest_position, pilot.supply_pressure.extremes[0], drive)
     net = Network(pilot_oil, temperature=operation.oil_temperature, operation=operation, pilot=pilot, initial=initial)
-    net.extras = ChamberReach
     net.driven_shaft("spool", operation.spool_speed)
-    joints = PilotJoints(pilot.supply_pressure, pilot.tank_pressure, operation.command)
-    add_axial_sensor(net, add_chamber_drive(net, drive, joints), "spool", axial_sensor)
+    if isinstance(operation, ChamberOperation):
+        net.extras = ChamberReach
+        joints = PilotJoints(pilot.supply_pressure, pilot.tank_pressure, operation.command)
+        add_axial_sensor(net, add_chamber_drive(net, drive, joints), "spool", axial_sensor)
+        return net
+    net.extras = AxialLoop
+    add_drive(net, drive, pilot)
+    control = AxialControl(
+        sensor=axial_sensor,
+        observer=_given("axial_observer", axial_observer),
+        gains=_law(passivity, backstepping),
+        reference=_given("axial_reference", axial_reference),
+        sequence=_given("axial_sequence", axial_sequence),
+        helix_length=stroke.helix_length,
+        wanted=scale_signal(operation.duty_ratio, stroke.helix_length),
+    )
+    add_chamber_control(net, chamber_loop(control, drive, pilot), "spool")
     return net
+
+
+def _given(name: str, table: Table | None) -> Table:
+    if table is None:
+        raise ParameterError(f"table {name!r} is missing; a duty ratio is held by an observer, a reference and a law")
+    return table
+
+
+def _law(
+    passivity: PassivityGains | None, backstepping: BacksteppingGains | None
+) -> PassivityGains | BacksteppingGains:
+    """The one law that is given."""
+    if (passivity is None) == (backstepping is None):
+        raise ParameterError("expected one table of gains, [passivity] or [backstepping]")
+    return passivity if passivity is not None else backstepping  # type: ignore[return-value]
 
 
 def axial_gerotor(

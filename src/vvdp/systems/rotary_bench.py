@@ -30,7 +30,7 @@ from vvdp.systems.bench_tables import (
     OrificeLoad,
     PressureLoad,
 )
-from vvdp.systems.spool_encoder import EncoderTable, add_encoder
+from vvdp.systems.spool_encoder import EncoderTable, add_encoder, watch_settings
 from vvdp.valve.rotary import RotaryValve
 
 
@@ -52,7 +52,7 @@ def orifice_load(
     spool_filter: EventFilterValues | None = None,
 ) -> Network:
     """A pump unit that feeds a line with or without accumulator and, from it, an orifice to the tank."""
-    unit = _unit(
+    unit = pump_unit(
         pump=pump,
         inlet=inlet,
         relief_valve=relief_valve,
@@ -60,7 +60,7 @@ def orifice_load(
         spool_drive=spool_drive,
         check_valve=check_valve,
     )
-    net = _network(oil, unit, operation, load, initial, limits)
+    net = new_bench(oil, unit, operation, load, initial, limits)
     net.volume("load_line", load_line, start="initial.load_pressure")
     add_pump_unit(net, unit, joints(operation, valve, limits))
     net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
@@ -85,7 +85,7 @@ def constant_load(
     spool_filter: EventFilterValues | None = None,
 ) -> Network:
     """A pump unit that works against a pressure source, which also feeds the valve's leakage."""
-    unit = _unit(
+    unit = pump_unit(
         pump=pump,
         inlet=inlet,
         relief_valve=relief_valve,
@@ -93,14 +93,14 @@ def constant_load(
         spool_drive=spool_drive,
         check_valve=check_valve,
     )
-    net = _network(oil, unit, operation, load, initial, limits)
+    net = new_bench(oil, unit, operation, load, initial, limits)
     net.pressure_source("load_line", load.pressure)
     add_pump_unit(net, unit, joints(operation, valve, limits))
     _watch(net, encoder, spool_filter, initial)
     return net
 
 
-def _unit(**parts: Any) -> PumpUnit:
+def pump_unit(**parts: Any) -> PumpUnit:
     """A pump unit that starts where the table [initial] says."""
     return PumpUnit(
         **parts,
@@ -110,7 +110,7 @@ def _unit(**parts: Any) -> PumpUnit:
     )
 
 
-def _network(
+def new_bench(
     oil: Oil,
     unit: PumpUnit,
     operation: DutyOperation | AxialOperation,
@@ -162,4 +162,4 @@ def _watch(
         missing = "encoder" if encoder is None else "spool_filter"
         raise ParameterError(f"table {missing!r} is missing; a watched spool needs both an encoder and a spool_filter")
     if encoder is not None and spool_filter is not None:
-        add_encoder(net, "spool", encoder, spool_filter, initial.spool_angle)
+        add_encoder(net, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))

@@ -91,13 +91,17 @@ def encoder_of(table: EncoderTable) -> Encoder:
     )
 
 
-def add_encoder(net: Network, spool: str, table: EncoderTable, values: EventFilterValues, angle: float) -> None:
-    """Watch the shaft `spool`, at first at `angle` [rad], with the encoder and filter of two tables."""
+def watch_settings(table: EncoderTable, values: EventFilterValues, angle: float) -> WatchSettings:
+    """Encoder and filter of two tables, for a spool that stands at `angle` [rad] at first."""
     encoder = encoder_of(table)
     numbers = {field.name: getattr(values, field.name) for field in fields(EventFilterValues)}
-    settings = WatchSettings(
+    return WatchSettings(
         encoder=encoder, filter=replace(event_filter(encoder.wheel), **numbers), angle=angle, seed=table.seed
     )
+
+
+def add_encoder(net: Network, spool: str, settings: WatchSettings) -> None:
+    """Watch the shaft `spool` with an encoder and its filter."""
     unknown = to_estimate(watch_start(settings).filter.belief, 0.0, 0.0, 0.0, 0.0)
     watch = ProgramType(watch_step, Shaft, unknown, WatchSettings, watch_start)
     net.program("encoder", watch, settings, reads={"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed"})

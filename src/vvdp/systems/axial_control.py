@@ -1,0 +1,146 @@
+"""The control of an axial drive as a part of a network: the program with its values, from the tables of a system."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.signal import Signal
+from vvdp.components.axial_drive import ChamberDrive as DriveParts
+from vvdp.components.axial_drive import PilotJoints, add_chamber_drive, check_reach
+from vvdp.control.backstepping import BacksteppingGains
+from vvdp.control.chamber import ChamberDrive
+from vvdp.control.orifice import ChamberValve
+from vvdp.control.passivity import PassivityGains
+from vvdp.control.reference import ReferenceFilter
+from vvdp.estimation.chamber_observer import ChamberObserver, SpringDrive
+from vvdp.network.network import Network
+from vvdp.network.program import ProgramType
+from vvdp.systems.axial_tables import PilotSupply
+from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence, pollution_model
+from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
+from vvdp.systems.chamber_loop import (
+    BacksteppingLoop,
+    ChamberLoop,
+    PassiveLoop,
+    WatchedLoop,
+    backstepping_step,
+    chamber_loop_start,
+    passive_step,
+    watched_start,
+    watched_step,
+)
+from vvdp.systems.spool_encoder import WatchSettings
+
+
+@dataclass(frozen=True)
+class AxialControl:
+    """The tables of the control of an axial drive, and the `wanted` position [m]; `gains` choose the law."""
+
+    sensor: AxialSensorTable
+    observer: AxialObserverTable
+    gains: PassivityGains | BacksteppingGains
+    reference: ReferenceFilter
+    sequence: AxialSequence
+    helix_length: float
+    wanted: Signal
+
+
+def scale_signal(signal: Signal, factor: float) -> Signal:
+    """The signal with all its values multiplied by a factor."""
+    return replace(
+        signal,
+        base=factor * signal.base,
+        change=tuple(factor * each for each in signal.change),
+        amplitude=tuple(factor * each for each in signal.amplitude),
+    )
+
+
+def known_drive(parts: DriveParts, pilot: PilotSupply) -> ChamberDrive:
+    """The drive as its controller knows it: all values are those of the drive itself, the supply at its lowest."""
+    valve = ChamberValve(
+        conductance=parts.valve.discharge_coefficient * parts.valve.full_area * np.sqrt(2.0 / parts.oil.density),
+        supply_pressure=pilot.supply_pressure.extremes[0],
+        tank_pressure=pilot.tank_pressure.extremes[1],
+    )
+    spring = parts.spring
+    return ChamberDrive(
+        area=parts.piston.area_a,
+        moving_mass=parts.piston.moving_mass,
+        stiffness=spring.stiffness,
+        preload=spring.preload - spring.stiffness * spring.rest_position,
+        oil_volume=parts.chamber.volume,
+        oil=parts.oil,
+        valve=valve,
+    )
+
+
+def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float, stop: float) -> ChamberObserver:
+    """The observer of a table, for a drive with viscous `friction` [N s/m] whose stop lies at a position [m]."""
+    table = control.observer
+    plant = SpringDrive(
+        moving_mass=drive.moving_mass,
+        stiffness=drive.stiffness,
+        preload=drive.preload,
+        viscous_friction=friction,
+        area=drive.area,
+        reference_pressure=drive.oil.reference_pressure,
+    )
+    return ChamberObserver(
+        drive=plant,
+        pollution=pollution_model(table, control.helix_length),
+        sample_period=table.sample_period,
+        position_drift=table.position_drift,
+        velocity_drift=table.velocity_drift,
+        position_deviation=1e-4,
+        velocity_deviation=1e-3,
+        stop_position=stop,
+    )
+
+
+def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -> ChamberLoop:
+    """The values of the loop. Raises ParameterError where the supply cannot hold the position that is wanted."""
+    check_reach(control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
+    drive = known_drive(parts, pilot)
+    values = {
+        "sensor": axial_sensor_of(control.sensor),
+        "observer": chamber_observer(control, drive, parts.friction.viscous_friction, parts.stops.lower_end),
+        "drive": drive,
+        "reference": control.reference,
+        "sequence": control.sequence,
+        "wanted": control.wanted,
+    }
+    if isinstance(control.gains, PassivityGains):
+        return PassiveLoop(gains=control.gains, **values)
+    return BacksteppingLoop(gains=control.gains, **values)
+
+
+def add_drive(net: Network, parts: DriveParts, pilot: PilotSupply) -> str:
+    """Add a chamber drive whose valve the program `PROGRAM` commands; returns the path of the spool's position."""
+    return add_chamber_drive(net, parts, PilotJoints(pilot.supply_pressure, pilot.tank_pressure, f"{PROGRAM}.drive"))
+
+
+def add_chamber_control(net: Network, loop: ChamberLoop, spool: str) -> None:
+    """Add the program that controls a chamber drive whose spool turns with the shaft `spool`, its angle known."""
+    step = passive_step if isinstance(loop, PassiveLoop) else backstepping_step
+    kind = ProgramType(step, AxialPlace, UNKNOWN, type(loop), chamber_loop_start)
+    net.program(PROGRAM, kind, loop, reads=_reads(spool), period=loop.observer.sample_period)
+
+
+def add_watched_control(net: Network, loop: ChamberLoop, spool: str, watch: WatchSettings) -> None:
+    """The same with the spool watched by an encoder."""
+    if not isinstance(loop, PassiveLoop):
+        raise ParameterError("a spool that an encoder watches is controlled by a table [passivity]")
+    kind = ProgramType(watched_step, AxialPlace, UNKNOWN, WatchedLoop, watched_start)
+    settings = WatchedLoop(watch=watch, loop=loop)
+    net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.observer.sample_period)
+
+
+def _reads(spool: str) -> dict[str, str]:
+    return {
+        "time": "t",
+        "angle": f"{spool}.angle",
+        "speed": f"{spool}.speed",
+        "position": "slide.position",
+        "pressure": "pilot_chamber.pressure",
+    }

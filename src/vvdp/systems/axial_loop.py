@@ -1,0 +1,210 @@
+"""The control of an axial drive, sample by sample: its stages, what is shown of it, and the values of its tables.
+
+Source  ours, docs/models/axial-control.md, where a function names no other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import (
+    Angle,
+    Count,
+    Energy,
+    Flow,
+    Fraction,
+    Length,
+    Position,
+    Pressure,
+    Ratio,
+    SignedFraction,
+    Speed,
+    Time,
+    Velocity,
+)
+from vvdp.base.params import Params
+from vvdp.control.reference import Reference
+from vvdp.estimation.axial_filter import AxialEstimate, Phase, PollutionModel
+from vvdp.estimation.estimator import Estimate
+from vvdp.estimation.noise_basis import fourier_basis
+
+PROGRAM = "axial"
+"""Name of the program that controls an axial drive."""
+
+HOME, LEARN, RUN, STOP = 0.0, 1.0, 2.0, 3.0
+"""Stages: to the stop; there, with the pollution being learned; controlled; de-energised for good."""
+
+SLOWEST, LARGEST_DEVIATION = 20.0, 5.0
+"""Spool speed from which on, and deviation up to which, its angle is taken to be known [rad/s]."""
+
+
+class AxialPlace(NamedTuple):
+    """What stands before the sensors of an axial drive: the spool's angle, speed and position, and the pressure in its
+    chamber, where there is one."""
+
+    time: Time
+    angle: Angle
+    speed: Speed
+    position: Position
+    pressure: Pressure
+
+
+class AxialSequence(Params):
+    """The [axial_sequence] table: how long the drive homes, and learns the pollution at its stop; and from when on it
+    is de-energised for good. Without learning it is controlled from the first sample after homing."""
+
+    home_time: Time
+    learn_time: Time
+    stop_time: Time = 1e6
+
+
+class AxialObserverTable(Params):
+    """The [axial_observer] table: how often it samples, how many harmonics the pollution has, and what is noise.
+
+    Drifts are deviations of a sample; `coefficient_deviation` is that of a harmonic's part before it is learned.
+    """
+
+    sample_period: Time
+    harmonics: Count
+    sensor_deviation: Length
+    position_drift: Length
+    coefficient_drift: Length
+    coefficient_deviation: Length
+    velocity_drift: Velocity = 0.0
+
+    def check(self) -> None:
+        if not self.sample_period > 0.0:
+            raise ParameterError("AxialObserverTable.sample_period: 0 s; expected a time above zero")
+        pollution_model(self, 1.0)  # here, where the line of the table is known
+
+
+class Stage(NamedTuple):
+    """In which stage a drive is, and since when; `held` is 1 while the spool rests at its stop."""
+
+    number: Count
+    since: Time
+    held: Fraction
+
+
+class AxialCommand(NamedTuple):
+    """The `drive`'s command, and what is believed and wanted, to be shown.
+
+    `measured` is what the optical sensor shows, `pollution` what that is believed to be off by. The deviations are those
+    of the observer; `margin` is the observability margin at the spool's speed. Of a chamber drive `desired_pressure` is
+    the pressure that would move it as wanted, absolute, and `storage` W of the closed loop; else both are 0.
+    """
+
+    drive: SignedFraction
+    stage: Count
+    reference: Position
+    measured: Position
+    position: Position
+    velocity: Velocity
+    position_deviation: Length
+    velocity_deviation: Velocity
+    pollution: Position
+    margin: Ratio
+    flow: Flow
+    desired_pressure: Pressure
+    storage: Energy
+    spool_angle: Angle
+    spool_speed: Speed
+    frozen: Fraction
+
+
+UNKNOWN = AxialCommand(
+    drive=0.0,
+    stage=HOME,
+    reference=0.0,
+    measured=0.0,
+    position=0.0,
+    velocity=0.0,
+    position_deviation=0.0,
+    velocity_deviation=0.0,
+    pollution=0.0,
+    margin=0.0,
+    flow=0.0,
+    desired_pressure=101325.0,
+    storage=0.0,
+    spool_angle=0.0,
+    spool_speed=0.0,
+    frozen=0.0,
+)
+"""The command before the first sample."""
+
+
+def pollution_model(table: AxialObserverTable, helix_length: float) -> PollutionModel:
+    """The pollution as the observer of a table models it; no duty ratio is measured. `helix_length` [m]."""
+    return PollutionModel(
+        basis=fourier_basis(int(table.harmonics)),
+        sensor_deviation=table.sensor_deviation,
+        coefficient_drift=table.coefficient_drift,
+        coefficient_deviation=table.coefficient_deviation,
+        helix_length=helix_length,
+        duty_deviation=0.1,
+    )
+
+
+def known_phase(estimate: Estimate) -> Phase:
+    """The phase of the pollution as an encoder's estimate has it; unknown while its speed is, or the spool stands."""
+    is_known = estimate.speed > SLOWEST and estimate.speed_deviation < LARGEST_DEVIATION
+    return Phase(estimate.angle, estimate.speed, estimate.angle_deviation if is_known else np.nan)
+
+
+def next_stage(stage: Stage, time: float, held: float, known: bool, sequence: AxialSequence) -> Stage:
+    """The stage at a sample.
+
+    It homes until it has rested at the stop for the home time, then learns for the learn time while the angle is known.
+
+    time   of the sample [s]
+    held   1 while the spool is pressed against its stop
+    known  whether the spool's angle is known
+    """
+    number, since = stage.number, stage.since
+    if number == HOME:
+        since = since if held > 0.0 else time
+        if time - since >= sequence.home_time:
+            number, since = LEARN, time
+    if number == LEARN:
+        since = since if known or sequence.learn_time == 0.0 else time
+        if time - since >= sequence.learn_time:
+            number, since = RUN, time
+    if time >= sequence.stop_time and number != STOP:
+        number, since = STOP, time
+    return Stage(number, since, held)
+
+
+def show(
+    drive_command: float,
+    stage: Stage,
+    reference: Reference,
+    seen: tuple[Phase, float, float],
+    estimate: AxialEstimate,
+    wanted: tuple[float, float, float],
+) -> AxialCommand:
+    """The command of a drive, with what is believed and wanted.
+
+    seen    phase of the pollution, what the sensor shows [m], and the observability margin [1]
+    wanted  flow [m^3/s], pressure of the chamber [Pa, absolute], and what the loop stores then [J]
+    """
+    phase, measured, margin = seen
+    flow, pressure, storage = wanted
+    return AxialCommand(
+        drive=drive_command,
+        stage=stage.number,
+        reference=reference.position,
+        measured=measured,
+        position=estimate.position,
+        velocity=estimate.velocity,
+        position_deviation=estimate.position_deviation,
+        velocity_deviation=estimate.velocity_deviation,
+        pollution=estimate.pollution,
+        margin=margin,
+        flow=flow,
+        desired_pressure=pressure,
+        storage=storage,
+        spool_angle=phase.angle,
+        spool_speed=phase.speed,
+        frozen=estimate.frozen,
+    )

@@ -1,0 +1,250 @@
+"""How well an axial drive is controlled: errors of position and estimate, and whether the storage obeys passivity."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.display import with_unit
+from vvdp.base.kinds import COUNT, DUTY_RATIO, EFFICIENCY, ENERGY, LENGTH, NUMBER, POSITION, PRESSURE_LEVEL, TIME, Kind
+from vvdp.control.chamber import ChamberReading, desired_pressure
+from vvdp.control.orifice import valve_flow
+from vvdp.control.reference import Reference
+from vvdp.control.storage import StorageBalance, pressure_balance, storage_excess
+from vvdp.control.tuning import sampling_limits, sampling_warning
+from vvdp.results.chart import Chart, Level, Line, Lines, Stroke
+from vvdp.results.result import Column, Table
+from vvdp.systems.axial_loop import PROGRAM, RUN
+from vvdp.systems.chamber_loop import ChamberLoop, WatchedLoop
+from vvdp.systems.extras import Extras, Summary
+from vvdp.systems.extras import Line as Row
+
+if TYPE_CHECKING:
+    from vvdp.simulation.record import Record
+    from vvdp.simulation.run import Run
+    from vvdp.systems.system import System
+
+SETTLED = 1.0
+"""From so long after the start of control on errors count [s]."""
+RISEN = 1e-3
+"""Share of the largest storage by which it may rise between two samples before that counts: a law that acts at samples
+is passive but for what the drive does between them."""
+QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType(
+    {
+        "control_begin_s": (TIME, "start of control"),
+        "duty_error_rms": (DUTY_RATIO, "duty ratio: error against the reference"),
+        "spool_position_error_rms_m": (LENGTH, "spool position: error against the reference"),
+        "spool_position_error_max_m": (LENGTH, "spool position: largest error"),
+        "spool_estimate_error_rms_m": (LENGTH, "spool position: error of the estimate"),
+        "spool_estimate_deviation_rms_m": (LENGTH, "spool position: stated deviation"),
+        "spool_estimate_coverage": (EFFICIENCY, "spool position: errors within two deviations"),
+        "pollution_rms_m": (LENGTH, "pollution of the axial sensor"),
+        "observability_margin_lowest": (NUMBER, "observability margin, lowest"),
+        "storage_rises": (COUNT, "samples in which the storage rose beyond its supply"),
+        "storage_rise_largest_J": (ENERGY, "largest such rise"),
+        "storage_largest_J": (ENERGY, "storage of the chamber, largest"),
+        "real_time_factor": (NUMBER, "simulated over computing time"),
+    }
+)
+GROUP = "Axial control"
+LINES = tuple(Row(label, (key,), kind, (), GROUP) for key, (kind, label) in QUANTITIES.items())
+
+
+class Controlled(NamedTuple):
+    """What a run of a controlled drive has recorded, while it was controlled: true motion and chamber pressure, and the
+    program's commands and reference, each of shape (rows,)."""
+
+    times: Array
+    true: ChamberReading
+    shown: Any
+    reference: Reference
+
+
+def loop_of(system: "System") -> ChamberLoop:
+    """The values of the loop of a system."""
+    settings = system.circuit.network.programs[PROGRAM].settings
+    found = settings.loop if isinstance(settings, WatchedLoop) else settings
+    assert isinstance(found, ChamberLoop)
+    return found
+
+
+def controlled(run: "Run") -> Controlled:
+    """The rows of a run in which its axial drive is controlled."""
+    shown, state, memory = run.command.axial, run.state, run.memory[PROGRAM]
+    loop = getattr(memory, "loop", memory)
+    rows = shown.stage == RUN
+    true = ChamberReading(state.slide.position[rows], state.slide.velocity[rows], state.pilot_chamber[rows])
+    return Controlled(
+        times=run.times[rows],
+        true=true,
+        shown=type(shown)(*(column[rows] for column in shown)),
+        reference=Reference(*(column[rows] for column in loop.reference)),
+    )
+
+
+def control_numbers(run: "Run", loop: ChamberLoop, helix_length: float) -> Summary:
+    """How well the drive was controlled, from `SETTLED` after the start on; empty where it was not that long."""
+    found = controlled(run)
+    if found.times.size < 2 or found.times[-1] - found.times[0] < SETTLED:
+        return {}
+    late = found.times >= found.times[0] + SETTLED
+    position, shown = found.true.position[late], type(found.shown)(*(column[late] for column in found.shown))
+    tracking, estimation = position - shown.reference, shown.position - position
+
+    def rms(values: Array) -> float:
+        return float(np.sqrt(np.mean(values**2)))
+
+    return {
+        "control_begin_s": float(found.times[0]),
+        "duty_error_rms": rms(tracking) / helix_length,
+        "spool_position_error_rms_m": rms(tracking),
+        "spool_position_error_max_m": float(np.max(np.abs(tracking))),
+        "spool_estimate_error_rms_m": rms(estimation),
+        "spool_estimate_deviation_rms_m": rms(shown.position_deviation),
+        "spool_estimate_coverage": float(np.mean(np.abs(estimation) <= 2.0 * shown.position_deviation)),
+        "pollution_rms_m": rms(shown.pollution),
+        "observability_margin_lowest": float(np.min(shown.margin)),
+        **storage_numbers(found, loop),
+        "real_time_factor": run.end / run.seconds if run.seconds > 0.0 else np.nan,
+    }
+
+
+def storage_numbers(found: Controlled, loop: ChamberLoop) -> Summary:
+    """How often what the chamber stores rose, from sample to sample, beyond what the spool gave it; W_P of the true
+    states. Empty where rows are not one sample apart.
+
+    Source  wang2017, eq. 5.27: W_P' <= -(P - P_d) A e_v
+    """
+    steps = np.diff(found.times)
+    if np.any(np.abs(steps - loop.observer.sample_period) > 1e-6 * loop.observer.sample_period):
+        return {}
+    gains = loop.gains  # type: ignore[attr-defined]
+    desired = desired_pressure(found.reference, found.true, gains, loop.drive)
+    flow = valve_flow(found.shown.drive, found.true.pressure, loop.drive.valve)
+    balance = pressure_balance(flow, desired, found.true, loop.drive)
+    given = -(found.true.pressure - desired.pressure) * loop.drive.area * desired.velocity_error
+    before = StorageBalance(balance.storage[:-1], given[:-1])
+    after = StorageBalance(balance.storage[1:], given[1:])
+    excess, largest = storage_excess(before, after, loop.observer.sample_period), float(np.max(balance.storage))
+    late = found.times[1:] >= found.times[0] + SETTLED
+    return {
+        "storage_rises": float(np.count_nonzero(excess[late] > RISEN * largest)),
+        "storage_rise_largest_J": float(max(np.max(excess[late]), 0.0)),
+        "storage_largest_J": largest,
+    }
+
+
+def control_warnings(loop: ChamberLoop) -> Iterator[str]:
+    """What limits the control, a sentence each: a sample period too long for the gain."""
+    gains, drive = loop.gains, loop.drive  # type: ignore[attr-defined]
+    resting = desired_pressure(Reference(0.0, 0.0, 0.0, 0.0), ChamberReading(0.0, 0.0, 0.0), gains, drive).pressure
+    yield from sampling_doubts(loop, resting, gains)
+
+
+def sampling_doubts(loop: ChamberLoop, pressure: float, gains: Any) -> Iterator[str]:
+    """Whether the pressure loop is too fast for its samples, at a chamber `pressure` [Pa, absolute]."""
+    from vvdp.control.chamber import volume_compliance
+    from vvdp.control.passivity import PassivityGains, pressure_error_gain
+
+    compliance = volume_compliance(0.0, pressure, loop.drive)
+    is_passive = isinstance(gains, PassivityGains)
+    gain = pressure_error_gain(0.0, pressure, gains, loop.drive) if is_passive else gains.flow_gain
+    if warning := sampling_warning(sampling_limits(gain, compliance), loop.observer.sample_period):
+        yield warning
+
+
+def control_charts(record: "Record") -> Iterable[tuple[Chart, Table]]:
+    """Where the spool should be, is, and is believed to be; what the sensor shows; what the chamber stores."""
+    shown = {key.partition(".")[2]: series for key, series in record.commands.items() if key.startswith(f"{PROGRAM}.")}
+    columns = {"time_s": Column(record.times, TIME, "time")}
+    columns["position_m"] = Column(record.states["slide.position"].values, POSITION, "position")
+    for key, label in (("reference", "reference"), ("measured", "shown by the sensor"), ("position", "believed")):
+        columns[f"{key}_believed_m" if key == "position" else f"{key}_m"] = Column(shown[key].values, POSITION, label)
+    off = shown["position"].values - record.states["slide.position"].values
+    columns["estimate_error_m"] = Column(off, POSITION, "error of the estimate")
+    columns["tracking_error_m"] = Column(
+        record.states["slide.position"].values - shown["reference"].values, POSITION, "error against the reference"
+    )
+    columns["two_deviations_m"] = Column(2.0 * shown["position_deviation"].values, POSITION, "two stated deviations")
+    columns["less_two_deviations_m"] = Column(-columns["two_deviations_m"].values, POSITION, "less two of them")
+    columns["pressure_Pa"] = Column(record.states["pilot_chamber"].values, PRESSURE_LEVEL, "chamber")
+    columns["desired_Pa"] = Column(shown["desired_pressure"].values, PRESSURE_LEVEL, "desired")
+    columns["storage_J"] = Column(shown["storage"].values, ENERGY, "storage of the loop, as believed")
+    table = Table(title="Axial control", columns=columns, is_data=True)
+    begin = record.times[shown["stage"].values == RUN]
+    levels = (Level(value=float(begin[0]), label="control", upright=True),) if begin.size else ()
+    # Errors before control has settled would flatten all that follows.
+    settled = begin[0] + SETTLED if begin.size and record.times[-1] > begin[0] + SETTLED else record.times[0]
+    late = np.flatnonzero(record.times >= settled)
+    rows = tuple(int(row) for row in late)
+    yield (
+        Chart(
+            name="axial-control",
+            caption="The spool along its axis: wanted, true, and as its sensor shows it; the chamber's pressure and the "
+            "one that would move it as wanted; what the loop stores, which falls where nothing pushes.",
+            table="axial",
+            panels=(
+                Lines(
+                    lines=(
+                        Line(x="time_s", y="measured_m", label="shown by the sensor", colour="#c9ced4", width=0.8),
+                        Line(x="time_s", y="position_m", label="true"),
+                        Line(x="time_s", y="reference_m", label="reference", stroke=Stroke.DASHED),
+                    ),
+                    label="position",
+                    levels=levels,
+                ),
+                Lines(
+                    lines=(
+                        Line(x="time_s", y="pressure_Pa", label="chamber"),
+                        Line(x="time_s", y="desired_Pa", label="desired", stroke=Stroke.DASHED),
+                    ),
+                    label="pressure",
+                ),
+                Lines(lines=(Line(x="time_s", y="storage_J"),)),
+            ),
+            height=6.5,
+        ),
+        table,
+    )
+    yield (
+        Chart(
+            name="axial-errors",
+            caption="Errors once control has settled: of the spool against its reference, and of the estimate within two "
+            "of its stated deviations.",
+            table="axial",
+            panels=(
+                Lines(lines=(Line(x="time_s", y="tracking_error_m", rows=rows),), label="against the reference"),
+                Lines(
+                    lines=(
+                        Line(x="time_s", y="estimate_error_m", rows=rows, label="error"),
+                        Line(x="time_s", y="two_deviations_m", rows=rows, label="two deviations", colour="#5a5a5a"),
+                        Line(x="time_s", y="less_two_deviations_m", rows=rows, colour="#5a5a5a"),
+                    ),
+                    label="of the estimate",
+                ),
+            ),
+            height=4.0,
+        ),
+        table,
+    )
+
+
+class AxialLoop(Extras):
+    """What a controlled axial drive brings along."""
+
+    QUANTITIES = QUANTITIES
+    HEADLINE = ("spool_position_error_rms_m", "spool_estimate_error_rms_m")
+
+    def record_numbers(self, run: "Run") -> Summary:
+        """How well the drive was controlled."""
+        return control_numbers(run, loop_of(self.system), self.tables["stroke"].helix_length)
+
+    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+        """What limits the control."""
+        yield from control_warnings(loop_of(self.system))
+
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
+        """Position, pressure, storage and errors."""
+        return control_charts(record)

@@ -1,0 +1,253 @@
+"""The control of the chamber drive: sensor, observer, reference and law, one after the other at every sample.
+
+`chamber_view` takes a sample in, a law says which flow is wanted, `chamber_command` makes it the valve's; the steps of
+the programs, one for each law, are these three in a row.
+
+Source  ours, docs/models/axial-control.md, where a function names no other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import PositionSignal, SignedFraction
+from vvdp.base.params import Params
+from vvdp.base.signal import signal_value
+from vvdp.control.backstepping import BacksteppingGains, backstepping_law
+from vvdp.control.chamber import ChamberDrive, ChamberFlow, ChamberReading, PositionGains
+from vvdp.control.orifice import valve_command, valve_flow
+from vvdp.control.passivity import PassivityGains, passivity_law, printed_passivity_law
+from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
+from vvdp.control.storage import loop_balance
+from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, DutySight, Phase
+from vvdp.estimation.chamber_observer import ChamberObserver, chamber_observer_start, chamber_observer_step
+from vvdp.estimation.observability import observability_margin
+from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
+from vvdp.sensing.encoder import Shaft
+from vvdp.sensing.instrument import InstrumentMemory
+from vvdp.systems.axial_loop import (
+    HOME,
+    RUN,
+    AxialCommand,
+    AxialPlace,
+    AxialSequence,
+    Stage,
+    known_phase,
+    next_stage,
+    show,
+)
+from vvdp.systems.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+
+AT_STOP = 0.2e-3
+"""So near the stop a spool that the spring presses there is taken to rest at it [m]."""
+
+
+class ChamberLoop(Params):
+    """What the control of a chamber drive works with; `wanted` is the position [m]."""
+
+    sensor: AxialSensor
+    observer: ChamberObserver
+    drive: ChamberDrive
+    reference: ReferenceFilter
+    sequence: AxialSequence
+    wanted: PositionSignal
+
+
+class PassiveLoop(ChamberLoop):
+    """The loop with a passivity law."""
+
+    gains: PassivityGains
+
+
+class BacksteppingLoop(ChamberLoop):
+    """The loop with backstepping."""
+
+    gains: BacksteppingGains
+
+
+class WatchedLoop(Params):
+    """A passive loop whose spool angle an encoder tells."""
+
+    watch: WatchSettings
+    loop: PassiveLoop
+
+
+class LoopMemory(NamedTuple):
+    """What the loop carries from sample to sample."""
+
+    sensor: InstrumentMemory
+    observer: AxialMemory
+    reference: Reference
+    stage: Stage
+    command: SignedFraction
+
+
+class WatchedMemory(NamedTuple):
+    """The same with the encoder."""
+
+    watch: WatchMemory
+    loop: LoopMemory
+
+
+class ChamberView(NamedTuple):
+    """What is known at a sample, before a law is asked."""
+
+    sensor: InstrumentMemory
+    observer: AxialMemory
+    reference: Reference
+    stage: Stage
+    estimate: AxialEstimate
+    reading: ChamberReading
+    phase: Phase
+    measured: float
+    margin: float
+
+
+def chamber_loop_start(settings: ChamberLoop) -> LoopMemory:
+    """The memory before the first sample: homing, the spool about at its stop."""
+    stop = settings.observer.stop_position
+    return LoopMemory(
+        sensor=axial_sensor_start(settings.sensor),
+        observer=chamber_observer_start(settings.observer, stop),
+        reference=reference_at_rest(stop),
+        stage=Stage(HOME, 0.0, 0.0),
+        command=-1.0,
+    )
+
+
+def is_pressed(pressure: float, settings: ChamberLoop) -> bool:
+    """Whether spring and preload press a spool at its stop there, whatever the chamber's `pressure` [Pa, absolute]."""
+    drive, stop = settings.drive, settings.observer.stop_position
+    return drive.area * (pressure - drive.oil.reference_pressure) < drive.preload + drive.stiffness * stop
+
+
+def chamber_view(
+    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: ChamberLoop
+) -> ChamberView:
+    """What is known after a sample: stage, estimate and reference.
+
+    The pressure between two samples is that of the valve as commanded; at the stop the position is known.
+
+    phase   of the pollution, as the spool's angle is known
+    wanted  position [m]
+    """
+    observer, stop = settings.observer, settings.observer.stop_position
+    sensor, signal = axial_sensor_step(
+        memory.sensor, SpoolPlace(place.time, place.position, place.angle), settings.sensor
+    )
+    near = memory.stage.held > 0.0 or memory.stage.number == HOME or memory.observer.mean[0] < stop + AT_STOP
+    held = 1.0 if near and is_pressed(place.pressure, settings) else 0.0
+    stage = next_stage(memory.stage, place.time, held, phase.angle_deviation == phase.angle_deviation, settings.sequence)
+    margin = 1.0
+    if phase.angle_deviation == phase.angle_deviation:
+        frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
+        margin = observability_margin(frequency, phase.speed, int(observer.pollution.basis.harmonics))
+    is_blind = signal.light <= 0.0 or stage.number == HOME
+    seen = AxialSeen(
+        time=place.time,
+        optical=np.nan if is_blind else signal.position,
+        phase=phase,
+        pressure=place.pressure,
+        flow=valve_flow(memory.command, place.pressure, settings.drive.valve),
+        held=held,
+        margin=margin,
+        duty=DutySight(np.nan, 0.0, np.nan),
+    )
+    observed, estimate = chamber_observer_step(memory.observer, seen, observer)
+    reference = reference_at_rest(stop)
+    if stage.number == RUN:
+        reference = reference_step(memory.reference, wanted, observer.sample_period, settings.reference)
+    return ChamberView(
+        sensor=sensor,
+        observer=observed,
+        reference=reference,
+        stage=stage,
+        estimate=estimate,
+        reading=ChamberReading(estimate.position, estimate.velocity, place.pressure),
+        phase=phase,
+        measured=signal.position,
+        margin=margin,
+    )
+
+
+def chamber_command(
+    view: ChamberView, wanted: ChamberFlow, gains: PositionGains, settings: ChamberLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Memory and command: the valve's that gives the flow a law asks for; in all other stages it empties the chamber."""
+    drive, pressure = settings.drive, view.reading.pressure
+    command, storage = -1.0, 0.0
+    if view.stage.number == RUN:
+        command = valve_command(wanted.flow, pressure, drive.valve)
+        storage = loop_balance(wanted.flow, view.reference, view.reading, gains, drive).storage
+    seen, asked = (view.phase, view.measured, view.margin), (wanted.flow, wanted.desired.pressure, storage)
+    memory = LoopMemory(view.sensor, view.observer, view.reference, view.stage, command)
+    return memory, show(command, view.stage, view.reference, seen, view.estimate, asked)
+
+
+def passive_axial_step(
+    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """One sample of the loop with the passivity law."""
+    view = chamber_view(memory, place, phase, wanted, settings)
+    flow = passivity_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def printed_axial_step(
+    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """The same with the published, approximate feedforward."""
+    view = chamber_view(memory, place, phase, wanted, settings)
+    flow = printed_passivity_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def backstepping_axial_step(
+    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: BacksteppingLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """The same with backstepping."""
+    view = chamber_view(memory, place, phase, wanted, settings)
+    flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def turned_phase(place: AxialPlace) -> Phase:
+    """The phase of a spool whose angle is known, as that of one that a motor turns."""
+    return Phase(place.angle, place.speed, 0.0)
+
+
+def passive_step(
+    t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: the passivity law, the spool's angle known."""
+    return passive_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+
+
+def printed_step(
+    t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: the published passivity law, the spool's angle known."""
+    return printed_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+
+
+def backstepping_step(
+    t: float, memory: LoopMemory, place: AxialPlace, settings: BacksteppingLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: backstepping, the spool's angle known."""
+    return backstepping_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+
+
+def watched_start(settings: WatchedLoop) -> WatchedMemory:
+    """The memory before the first sample."""
+    return WatchedMemory(watch_start(settings.watch), chamber_loop_start(settings.loop))
+
+
+def watched_step(
+    t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
+) -> tuple[WatchedMemory, AxialCommand]:
+    """Program: encoder and event filter tell the spool's angle, then the passivity law acts."""
+    shaft = Shaft(place.time, place.angle, place.speed)
+    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
+    wanted = signal_value(t, settings.loop.wanted)
+    loop, command = passive_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    return WatchedMemory(watch, loop), command

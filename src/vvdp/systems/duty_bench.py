@@ -1,0 +1,49 @@
+"""What a pump unit with a controlled duty ratio brings along: a test bench of the rotary valve, and its axial control."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
+from vvdp.simulation.run import Run
+from vvdp.systems.axial_numbers import (
+    LINES,
+    QUANTITIES,
+    control_charts,
+    control_numbers,
+    control_warnings,
+    loop_of,
+)
+from vvdp.systems.bench import RotaryBench
+from vvdp.systems.extras import Summary
+
+if TYPE_CHECKING:
+    from vvdp.simulation.record import Record
+    from vvdp.systems.system import System
+
+
+class DutyControl(RotaryBench):
+    """A bench whose duty ratio is asked of an axial drive; closed forms are those of the duty ratio that is asked."""
+
+    def __init__(self, system: "System", tables: Mapping[str, Any] | None = None) -> None:
+        super().__init__(system, tables)
+        self.QUANTITIES = {**self.QUANTITIES, **QUANTITIES}
+        self.OVERVIEW = (*self.OVERVIEW, *LINES)
+
+    @property
+    def is_watched(self) -> bool:
+        """The encoder belongs to the axial control, which shows what it believes."""
+        return False
+
+    def record_numbers(self, run: Run) -> Summary:
+        """How well the duty ratio was held."""
+        return control_numbers(run, loop_of(self.system), self.valve.helix_length)
+
+    def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """What is to be known of bench and control."""
+        yield from super().warnings(found)
+        yield from control_warnings(loop_of(self.system))
+
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
+        """Position, pressure, storage and errors."""
+        return control_charts(record)

@@ -1,0 +1,108 @@
+"""The pump unit whose duty ratio is held: a self-spinning rotary valve with its axial drive, encoder and control.
+
+The functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
+"""
+
+from dataclasses import replace
+
+from vvdp.components.axial_drive import ChamberDrive
+from vvdp.components.directional_valves import ThreeWayProportionalValve
+from vvdp.components.pump_unit import add_pump_unit
+from vvdp.components.resistances import ORIFICE
+from vvdp.control.passivity import PassivityGains
+from vvdp.control.reference import ReferenceFilter
+from vvdp.estimation.event_settings import EventFilterValues
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.check_valve import CheckPoppet
+from vvdp.hydraulics.cylinder import Plunger
+from vvdp.hydraulics.friction import RodFriction
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.rod import EndStop, Spring
+from vvdp.hydraulics.spool_drive import SpoolDrive
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.network import Network
+from vvdp.network.nodes import Chamber
+from vvdp.systems.axial_tables import InitialChamber, PilotSupply
+from vvdp.systems.duty_bench import DutyControl
+from vvdp.systems.axial_control import AxialControl, add_drive, add_watched_control, chamber_loop, scale_signal
+from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
+from vvdp.systems.axial_sensor import AxialSensorTable
+from vvdp.systems.bench_tables import DriveMotor, DutyOperation, InitialBench, Limits, OrificeLoad
+from vvdp.systems.rotary_bench import joints, new_bench, pump_unit
+from vvdp.systems.spool_encoder import EncoderTable, watch_settings
+from vvdp.valve.rotary import RotaryValve
+
+
+class InitialDutyControl(InitialBench, InitialChamber):
+    """Where a run starts."""
+
+
+def duty_control(
+    oil: Oil,
+    pump: Pump,
+    motor: DriveMotor,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    valve: RotaryValve,
+    spool_drive: SpoolDrive,
+    check_valve: CheckPoppet,
+    load_line: Vessel,
+    load: OrificeLoad,
+    pilot_oil: Oil,
+    axial_piston: Plunger,
+    axial_spring: Spring,
+    axial_friction: RodFriction,
+    axial_stops: EndStop,
+    pilot_valve: ThreeWayProportionalValve,
+    pilot_chamber: Chamber,
+    pilot: PilotSupply,
+    axial_sensor: AxialSensorTable,
+    axial_observer: AxialObserverTable,
+    passivity: PassivityGains,
+    axial_reference: ReferenceFilter,
+    axial_sequence: AxialSequence,
+    encoder: EncoderTable,
+    spool_filter: EventFilterValues,
+    operation: DutyOperation,
+    initial: InitialDutyControl,
+    limits: Limits,
+) -> Network:
+    """A pump unit with an orifice load whose spool a chamber moves against a spring, to the duty ratio that is asked."""
+    unit = pump_unit(
+        pump=pump,
+        inlet=inlet,
+        relief_valve=relief_valve,
+        valve=valve,
+        spool_drive=spool_drive,
+        check_valve=check_valve,
+    )
+    net = new_bench(oil, unit, operation, load, initial, limits)
+    net.extras = DutyControl
+    net.volume("load_line", load_line, start="initial.load_pressure")
+    add_pump_unit(net, unit, replace(joints(operation, valve, limits), axial_position="slide.position"))
+    net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
+    parts = ChamberDrive(
+        piston=axial_piston,
+        spring=axial_spring,
+        friction=axial_friction,
+        stops=axial_stops,
+        valve=pilot_valve,
+        chamber=pilot_chamber,
+        oil=pilot_oil,
+        pressure="initial.chamber_pressure",
+        position="initial.axial_position",
+    )
+    control = AxialControl(
+        sensor=axial_sensor,
+        observer=axial_observer,
+        gains=passivity,
+        reference=axial_reference,
+        sequence=axial_sequence,
+        helix_length=valve.helix_length,
+        wanted=scale_signal(operation.duty_ratio, valve.helix_length),
+    )
+    add_drive(net, parts, pilot)
+    loop = chamber_loop(control, parts, pilot)
+    add_watched_control(net, loop, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))
+    return net
