@@ -70,11 +70,12 @@ def loop_of(system: "System") -> ChamberLoop:
     return found
 
 
-def controlled(run: "Run") -> Controlled:
-    """The rows of a run in which its axial drive is controlled."""
+def controlled(run: "Run", period: float) -> Controlled:
+    """The rows of a run at samples, every `period` [s], in which its axial drive is controlled."""
     shown, state, memory = run.command.axial, run.state, run.memory[PROGRAM]
     loop = getattr(memory, "loop", memory)
-    rows = shown.stage == RUN
+    at_sample = np.abs(run.times / period - np.round(run.times / period)) < 1e-6
+    rows = (shown.stage == RUN) & at_sample
     true = ChamberReading(state.slide.position[rows], state.slide.velocity[rows], state.pilot_chamber[rows])
     return Controlled(
         times=run.times[rows],
@@ -86,7 +87,7 @@ def controlled(run: "Run") -> Controlled:
 
 def control_numbers(run: "Run", loop: ChamberLoop, helix_length: float) -> Summary:
     """How well the drive was controlled, from `SETTLED` after the start on; empty where it was not that long."""
-    found = controlled(run)
+    found = controlled(run, loop.observer.sample_period)
     if found.times.size < 2 or found.times[-1] - found.times[0] < SETTLED:
         return {}
     late = found.times >= found.times[0] + SETTLED
@@ -234,6 +235,7 @@ def control_charts(record: "Record") -> Iterable[tuple[Chart, Table]]:
 class AxialLoop(Extras):
     """What a controlled axial drive brings along."""
 
+    OVERVIEW = LINES
     QUANTITIES = QUANTITIES
     HEADLINE = ("spool_position_error_rms_m", "spool_estimate_error_rms_m")
 
