@@ -57,7 +57,7 @@ def continuous(law, drive, gains, reference, start):
 def test_storage_never_rises_without_sampling(drive, passive):
     """From 0.2 mm beside the reference; the published start of 1 mm is beyond the pressure of the supply."""
     storage, supply = continuous(passivity_law, drive, passive, reference_at_rest(2e-3), (1.8e-3, 0.0, 1.3e6)).T
-    assert np.all(np.diff(storage) <= 1e-15 * storage[0])
+    assert np.all(np.diff(storage) <= 1e-13 * storage[0])
     assert storage[-1] < 1e-4 * storage[0]
     assert np.all(supply <= 0.0)
     change = np.sum(0.5 * (supply[1:] + supply[:-1])) * 0.2 / 1999
