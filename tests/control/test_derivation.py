@@ -1,7 +1,7 @@
 """The page docs/models/passivity-control.md, derived symbolically: for any bulk modulus, any volume, any trajectory.
 
-The oil is known by three functions of the pressure alone: beta, G with G' = 1/beta, so that e^g(P, P') = e^(G(P) - G(P')),
-and I with I' = e^-G, so that W_V = e^G(P) (I(P) - I(P_d)) - (P - P_d).
+The oil is known by three functions of the pressure alone: beta, G with G' = 1/beta, so that g(P, P') = G(P) - G(P'), and
+I with I' = e^-G, so that W_V = e^G(P) (I(P) - I(P_d)) - (P - P_d).
 """
 
 import pytest
@@ -75,7 +75,7 @@ def test_rate_of_the_pressure_storage():
 
 
 def test_exact_feedforward_leaves_the_two_ports():
-    """With Q = Q_d + q, Q_d = (A r + V/B P_d')/(1 + W_V/p): the rate is (p + W_V) q - p A e_v, no condition on gains."""
+    """With Q = Q_d + q, Q_d = (A r + V/B P_d')/(1 + W_V/p): the rate is (p + W_V) q - p A e_v, whatever the gains."""
     p = P - Pd
     feedforward = (A * r + V * RISE / p * Pd.diff(t)) / (1 + stored() / p)
     expected = (p + stored()) * q - p * A * (v - r)

@@ -55,13 +55,15 @@ def continuous(law, drive, gains, reference, start):
 
 
 def test_storage_never_rises_without_sampling(drive, passive):
-    """From 0.2 mm beside the reference; the published start of 1 mm is beyond the pressure of the supply."""
-    storage, supply = continuous(passivity_law, drive, passive, reference_at_rest(2e-3), (1.8e-3, 0.0, 1.3e6)).T
-    assert np.all(np.diff(storage) <= 1e-13 * storage[0])
-    assert storage[-1] < 1e-4 * storage[0]
+    """From rest 1 mm beside the reference, an ideal source of flow: 1.98e-3 J falls to nothing. But for rounding."""
+    start = 1e-3, 0.0, 1e5 + (2594.0 * 1e-3 + 211.5) / 1.74e-4
+    storage, supply = continuous(passivity_law, drive, passive, reference_at_rest(2e-3), start).T
+    assert storage[0] == pytest.approx(1.98e-3, rel=0.02)
+    assert np.all(np.diff(storage) <= 1e-11 * storage[0])
+    assert storage[-1] < 1e-8 * storage[0]
     assert np.all(supply <= 0.0)
     change = np.sum(0.5 * (supply[1:] + supply[:-1])) * 0.2 / 1999
-    assert storage[-1] - storage[0] == pytest.approx(change, rel=1e-4)
+    assert storage[-1] - storage[0] == pytest.approx(change, rel=3e-3)
 
 
 def move(y, command, drive, period, pieces=10):
