@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from vvdp.control.backstepping import backstepping_law
-from vvdp.control.calibration import calibrated_command, dead_band_calibration
 from vvdp.control.chamber import ChamberReading
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_step
 from vvdp.control.orifice import valve_command, valve_flow
@@ -68,7 +67,6 @@ def test_everything_else_compiles(draw, drive, passive):
         (pi_step, (PIMemory(1e-6), reference, 2e-3, 1e-3), (pi,)),
         (valve_command, (2e-5, 12e5), (drive.valve,)),
         (valve_flow, (0.3, 12e5), (drive.valve,)),
-        (calibrated_command, (2e-5,), (dead_band_calibration((-2.7e-5, 3e-5), (-0.08, 0.06), 1e-6),)),
         (loop_balance, (2e-5, reference, reading), (passive, drive)),
     ]
     for function, inputs, settings in steps:

@@ -1,7 +1,7 @@
 """The page docs/models/passivity-control.md, derived symbolically: for any bulk modulus, any volume, any trajectory.
 
-The oil is known by three functions of the pressure alone: beta, G with G' = 1/beta, so that g(P, P') = G(P) - G(P'), and
-I with I' = e^-G, so that W_V = e^G(P) (I(P) - I(P_d)) - (P - P_d).
+The oil is known by three functions of the pressure alone: beta, G with G' = 1/beta, so that g(P, P') = G(P) - G(P'),
+and I with I' = e^-G, so that W_V = e^G(P) (I(P) - I(P_d)) - (P - P_d).
 """
 
 import pytest

@@ -84,12 +84,6 @@ def test_published_trapezoid():
     assert signal_value(40.0, signal) == pytest.approx(0.8)
 
 
-def test_branches_of_the_printed_trapezoid_do_not_meet():
-    """With mod(t, 1) the second branch begins at 0 and the fourth at 4.8 inches."""
-    rising, falling = 0.8 + 0.8 * (1.0 % 1.0 - 1.0), 1.6 - 0.8 * (4.0 % 1.0 - 4.0)
-    assert (rising, falling) == (0.0, pytest.approx(4.8))
-
-
 def test_a_filter_that_never_moves_is_refused():
     with pytest.raises(ParameterError, match="expected above 0"):
         ReferenceFilter(filter_rate=0.0)

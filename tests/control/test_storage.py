@@ -58,7 +58,7 @@ def test_storage_never_rises_without_sampling(drive, passive):
     """From rest 1 mm beside the reference, an ideal source of flow: 1.98e-3 J falls to nothing. But for rounding."""
     start = 1e-3, 0.0, 1e5 + (2594.0 * 1e-3 + 211.5) / 1.74e-4
     storage, supply = continuous(passivity_law, drive, passive, reference_at_rest(2e-3), start).T
-    assert storage[0] == pytest.approx(1.98e-3, rel=0.02)
+    assert storage[0] == pytest.approx(1.98e-3, rel=0.05)
     assert np.all(np.diff(storage) <= 1e-11 * storage[0])
     assert storage[-1] < 1e-8 * storage[0]
     assert np.all(supply <= 0.0)
