@@ -95,6 +95,14 @@ class AxialEstimate(NamedTuple):
     warned: Fraction
 
 
+class OpticalSight(NamedTuple):
+    """The pollution that was believed before an optical reading was taken in, and by how much the reading was off."""
+
+    pollution: Position
+    innovation: Position
+    innovation_deviation: Length
+
+
 class AxialMemory(NamedTuple):
     """Mean (n,) and factors (n, n) of the belief, the drive's input at the last sample, and the coefficient whose turn
     it is to drift."""
@@ -204,8 +212,8 @@ def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> f
     return S
 
 
-def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> tuple[float, float, float]:
-    """Take in the optical signal, in place; returns pollution, innovation and its deviation [m].
+def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> OpticalSight:
+    """Take in the optical signal, in place.
 
     Where the angle is not known the pollution counts as noise; where it is uncertain, what that does to the pollution.
     """
@@ -226,48 +234,42 @@ def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> tu
         for i in range(first, mean.size):
             R += 0.5 * (mean[i] * mean[i] + variance_of(draft.factors, i))
     if seen.optical != seen.optical:
-        return believed, 0.0, 0.0
+        return OpticalSight(believed, 0.0, 0.0)
     innovation = seen.optical - mean[0] - believed
     S = take_in(draft, innovation, R, is_frozen(seen))
-    return believed, innovation, np.sqrt(S)
+    return OpticalSight(believed, innovation, np.sqrt(S))
 
 
-def take_duty(draft: Draft, seen: AxialSeen, velocity: float, pollution: PollutionModel) -> None:
-    """Take in the duty ratio of the pressure wave, in place, where the optical sensor is lost or nearly blind.
+def needs_duty(seen: AxialSeen) -> bool:
+    """Whether a new duty ratio is there and wanted: the optical sensor is lost, or nearly blind."""
+    wanted = seen.margin < WARN_MARGIN or seen.optical != seen.optical
+    return wanted and seen.held == 0.0 and seen.duty.duty_ratio == seen.duty.duty_ratio
 
-    What it showed is the position at that time, taken back from now with the `velocity` [m/s].
+
+def take_duty(draft: Draft, seen: AxialSeen, travelled: float, pollution: PollutionModel) -> None:
+    """Take in the duty ratio of the pressure wave, in place; the draft's row tells where the spool was when it showed.
+
+    travelled  what the drive's input alone has added to the position since [m]
 
     Source  wang2017, section 7.3, for the idea
     """
-    duty, L = seen.duty, pollution.helix_length
-    needed = seen.margin < WARN_MARGIN or seen.optical != seen.optical
-    if not (needed and seen.held == 0.0 and duty.duty_ratio == duty.duty_ratio):
-        return
-    draft.row[:] = 0.0
-    draft.row[0] = 1.0
-    if draft.leading > 1:
-        draft.row[1] = -duty.age
+    duty, L, expected = seen.duty, pollution.helix_length, -travelled
+    for i in range(draft.leading):
+        expected += draft.row[i] * draft.mean[i]
     known = duty.deviation * duty.deviation + pollution.duty_deviation * pollution.duty_deviation
-    innovation = L * duty.duty_ratio - draft.mean[0] + velocity * duty.age
-    take_in(draft, innovation, L * L * known, is_frozen(seen))
+    take_in(draft, L * duty.duty_ratio - expected, L * L * known, is_frozen(seen))
 
 
-def correct(draft: Draft, seen: AxialSeen, velocity: float, pollution: PollutionModel) -> AxialEstimate:
-    """Take in all that tells the position, in place, and return what is believed then.
-
-    velocity  of a drive that has none among its states [m/s]; else it is the second state
-    """
-    mean, factors, moving = draft.mean, draft.factors, draft.leading > 1
-    believed, innovation, deviation = take_optical(draft, seen, pollution)
-    take_duty(draft, seen, mean[1] if moving else velocity, pollution)
+def estimate_of(draft: Draft, velocity: float, seen: AxialSeen, sight: OpticalSight) -> AxialEstimate:
+    """What is believed once all has been taken in; `velocity` [m/s]."""
     return AxialEstimate(
-        position=mean[0],
-        velocity=mean[1] if moving else velocity,
-        position_deviation=np.sqrt(variance_of(factors, 0)),
-        velocity_deviation=np.sqrt(variance_of(factors, 1)) if moving else np.nan,
-        pollution=believed,
-        innovation=innovation,
-        innovation_deviation=deviation,
+        position=draft.mean[0],
+        velocity=velocity,
+        position_deviation=np.sqrt(variance_of(draft.factors, 0)),
+        velocity_deviation=np.sqrt(variance_of(draft.factors, 1)) if draft.leading > 1 else np.nan,
+        pollution=sight.pollution,
+        innovation=sight.innovation,
+        innovation_deviation=sight.innovation_deviation,
         lost=1.0 if seen.optical != seen.optical else 0.0,
         frozen=1.0 if is_frozen(seen) else 0.0,
         warned=1.0 if seen.margin < WARN_MARGIN else 0.0,
