@@ -1,4 +1,4 @@
-"""Misprints of chapter 4 and section 5.5 of wang2017, noise models and observers: each number of a row worked out anew."""
+"""Misprints of chapter 4 and section 5.5 of wang2017, noise models and observers: each number worked out anew."""
 
 import numpy as np
 import pytest

@@ -30,13 +30,11 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.estimation.noise_basis import NoiseBasis, basis_slope, function_count, write_basis
+from vvdp.estimation.observability import FREEZE_BELOW, WARN_BELOW
 from vvdp.numerics.kalman import add_variance, consider, factors_of, know_leading, observe, variance_of
 
 KNOWN_ANGLE = 0.5
 """Deviation of the spool angle above which the pollution counts as noise without a pattern [rad]; assumed."""
-
-WARN_MARGIN, FREEZE_MARGIN = 1e-2, 1e-3
-"""Observability margins below which the observer warns, and below which it keeps the pollution as learned [1]."""
 
 
 class Phase(NamedTuple):
@@ -184,7 +182,7 @@ def hold_position(draft: Draft, stop_position: float) -> None:
 
 def is_frozen(seen: AxialSeen) -> bool:
     """Whether the pollution is kept as learned. At the stop it is not, for the position is known there."""
-    return seen.margin < FREEZE_MARGIN and seen.held == 0.0
+    return seen.margin < FREEZE_BELOW and seen.held == 0.0
 
 
 def drift_in_turn(draft: Draft, turn: float, pollution: PollutionModel) -> float:
@@ -242,7 +240,7 @@ def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> Op
 
 def needs_duty(seen: AxialSeen) -> bool:
     """Whether a new duty ratio is there and wanted: the optical sensor is lost, or nearly blind."""
-    wanted = seen.margin < WARN_MARGIN or seen.optical != seen.optical
+    wanted = seen.margin < WARN_BELOW or seen.optical != seen.optical
     return wanted and seen.held == 0.0 and seen.duty.duty_ratio == seen.duty.duty_ratio
 
 
@@ -272,5 +270,5 @@ def estimate_of(draft: Draft, velocity: float, seen: AxialSeen, sight: OpticalSi
         innovation_deviation=sight.innovation_deviation,
         lost=1.0 if seen.optical != seen.optical else 0.0,
         frozen=1.0 if is_frozen(seen) else 0.0,
-        warned=1.0 if seen.margin < WARN_MARGIN else 0.0,
+        warned=1.0 if seen.margin < WARN_BELOW else 0.0,
     )
