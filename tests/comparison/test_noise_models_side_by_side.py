@@ -1,5 +1,7 @@
 """Four noise models on one pollution: errors in the order that theory has, states and margins as counted."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from vvdp.comparison.noise_models import NoiseTrial, basis_margin, noise_model_t
 from vvdp.estimation.noise_basis import fourier_basis, gaussian_basis
 from vvdp.estimation.observability import observability_margin
 
+PAGE = " ".join((Path(__file__).parents[2] / "docs/models/axial-observer.md").read_text("utf-8").split())
 PLACES = np.arange(360) / 360.0 * 2.0 * np.pi
 SIZES = 1e-3 / 1.6 * np.array([1.0, 0.55, 0.30, 0.15, 0.08])
 PHASES = np.array([0.3, 1.1, -0.7, 2.0, 0.5])
@@ -36,6 +39,14 @@ def test_models_states_and_margins(table):
     assert np.all(np.diff(table["margin"][2:5]) < 0.0)
     assert np.all(np.diff(table["margin"][5:]) < 0.0)
     assert np.all(table["cost_s"] > 0.0)
+
+
+def test_page_has_these_figures(table):
+    for i, name in enumerate(table["model"]):
+        margin = "" if np.isnan(table["margin"][i]) else f"{table['margin'][i]:.3f}"
+        errors = [f"{1e6 * table[key][i]:.1f}" for key in ("position_error_rms_m", "pollution_error_rms_m")]
+        row = " | ".join([name, f"{table['states'][i]:.0f}", margin, *errors])
+        assert f"| {' '.join(row.split())} |" in PAGE
 
 
 def test_more_functions_follow_the_scratch(table):

@@ -2,6 +2,7 @@
 hold at a prescribed motion; the stop, the lost sensor, the frozen pollution, the duty ratio of the pressure wave."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from vvdp.numerics.kalman import covariance_of
 from vvdp.simulation.replay import Replay
 
 STROKE, PERIOD = 20.32e-3, 1e-3
+PAGE = " ".join((Path(__file__).parents[2] / "docs/models/axial-observer.md").read_text("utf-8").split())
 DRIVE = SpringDrive(moving_mass=0.5, stiffness=2594.0, preload=211.5, viscous_friction=8.3, area=1.74e-4)
 POLLUTION = PollutionModel(
     basis=fourier_basis(5),
@@ -307,6 +309,8 @@ def test_riccati_of_the_text_diverges_where_the_exact_filter_does_not():
             P = P + h * (Q - np.outer(P @ C, C @ P) / (R * h))
         lowest.append(np.linalg.eigvalsh(P)[0])
     assert lowest[1] < -1e-4
+    assert h * 1e-6 / (R * h) == pytest.approx(1100.0, rel=0.02)
+    assert "$h P/R_c$ is 1100" in PAGE
     assert lowest[6] < -1e100
 
 
@@ -331,6 +335,8 @@ def test_basis_in_angle_bears_a_drift_of_the_speed_that_one_in_time_does_not(obs
         errors.append(np.max(np.abs(shown["position"] - x)[t > 5.0]) / STROKE)
     assert errors[0] < 0.0005
     assert errors[1] > 0.005
+    angle_error, time_error = (f"{100.0 * errors[i]:.{3 - 2 * i}f} %" for i in range(2))
+    assert f"up to {angle_error} of the stroke with the angle (off by 0.5 deg) and by {time_error}" in PAGE
 
 
 def test_delay_of_the_optical_signal_is_taken_off(observers):
@@ -403,6 +409,8 @@ def test_frozen_pollution_carries_through_the_resonance(observers):
         found[margin] = np.std((shown["position"] - x)[t > 20.0]), shown
     assert found[1e-6][0] < 25e-6
     assert found[1.0][0] > 1.2 * found[1e-6][0]
+    kept, lost = (1e6 * found[margin][1]["position_deviation"][-1] for margin in (1e-6, 1.0))
+    assert f"known to {kept:.0f} um so, to {lost:.0f} um where" in PAGE
     assert np.all(found[1e-6][1]["frozen"][t >= 1.0] == 1.0)
     assert np.all(found[1e-6][1]["frozen"][t < 1.0] == 0.0)
     assert np.all(found[1e-6][1]["warned"] == 1.0)
@@ -493,3 +501,22 @@ def test_drives_that_do_not_swing_are_refused():
         replace(DRIVE, viscous_friction=80.0)
     with pytest.raises(ParameterError, match="expected all above 0"):
         replace(DRIVE, stiffness=0.0)
+
+
+@pytest.mark.slow
+def test_covariance_of_the_compiled_step_stays_positive_over_an_hour(observers):
+    """3.6 million samples, in portions; with the noise of the specification, in double precision."""
+    rng = np.random.default_rng(0)
+    step, start, settings = DRIVES["chamber"]
+    rows = rows_of(np.zeros(1), np.zeros(1), np.zeros(1))
+    replay, memory = Replay(step, start(settings, 0.0), seen_of(rows[0]), settings), start(settings, 0.0)
+    for portion in range(36):
+        t = (portion * 100_000 + np.arange(100_000)) * PERIOD
+        angle = 2.0 * np.pi * 22.5 * t
+        optical = pollution_at(angle) + 20e-6 * rng.normal(size=t.size)
+        done = replay(memory, rows_of(t, optical, angle, pressure=spring_pressure(0.0)))
+        memory = done.memory
+        assert np.all(np.diag(memory.factors) > 0.0)
+        assert np.all(np.linalg.eigvalsh(covariance_of(memory.factors)) > 0.0)
+        assert np.all(np.isfinite(done.shown))
+    assert np.std(done.shown[:, 0]) < 30e-6

@@ -35,7 +35,7 @@ ROUNDS = 5
 
 class NoiseTrial(Params):
     """What the models are put through: the spool goes to and fro over `stroke` in `motion_period` and turns with
-    `spool_speed`; the second half of `duration` counts. Margins are those of a drive with a spring of `natural_frequency`."""
+    `spool_speed`; the second half of `duration` counts. Margins are those of a drive with this `natural_frequency`."""
 
     spool_speed: Speed = TURN * 10.0
     sample_period: Time = 1e-3
