@@ -13,7 +13,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import COUNT, LENGTH, RATIO, SAMPLE_COST, Area, Length, Speed, Time
 from vvdp.base.params import Params
-from vvdp.estimation.axial_filter import AxialSeen, DutySight, Phase, PollutionModel
+from vvdp.estimation.axial_filter import NO_DUTY, AxialSeen, Phase, PollutionModel
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.estimation.noise_basis import TURN, NoiseBasis, fourier_basis, function_count, gaussian_basis, write_basis
 from vvdp.estimation.signal_generator import (
@@ -31,6 +31,18 @@ from vvdp.simulation.replay import Replay, Step
 MARGIN_POINTS = 2000
 ROUNDS = 5
 """How often each model is timed; the shortest time counts."""
+
+
+NOTHING_SEEN = AxialSeen(
+    time=0.0,
+    optical=0.0,
+    phase=Phase(angle=0.0, speed=0.0, angle_deviation=0.0),
+    pressure=0.0,
+    flow=0.0,
+    held=0.0,
+    margin=1.0,
+    duty=NO_DUTY,
+)
 
 
 class NoiseTrial(Params):
@@ -52,13 +64,19 @@ class NoiseTrial(Params):
     natural_frequency: Speed = 72.03
 
 
-class Entry(NamedTuple):
-    """A model with what runs it; its margin is NaN where none is worked out."""
+class Model(NamedTuple):
+    """What a noise model is; its margin is NaN where none is worked out."""
 
     name: str
     functions: int
     states: int
     margin: float
+
+
+class Entry(NamedTuple):
+    """A model with what runs it."""
+
+    model: Model
     step: Step
     memory: Any
     settings: Any
@@ -77,19 +95,19 @@ def noise_model_table(shape: Array, trial: NoiseTrial, functions: tuple[int, ...
     half = slice(rows.shape[0] // 2, None)
     found = []
     for entry in entries:
-        example = AxialSeen(0.0, 0.0, Phase(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 1.0, DutySight(np.nan, 0.0, 0.0))
-        replay = Replay(entry.step, entry.memory, example, entry.settings)
+        replay = Replay(entry.step, entry.memory, NOTHING_SEEN, entry.settings)
         shown = dict(zip(replay.columns, replay(entry.memory, rows).shown.T, strict=True))
         off, noise = shown["position"] - position, shown["pollution"] - pollution
         cost = min(_seconds(replay, entry, rows) for _ in range(ROUNDS)) / rows.shape[0]
         errors = np.sqrt(np.mean(off[half] ** 2.0)), np.max(np.abs(off[half])), np.sqrt(np.mean(noise[half] ** 2.0))
         found.append((*errors, cost))
     rms, peak, missed, costs = np.array(found).T
+    models = [entry.model for entry in entries]
     columns = {
-        "model": Column(np.array([e.name for e in entries]), None, "noise model"),
-        "functions": Column(np.array([float(e.functions) for e in entries]), COUNT, "functions"),
-        "states": Column(np.array([float(e.states) for e in entries]), COUNT, "states"),
-        "margin": Column(np.array([e.margin for e in entries]), RATIO, "margin with a spring drive"),
+        "model": Column(np.array([m.name for m in models]), None, "noise model"),
+        "functions": Column(np.array([float(m.functions) for m in models]), COUNT, "functions"),
+        "states": Column(np.array([float(m.states) for m in models]), COUNT, "states"),
+        "margin": Column(np.array([m.margin for m in models]), RATIO, "margin with a spring drive"),
         "position_error_rms_m": Column(rms, LENGTH, "error of the position, rms"),
         "position_error_peak_m": Column(peak, LENGTH, "error of the position, largest"),
         "pollution_error_rms_m": Column(missed, LENGTH, "error of the pollution, rms"),
@@ -108,7 +126,7 @@ def entries_of(trial: NoiseTrial, functions: tuple[int, ...]) -> Iterator[Entry]
     """The models that are put side by side."""
     t = trial
     lumped = LumpedObserver(area=t.area, sample_period=t.sample_period, bandwidth=t.bandwidth)
-    yield Entry("lumped", 0, 1, np.nan, lumped_observer_step, LumpedMemory(0.0, 0.0), lumped)
+    yield Entry(Model("lumped", 0, 1, np.nan), lumped_observer_step, LumpedMemory(0.0, 0.0), lumped)
     design = GeneratorDesign(
         area=t.area,
         sample_period=t.sample_period,
@@ -119,7 +137,7 @@ def entries_of(trial: NoiseTrial, functions: tuple[int, ...]) -> Iterator[Entry]
     )
     generator = generator_observer(design)
     memory = generator_start(generator, 0.0)
-    yield Entry("signal generator", 0, memory.mean.size, np.nan, generator_observer_step, memory, generator)
+    yield Entry(Model("signal generator", 0, memory.mean.size, np.nan), generator_observer_step, memory, generator)
     for count in functions:
         yield _periodic(f"Fourier, {count}", count, fourier_basis(count // 2), trial)
     for count in functions:
@@ -145,7 +163,7 @@ def _periodic(name: str, functions: int, basis: NoiseBasis, trial: NoiseTrial) -
     )
     memory = gerotor_observer_start(settings, 0.0)
     margin = basis_margin(basis, trial.natural_frequency, trial.spool_speed)
-    return Entry(name, functions, memory.mean.size, margin, gerotor_observer_step, memory, settings)
+    return Entry(Model(name, functions, memory.mean.size, margin), gerotor_observer_step, memory, settings)
 
 
 def basis_margin(basis: NoiseBasis, natural_frequency: float, spool_speed: float) -> float:

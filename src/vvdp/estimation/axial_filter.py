@@ -56,6 +56,10 @@ class DutySight(NamedTuple):
     deviation: Ratio
 
 
+NO_DUTY = DutySight(duty_ratio=np.nan, age=0.0, deviation=0.0)
+"""Where no pressure wave is looked at."""
+
+
 class AxialSeen(NamedTuple):
     """What an observer sees at a sample.
 
