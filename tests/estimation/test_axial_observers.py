@@ -10,7 +10,14 @@ from scipy.linalg import expm, solve_discrete_are
 from tests.dense_filter import predict_n, update_n
 
 from vvdp.base.errors import ParameterError
-from vvdp.estimation.axial_filter import AxialSeen, DutySight, Phase, PollutionModel, refuse_other_period
+from vvdp.estimation.axial_filter import (
+    AxialSeen,
+    DutySight,
+    Phase,
+    PollutionModel,
+    duty_sight,
+    refuse_other_period,
+)
 from vvdp.estimation.chamber_observer import (
     ChamberObserver,
     SpringDrive,
@@ -19,8 +26,10 @@ from vvdp.estimation.chamber_observer import (
     driving_acceleration,
     oscillator_step,
 )
+from vvdp.estimation.duty import DutyEstimate
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.estimation.noise_basis import fourier_basis
+from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.numerics.kalman import covariance_of
 from vvdp.simulation.replay import Replay
 
@@ -461,6 +470,36 @@ def test_duty_ratio_of_the_wave_bounds_what_a_lost_sensor_leaves(drive, observer
         assert np.array_equal(*before) == (margin == 1.0)
     assert np.sqrt(squares[0]) < 0.5 * np.sqrt(squares[1])
     np.testing.assert_allclose(np.sqrt(squares), deviations, rtol=0.35)
+
+
+def test_duty_ratio_belongs_to_the_middle_of_its_pulse():
+    """A spool whose duty ratio rises by 2 in a second, 60 Hz: edges where the phase is -+d/2 (mod 1), each with the
+    duty ratio of its own time. The share between them is that at the middle; the edge is confirmed 2 ms late."""
+    found = []
+    for sign in (-1.0, 1.0):
+        t = 0.0 if sign < 0.0 else 5e-3
+        for _ in range(60):
+            t = (1.0 + sign * 0.5 * (0.3 + 2.0 * t)) / 60.0
+        found.append(t)
+    rise, fall = found
+    share = 60.0 * (fall - rise)
+    edge = PressureReading(
+        time=fall + 2e-3,
+        pressure_edges=1.0,
+        pressure_edge_time=fall,
+        pressure_edge_interval=1e-4,
+        pressure_polarity=-1.0,
+        level=5e6,
+        low=1e5,
+        high=1e7,
+    )
+    sight = duty_sight(DutyEstimate(share, share, 3e-3), edge, 60.0)
+    assert sight.duty_ratio == pytest.approx(0.3 + 2.0 * (edge.time - sight.age), abs=1e-9)
+    assert sight.age == pytest.approx(2e-3 + 0.5 * (fall - rise))
+    assert sight.deviation == 3e-3
+    for other in (edge._replace(pressure_polarity=1.0), edge._replace(pressure_edges=0.0)):
+        assert np.isnan(duty_sight(DutyEstimate(share, share, 3e-3), other, 60.0).duty_ratio)
+    assert np.isnan(duty_sight(DutyEstimate(np.nan, np.nan, np.nan), edge, 60.0).duty_ratio)
 
 
 def test_unknown_angle_teaches_nothing(drive, observers):

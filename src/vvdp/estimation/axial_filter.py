@@ -19,6 +19,7 @@ from vvdp.base.kinds import (
     Duration,
     Flow,
     Fraction,
+    Frequency,
     Length,
     Number,
     Position,
@@ -29,8 +30,10 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.estimation.duty import DutyEstimate
 from vvdp.estimation.noise_basis import NoiseBasis, basis_slope, function_count, write_basis
 from vvdp.estimation.observability import FREEZE_BELOW, WARN_BELOW
+from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.numerics.kalman import add_variance, consider, factors_of, know_leading, observe, variance_of
 
 KNOWN_ANGLE = 0.5
@@ -246,6 +249,22 @@ def needs_duty(seen: AxialSeen) -> bool:
     """Whether a new duty ratio is there and wanted: the optical sensor is lost, or nearly blind."""
     wanted = seen.margin < WARN_BELOW or seen.optical != seen.optical
     return wanted and seen.held == 0.0 and seen.duty.duty_ratio == seen.duty.duty_ratio
+
+
+def duty_sight(found: DutyEstimate, edge: PressureReading, pwm_frequency: Frequency) -> DutySight:
+    """The duty ratio of a pulse that ends with this edge, nothing new at any other sample.
+
+    Each edge shows half of the position at its own time, so that together they tell that at the middle of the pulse.
+
+    found          by `duty_step`, with the valve's own excess taken off
+    pwm_frequency  [Hz]
+    """
+    ended = edge.pressure_edges > 0.0 and edge.pressure_polarity < 0.0
+    if not (ended and found.duty_ratio == found.duty_ratio and pwm_frequency > 0.0):
+        return DutySight(duty_ratio=np.nan, age=0.0, deviation=0.0)
+    half = 0.5 * found.wave_duty_ratio / pwm_frequency
+    age = edge.time - edge.pressure_edge_time + half
+    return DutySight(duty_ratio=found.duty_ratio, age=age, deviation=found.deviation)
 
 
 def take_duty(draft: Draft, seen: AxialSeen, travelled: float, pollution: PollutionModel) -> None:
