@@ -364,6 +364,21 @@ def test_delay_of_the_optical_signal_is_taken_off(observers):
     assert errors[1] > 20.0 * errors[0]
 
 
+def test_uncertain_angle_makes_noise_of_the_pollution(drive, observers):
+    """After learning, the innovation's variance is more by (deviation x slope)^2; the slope by difference quotient."""
+    t = np.arange(1000) * PERIOD
+    angle = 2.0 * np.pi * 22.5 * t
+    settings, deviation = replace(DRIVES[drive][2], stop_position=0.0), 0.05
+    found = []
+    for last in (0.0, deviation):
+        uncertain = np.where(t < t[-1], 0.0, last)
+        rows = rows_of(t, pollution_at(angle), angle, angle_deviation=uncertain, held=1.0)
+        shown, _ = observers(drive, settings, rows)
+        found.append(shown["innovation_deviation"][-1] ** 2.0)
+    slope = (pollution_at(angle[-1] + 1e-6) - pollution_at(angle[-1] - 1e-6)) / 2e-6
+    assert found[1] - found[0] == pytest.approx((deviation * slope) ** 2.0, rel=0.05)
+
+
 def test_pollution_is_learned_at_the_stop(drive, observers):
     """0.6 s at the stop, then off: the first tenth of a second is off by a fraction of what it is without learning."""
     t = np.arange(900) * PERIOD
