@@ -2,13 +2,22 @@
 hold at a prescribed motion; the stop, the lost sensor, the frozen pollution, the duty ratio of the pressure wave."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
+from scipy.linalg import expm, solve_discrete_are
 from tests.dense_filter import predict_n, update_n
 
-from vvdp.estimation.axial_filter import AxialSeen, DutySight, Phase, PollutionModel
+from vvdp.base.errors import ParameterError
+from vvdp.estimation.axial_filter import (
+    AxialSeen,
+    DutySight,
+    Phase,
+    PollutionModel,
+    duty_sight,
+    refuse_other_period,
+)
 from vvdp.estimation.chamber_observer import (
     ChamberObserver,
     SpringDrive,
@@ -17,12 +26,15 @@ from vvdp.estimation.chamber_observer import (
     driving_acceleration,
     oscillator_step,
 )
+from vvdp.estimation.duty import DutyEstimate
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
 from vvdp.estimation.noise_basis import fourier_basis
+from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.numerics.kalman import covariance_of
 from vvdp.simulation.replay import Replay
 
 STROKE, PERIOD = 20.32e-3, 1e-3
+PAGE = " ".join((Path(__file__).parents[2] / "docs/models/axial-observer.md").read_text("utf-8").split())
 DRIVE = SpringDrive(moving_mass=0.5, stiffness=2594.0, preload=211.5, viscous_friction=8.3, area=1.74e-4)
 POLLUTION = PollutionModel(
     basis=fourier_basis(5),
@@ -117,7 +129,7 @@ def test_transition_is_the_matrix_exponential(friction, duration):
     step = oscillator_step(duration, drive)
     np.testing.assert_allclose([step.position, step.velocity], exact[:2, :2], rtol=1e-11)
     np.testing.assert_allclose(step.constant, exact[:2, 2], rtol=1e-10)
-    np.testing.assert_allclose(np.array(step.growing) * duration, exact[:2, 3], rtol=1e-7)
+    np.testing.assert_allclose(step.growing, exact[:2, 3], rtol=1e-7)
 
 
 def test_driving_acceleration_by_hand():
@@ -204,3 +216,361 @@ def test_step_is_the_filter_with_whole_matrices(drive, observers):
     for row in rows[:40]:
         memory, plain = steps(memory, seen_of(row), settings)
     assert plain.position == pytest.approx(shown["position"][39], rel=1e-12, abs=1e-15)
+
+
+# Against SciPy
+
+
+def lifted(name, settings, samples):
+    """Transition, rows, and covariances of process, of measurement and between them, over a turn of `samples`."""
+    m, pollution = {"chamber": 2, "gerotor": 1}[name], settings.pollution
+    n = m + 10
+    F, Q = np.eye(n), np.zeros(n)
+    if m == 2:
+        stiff, friction = settings.drive.stiffness, settings.drive.viscous_friction
+        rates = np.array([[0.0, 1.0], [-stiff / settings.drive.moving_mass, -friction / settings.drive.moving_mass]])
+        F[:2, :2], Q[:2] = expm(rates * PERIOD), (settings.position_drift**2, settings.velocity_drift**2)
+    else:
+        Q[0] = settings.position_drift**2
+    angles = 2.0 * np.pi * np.arange(samples) / samples
+    rows = np.zeros((samples, n))
+    rows[:, 0] = 1.0
+    for k in range(1, 6):
+        rows[:, m + 2 * k - 2], rows[:, m + 2 * k - 1] = np.cos(k * angles), np.sin(k * angles)
+    power, noise = [np.eye(n)], []
+    for i in range(samples):
+        power.append(F @ power[-1])
+        q = Q.copy()
+        q[m + (i + 1) % 10] = 10.0 * pollution.coefficient_drift**2
+        noise.append(np.diag(q))
+    observed = np.array([rows[i] @ power[i] for i in range(samples)])
+    Qs, Rs = np.zeros((n, n)), pollution.sensor_deviation**2 * np.eye(samples)
+    S = np.zeros((n, samples))
+    for j in range(samples):
+        to_end = power[samples - 1 - j] @ noise[j]
+        Qs += to_end @ power[samples - 1 - j].T
+        seen = np.array([rows[i] @ power[i - 1 - j] if i > j else np.zeros(n) for i in range(samples)])
+        Rs += seen @ noise[j] @ seen.T
+        S += to_end @ seen.T
+    return power[samples], observed, Qs, Rs, S, (F, rows, noise)
+
+
+def test_settled_filter_is_the_periodic_riccati_solution(drive, observers):
+    """A turn of 40 samples, 25 Hz, lifted to one step and given to SciPy; from its solution the gains of the turn, and
+    from these the Floquet multipliers of the error, once as a product and once as the lifted closed loop's eigenvalues.
+    """
+    settings, samples = DRIVES[drive][2], 40
+    F, C, Q, R, S, (one, rows, noise) = lifted(drive, settings, samples)
+    # In micrometres (and their rates), so that SciPy meets numbers of one size.
+    unit = 1e6
+    P = solve_discrete_are(F.T, C.T, unit**2 * Q, unit**2 * R, s=unit**2 * S) / unit**2
+    gain = (F @ P @ C.T + S) @ np.linalg.inv(C @ P @ C.T + R)
+    lifted_multipliers = np.linalg.eigvals(F - gain @ C)
+    product, prior = np.eye(F.shape[0]), P
+    for i in range(samples):
+        K = prior @ rows[i] / (rows[i] @ prior @ rows[i] + settings.pollution.sensor_deviation**2)
+        left = np.eye(K.size) - np.outer(K, rows[i])
+        posterior = left @ prior @ left.T + settings.pollution.sensor_deviation**2 * np.outer(K, K)
+        product = one @ left @ product
+        if i == 0:
+            first = posterior
+        prior = one @ posterior @ one.T + noise[i]
+    assert off(prior, P) < 1e-6
+    multipliers = np.linalg.eigvals(product)
+    np.testing.assert_allclose(np.sort(np.abs(multipliers)), np.sort(np.abs(lifted_multipliers)), rtol=1e-5)
+    assert np.max(np.abs(multipliers)) < 1.0
+
+    t = np.arange(40 * 500 + 1) * PERIOD
+    angle = 2.0 * np.pi * np.arange(t.size) / samples
+    _, memory = observers(drive, settings, rows_of(t, 0.0 * t, angle))
+    assert off(covariance_of(memory.factors), first) < 1e-5
+
+
+def off(found, expected):
+    scale = np.sqrt(np.diag(expected))
+    return np.max(np.abs(found - expected) / np.outer(scale, scale))
+
+
+def test_drift_in_turn_is_hardly_another_model():
+    """One coefficient after the other with ten times the variance, or all at once: 1 % of the deviations."""
+    settings, samples = GEROTOR, 40
+    *_, (one, rows, noise) = lifted("gerotor", settings, samples)
+    deviations = []
+    for each in (noise, [np.mean(noise, axis=0)] * samples):
+        P = 1e-8 * np.eye(11)
+        for i in range(samples * 500):
+            H = rows[i % samples]
+            K = P @ H / (H @ P @ H + settings.pollution.sensor_deviation**2)
+            P = one @ (P - np.outer(K, H @ P)) @ one.T + each[i % samples]
+        deviations.append(np.sqrt(np.diag(P)))
+    np.testing.assert_allclose(deviations[0][0], deviations[1][0], rtol=0.01)
+    np.testing.assert_allclose(deviations[0], deviations[1], rtol=0.1)
+
+
+def test_riccati_of_the_text_diverges_where_the_exact_filter_does_not():
+    """Explicit Euler of (4.15) at 1 ms from P_0 = 1e-6, R_c = R T_s: h P/R_c is 1100, so P changes its sign."""
+    h, R = PERIOD, (30e-6) ** 2
+    P, Q = 1e-6 * np.eye(3), np.diag([9e-12, 3.6e-13, 3.6e-13]) / h
+    lowest = [1e-6]
+    for i in range(6):
+        C = np.array([1.0, np.cos(0.157 * i), np.sin(0.157 * i)])
+        with np.errstate(over="ignore", invalid="ignore"):
+            P = P + h * (Q - np.outer(P @ C, C @ P) / (R * h))
+        lowest.append(np.linalg.eigvalsh(P)[0])
+    assert lowest[1] < -1e-4
+    assert h * 1e-6 / (R * h) == pytest.approx(1100.0, rel=0.02)
+    assert "$h P/R_c$ is 1100" in PAGE
+    assert lowest[6] < -1e100
+
+
+# What they hold
+
+
+def smooth_motion(t):
+    """Position and velocity within the stroke, once in 4 s."""
+    w = 0.5 * np.pi
+    return 0.5 * STROKE * (1.0 - np.cos(w * t)), 0.5 * STROKE * w * np.sin(w * t)
+
+
+def test_basis_in_angle_bears_a_drift_of_the_speed_that_one_in_time_does_not(observers):
+    """10 +- 0.5 Hz, 5 % of drift; no white noise, so that what is left is the basis. The angle is off by 0.5 deg."""
+    t = np.arange(20_000) * PERIOD
+    x, v = smooth_motion(t)
+    angle = 2.0 * np.pi * (10.0 * t + 0.5 * (1.0 - np.cos(0.4 * np.pi * t)) / (0.4 * np.pi))
+    optical = x + pollution_at(angle)
+    errors = []
+    for believed in (angle + np.radians(0.5) * np.sin(angle), 2.0 * np.pi * 10.0 * t):
+        shown, _ = observers("gerotor", GEROTOR, rows_of(t, optical, believed, flow=GEROTOR.area * v))
+        errors.append(np.max(np.abs(shown["position"] - x)[t > 5.0]) / STROKE)
+    assert errors[0] < 0.0005
+    assert errors[1] > 0.005
+    angle_error, time_error = (f"{100.0 * errors[i]:.{3 - 2 * i}f} %" for i in range(2))
+    assert f"up to {angle_error} of the stroke with the angle (off by 0.5 deg) and by {time_error}" in PAGE
+
+
+def test_delay_of_the_optical_signal_is_taken_off(observers):
+    """1 ms at 22.5 Hz are 8 deg, and 40 deg for the fifth harmonic; at a changing speed no coefficient bears it."""
+    t = np.arange(8000) * PERIOD
+    speed = 2.0 * np.pi * (22.5 + 5.0 * np.sin(3.0 * t))
+    angle = 2.0 * np.pi * (22.5 * t + 5.0 * (1.0 - np.cos(3.0 * t)) / 3.0)
+    optical = pollution_at(angle - speed * 3e-3)
+    rows = rows_of(t, optical, angle, speed=speed)
+    errors = []
+    for delay in (3e-3, 0.0):
+        settings = replace(GEROTOR, pollution=replace(POLLUTION, optical_delay=delay))
+        shown, _ = observers("gerotor", settings, rows)
+        errors.append(np.max(np.abs(shown["position"])[t > 4.0]))
+    assert errors[0] < 2e-6
+    assert errors[1] > 20.0 * errors[0]
+
+
+def test_uncertain_angle_makes_noise_of_the_pollution(drive, observers):
+    """After learning, the innovation's variance is more by (deviation x slope)^2; the slope by difference quotient."""
+    t = np.arange(1000) * PERIOD
+    angle = 2.0 * np.pi * 22.5 * t
+    settings, deviation = replace(DRIVES[drive][2], stop_position=0.0), 0.05
+    found = []
+    for last in (0.0, deviation):
+        uncertain = np.where(t < t[-1], 0.0, last)
+        rows = rows_of(t, pollution_at(angle), angle, angle_deviation=uncertain, held=1.0)
+        shown, _ = observers(drive, settings, rows)
+        found.append(shown["innovation_deviation"][-1] ** 2.0)
+    slope = (pollution_at(angle[-1] + 1e-6) - pollution_at(angle[-1] - 1e-6)) / 2e-6
+    assert found[1] - found[0] == pytest.approx((deviation * slope) ** 2.0, rel=0.05)
+
+
+def test_pollution_is_learned_at_the_stop(drive, observers):
+    """0.6 s at the stop, then off: the first tenth of a second is off by a fraction of what it is without learning."""
+    t = np.arange(900) * PERIOD
+    rng = np.random.default_rng(8)
+    angle = 2.0 * np.pi * 22.5 * t
+    x = np.full(t.size, 2e-3)
+    optical = x + pollution_at(angle) + 20e-6 * rng.normal(size=t.size)
+    settings = replace(DRIVES[drive][2], stop_position=2e-3)
+    errors = {}
+    for learning in (1.0, 0.0):
+        held = np.where(t < 0.6, learning, 0.0)
+        begin = 0.6 if learning else 0.0
+        rows = rows_of(t, optical, angle, held=held, pressure=spring_pressure(x))
+        shown, _ = observers(drive, settings, rows, position=2e-3)
+        after = (t >= begin) & (t < begin + 0.1)
+        errors[learning] = np.max(np.abs(shown["position"] - x)[after])
+        if learning:
+            np.testing.assert_array_equal(shown["position"][t < 0.6], 2e-3)
+            assert np.all(shown["position_deviation"][t < 0.6] == 0.0)
+            assert np.std((shown["pollution"] - pollution_at(angle))[(t > 0.3) & (t < 0.6)]) < 20e-6
+    assert errors[1.0] < 60e-6
+    assert errors[0.0] > 5.0 * errors[1.0]
+
+
+def kicked(drive, settings, t, begin, rng):
+    """How far the spool gets from rest if it is kicked from `begin` on as much as the filter reckons with [m]."""
+    x, state = np.zeros(t.size), np.zeros(2)
+    F, kick = np.eye(2), np.array([settings.position_drift, 0.0])
+    if drive == "chamber":
+        step = oscillator_step(PERIOD, settings.drive)
+        F, kick = np.array([step.position, step.velocity]), np.array([0.0, settings.velocity_drift])
+    for k in range(t.size):
+        state = F @ state + (kick * rng.normal() if t[k] >= begin else 0.0)
+        x[k] = state[0]
+    return x
+
+
+def test_frozen_pollution_carries_through_the_resonance(observers):
+    """At 11.464 Hz, the spring's own frequency, where a swing of the spool passes for pollution: what was learned at
+    the stop keeps the position for as long as it holds, where coefficients that go on adapting lose it."""
+    t = np.arange(40_000) * PERIOD
+    rng = np.random.default_rng(4)
+    settings = replace(CHAMBER, drive=replace(DRIVE, viscous_friction=0.0), stop_position=3e-3)
+    x = 3e-3 + kicked("chamber", settings, t, 1.0, rng)
+    angle = np.sqrt(DRIVE.stiffness / DRIVE.moving_mass) * t
+    optical = x + pollution_at(angle) + 20e-6 * rng.normal(size=t.size)
+    held = np.where(t < 1.0, 1.0, 0.0)
+    found = {}
+    for margin in (1.0, 1e-6):
+        rows = rows_of(t, optical, angle, held=held, margin=margin, pressure=spring_pressure(3e-3))
+        shown, _ = observers("chamber", settings, rows, position=3e-3)
+        found[margin] = np.std((shown["position"] - x)[t > 20.0]), shown
+    assert found[1e-6][0] < 25e-6
+    assert found[1.0][0] > 1.2 * found[1e-6][0]
+    kept, lost = (1e6 * found[margin][1]["position_deviation"][-1] for margin in (1e-6, 1.0))
+    assert f"known to {kept:.0f} um so, to {lost:.0f} um where" in PAGE
+    assert np.all(found[1e-6][1]["frozen"][t >= 1.0] == 1.0)
+    assert np.all(found[1e-6][1]["frozen"][t < 1.0] == 0.0)
+    assert np.all(found[1e-6][1]["warned"] == 1.0)
+    assert found[1.0][1]["position_deviation"][-1] > 2.0 * found[1e-6][1]["position_deviation"][-1]
+
+
+def test_lost_sensor_leaves_the_model_and_an_honest_deviation(drive, observers):
+    t = np.arange(3000) * PERIOD
+    x, v = smooth_motion(t)
+    x, v = 0.1 * x, 0.1 * v
+    angle = 2.0 * np.pi * 22.5 * t
+    acceleration = np.gradient(v, PERIOD)
+    pressure = spring_pressure(x) + (DRIVE.moving_mass * acceleration + DRIVE.viscous_friction * v) / DRIVE.area
+    optical = np.where(t < 2.0, x + pollution_at(angle), np.nan)
+    rows = rows_of(t, optical, angle, flow=GEROTOR.area * v, pressure=pressure)
+    shown, _ = observers(drive, DRIVES[drive][2], rows)
+    lost = t >= 2.0
+    np.testing.assert_array_equal(shown["lost"], np.where(lost, 1.0, 0.0))
+    assert np.all(shown["innovation"][lost] == 0.0)
+    assert np.max(np.abs(shown["position"] - x)[lost]) < 0.05e-3
+    assert shown["position_deviation"][-1] > 2.0 * shown["position_deviation"][1999]
+
+
+@pytest.mark.parametrize("margin", [1.0, 5e-3])
+def test_duty_ratio_of_the_wave_bounds_what_a_lost_sensor_leaves(drive, observers, margin):
+    """One value in 14 ms, 14 ms old, known to 0.2 %. From 2 s on the sensor is lost, and the spool is kicked about as
+    much as the filter reckons with. With the optical sensor at work and a good margin nothing looks at the duty ratio.
+    """
+    t, late = np.arange(6000) * PERIOD, slice(2500, None)
+    settings = DRIVES[drive][2]
+    settings = replace(settings, pollution=replace(settings.pollution, duty_deviation=2e-3))
+    if drive == "chamber":
+        settings = replace(settings, drive=replace(DRIVE, viscous_friction=0.0))
+    angle, fresh = 2.0 * np.pi * 22.5 * t, np.arange(t.size) % 14 == 13
+    squares, deviations = np.zeros(2), np.zeros(2)
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        x = 2e-3 + kicked(drive, settings, t, 2.0, rng)
+        optical = np.where(t < 2.0, x + pollution_at(angle) + 20e-6 * rng.normal(size=t.size), np.nan)
+        duty = np.where(fresh, np.interp(t - 14e-3, t, x) / STROKE, np.nan) + 2e-3 * rng.normal(size=t.size)
+        before = []
+        for i, seen in enumerate((duty, np.full(t.size, np.nan))):
+            rows = rows_of(t, optical, angle, pressure=spring_pressure(2e-3), margin=margin, duty_ratio=seen, age=14e-3)
+            shown, _ = observers(drive, settings, rows, position=2e-3)
+            squares[i] += np.mean((shown["position"] - x)[late] ** 2.0) / 8.0
+            deviations[i] = np.sqrt(np.mean(shown["position_deviation"][late] ** 2.0))
+            before.append(shown["position"][:1900])
+        assert np.array_equal(*before) == (margin == 1.0)
+    assert np.sqrt(squares[0]) < 0.5 * np.sqrt(squares[1])
+    np.testing.assert_allclose(np.sqrt(squares), deviations, rtol=0.35)
+
+
+def test_duty_ratio_belongs_to_the_middle_of_its_pulse():
+    """A spool whose duty ratio rises by 2 in a second, 60 Hz: edges where the phase is -+d/2 (mod 1), each with the
+    duty ratio of its own time. The share between them is that at the middle; the edge is confirmed 2 ms late."""
+    found = []
+    for sign in (-1.0, 1.0):
+        t = 0.0 if sign < 0.0 else 5e-3
+        for _ in range(60):
+            t = (1.0 + sign * 0.5 * (0.3 + 2.0 * t)) / 60.0
+        found.append(t)
+    rise, fall = found
+    share = 60.0 * (fall - rise)
+    edge = PressureReading(
+        time=fall + 2e-3,
+        pressure_edges=1.0,
+        pressure_edge_time=fall,
+        pressure_edge_interval=1e-4,
+        pressure_polarity=-1.0,
+        level=5e6,
+        low=1e5,
+        high=1e7,
+    )
+    sight = duty_sight(DutyEstimate(share, share, 3e-3), edge, 60.0)
+    assert sight.duty_ratio == pytest.approx(0.3 + 2.0 * (edge.time - sight.age), abs=1e-9)
+    assert sight.age == pytest.approx(2e-3 + 0.5 * (fall - rise))
+    assert sight.deviation == 3e-3
+    for other in (edge._replace(pressure_polarity=1.0), edge._replace(pressure_edges=0.0)):
+        assert np.isnan(duty_sight(DutyEstimate(share, share, 3e-3), other, 60.0).duty_ratio)
+    assert np.isnan(duty_sight(DutyEstimate(np.nan, np.nan, np.nan), edge, 60.0).duty_ratio)
+
+
+def test_unknown_angle_teaches_nothing(drive, observers):
+    """Without an angle the pollution counts as noise: no coefficient moves, and the gain is small."""
+    t = np.arange(300) * PERIOD
+    for unknown in (np.nan, 3.0):
+        rows = rows_of(t, pollution_at(140.0 * t), 0.0 * t, angle_deviation=unknown, pressure=spring_pressure(0.0))
+        shown, memory = observers(drive, DRIVES[drive][2], rows)
+        leading = memory.mean.size - 10
+        np.testing.assert_array_equal(memory.mean[leading:], 0.0)
+        np.testing.assert_array_equal(shown["pollution"], 0.0)
+        assert np.all(shown["innovation_deviation"] > 2e-3)
+
+
+# What is refused
+
+
+def test_another_sample_period_is_refused_with_both():
+    refuse_other_period(1e-3, 1e-3)
+    with pytest.raises(ParameterError, match=r"every 0\.001 s, its program samples every 0\.002 s"):
+        refuse_other_period(1e-3, 2e-3)
+
+
+@pytest.mark.parametrize("name", ["sensor_deviation", "coefficient_drift", "duty_deviation"])
+def test_sensor_without_noise_is_refused(name):
+    with pytest.raises(ParameterError, match=f"PollutionModel.{name}: 0"):
+        replace(POLLUTION, **{name: 0.0})
+
+
+@pytest.mark.parametrize("name", ["position_drift", "velocity_drift", "sample_period"])
+def test_noise_that_leaves_a_state_out_is_refused(name):
+    with pytest.raises(ParameterError, match="expected all above 0"):
+        replace(CHAMBER, **{name: 0.0})
+
+
+def test_drives_that_do_not_swing_are_refused():
+    with pytest.raises(ParameterError, match=r"expected below 2 sqrt\(K M\) = 72.03"):
+        replace(DRIVE, viscous_friction=80.0)
+    with pytest.raises(ParameterError, match="expected all above 0"):
+        replace(DRIVE, stiffness=0.0)
+
+
+@pytest.mark.slow
+def test_covariance_of_the_compiled_step_stays_positive_over_an_hour(observers):
+    """3.6 million samples, in portions; with the noise of the specification, in double precision."""
+    rng = np.random.default_rng(0)
+    step, start, settings = DRIVES["chamber"]
+    rows = rows_of(np.zeros(1), np.zeros(1), np.zeros(1))
+    replay, memory = Replay(step, start(settings, 0.0), seen_of(rows[0]), settings), start(settings, 0.0)
+    for portion in range(36):
+        t = (portion * 100_000 + np.arange(100_000)) * PERIOD
+        angle = 2.0 * np.pi * 22.5 * t
+        optical = pollution_at(angle) + 20e-6 * rng.normal(size=t.size)
+        done = replay(memory, rows_of(t, optical, angle, pressure=spring_pressure(0.0)))
+        memory = done.memory
+        assert np.all(np.diag(memory.factors) > 0.0)
+        assert np.all(np.linalg.eigvalsh(covariance_of(memory.factors)) > 0.0)
+        assert np.all(np.isfinite(done.shown))
+    assert np.std(done.shown[:, 0]) < 30e-6

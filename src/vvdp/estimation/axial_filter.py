@@ -19,6 +19,7 @@ from vvdp.base.kinds import (
     Duration,
     Flow,
     Fraction,
+    Frequency,
     Length,
     Number,
     Position,
@@ -29,14 +30,14 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
+from vvdp.estimation.duty import DutyEstimate
 from vvdp.estimation.noise_basis import NoiseBasis, basis_slope, function_count, write_basis
+from vvdp.estimation.observability import FREEZE_BELOW, WARN_BELOW
+from vvdp.estimation.pressure_edges import PressureReading
 from vvdp.numerics.kalman import add_variance, consider, factors_of, know_leading, observe, variance_of
 
 KNOWN_ANGLE = 0.5
 """Deviation of the spool angle above which the pollution counts as noise without a pattern [rad]; assumed."""
-
-WARN_MARGIN, FREEZE_MARGIN = 1e-2, 1e-3
-"""Observability margins below which the observer warns, and below which it keeps the pollution as learned [1]."""
 
 
 class Phase(NamedTuple):
@@ -56,6 +57,10 @@ class DutySight(NamedTuple):
     duty_ratio: Number
     age: Time
     deviation: Ratio
+
+
+NO_DUTY = DutySight(duty_ratio=np.nan, age=0.0, deviation=0.0)
+"""Where no pressure wave is looked at."""
 
 
 class AxialSeen(NamedTuple):
@@ -93,6 +98,14 @@ class AxialEstimate(NamedTuple):
     lost: Fraction
     frozen: Fraction
     warned: Fraction
+
+
+class OpticalSight(NamedTuple):
+    """The pollution that was believed before an optical reading was taken in, and by how much the reading was off."""
+
+    pollution: Position
+    innovation: Position
+    innovation_deviation: Length
 
 
 class AxialMemory(NamedTuple):
@@ -176,7 +189,7 @@ def hold_position(draft: Draft, stop_position: float) -> None:
 
 def is_frozen(seen: AxialSeen) -> bool:
     """Whether the pollution is kept as learned. At the stop it is not, for the position is known there."""
-    return seen.margin < FREEZE_MARGIN and seen.held == 0.0
+    return seen.margin < FREEZE_BELOW and seen.held == 0.0
 
 
 def drift_in_turn(draft: Draft, turn: float, pollution: PollutionModel) -> float:
@@ -204,8 +217,8 @@ def take_in(draft: Draft, innovation: float, variance: float, frozen: bool) -> f
     return S
 
 
-def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> tuple[float, float, float]:
-    """Take in the optical signal, in place; returns pollution, innovation and its deviation [m].
+def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> OpticalSight:
+    """Take in the optical signal, in place.
 
     Where the angle is not known the pollution counts as noise; where it is uncertain, what that does to the pollution.
     """
@@ -226,49 +239,59 @@ def take_optical(draft: Draft, seen: AxialSeen, pollution: PollutionModel) -> tu
         for i in range(first, mean.size):
             R += 0.5 * (mean[i] * mean[i] + variance_of(draft.factors, i))
     if seen.optical != seen.optical:
-        return believed, 0.0, 0.0
+        return OpticalSight(believed, 0.0, 0.0)
     innovation = seen.optical - mean[0] - believed
     S = take_in(draft, innovation, R, is_frozen(seen))
-    return believed, innovation, np.sqrt(S)
+    return OpticalSight(believed, innovation, np.sqrt(S))
 
 
-def take_duty(draft: Draft, seen: AxialSeen, velocity: float, pollution: PollutionModel) -> None:
-    """Take in the duty ratio of the pressure wave, in place, where the optical sensor is lost or nearly blind.
+def needs_duty(seen: AxialSeen) -> bool:
+    """Whether a new duty ratio is there and wanted: the optical sensor is lost, or nearly blind."""
+    wanted = seen.margin < WARN_BELOW or seen.optical != seen.optical
+    return wanted and seen.held == 0.0 and seen.duty.duty_ratio == seen.duty.duty_ratio
 
-    What it showed is the position at that time, taken back from now with the `velocity` [m/s].
+
+def duty_sight(found: DutyEstimate, edge: PressureReading, pwm_frequency: Frequency) -> DutySight:
+    """The duty ratio of a pulse that ends with this edge, nothing new at any other sample.
+
+    Each edge shows half of the position at its own time, so that together they tell that at the middle of the pulse.
+
+    found          by `duty_step`, with the valve's own excess taken off
+    pwm_frequency  [Hz]
+    """
+    ended = edge.pressure_edges > 0.0 and edge.pressure_polarity < 0.0
+    if not (ended and found.duty_ratio == found.duty_ratio and pwm_frequency > 0.0):
+        return DutySight(duty_ratio=np.nan, age=0.0, deviation=0.0)
+    half = 0.5 * found.wave_duty_ratio / pwm_frequency
+    age = edge.time - edge.pressure_edge_time + half
+    return DutySight(duty_ratio=found.duty_ratio, age=age, deviation=found.deviation)
+
+
+def take_duty(draft: Draft, seen: AxialSeen, travelled: float, pollution: PollutionModel) -> None:
+    """Take in the duty ratio of the pressure wave, in place; the draft's row tells where the spool was when it showed.
+
+    travelled  what the drive's input alone has added to the position since [m]
 
     Source  wang2017, section 7.3, for the idea
     """
-    duty, L = seen.duty, pollution.helix_length
-    needed = seen.margin < WARN_MARGIN or seen.optical != seen.optical
-    if not (needed and seen.held == 0.0 and duty.duty_ratio == duty.duty_ratio):
-        return
-    draft.row[:] = 0.0
-    draft.row[0] = 1.0
-    if draft.leading > 1:
-        draft.row[1] = -duty.age
+    duty, L, expected = seen.duty, pollution.helix_length, -travelled
+    for i in range(draft.leading):
+        expected += draft.row[i] * draft.mean[i]
     known = duty.deviation * duty.deviation + pollution.duty_deviation * pollution.duty_deviation
-    innovation = L * duty.duty_ratio - draft.mean[0] + velocity * duty.age
-    take_in(draft, innovation, L * L * known, is_frozen(seen))
+    take_in(draft, L * duty.duty_ratio - expected, L * L * known, is_frozen(seen))
 
 
-def correct(draft: Draft, seen: AxialSeen, velocity: float, pollution: PollutionModel) -> AxialEstimate:
-    """Take in all that tells the position, in place, and return what is believed then.
-
-    velocity  of a drive that has none among its states [m/s]; else it is the second state
-    """
-    mean, factors, moving = draft.mean, draft.factors, draft.leading > 1
-    believed, innovation, deviation = take_optical(draft, seen, pollution)
-    take_duty(draft, seen, mean[1] if moving else velocity, pollution)
+def estimate_of(draft: Draft, velocity: float, seen: AxialSeen, sight: OpticalSight) -> AxialEstimate:
+    """What is believed once all has been taken in; `velocity` [m/s]."""
     return AxialEstimate(
-        position=mean[0],
-        velocity=mean[1] if moving else velocity,
-        position_deviation=np.sqrt(variance_of(factors, 0)),
-        velocity_deviation=np.sqrt(variance_of(factors, 1)) if moving else np.nan,
-        pollution=believed,
-        innovation=innovation,
-        innovation_deviation=deviation,
+        position=draft.mean[0],
+        velocity=velocity,
+        position_deviation=np.sqrt(variance_of(draft.factors, 0)),
+        velocity_deviation=np.sqrt(variance_of(draft.factors, 1)) if draft.leading > 1 else np.nan,
+        pollution=sight.pollution,
+        innovation=sight.innovation,
+        innovation_deviation=sight.innovation_deviation,
         lost=1.0 if seen.optical != seen.optical else 0.0,
         frozen=1.0 if is_frozen(seen) else 0.0,
-        warned=1.0 if seen.margin < WARN_MARGIN else 0.0,
+        warned=1.0 if seen.margin < WARN_BELOW else 0.0,
     )

@@ -20,11 +20,14 @@ from vvdp.estimation.axial_filter import (
     Draft,
     PollutionModel,
     axial_start,
-    correct,
     draft_of,
     drift_in_turn,
+    estimate_of,
     hold_position,
     is_frozen,
+    needs_duty,
+    take_duty,
+    take_optical,
 )
 from vvdp.numerics.kalman import move_leading
 
@@ -78,8 +81,8 @@ class ChamberObserver(Params):
 
 
 class OscillatorStep(NamedTuple):
-    """What a time h does to position and velocity: the transition, what an acceleration held all the time adds, and
-    what one adds that grows from 0 to 1."""
+    """What a time does to position and velocity: the transition, what an acceleration of 1 m/s^2 adds, and what one
+    that grows by 1 m/s^2 in a second."""
 
     position: tuple[float, float]
     velocity: tuple[float, float]
@@ -91,8 +94,8 @@ def oscillator_step(duration: float, drive: SpringDrive) -> OscillatorStep:
     """The exact transition of the damped oscillator over `duration` [s].
 
     With s = b/(2M), w_d^2 = K/M - s^2, e = exp(-s h): F = e [[c + s S, S], [-K/M S, c - s S]], c = cos w_d h,
-    S = sin(w_d h)/w_d; an acceleration held adds ((1 - F_11) M/K, F_12), one that grows
-    ((h - F_12 - 2 s (1 - F_11) M/K) M/K, (1 - F_11) M/K)/h.
+    S = sin(w_d h)/w_d; an acceleration that is held adds ((1 - F_11) M/K, F_12), one that grows
+    ((h - F_12 - 2 s (1 - F_11) M/K) M/K, (1 - F_11) M/K). A negative duration goes back.
     """
     h, stiff = duration, drive.stiffness / drive.moving_mass
     decay = 0.5 * drive.viscous_friction / drive.moving_mass
@@ -104,7 +107,7 @@ def oscillator_step(duration: float, drive: SpringDrive) -> OscillatorStep:
         position=(F11, F12),
         velocity=(-stiff * F12, e * (c - decay * s)),
         constant=(held, F12),
-        growing=((h - F12 - 2.0 * decay * held) / (stiff * h), held / h),
+        growing=((h - F12 - 2.0 * decay * held) / stiff, held),
     )
 
 
@@ -136,7 +139,11 @@ def chamber_observer_step(
         move_chamber(draft, memory.drive_input, a, settings)
     if not is_frozen(seen):
         turn = drift_in_turn(draft, turn, settings.pollution)
-    estimate = correct(draft, seen, 0.0, settings.pollution)
+    sight = take_optical(draft, seen, settings.pollution)
+    if needs_duty(seen):
+        travelled = look_back(draft, seen.duty.age, a, settings.drive)
+        take_duty(draft, seen, travelled, settings.pollution)
+    estimate = estimate_of(draft, draft.mean[1], seen, sight)
     return AxialMemory(mean=draft.mean, factors=draft.factors, drive_input=a, turn=turn), estimate
 
 
@@ -149,5 +156,15 @@ def move_chamber(draft: Draft, before: float, now: float, settings: ChamberObser
     F[0, 0], F[0, 1] = step.position
     F[1, 0], F[1, 1] = step.velocity
     move_leading(draft.mean, draft.factors, F, noise)
-    draft.mean[0] += step.constant[0] * before + step.growing[0] * (now - before)
-    draft.mean[1] += step.constant[1] * before + step.growing[1] * (now - before)
+    slope = (now - before) / settings.sample_period
+    draft.mean[0] += step.constant[0] * before + step.growing[0] * slope
+    draft.mean[1] += step.constant[1] * before + step.growing[1] * slope
+
+
+def look_back(draft: Draft, age: float, acceleration: float, drive: SpringDrive) -> float:
+    """Write into the draft's row where the spool was `age` [s] ago, seen from where it is now; returns what the driving
+    `acceleration` [m/s^2], taken as held, has added since [m]."""
+    step = oscillator_step(-age, drive)
+    draft.row[:] = 0.0
+    draft.row[0], draft.row[1] = step.position
+    return -step.constant[0] * acceleration

@@ -97,8 +97,8 @@ def tabulated_observer_step(
     observer, n = settings.observer, memory.mean.size
     pollution, row, mean = observer.pollution, np.empty(n), memory.mean.copy()
     a = driving_acceleration(seen.pressure, observer.drive)
-    step, before, change = oscillator_step(observer.sample_period, observer.drive), memory.drive_input, 0.0
-    change = a - before
+    step, before = oscillator_step(observer.sample_period, observer.drive), memory.drive_input
+    change = (a - before) / observer.sample_period
     x, v = mean[0], mean[1]
     mean[0] = step.position[0] * x + step.position[1] * v + step.constant[0] * before + step.growing[0] * change
     mean[1] = step.velocity[0] * x + step.velocity[1] * v + step.constant[1] * before + step.growing[1] * change

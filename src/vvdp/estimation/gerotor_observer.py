@@ -17,11 +17,14 @@ from vvdp.estimation.axial_filter import (
     AxialSeen,
     PollutionModel,
     axial_start,
-    correct,
     draft_of,
     drift_in_turn,
+    estimate_of,
     hold_position,
     is_frozen,
+    needs_duty,
+    take_duty,
+    take_optical,
 )
 
 
@@ -69,5 +72,10 @@ def gerotor_observer_step(
         draft.factors[0, 0] += settings.position_drift * settings.position_drift
     if not is_frozen(seen):
         turn = drift_in_turn(draft, turn, settings.pollution)
-    estimate = correct(draft, seen, velocity, settings.pollution)
+    sight = take_optical(draft, seen, settings.pollution)
+    if needs_duty(seen):
+        draft.row[:] = 0.0
+        draft.row[0] = 1.0
+        take_duty(draft, seen, velocity * seen.duty.age, settings.pollution)
+    estimate = estimate_of(draft, velocity, seen, sight)
     return AxialMemory(mean=draft.mean, factors=draft.factors, drive_input=velocity, turn=turn), estimate

@@ -18,10 +18,11 @@ TURN = 2.0 * np.pi
 
 
 class NoiseBasis(Params):
-    """Cosine and sine of 1 to `harmonics` times the angle, and `bumps` Gaussian bells at equal distances over the turn.
+    """Cosine and sine of 1 to `harmonics` times the angle, and all but one of `bumps` Gaussian bells at equal distances
+    over the turn.
 
     A bell has fallen to 1/e at `bump_width` from its centre. Its mean is taken off, for the mean of a turn belongs to
-    the position.
+    the position. Then all bells together are nearly 0 everywhere, so that the last one is left out.
     """
 
     harmonics: Count
@@ -30,10 +31,10 @@ class NoiseBasis(Params):
 
     def check(self) -> None:
         whole = self.harmonics % 1.0 == 0.0 and self.bumps % 1.0 == 0.0
-        if not (whole and self.harmonics + self.bumps >= 1.0):
+        if not (whole and (self.harmonics >= 1.0 or self.bumps >= 2.0)) or self.bumps == 1.0:
             raise ParameterError(
-                f"NoiseBasis: {self.harmonics:g} harmonics and {self.bumps:g} bumps; expected whole numbers, one of "
-                "them above zero"
+                f"NoiseBasis: {self.harmonics:g} harmonics and {self.bumps:g} bumps; expected whole numbers, at least "
+                "1 harmonic or 2 bumps"
             )
         if not 0.0 < self.bump_width < 0.5 * TURN:
             raise ParameterError(
@@ -50,16 +51,21 @@ def fourier_basis(harmonics: int) -> NoiseBasis:
 
 
 def gaussian_basis(bumps: int, width: float) -> NoiseBasis:
-    """`bumps` bells of `width` [rad] and mean zero.
+    """`bumps` functions: bells of `width` [rad] and mean zero.
 
     Source  wang2017, eq. 4.9, completed: docs/errata.md
     """
-    return NoiseBasis(harmonics=0.0, bumps=float(bumps), bump_width=width)
+    return NoiseBasis(harmonics=0.0, bumps=bumps + 1.0, bump_width=width)
 
 
 def function_count(basis: NoiseBasis) -> int:
     """How many functions a basis has."""
-    return int(2.0 * basis.harmonics + basis.bumps)
+    return int(2.0 * basis.harmonics) + bell_count(basis)
+
+
+def bell_count(basis: NoiseBasis) -> int:
+    """How many of them are bells."""
+    return max(int(basis.bumps) - 1, 0)
 
 
 def bump_mean(width: float) -> float:
@@ -78,7 +84,7 @@ def write_basis(phase: float, basis: NoiseBasis, row: Array, first: int) -> None
         place += 2
     if basis.bumps > 0.0:
         mean = bump_mean(basis.bump_width)
-        for i in range(int(basis.bumps)):
+        for i in range(bell_count(basis)):
             z = from_centre(phase, i, basis)
             row[place + i] = np.exp(-z * z) - mean
 
@@ -101,7 +107,7 @@ def basis_slope(phase: float, basis: NoiseBasis, mean: Array, row: Array, first:
         place += 2
     if basis.bumps > 0.0:
         offset = bump_mean(basis.bump_width)
-        for i in range(int(basis.bumps)):
+        for i in range(bell_count(basis)):
             z = from_centre(phase, i, basis)
             slope -= 2.0 * z / basis.bump_width * (row[place + i] + offset) * mean[place + i]
     return slope

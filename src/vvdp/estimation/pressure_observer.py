@@ -19,14 +19,17 @@ from vvdp.estimation.axial_filter import (
     Draft,
     PollutionModel,
     axial_start,
-    correct,
     draft_of,
     drift_in_turn,
+    estimate_of,
     hold_position,
     is_frozen,
+    needs_duty,
+    take_duty,
     take_in,
+    take_optical,
 )
-from vvdp.estimation.chamber_observer import SpringDrive
+from vvdp.estimation.chamber_observer import SpringDrive, driving_acceleration, look_back
 from vvdp.numerics.kalman import move_leading
 
 TERMS = 18
@@ -97,7 +100,11 @@ def pressure_observer_step(
         take_in(draft, gauge - draft.mean[2], variance, is_frozen(seen))
     if not is_frozen(seen):
         turn = drift_in_turn(draft, turn, settings.pollution)
-    estimate = correct(draft, seen, 0.0, settings.pollution)
+    sight = take_optical(draft, seen, settings.pollution)
+    if needs_duty(seen):
+        a = driving_acceleration(seen.pressure, settings.drive)
+        take_duty(draft, seen, look_back(draft, seen.duty.age, a, settings.drive), settings.pollution)
+    estimate = estimate_of(draft, draft.mean[1], seen, sight)
     return AxialMemory(mean=draft.mean, factors=draft.factors, drive_input=seen.flow, turn=turn), estimate
 
 
