@@ -51,6 +51,7 @@ Table = TypeVar("Table")
 class ChamberReach(Extras):
     """How far the supply of a chamber drive holds the spool against its spring."""
 
+    STEADY = False
     QUANTITIES = MappingProxyType(
         {
             "axial_reach_m": (POSITION, "position that the pilot supply holds against the spring"),
