@@ -100,7 +100,7 @@ def axial_chamber(
         pressure="initial.chamber_pressure",
         position="initial.axial_position",
     )
-    check_reach(stroke.highest_position, pilot.supply_pressure.extremes[0], drive)
+    check_reach("stroke.highest_position", stroke.highest_position, pilot.supply_pressure.extremes[0], drive)
     net = Network(pilot_oil, temperature=operation.oil_temperature, operation=operation, pilot=pilot, initial=initial)
     net.driven_shaft("spool", operation.spool_speed)
     if isinstance(operation, ChamberOperation):
