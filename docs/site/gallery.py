@@ -88,6 +88,24 @@ ENTRIES: Mapping[str, Entry] = {
             Number("highest pressure in the pump line", "pressure_max_pump_line_Pa", PRESSURE_DIFFERENCE, "bar"),
         ),
     ),
+    "axial-chamber": Entry(
+        "One chamber against a spring moves the spool of a rotary valve along its axis. Without current the spring "
+        "takes it to its stop. [Details](models/axial-drives.md)",
+        (
+            Number("highest position of the spool", "position_max_slide_m", POSITION, "mm"),
+            Number("position that the supply holds", "axial_reach_m", POSITION, "mm"),
+            Number("highest pressure in the chamber", "pressure_max_pilot_chamber_Pa", PRESSURE_DIFFERENCE, "bar"),
+        ),
+    ),
+    "axial-gerotor": Entry(
+        "A gerotor pump between both ends moves the spool of a rotary valve along its axis, with a dead band and a "
+        "lag. [Details](models/axial-drives.md)",
+        (
+            Number("lowest position of the spool", "position_min_gerotor_m", POSITION, "mm"),
+            Number("highest position of the spool", "position_max_gerotor_m", POSITION, "mm"),
+            Number("mean power of the pump", "power_gerotor_W", POWER, "W"),
+        ),
+    ),
     "long-hose": Entry(
         "Two pumps feed a hose of 10 m from both ends. An orifice at one end is halved, and the wave runs to and fro. "
         "[By hand](examples.md#long-hose)",

@@ -15,7 +15,7 @@ import numpy as np
 import pint
 import pytest
 
-from vvdp.base.conservation import NOTHING
+from vvdp.base.conservation import Nothing
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
 from vvdp.simulation.values import flat, leaves, names, rebuild
@@ -78,7 +78,7 @@ def scaled(value):
         by = own_factor(value, name) or (factor(kind.unit) if kind else None)
         if isinstance(member, Signal):
             members.append(scaled_signal(member, by))
-        elif member is NOTHING:
+        elif isinstance(member, Nothing):
             members.append(member)
         elif names(member):
             members.append(scaled(member))

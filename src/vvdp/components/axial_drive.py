@@ -71,9 +71,10 @@ def add_chamber_drive(net: Network, drive: ChamberDrive, joints: PilotJoints, pr
     return f"{slide}.position"
 
 
-def check_reach(wanted: float, supply_pressure: float, drive: ChamberDrive) -> None:
+def check_reach(asked_by: str, wanted: float, supply_pressure: float, drive: ChamberDrive) -> None:
     """Refuse, with a ParameterError, a stroke that the supply cannot hold against the spring, or that a stop ends.
 
+    asked_by         the value that asks for it, such as "stroke.highest_position"
     wanted           highest position that is asked for [m]
     supply_pressure  lowest pressure of the supply, absolute [Pa]
     """
@@ -82,14 +83,13 @@ def check_reach(wanted: float, supply_pressure: float, drive: ChamberDrive) -> N
     if wanted > reach:
         needed = holding_pressure(wanted, reference, drive.piston, drive.spring)
         raise ParameterError(
-            f"pilot.supply_pressure: {(supply_pressure - reference) / 1e5:.4g} bar hold the spool at "
-            f"{1e3 * reach:.4g} mm at most; {1e3 * wanted:.4g} mm are asked for, which take "
-            f"{(needed - reference) / 1e5:.4g} bar"
+            f"{asked_by}: {1e3 * wanted:.4g} mm take {(needed - reference) / 1e5:.4g} bar in the chamber; the "
+            f"pilot supply of {(supply_pressure - reference) / 1e5:.4g} bar holds the spool at {1e3 * reach:.4g} mm "
+            "at most"
         )
     if wanted > drive.stops.upper_end:
         raise ParameterError(
-            f"axial_stops.upper_end: {1e3 * drive.stops.upper_end:.4g} mm end the stroke below the "
-            f"{1e3 * wanted:.4g} mm that are asked for"
+            f"{asked_by}: {1e3 * wanted:.4g} mm; the end stop ends the stroke at {1e3 * drive.stops.upper_end:.4g} mm"
         )
 
 

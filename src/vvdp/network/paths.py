@@ -294,6 +294,12 @@ class Places:
         return {key: Quantity(f"{name}.{key}", kinds[key] or NUMBER, name, recorded.get(key, "")) for key in kinds}
 
 
+def moving_parts(network: Network) -> tuple[str, ...]:
+    """The components without ports that move something along a line themselves."""
+    parts = network.parts.values()
+    return tuple(p.name for p in parts if not p.component.ports and "position" in names(p.component.state))
+
+
 def flows_of(part: Part) -> dict[str, str]:
     """Names and texts of the flows of a part: one through it, into its second port, or one into each of more ports."""
     component = part.component

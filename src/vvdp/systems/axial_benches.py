@@ -51,6 +51,7 @@ Table = TypeVar("Table")
 class ChamberReach(Extras):
     """How far the supply of a chamber drive holds the spool against its spring."""
 
+    STEADY = False
     QUANTITIES = MappingProxyType(
         {
             "axial_reach_m": (POSITION, "position that the pilot supply holds against the spring"),
@@ -99,7 +100,7 @@ def axial_chamber(
         pressure="initial.chamber_pressure",
         position="initial.axial_position",
     )
-    check_reach(stroke.highest_position, pilot.supply_pressure.extremes[0], drive)
+    check_reach("stroke.highest_position", stroke.highest_position, pilot.supply_pressure.extremes[0], drive)
     net = Network(pilot_oil, temperature=operation.oil_temperature, operation=operation, pilot=pilot, initial=initial)
     net.driven_shaft("spool", operation.spool_speed)
     if isinstance(operation, ChamberOperation):

@@ -100,7 +100,7 @@ def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float
 
 def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -> ChamberLoop:
     """The values of the loop. Raises ParameterError where the supply cannot hold the position that is wanted."""
-    check_reach(control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
+    check_reach("operation.duty_ratio", control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
     drive = known_drive(parts, pilot)
     values = {
         "sensor": axial_sensor_of(control.sensor),

@@ -39,6 +39,8 @@ class Extras:
 
     PERIOD = "period"
     """What passes between two marks of a run."""
+    STEADY = True
+    """Whether a person expects means of a steady state from a run."""
     OVERVIEW: tuple[Line, ...] = ()
     """The lines of the overview; where there are none, nodes and components are shown."""
 

@@ -8,7 +8,7 @@ from vvdp.base.kinds import GAUGE_PRESSURE, POSITION, SPEED, VELOCITY, Kind
 from vvdp.base.signal import Signal
 from vvdp.network.network import Network, Part
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft
-from vvdp.network.paths import flows_of
+from vvdp.network.paths import flows_of, moving_parts
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.summary import is_closed
@@ -49,7 +49,7 @@ def inside(network: Network) -> frozenset[str]:
 
 
 def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
-    """Pressures of hydraulic nodes, speeds of shafts, velocities and positions of rods."""
+    """Pressures of hydraulic nodes, speeds of shafts, velocities and positions of rods, positions of other drives."""
     network = system.circuit.network
     hidden = inside(network)
     for name, node in network.nodes.items():
@@ -66,6 +66,9 @@ def node_lines(system: System, found: Mapping[str, Any]) -> Iterator[NodeLine]:
         if isinstance(node, Rod):
             low, high = (float(found[f"position_{which}_{name}_m"]) for which in ("min", "max"))
             yield NodeLine(name=name, quantity="position", kind=POSITION, mean=None, low=low, high=high)
+    for name in moving_parts(network):
+        low, high = (float(found[f"position_{which}_{name}_m"]) for which in ("min", "max"))
+        yield NodeLine(name=name, quantity="position", kind=POSITION, mean=None, low=low, high=high)
 
 
 def flow_lines(system: System, found: Mapping[str, Any]) -> Iterator[FlowLine]:
@@ -146,7 +149,7 @@ def _not_settled(system: System) -> Iterator[str]:
             f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
             "longer (run.until), or average later (run.average_from)"
         )
-    elif system.extras is not None:
+    elif system.extras is not None and system.extras.STEADY:
         yield "what is prescribed changes over time: the means are those of the averaging window, no steady state"
 
 

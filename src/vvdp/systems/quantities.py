@@ -18,7 +18,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.fluid.dissolving import FREE_AIR
 from vvdp.network.nodes import HydraulicNode, Rod, Shaft, can_boil, free_air_name, has_free_air
-from vvdp.network.paths import flows_of
+from vvdp.network.paths import flows_of, moving_parts
 from vvdp.results.result import Number
 from vvdp.systems.system import System
 
@@ -93,6 +93,9 @@ def _of_parts(system: System) -> Iterator[tuple[str, tuple[Kind, str]]]:
         for loss in ("", *part.component.losses):
             key = "_".join(filter(None, (part.name, loss)))
             yield f"loss_{key}_W", (MEAN_POWER, f"{key.replace('_', ' ')} loss")
+    for name in moving_parts(network):
+        for which in ("min", "max"):
+            yield f"position_{which}_{name}_m", (POSITION, f"{name.replace('_', ' ')} position, {EXTREMES[which]}")
     for whole in network.groups:
         yield f"flow_mean_{whole}_m3_s", (FLOW, f"{whole.replace('_', ' ')} flow, mean")
         yield f"loss_{whole}_W", (MEAN_POWER, f"{whole.replace('_', ' ')} loss")

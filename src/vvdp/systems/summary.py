@@ -18,7 +18,7 @@ from vvdp.network.nodes import (
     free_air_name,
     has_free_air,
 )
-from vvdp.network.paths import flows_of
+from vvdp.network.paths import flows_of, moving_parts
 from vvdp.simulation.balance import LIMIT, balance_between
 from vvdp.simulation.outcome import SETTLED, Outcome, outcome
 from vvdp.simulation.run import Run
@@ -140,6 +140,9 @@ def _node_numbers(run: Outcome, system: System) -> Summary:
             if isinstance(node, Rod):
                 found[f"position_min_{name}_m"] = low[f"{name}.position"]
                 found[f"position_max_{name}_m"] = high[f"{name}.position"]
+    for name in moving_parts(system.circuit.network):
+        found[f"position_min_{name}_m"] = low[f"{name}.position"]
+        found[f"position_max_{name}_m"] = high[f"{name}.position"]
     return found
 
 

@@ -380,7 +380,9 @@ def _drawn_by(
     try:
         network = function(**values)
     except (NetworkError, ParameterError) as problem:
-        faults.append(Fault(table.place, 0, "", str(problem)))
+        key, _, message = str(problem).partition(": ")
+        line = table.lines.get(key, 0)
+        faults.append(Fault(table.place, line, key if line else "", message if line else str(problem)))
         return None
     except Exception as problem:  # of code that is not ours
         at = traceback.extract_tb(problem.__traceback__)[-1]
