@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
 from vvdp.cli import (
+    cfd,
     check,
     compare,
     design,
@@ -43,7 +44,7 @@ INTERRUPTED = 130
 COLLECT_AFTER = 50_000
 """New objects between two searches for garbage. While libraries load, nearly all are kept: a tenth of a short run."""
 
-ORDER = ("run", "valve", "map", "rig", "study", "design", "compare", "plot", "export", "estimate", "geometry")
+ORDER = ("run", "valve", "map", "rig", "study", "design", "compare", "plot", "export", "estimate", "geometry", "cfd")
 """Verbs that compute, in the order of their use; the others follow."""
 
 
@@ -76,6 +77,7 @@ app.command("plot", cls=Verb)(plot.plot)
 app.add_typer(export.app, name="export")
 app.command("estimate", cls=Verb)(estimate.estimate)
 app.command("geometry", cls=Verb)(geometry.geometry)
+app.add_typer(cfd.app, name="cfd")
 app.command("show", cls=Verb)(show.show)
 app.command("list", cls=Verb)(listing.systems)
 app.command("new", cls=Verb)(new.new)
