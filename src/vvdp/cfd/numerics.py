@@ -112,6 +112,16 @@ def control_text(end: int, functions: Mapping[str, Mapping[str, Entry]]) -> str:
     return dictionary_text(content, "controlDict")
 
 
+def parts_text(cores: int) -> str:
+    """system/decomposeParDict: so many parts of one size, cut across x; other ways are missing in Debian's build."""
+    content: Mapping[str, Entry] = {
+        "numberOfSubdomains": cores,
+        "method": "hierarchical",
+        "coeffs": {"n": (cores, 1, 1)},
+    }
+    return dictionary_text(content, "decomposeParDict")
+
+
 def patch_mean(patch: str, operation: str, field: str) -> dict[str, Entry]:
     """A function object that writes `operation` of a field over a patch at every iteration."""
     return {

@@ -47,7 +47,7 @@ def run_program(
         process = subprocess.Popen(
             openfoam.command(words, cores),
             cwd=case,
-            env=openfoam.environment,
+            env={**openfoam.environment, "PWD": str(case.resolve())},
             stdin=subprocess.DEVNULL,
             stdout=file,
             stderr=subprocess.STDOUT,

@@ -12,6 +12,7 @@ from vvdp.base.kinds import (
     AREA,
     COUNT,
     DENSITY,
+    DURATION,
     DYNAMIC_VISCOSITY,
     EFFICIENCY,
     FLAG,
@@ -19,7 +20,6 @@ from vvdp.base.kinds import (
     NUMBER,
     PRESSURE_DIFFERENCE,
     SIGNED_PRESSURE,
-    TIME,
 )
 from vvdp.base.tables import Sourced
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
@@ -189,7 +189,7 @@ def _steps(run: RailRun) -> Table:
         title="Time of each step",
         columns={
             "step": Column(np.array(list(steps), str), None, "step"),
-            "time_s": Column(np.array(list(steps.values())), TIME, "time"),
+            "time_s": Column(np.array(list(steps.values())), DURATION, "time"),
         },
     )
 

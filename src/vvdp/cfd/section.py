@@ -56,9 +56,9 @@ def cut_sections(planes: Mapping[str, Plane], case: Path, openfoam: OpenFoam) ->
     """Lets OpenFOAM cut the last state of a case, as `read_section` reads it; the seconds it took."""
     surfaces: list[Entry] = []
     for name, plane in planes.items():
-        through: Mapping[str, Entry] = {"basePoint": plane.point, "normalVector": plane.normal}
+        through: Mapping[str, Entry] = {"point": plane.point, "normal": plane.normal}
         cut: Mapping[str, Entry] = {
-            "type": "cuttingPlane",
+            "type": "plane",
             "planeType": "pointAndNormal",
             "pointAndNormalDict": through,
         }

@@ -21,7 +21,7 @@ from vvdp.cfd.case import Case, phase_files, start_files, write_files
 from vvdp.cfd.convergence import History, Judgement, judge, require_sane
 from vvdp.cfd.engine import OpenFoam
 from vvdp.cfd.monitor import MeshCheck, forget_from, patch_faces, read_mesh_check, states
-from vvdp.cfd.numerics import INTERVAL, STOP, Phase
+from vvdp.cfd.numerics import INTERVAL, STOP, Phase, parts_text
 from vvdp.cfd.programs import PATIENCE, log_path, run_program
 
 STATE, LOCK = "state.json", "lock"
@@ -175,6 +175,7 @@ class _Solver:
     def work(self, phase: Phase) -> None:
         """Lets the solver work, on all its cores."""
         if self.cores > 1:
+            write_files(self.folder, {"system/decomposeParDict": parts_text(self.cores)})
             run_program(("decomposePar", "-force", "-latestTime"), self.folder, self.openfoam)
         run_program(("simpleFoam",), self.folder, self.openfoam, self.cores, lambda: self.watch(phase), STOP)
         self.gather()

@@ -65,7 +65,7 @@ def _field(figure: "Figure", axes: "Axes", section: Section, shown: tuple[Array,
     low, high = np.quantile(values, (0.01, 0.99))
     norm = Normalize(float(low), float(high))
     picture, extent = _painted(section, values, norm, colours)
-    axes.imshow(picture, extent=extent, interpolation="antialiased")
+    axes.imshow(picture, extent=extent, interpolation="none")
     axes.set_axis_off()
     figure.colorbar(ScalarMappable(norm, colours), ax=axes, location="bottom", label=words, shrink=0.9)
 
