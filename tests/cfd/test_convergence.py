@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import RunError
-from vvdp.cfd.convergence import History, judge, require_sane
+from vvdp.cfd.convergence import History, judge, require_sane, until_settled
 
 
 def history(values, flows=None):
@@ -32,6 +32,17 @@ def test_earlier_schemes_do_not_count():
     assert judge(history(values), 80, 10).change == np.inf
     assert judge(history(values), 80, 10).value == 5.0
     assert judge(history(values), 95, 10) is None
+
+
+def test_what_is_found_does_not_depend_on_when_one_looks():
+    """A decay towards 5: the run counts up to where it first settles, however far the solver has gone on."""
+    values = 5.0 + np.exp(-np.arange(400) / 30.0)
+    cut = [until_settled(history(values[:rows]), 0, 20, 2e-3) for rows in (200, 300, 400)]
+    assert {len(each.iterations) for each in cut} == {len(cut[0].iterations)}
+    assert judge(cut[0], 0, 20).has_settled(2e-3)
+    before = History(cut[0].iterations[:-1], cut[0].value[:-1], {})
+    assert not judge(before, 0, 20).has_settled(2e-3)
+    assert len(until_settled(history(values[:50]), 0, 20, 2e-3).iterations) == 50
 
 
 def test_flows_that_do_not_balance_have_not_settled():

@@ -60,6 +60,25 @@ def judge(history: History, since: int, window: int) -> Judgement | None:
     )
 
 
+def until_settled(history: History, since: int, window: int, tolerance: float) -> History:
+    """A run up to where it had first settled, all of it where it has not.
+
+    What is found is then the same whenever somebody has looked, and however far the solver has gone on.
+    """
+    first = int(np.searchsorted(history.iterations, since, side="right"))
+    for end in range(first + 2 * window, len(history.iterations) + 1):
+        here = _first_rows(history, end)
+        found = judge(here, since, window)
+        if found and found.has_settled(tolerance):
+            return here
+    return history
+
+
+def _first_rows(history: History, rows: int) -> History:
+    flows = {patch: flow[:rows] for patch, flow in history.flows.items()}
+    return History(history.iterations[:rows], history.value[:rows], flows)
+
+
 def _imbalance(flows: list[Array]) -> float:
     if not flows:
         return 0.0

@@ -31,10 +31,10 @@ class Phase(NamedTuple):
     tolerance: float = 2e-3
 
 
-UPWIND = Phase("upwind start", "bounded Gauss upwind", (0.3, 0.7, 0.5), most=120, window=20, tolerance=2e-2)
-"""Robust, and about a tenth too high in drop: only to begin with."""
+UPWIND = Phase("upwind start", "bounded Gauss upwind", (0.3, 0.7, 0.5), most=60, window=20, tolerance=0.0)
+"""Robust, and about a tenth too high in drop: only to begin with, always as long."""
 SECOND_ORDER = Phase(
-    "second order", "bounded Gauss linearUpwind grad(U)", (0.3, 0.6, 0.5), most=600, window=50, tolerance=2e-3
+    "second order", "bounded Gauss linearUpwind grad(U)", (0.3, 0.6, 0.5), most=600, window=50, tolerance=1e-3
 )
 """With a limited gradient, without which it does not settle."""
 

@@ -35,7 +35,7 @@ MANNER = (
     "Steady flow of constant density and viscosity through the inlet rail and its nozzles into the open bore, computed "
     "by OpenFOAM (simpleFoam) on hexahedra: Reynolds-averaged equations with a model of turbulence, upwind schemes to "
     "begin with, then limited schemes of second order. The drop is the mean static pressure at the port less that in "
-    "the bore. A run has settled where means of the drop over 50 iterations no longer change by 0.2 %, and what leaves "
+    "the bore. A run has settled where means of the drop over 50 iterations no longer change by 0.1 %, and what leaves "
     "is within 0.1 % of what enters."
 )
 LEFT_OUT = (
@@ -96,7 +96,7 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
         },
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"found": _found(numbers), "lengths": _lengths(told)},
+        listings={"found": _main_numbers(numbers), "lengths": _lengths(told)},
         tables={"flow": _split(order, run), "history": _history(order, run), "steps": _steps(run)},
         charts={"drop": _drop_chart(run), "split": _split_chart()},
         findings=tuple(_findings(numbers, order, run)),
@@ -135,7 +135,7 @@ def _numbers(order: RailOrder, run: RailRun) -> dict[str, float]:
     }
 
 
-def _found(numbers: dict[str, float]) -> Listing:
+def _main_numbers(numbers: dict[str, float]) -> Listing:
     rows = (Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
     return Listing(title="", heads=("value",), rows=tuple(rows))
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.cfd.blocks import BLOCK_MESH, block, block_mesh_text
+from vvdp.cfd.blocks import BLOCK_MESH, Point, block, block_mesh_text
 from vvdp.cfd.dictionary import Entry, dictionary_text
 from vvdp.geometry.domains import Domain
 from vvdp.geometry.files import ascii_stl
@@ -73,7 +73,7 @@ def _background(points: Floats, cell: float) -> str:
     return block_mesh_text(vertices, [block(range(8), (nx, ny, nz))], {"background": ("patch", sides)})
 
 
-def _snapping(inside: tuple[float, float, float], kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
+def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
     within = fine.within
     cylinder: Mapping[str, Entry] = {
         "type": "searchableCylinder",
@@ -81,28 +81,13 @@ def _snapping(inside: tuple[float, float, float], kinds: Mapping[str, str], fine
         "point2": (0, 0, within.high),
         "radius": within.radius,
     }
-    regions: Mapping[str, Entry] = {
-        name: {"level": (level, level), "patchInfo": {"type": kinds[name]}} for name, level in fine.patches.items()
-    }
     named: Mapping[str, Entry] = {name: {"name": name} for name in fine.patches}
-    lowest = min(fine.patches.values())
     return {
         "castellatedMesh": True,
         "snap": True,
         "addLayers": False,
         "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, "near": cylinder},
-        "castellatedMeshControls": {
-            "maxLocalCells": 20_000_000,
-            "maxGlobalCells": 40_000_000,
-            "minRefinementCells": 0,
-            "nCellsBetweenLevels": 2,
-            "resolveFeatureAngle": 30,
-            "features": ({"file": '"oil.eMesh"', "level": fine.edges},),
-            "refinementSurfaces": {"oil": {"level": (lowest, lowest), "regions": regions}},
-            "refinementRegions": {"near": {"mode": "inside", "levels": ((1e15, within.level),)}},
-            "locationInMesh": inside,
-            "allowFreeStandingZoneFaces": False,
-        },
+        "castellatedMeshControls": _castellation(inside, kinds, fine),
         "snapControls": {
             "nSmoothPatch": 3,
             "tolerance": 2.0,
@@ -116,6 +101,26 @@ def _snapping(inside: tuple[float, float, float], kinds: Mapping[str, str], fine
         "addLayersControls": _NO_LAYERS,
         "meshQualityControls": _QUALITY,
         "mergeTolerance": 1e-6,
+    }
+
+
+def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
+    """How cells are halved before they are moved to the surface."""
+    regions: Mapping[str, Entry] = {
+        name: {"level": (level, level), "patchInfo": {"type": kinds[name]}} for name, level in fine.patches.items()
+    }
+    lowest = min(fine.patches.values())
+    return {
+        "maxLocalCells": 20_000_000,
+        "maxGlobalCells": 40_000_000,
+        "minRefinementCells": 0,
+        "nCellsBetweenLevels": 2,
+        "resolveFeatureAngle": 30,
+        "features": ({"file": '"oil.eMesh"', "level": fine.edges},),
+        "refinementSurfaces": {"oil": {"level": (lowest, lowest), "regions": regions}},
+        "refinementRegions": {"near": {"mode": "inside", "levels": ((1e15, fine.within.level),)}},
+        "locationInMesh": inside,
+        "allowFreeStandingZoneFaces": False,
     }
 
 

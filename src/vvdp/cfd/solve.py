@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from vvdp.base.errors import RunError, unusable
 from vvdp.base.files import write_whole
 from vvdp.cfd.case import Case, phase_files, start_files, write_files
-from vvdp.cfd.convergence import History, Judgement, judge, require_sane
+from vvdp.cfd.convergence import History, Judgement, judge, require_sane, until_settled
 from vvdp.cfd.engine import OpenFoam
 from vvdp.cfd.monitor import MeshCheck, forget_from, patch_faces, read_mesh_check, states
 from vvdp.cfd.numerics import INTERVAL, STOP, Phase, parts_text
@@ -64,15 +64,16 @@ def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear) 
         check = _check_mesh(case, folder, openfoam, state)
         for phase in case.phases:
             _Solver(case, folder, openfoam, cores, (state, hear)).run(phase)
-        history = case.read_history(folder)
-        since = state.begun[case.phases[-1].name]
-        judgement = judge(history, since, case.phases[-1].window)
+        last = case.phases[-1]
+        since = state.begun[last.name]
+        history = until_settled(case.read_history(folder), since, last.window, last.tolerance)
+        judgement = judge(history, since, last.window)
         assert judgement is not None
         return Solved(
             history=history,
             judgement=judgement,
             mesh=check,
-            settled=judgement.has_settled(case.phases[-1].tolerance),
+            settled=judgement.has_settled(last.tolerance),
             since=since,
             seconds=state.seconds,
         )
@@ -191,6 +192,7 @@ class _Solver:
         since = self.state.begun[phase.name]
         history = self.case.read_history(self.folder)
         require_sane(history, self.case.largest)
+        history = until_settled(history, since, phase.window, phase.tolerance)
         found = judge(history, since, phase.window)
         if found is None:
             return

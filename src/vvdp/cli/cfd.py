@@ -33,11 +33,11 @@ def cfd() -> None:
 def rail(
     system: SystemName,
     grid: Annotated[
-        str, typer.Option("--grid", metavar="GRID", help="coarse, medium or fine; each 1.4 times as fine.")
+        str, typer.Option("--grid", metavar="GRID", help="One of coarse, medium, fine, each 1.4 times as fine.")
     ] = "coarse",
     flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
     model: Annotated[
-        str, typer.Option("--turbulence", metavar="MODEL", help="k-epsilon, realizable, sst or laminar.")
+        str, typer.Option("--turbulence", metavar="MODEL", help="One of k-epsilon, realizable, sst, laminar.")
     ] = "k-epsilon",
     shape: Annotated[
         Path | None,
@@ -73,7 +73,7 @@ def rail(
     directory = out if out is not None else Path("results", f"cfd-rail-{loaded.name}-{grid}")
     make_place(directory, VERB, force=force)
     try:
-        with _heard() as hear:
+        with _progress() as hear:
             run = run_rail(order, directory, cores or all_cores(), hear)
     except KeyboardInterrupt:
         say("interrupted; rerun the same command to resume")
@@ -106,13 +106,13 @@ def _order(
         shape=made,
         fluid=Fluid(float(density(temperature, oil)), float(dynamic_viscosity(temperature, oil))),
         flow=parsed_option("--flow", flow, FLOW) if flow else held.pump_flow(held.set_point),
-        grid=_chosen("--grid", grid, GRIDS),
-        turbulence=_chosen("--turbulence", model, MODELS),
+        grid=_choice("--grid", grid, GRIDS),
+        turbulence=_choice("--turbulence", model, MODELS),
     )
     return order, Told(loaded.name, grid, fluid(held), rows)
 
 
-def _chosen(option: str, name: str, known: "Mapping[str, T]") -> "T":
+def _choice(option: str, name: str, known: "Mapping[str, T]") -> "T":
     """What an option names. Raises ConfigError where it is none of those that are known."""
     from vvdp.base.errors import ConfigError, Fault
 
@@ -122,7 +122,7 @@ def _chosen(option: str, name: str, known: "Mapping[str, T]") -> "T":
 
 
 @contextmanager
-def _heard() -> "Iterator[Callable[[Progress], None]]":
+def _progress() -> "Iterator[Callable[[Progress], None]]":
     """What is told how far a run is: a bar on a terminal, now and then a line elsewhere."""
     from vvdp.cli.progress import report_reach
     from vvdp.cli.screen import say

@@ -64,13 +64,15 @@ def _field(figure: "Figure", axes: "Axes", section: Section, shown: tuple[Array,
     values, words, colours = shown
     low, high = np.quantile(values, (0.01, 0.99))
     norm = Normalize(float(low), float(high))
-    picture, extent = _painted(section, values, norm, colours)
+    picture, extent = _field_picture(section, values, norm, colours)
     axes.imshow(picture, extent=extent, interpolation="none")
     axes.set_axis_off()
     figure.colorbar(ScalarMappable(norm, colours), ax=axes, location="bottom", label=words, shrink=0.9)
 
 
-def _painted(section: Section, values: Array, norm: Any, colours: str) -> tuple[Any, tuple[float, float, float, float]]:
+def _field_picture(
+    section: Section, values: Array, norm: Any, colours: str
+) -> tuple[Any, tuple[float, float, float, float]]:
     """A field as a picture, and its edges [mm]: as vectors, so many triangles would make the page slow."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
