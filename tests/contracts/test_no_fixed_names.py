@@ -21,6 +21,7 @@ PACKAGES = (
     "steady",
     "rigs",
     "design",
+    "cfd",
     "comparison",
     "export",
     "geometry",

@@ -110,6 +110,7 @@ FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "base.units._to_si": CHOICE,
+    "cli.cfd.rail": VERB,
     "cli.compare.estimators": VERB,
     "cli.design._run": VERB,
     "cli.design.optimum": VERB,

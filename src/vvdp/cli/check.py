@@ -32,7 +32,7 @@ OPENS = {
 """The verbs and options that each extra opens. `dev` is left out: it is all of them and the tools of development."""
 PROGRAMS = {
     "chromium": (("chromium", "chromium-browser", "google-chrome", "chrome"), "tests of pages"),
-    "openfoam": (("simpleFoam",), "nothing yet"),
+    "openfoam": (("simpleFoam",), "cfd"),
     "slurm": (("sbatch",), "--on slurm"),
 }
 """Programs beside Python: the commands that each may have, and what it is for."""

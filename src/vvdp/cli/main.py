@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
 from vvdp.cli import (
+    cfd,
     check,
     compare,
     design,
@@ -57,6 +58,7 @@ ORDER = (
     "estimate",
     "observability",
     "geometry",
+    "cfd",
 )
 """Verbs that compute, in the order of their use; the others follow."""
 
@@ -91,6 +93,7 @@ app.add_typer(export.app, name="export")
 app.command("estimate", cls=Verb)(estimate.estimate)
 app.command("observability", cls=Verb)(observability.observability)
 app.command("geometry", cls=Verb)(geometry.geometry)
+app.add_typer(cfd.app, name="cfd")
 app.command("show", cls=Verb)(show.show)
 app.command("list", cls=Verb)(listing.systems)
 app.command("new", cls=Verb)(new.new)

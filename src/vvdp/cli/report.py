@@ -9,8 +9,9 @@ import typer
 from vvdp.cli.options import AsJson
 
 RESULT, GEOMETRY = ("result_page", "write_result_report"), ("geometry_report", "write_geometry_report")
-RUN = ("report", "write_report")
+RUN, CFD = ("report", "write_report"), ("cfd_report", "write_cfd_report")
 WRITERS = {
+    "case/state.json": CFD,
     "geometry.toml": GEOMETRY,
     "result.json": RESULT,
 }
@@ -62,7 +63,7 @@ def add_report(writer: tuple[str, str], folder: Path, *results: Any) -> bool:
 def _write(writer: tuple[str, str], directory: Path, *results: Any) -> Path:
     from vvdp.base.extras import require_solids
 
-    if writer == GEOMETRY:
+    if writer in (GEOMETRY, CFD):
         require_solids()
     module, name = writer
     page: Path = getattr(import_module(f"vvdp.report.{module}"), name)(directory, *results)

@@ -62,8 +62,13 @@ def write_binary_stl(path: Path, mesh: Mesh) -> None:
 
 
 def write_ascii_stl(path: Path, mesh: Mesh) -> None:
+    """One `solid` for each patch, see `ascii_stl`."""
+    path.write_text(ascii_stl(mesh), encoding="ascii")
+
+
+def ascii_stl(mesh: Mesh) -> str:
     """One `solid` for each patch, every number with its full precision, so that patches still fit at their edges."""
-    path.write_text("".join(export_stl_ascii(part) for part in _patches(mesh)), encoding="ascii")
+    return "".join(export_stl_ascii(part) for part in _patches(mesh))
 
 
 def read_stl(path: Path) -> Mesh:

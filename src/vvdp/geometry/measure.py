@@ -8,7 +8,7 @@ from manifold3d import CrossSection, FillRule
 from trimesh.triangles import cross
 
 from vvdp.base.errors import RunError
-from vvdp.base.kinds import ANGLE, AREA, LENGTH, VOLUME, Kind
+from vvdp.base.kinds import ANGLE, AREA, LENGTH, VOLUME, Area, Kind
 from vvdp.geometry.mesh import Floats, Mesh, unwrap, volume
 from vvdp.geometry.shape import ValveShape, perpendicular_area, rail_volume, spool_volume
 from vvdp.valve.geometry import Openings, barrier_width, pitch
@@ -33,33 +33,56 @@ class Surface(NamedTuple):
     mouths: tuple[CrossSection, ...]
 
 
-def jets(sleeve: Mesh, valve: RotaryValve) -> list[Jet]:
-    """The axes of the nozzles, from the planes of their side walls.
+class Mouth(NamedTuple):
+    """What a nozzle opens in the bore, and the section across its jet there [m^2]."""
 
-    All these planes pass through one point, the apex of the taper, found in homogeneous coordinates so that it may be
-    at infinity; the axis leads from the mouth's middle to it.
-    """
-    corners = sleeve.of("nozzles")
-    middle = corners.mean(1)
-    areas = 0.5 * cross(corners)
-    size = np.linalg.norm(areas, axis=1)
-    mouths, bore = _mouths(sleeve, valve), valve.spool_radius + valve.radial_clearance
+    opening: Area
+    across_jet: Area
+
+
+def jets(sleeve: Mesh, valve: RotaryValve) -> list[Jet]:
+    """The axes of the nozzles, from the planes of their side walls."""
+    bore = valve.spool_radius + valve.radial_clearance
     found = []
-    for mouth in mouths:
+    for mouth in _mouths(sleeve, valve):
         low_u, low_z, high_u, high_z = mouth.bounds()
         turn = 0.5 * (low_u + high_u) * UNIT / valve.spool_radius
         centre = np.array([np.cos(turn), np.sin(turn), 0.0]) * bore + [0, 0, 0.5e-3 * (low_z + high_z)]
-        # Walls up to a spool radius from the mouth; those of the neighbours are farther away.
-        near = (np.linalg.norm(middle - centre, axis=1) < valve.spool_radius) & (size > 1e-6 * size.max())
-        normal = areas[near] / size[near, None]
-        planes = np.column_stack([normal, -np.einsum("ij,ij->i", normal, middle[near] - centre) / valve.spool_radius])
-        apex = np.linalg.svd(planes * np.sqrt(size[near])[:, None])[2][-1]
-        axis = apex[:3] if abs(apex[3]) < 1e-9 else apex[:3] / apex[3]
-        axis = axis / np.linalg.norm(axis)
+        axis = _jet_axis(centre, sleeve.of("nozzles"), valve)
         radial = centre / np.linalg.norm(centre)
-        axis = axis if axis @ radial < 0.0 else -axis  # inwards, as the jet
         inclination = float(np.arccos(np.clip(-axis @ radial, -1.0, 1.0)))
         found.append(Jet(float(turn), inclination, float(np.cross(centre, axis)[2])))
+    return found
+
+
+def _jet_axis(centre: Floats, walls: Floats, valve: RotaryValve) -> Floats:
+    """The direction of the jet from the nozzle whose mouth has its middle at `centre`, inwards.
+
+    All planes of its walls pass through one point, the apex of the taper, found in homogeneous coordinates so that it
+    may be at infinity; the axis leads from the mouth's middle to it.
+    """
+    middle, areas = walls.mean(1), 0.5 * cross(walls)
+    size = np.linalg.norm(areas, axis=1)
+    # Walls up to a spool radius from the mouth; those of the neighbours are farther away.
+    near = (np.linalg.norm(middle - centre, axis=1) < valve.spool_radius) & (size > 1e-6 * size.max())
+    normal = areas[near] / size[near, None]
+    planes = np.column_stack([normal, -np.einsum("ij,ij->i", normal, middle[near] - centre) / valve.spool_radius])
+    apex = np.linalg.svd(planes * np.sqrt(size[near])[:, None])[2][-1]
+    axis: Floats = apex[:3] if abs(apex[3]) < 1e-9 else apex[:3] / apex[3]
+    axis = axis / np.linalg.norm(axis)
+    return axis if axis @ centre < 0.0 else -axis
+
+
+def rail_mouths(rail: Mesh, valve: RotaryValve) -> list[Mouth]:
+    """What the nozzles open in the bore and across their jets, from the patches outlet1 to outletN of a rail's oil."""
+    found = []
+    for number in range(round(valve.sections)):
+        corners = rail.of(f"outlet{number + 1}")
+        areas = 0.5 * cross(corners)
+        size = np.linalg.norm(areas, axis=1)
+        centre: Floats = size @ corners.mean(1) / size.sum()
+        axis = _jet_axis(centre, rail.of("nozzles"), valve)
+        found.append(Mouth(float(size.sum()), float(abs(areas.sum(0) @ axis))))
     return found
 
 

@@ -1,7 +1,7 @@
 """What a valve's shape comes to: its lengths, formula against mesh, volumes of oil, and what the nozzles leave open."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def geometry_result(order: Order, product: Product) -> Result:
         conditions={QUANTITIES[key][1]: with_unit(numbers[key].value, QUANTITIES[key][0]) for key in PLACED},
         left_out=("Radial clearance in the volumes of oil: lands touch the sleeve.", "Leakage.", "Fillets and seals."),
         numbers=numbers,
-        listings={**listings, "lengths": _origins(order)},
+        listings={**listings, "lengths": Listing(title="", heads=("value",), rows=origin_rows(order.rows))},
         tables={**openings, "bodies": _bodies(product), "patches": _patches(product)},
         charts={"openings-over-angle": _chart(openings["openings"])} if openings else {},
         findings=tuple(_findings(product, numbers)),
@@ -226,13 +226,11 @@ def _patches(product: Product) -> Table:
     )
 
 
-def _origins(order: Order) -> Listing:
-    rows = (
-        Row(each.key, each.kind, (each.value,), note=_origin(each))
-        for each in order.rows
-        if isinstance(each.value, float)
+def origin_rows(lengths: Iterable[Sourced]) -> tuple[Row, ...]:
+    """A line for each length, with its origin in words."""
+    return tuple(
+        Row(each.key, each.kind, (each.value,), note=_origin(each)) for each in lengths if isinstance(each.value, float)
     )
-    return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
 def _origin(length: Sourced) -> str:

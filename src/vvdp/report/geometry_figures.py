@@ -96,6 +96,21 @@ def oil_figure(volumes: Mapping[str, Mesh]) -> Drawn:
     return draw_figure("oil", caption, 6.4, draw)
 
 
+def patches_figure(mesh: Mesh) -> Drawn:
+    """A volume of oil from both sides, with a name for the colour of each patch."""
+    from matplotlib.patches import Patch
+
+    def draw(figure: "Figure") -> None:
+        for axes, azimuth in zip(figure.subplots(1, 2), (30.0, 210.0), strict=True):
+            _picture(axes, [mesh], view_frame(azimuth, 38.0), LARGEST_PICTURE // 2)
+        groups = dict.fromkeys(name.rstrip("0123456789") for name in mesh.names)
+        marks = [Patch(facecolor=patch_colour(name), edgecolor=EDGE, label=name) for name in groups]
+        figure.legend(handles=marks, loc="outside lower center", ncols=len(marks))
+
+    caption = f"The oil, {with_unit(volume(mesh), VOLUME, 3)}, from both sides; colours are patches of its surface."
+    return draw_figure("geometry", caption, 3.2, draw)
+
+
 def film(shape: ValveShape, valve: RotaryValve, position: float, frames: int) -> Iterator[Any]:
     """Pictures of one PWM period, one after the other, as Pillow images."""
     import matplotlib as mpl

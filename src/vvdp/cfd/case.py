@@ -1,0 +1,70 @@
+"""A case for OpenFOAM as data: its files, what makes its mesh, its phases, and what is watched."""
+
+import hashlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from vvdp.base.files import write_whole
+from vvdp.cfd.boundary import Patch, field_files
+from vvdp.cfd.convergence import History
+from vvdp.cfd.dictionary import Entry
+from vvdp.cfd.numerics import Phase, control_text, property_files, schemes_text, solution_text
+from vvdp.cfd.turbulence import Inflow, Turbulence
+
+
+class Fluid(NamedTuple):
+    """The oil: density [kg/m^3] and dynamic viscosity [Pa s], both constant."""
+
+    density: float
+    viscosity: float
+
+
+class Case(NamedTuple):
+    """A steady flow to be computed.
+
+    mesh_files     dictionaries of the programs that make the mesh, and the surface where there is one, by path
+    mesh_programs  what makes the mesh, one after the other
+    monitors       function objects by name, which write what is watched at each iteration
+    read_history   reads what they have written in the folder of the case
+    largest        size of the value that is watched beyond which the run diverges
+    """
+
+    mesh_files: Mapping[str, str]
+    mesh_programs: tuple[tuple[str, ...], ...]
+    patches: Mapping[str, Patch]
+    monitors: Mapping[str, Mapping[str, Entry]]
+    read_history: Callable[[Path], History]
+    fluid: Fluid
+    turbulence: Turbulence
+    start: Inflow
+    phases: tuple[Phase, ...]
+    largest: float
+
+    @property
+    def identity(self) -> str:
+        """What tells this case from any other: all its files, and its phases."""
+        files = sorted({**self.mesh_files, **start_files(self)}.items())
+        return hashlib.sha256(repr((files, self.mesh_programs, self.monitors, self.phases)).encode()).hexdigest()
+
+
+def start_files(case: Case) -> dict[str, str]:
+    """Fields at the start and properties, by path."""
+    nu = case.fluid.viscosity / case.fluid.density
+    return field_files(case.patches, case.turbulence, case.start) | property_files(nu, case.turbulence)
+
+
+def phase_files(case: Case, phase: Phase, end: int) -> dict[str, str]:
+    """What a phase that ends at the iteration `end` is solved by, by path."""
+    return {
+        "system/controlDict": control_text(end, case.monitors),
+        "system/fvSchemes": schemes_text(phase),
+        "system/fvSolution": solution_text(phase),
+    }
+
+
+def write_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Writes files by their paths below a folder."""
+    for path, text in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        write_whole(folder / path, text)

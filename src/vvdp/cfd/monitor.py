@@ -1,0 +1,130 @@
+"""Tables that OpenFOAM writes while it works, and what its mesh programs tell, read back."""
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import RunError
+
+FOLDER = "postProcessing"
+END = b"* //"
+"""How every field ends that a solver has written to its end."""
+
+
+class Monitor(NamedTuple):
+    """What a function object wrote: an iteration and a row of values at a time; `area` of its patch [m^2], or nan."""
+
+    iterations: Array
+    values: Array
+    area: float
+
+
+EMPTY = Monitor(np.zeros(0), np.zeros((0, 1)), float("nan"))
+
+
+def read_monitor(case: Path, name: str, table: str = "surfaceFieldValue.dat") -> Monitor:
+    """What a function object wrote over all parts of a run, into the table `table`; no rows where it has not begun.
+
+    Where a run went on from an earlier state, its rows take the place of those that an earlier part has beyond it.
+    """
+    paths = [path for start in starts(case, name) if (path := start / table).is_file()]
+    whole = EMPTY
+    for part in filter(lambda part: part.iterations.size, map(read_table, paths)):
+        if not whole.iterations.size:
+            whole = part
+            continue
+        before = whole.iterations < part.iterations[0]
+        whole = Monitor(
+            np.concatenate([whole.iterations[before], part.iterations]),
+            np.concatenate([whole.values[before], part.values]),
+            part.area,
+        )
+    return whole
+
+
+def starts(case: Path, name: str) -> list[Path]:
+    """The folders of a function object, one for each iteration at which the solver was started, in order."""
+    folder = case / FOLDER / name
+    found = [path for path in folder.iterdir() if path.name.isdigit()] if folder.is_dir() else []
+    return sorted(found, key=lambda path: int(path.name))
+
+
+def forget_from(case: Path, iteration: int) -> None:
+    """Removes what was written by solvers that were started at `iteration` or later: it is about to be repeated."""
+    names = [path.name for path in (case / FOLDER).iterdir()] if (case / FOLDER).is_dir() else []
+    for name in names:
+        for start in starts(case, name):
+            if int(start.name) >= iteration:
+                shutil.rmtree(start)
+
+
+def read_table(path: Path) -> Monitor:
+    """A table of a function object. A last line that is still being written is left out; vectors lie flat."""
+    text = path.read_text("utf-8", errors="replace")
+    lines = text[: text.rfind("\n") + 1].splitlines()
+    rows = [_numbers(line) for line in lines if line.strip() and not line.startswith("#")]
+    width = len(rows[0]) if rows else 1
+    numbers = np.array([row for row in rows if len(row) == width], float).reshape(-1, width)
+    area = next((float(line.split(":")[1]) for line in lines if line.startswith("# Area")), float("nan"))
+    return Monitor(numbers[:, 0], numbers[:, 1:], area)
+
+
+def _numbers(line: str) -> list[float]:
+    return [float(word) for word in re.sub(r"[()]", " ", line).split()]
+
+
+class MeshCheck(NamedTuple):
+    """What checkMesh says of a mesh; `faults` are its own words, none where it is sound."""
+
+    cells: int
+    non_orthogonality: float
+    skewness: float
+    faults: tuple[str, ...]
+
+
+def read_mesh_check(text: str) -> MeshCheck:
+    """What checkMesh printed last. Raises RunError where it tells no number of cells."""
+    text = text[text.rfind("Mesh stats") :]
+    cells = re.search(r"^\s+cells:\s+(\d+)", text, re.MULTILINE)
+    if cells is None:
+        raise RunError("checkMesh tells no number of cells")
+    angle = re.search(r"non-orthogonality Max: ([\d.eE+-]+)", text)
+    skewness = re.search(r"Max skewness = ([\d.eE+-]+)", text)
+    faults = re.findall(r"\*\*\*\s*(.*)", text)
+    return MeshCheck(
+        int(cells[1]),
+        float(angle[1]) if angle else float("nan"),
+        float(skewness[1]) if skewness else float("nan"),
+        tuple(" ".join(fault.split()) for fault in faults),
+    )
+
+
+def patch_faces(case: Path) -> dict[str, int]:
+    """Number of faces of each patch of a mesh."""
+    text = (case / "constant" / "polyMesh" / "boundary").read_text("utf-8")
+    return dict(_patches(text))
+
+
+def _patches(text: str) -> Iterator[tuple[str, int]]:
+    for name, body in re.findall(r"(\w+)\s*\{([^{}]*)\}", text):
+        if count := re.search(r"nFaces\s+(\d+)", body):
+            yield name, int(count[1])
+
+
+def states(case: Path) -> list[int]:
+    """Iterations whose whole state lies in a case, in order; 0 is the start.
+
+    A state that a killed solver had not finished lacks a field, or the line at the end of one.
+    """
+    fields = [path.name for path in (case / "0").iterdir()]
+    times = sorted(int(path.name) for path in case.iterdir() if path.name.isdigit())
+    return [time for time in times if time == 0 or all(_is_whole(case / str(time) / name) for name in fields)]
+
+
+def _is_whole(field: Path) -> bool:
+    return field.is_file() and field.read_bytes()[-len(END) - 8 :].rstrip().endswith(END)

@@ -1,0 +1,113 @@
+"""Plane sections through a computed flow: OpenFOAM cuts them, and what it writes is read back for pictures."""
+
+import base64
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import RunError
+from vvdp.cfd.case import write_files
+from vvdp.cfd.dictionary import Entry, dictionary_text
+from vvdp.cfd.engine import OpenFoam
+from vvdp.cfd.monitor import starts
+from vvdp.cfd.programs import run_program
+from vvdp.geometry.mesh import Floats, Indices
+
+SECTIONS = "sections"
+DICTIONARY = f"system/{SECTIONS}"
+
+
+class Plane(NamedTuple):
+    """A plane through a point [m], with its normal."""
+
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+
+class Section(NamedTuple):
+    """A cut: points [m], corners and ends of the polygons that the cells leave in it, fields at the points.
+
+    Pressures are kinematic, over the density [m^2/s^2]; velocities [m/s].
+    """
+
+    points: Floats
+    corners: Indices
+    ends: Indices
+    pressure: Array
+    velocity: Floats
+
+    @property
+    def polygons(self) -> list[Indices]:
+        """The corners of each polygon, as places of points."""
+        return np.split(self.corners, self.ends[:-1])
+
+    @property
+    def triangles(self) -> Indices:
+        """The polygons in triangles, each fanned out from its first corner."""
+        fans = [np.column_stack([np.full(len(each) - 2, each[0]), each[1:-1], each[2:]]) for each in self.polygons]
+        return np.concatenate(fans)
+
+
+def cut_sections(planes: Mapping[str, Plane], case: Path, openfoam: OpenFoam) -> float:
+    """Lets OpenFOAM cut the last state of a case, as `read_section` reads it; the seconds it took."""
+    surfaces: list[Entry] = []
+    for name, plane in planes.items():
+        through: Mapping[str, Entry] = {"point": plane.point, "normal": plane.normal}
+        cut: Mapping[str, Entry] = {
+            "type": "plane",
+            "planeType": "pointAndNormal",
+            "pointAndNormalDict": through,
+        }
+        surfaces += [name, {**cut, "triangulate": False, "interpolate": True}]
+    sampled: Mapping[str, Entry] = {
+        "type": "surfaces",
+        "libs": ("sampling",),
+        "fields": ("p", "U"),
+        "surfaceFormat": "vtk",
+        "interpolationScheme": "cellPoint",
+        "executeControl": "timeStep",
+        "writeControl": "timeStep",
+        "surfaces": surfaces,
+    }
+    write_files(case, {DICTIONARY: dictionary_text({"functions": {SECTIONS: sampled}}, SECTIONS)})
+    return run_program(("postProcess", "-latestTime", "-dict", DICTIONARY, "-fields", "(p U)"), case, openfoam)
+
+
+def read_section(case: Path, name: str) -> Section | None:
+    """A section that was cut last, None where none was. Raises RunError where its file is damaged."""
+    found = [path for start in starts(case, SECTIONS) if (path := start / f"{name}.vtp").is_file()]
+    if not found:
+        return None
+    try:
+        piece = ElementTree.parse(found[-1]).getroot().find("PolyData/Piece")
+        assert piece is not None
+        return Section(
+            points=_array(piece, "Points/DataArray").reshape(-1, 3),
+            corners=_array(piece, "Polys/DataArray[@Name='connectivity']").astype(np.int64),
+            ends=_array(piece, "Polys/DataArray[@Name='offsets']").astype(np.int64),
+            pressure=_array(piece, "PointData/DataArray[@Name='p']"),
+            velocity=_array(piece, "PointData/DataArray[@Name='U']").reshape(-1, 3),
+        )
+    except (ElementTree.ParseError, AssertionError, ValueError) as problem:
+        raise RunError(f"{found[-1]} is damaged: {problem}") from None
+
+
+TYPES: Mapping[str, str] = {"Float32": "<f4", "Float64": "<f8", "Int32": "<i4", "Int64": "<i8"}
+HEADER = 8
+"""Bytes that say how many follow."""
+
+
+def _array(piece: ElementTree.Element, path: str) -> Array:
+    """The numbers of a DataArray, as text or in base 64."""
+    found = piece.find(path)
+    if found is None or found.text is None:
+        raise ValueError(f"{path} missing")
+    if found.get("format") == "ascii":
+        return np.array(found.text.split(), float)
+    content = base64.b64decode("".join(found.text.split()))
+    numbers: Array = np.frombuffer(content[HEADER:], TYPES[str(found.get("type"))]).astype(float)
+    return numbers

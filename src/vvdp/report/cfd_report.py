@@ -1,0 +1,104 @@
+"""The page about a computed flow: its result, the geometry with its patches, and sections through the flow."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.cfd.rail_study import CASE, MIDDLE
+from vvdp.cfd.section import Section, read_section
+from vvdp.cfd.snapping import SURFACE
+from vvdp.geometry.files import read_stl
+from vvdp.report.drawing import INK, Drawn, draw_figure
+from vvdp.report.geometry_figures import patches_figure
+from vvdp.report.result_page import Page, write_result_page
+from vvdp.results.store import read_meta, read_result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MM = 1e3
+PICTURE, DOTS = 4.0, 170
+"""Width of a painted field [inch], and its points per inch."""
+WINDOW = 4e-3
+"""How far from the middle of their picture cells are shown [m]."""
+
+
+def write_cfd_report(directory: Path) -> Path:
+    """Writes report.html and figures/ into the directory of a computed flow and gives the path of the page.
+
+    All is made from the files in the directory; made again, it has the same bytes.
+    Raises ConfigError where the directory holds no result.
+    """
+    result, case = read_result(directory), directory / CASE
+    drawings = [patches_figure(read_stl(case / SURFACE))]
+    if section := read_section(case, MIDDLE):
+        drawings.append(section_figure(section, result.numbers["density_kg_m3"].value))
+    return write_result_page(directory, Page(result, read_meta(directory), {}, {each.name: each for each in drawings}))
+
+
+def section_figure(section: Section, density: float) -> Drawn:
+    """Speed and pressure in a plane section across the axis, and the cells of the mesh at the narrowest place."""
+    speed = np.linalg.norm(section.velocity, axis=1)
+
+    def draw(figure: "Figure") -> None:
+        left, middle, right = figure.subplots(1, 3)
+        _field(figure, left, section, (speed, "speed [m/s]", "viridis"))
+        _field(figure, middle, section, (1e-5 * density * section.pressure, "pressure [bar]", "cividis"))
+        _cells(right, section, section.points[int(speed.argmax()), :2])
+
+    caption = (
+        "Section across the axis through the nozzles: speed, static pressure above that in the bore, and cells of the "
+        "mesh where the oil is fastest."
+    )
+    return draw_figure("sections", caption, 2.9, draw)
+
+
+def _field(figure: "Figure", axes: "Axes", section: Section, shown: tuple[Array, str, str]) -> None:
+    """A field with its scale: values at the points, words, colours. Of the values 1 % at either end are cut off."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    values, words, colours = shown
+    low, high = np.quantile(values, (0.01, 0.99))
+    norm = Normalize(float(low), float(high))
+    picture, extent = _field_picture(section, values, norm, colours)
+    axes.imshow(picture, extent=extent, interpolation="none")
+    axes.set_axis_off()
+    figure.colorbar(ScalarMappable(norm, colours), ax=axes, location="bottom", label=words, shrink=0.9)
+
+
+def _field_picture(
+    section: Section, values: Array, norm: Any, colours: str
+) -> tuple[Any, tuple[float, float, float, float]]:
+    """A field as a picture, and its edges [mm]: as vectors, so many triangles would make the page slow."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.tri import Triangulation
+
+    x, y = MM * section.points[:, :2].T
+    extent = (float(x.min()), float(x.max()), float(y.min()), float(y.max()))
+    height = PICTURE * (extent[3] - extent[2]) / (extent[1] - extent[0])
+    figure = Figure(figsize=(PICTURE, height), dpi=DOTS)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.tripcolor(Triangulation(x, y, section.triangles), values, norm=norm, cmap=colours, shading="gouraud")
+    axes.set(xlim=extent[:2], ylim=extent[2:])
+    axes.set_axis_off()
+    canvas.draw()  # type: ignore[no-untyped-call]
+    return np.asarray(canvas.buffer_rgba()).copy(), extent  # type: ignore[no-untyped-call]
+
+
+def _cells(axes: "Axes", section: Section, at: Array) -> None:
+    """The cells round a point [m]."""
+    from matplotlib.collections import PolyCollection
+
+    near = [each for each in section.polygons if (abs(section.points[each, :2] - at) < WINDOW).all()]
+    outlines = [MM * section.points[each, :2] for each in near]
+    axes.add_collection(PolyCollection(outlines, facecolor="none", edgecolor=INK, linewidth=0.35))
+    axes.set_aspect("equal")
+    axes.autoscale()
+    axes.grid(False)
+    axes.set_title("cells [mm]", loc="left")

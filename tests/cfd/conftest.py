@@ -1,0 +1,26 @@
+"""What the tests of computed flows share: the OpenFOAM of this machine, and cases of a second."""
+
+import pytest
+
+from vvdp.cfd.case import Fluid
+from vvdp.cfd.engine import MissingProgramError, OpenFoam, find_openfoam
+from vvdp.cfd.verification import Cylinders, Pipe, pipe_case
+
+OIL = Fluid(density=876.0, viscosity=0.0387)
+PAIR = Cylinders(inner=10e-3, outer=20e-3, length=1e-3, speed=0.05)
+PIPE = Pipe(radius=2e-3, length=20e-3, velocity=1.0)
+
+
+@pytest.fixture(scope="session")
+def openfoam(not_tested) -> OpenFoam:
+    """OpenFOAM; where it is missing, the test is skipped, or fails if `VVDP_REQUIRE` names openfoam."""
+    try:
+        return find_openfoam()
+    except MissingProgramError as problem:
+        not_tested(str(problem), "openfoam")
+
+
+@pytest.fixture
+def pipe():
+    """A laminar flow in a pipe that is solved within a second."""
+    return pipe_case(PIPE, OIL, 8)

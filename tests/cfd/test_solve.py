@@ -1,0 +1,134 @@
+"""A run in its folder: gone on with, never repeated, refused, and what is told of faults."""
+
+import json
+import os
+import signal
+
+import psutil
+import pytest
+
+from vvdp.base.errors import ConfigError, RunError
+from vvdp.cfd.monitor import states
+from vvdp.cfd.solve import solve
+
+
+def silent(progress):
+    pass
+
+
+def solver_starts(folder):
+    return (folder / "log.simpleFoam").read_text().count("Create time")
+
+
+@pytest.fixture
+def patient(pipe):
+    """The pipe, with iterations enough to be interrupted."""
+    return pipe._replace(phases=(pipe.phases[0]._replace(most=4000, tolerance=0.0),))
+
+
+def at_once(monkeypatch):
+    """Looks at the solver all the time."""
+    monkeypatch.setattr("vvdp.cfd.solve.LOOK", 0.0)
+    monkeypatch.setattr("vvdp.cfd.programs.GLANCE", 0.01)
+
+
+def test_what_is_finished_is_not_repeated(pipe, openfoam, tmp_path):
+    first = solve(pipe, tmp_path, openfoam, 1, silent)
+    logs = {path.name: path.stat().st_mtime_ns for path in tmp_path.glob("log.*")}
+    again = solve(pipe, tmp_path, openfoam, 1, silent)
+    assert again.judgement == first.judgement
+    assert again.seconds == first.seconds
+    assert {path.name: path.stat().st_mtime_ns for path in tmp_path.glob("log.*")} == logs
+
+
+def test_the_disk_holds_the_start_and_a_few_states(pipe, openfoam, tmp_path):
+    solve(pipe, tmp_path, openfoam, 1, silent)
+    assert len(states(tmp_path)) <= 4
+
+
+def test_an_interrupted_run_goes_on_to_the_same_end(pipe, openfoam, tmp_path, monkeypatch):
+    whole = solve(pipe, tmp_path / "whole", openfoam, 1, silent)
+    at_once(monkeypatch)
+
+    def interrupt(progress):
+        if progress.judgement and progress.judgement.iteration > 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        solve(pipe, tmp_path / "parts", openfoam, 1, interrupt)
+    reached = states(tmp_path / "parts")[-1]
+    assert reached > 0
+    found = solve(pipe, tmp_path / "parts", openfoam, 1, silent)
+    assert found.judgement.value == pytest.approx(whole.judgement.value, rel=1e-6)
+    assert solver_starts(tmp_path / "parts") == 2
+    assert (tmp_path / "parts" / "postProcessing" / "forces" / str(reached)).is_dir()
+    assert found.history.iterations.tolist() == list(range(1, len(found.history.iterations) + 1))
+
+
+def test_a_killed_solver_is_told_and_its_run_goes_on(patient, openfoam, tmp_path, monkeypatch):
+    at_once(monkeypatch)
+
+    def kill(progress):
+        if progress.judgement and progress.judgement.iteration > 60:
+            (solver,) = [each for each in psutil.Process().children() if each.name() == "simpleFoam"]
+            solver.send_signal(signal.SIGKILL)
+
+    with pytest.raises(RunError, match=r"simpleFoam was killed \(SIGKILL\)"):
+        solve(patient, tmp_path, openfoam, 1, kill)
+    reached = states(tmp_path)[-1]
+    assert reached >= 20
+
+    seen = []
+
+    def stop(progress):
+        if progress.judgement:
+            seen.append(progress.judgement.iteration)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        solve(patient, tmp_path, openfoam, 1, stop)
+    assert seen[0] >= reached
+
+
+def test_another_case_is_not_mixed_in(pipe, openfoam, tmp_path):
+    solve(pipe, tmp_path, openfoam, 1, silent)
+    thicker = pipe._replace(fluid=pipe.fluid._replace(viscosity=0.05))
+    with pytest.raises(ConfigError, match="holds another case"):
+        solve(thicker, tmp_path, openfoam, 1, silent)
+
+
+def test_two_do_not_work_on_one_folder(pipe, openfoam, tmp_path):
+    def second(progress):
+        with pytest.raises(ConfigError, match=f"is at work in process {os.getpid()}"):
+            solve(pipe, tmp_path, openfoam, 1, silent)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        solve(pipe, tmp_path, openfoam, 1, second)
+
+
+def test_a_patch_that_vanished_is_named(pipe, openfoam, tmp_path):
+    patches = {**pipe.patches, "nozzle": pipe.patches["wall"]}
+    with pytest.raises(RunError, match="the patch nozzle has vanished from the mesh"):
+        solve(pipe._replace(patches=patches), tmp_path, openfoam, 1, silent)
+    assert (tmp_path / "constant" / "polyMesh").is_dir()
+
+
+def test_a_patch_of_no_surface_is_named(pipe, openfoam, tmp_path):
+    patches = {name: patch for name, patch in pipe.patches.items() if name != "outlet"}
+    with pytest.raises(RunError, match="a patch outlet that is none of the surface"):
+        solve(pipe._replace(patches=patches), tmp_path, openfoam, 1, silent)
+
+
+def test_a_diverging_run_is_stopped_and_kept(pipe, openfoam, tmp_path):
+    wild = pipe._replace(phases=(pipe.phases[0]._replace(relaxation=(1.0, 1.99, 1.0), most=400),), largest=1.0)
+    with pytest.raises(RunError, match="diverged"):
+        solve(wild, tmp_path, openfoam, 1, silent)
+    assert json.loads((tmp_path / "state.json").read_text())["done"] == ["mesh", "check"]
+    assert (tmp_path / "log.simpleFoam").is_file()
+
+
+def test_two_cores_give_the_same(pipe, openfoam, tmp_path):
+    one, two = (solve(pipe, tmp_path / str(cores), openfoam, cores, silent) for cores in (1, 2))
+    assert two.judgement.value == pytest.approx(one.judgement.value, rel=1e-6)
+    assert not list((tmp_path / "2").glob("processor*"))
