@@ -40,8 +40,12 @@ def rail(
         str, typer.Option("--turbulence", metavar="MODEL", help="One of k-epsilon, realizable, sst, laminar.")
     ] = "k-epsilon",
     shape: Annotated[
-        Path | None,
-        typer.Option("--shape", metavar="FILE", help="TOML file whose table [geometry] replaces shipped lengths."),
+        str | None,
+        typer.Option(
+            "--shape",
+            metavar="NAME|FILE",
+            help="A shipped shape (rail-a to rail-d, rail-final), or a TOML file whose table [geometry] replaces lengths.",
+        ),
     ] = None,
     settings: Settings = None,
     cores: Cores = None,
@@ -85,22 +89,22 @@ def rail(
 
 
 def _order(
-    loaded: "System", shaped: tuple[Path | None, list[str]], grid: str, flow: str, model: str
+    loaded: "System", shaped: tuple[str | None, list[str]], grid: str, flow: str, model: str
 ) -> "tuple[RailOrder, Told]":
-    """What is to be computed, and what is said of it. `shaped` is the file of a shape, and settings of it."""
+    """What is to be computed, and what is said of it. `shaped` names a shape, and settings of it."""
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.case import Fluid
     from vvdp.cfd.rail import GRIDS, RailOrder
     from vvdp.cfd.rail_result import Told
     from vvdp.cfd.turbulence import MODELS
     from vvdp.fluid.oil import density, dynamic_viscosity
-    from vvdp.geometry.shape import given_shape
+    from vvdp.geometry.shape_tables import given_shape
     from vvdp.rigs.conditions import fluid
     from vvdp.steady.test_stand import stand
 
     held = stand(loaded, "cfd")
     oil, temperature, valve = held.bench.oil, held.set_point.oil_temperature, held.bench.valve
-    made, rows = given_shape(valve, *shaped)
+    made, rows = given_shape(valve, *shaped, loaded.lengths)
     order = RailOrder(
         valve=valve,
         shape=made,

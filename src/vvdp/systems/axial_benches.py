@@ -6,8 +6,8 @@ The functions that return a `Network` are what a system file names as its circui
 from types import MappingProxyType
 from typing import TypeVar
 
-from vvdp.base.kinds import DUTY_RATIO, POSITION
 from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import DUTY_RATIO, POSITION
 from vvdp.components.axial_drive import (
     ChamberDrive,
     PilotJoints,
@@ -44,8 +44,7 @@ from vvdp.systems.axial_tables import (
 )
 from vvdp.systems.extras import Extras, Summary
 
-
-Table = TypeVar("Table")
+Given = TypeVar("Given")
 
 
 class ChamberReach(Extras):
@@ -112,10 +111,10 @@ def axial_chamber(
     add_drive(net, drive, pilot)
     control = AxialControl(
         sensor=axial_sensor,
-        observer=_given("axial_observer", axial_observer),
+        observer=_require("axial_observer", axial_observer),
         gains=_law(passivity, backstepping),
-        reference=_given("axial_reference", axial_reference),
-        sequence=_given("axial_sequence", axial_sequence),
+        reference=_require("axial_reference", axial_reference),
+        sequence=_require("axial_sequence", axial_sequence),
         helix_length=stroke.helix_length,
         wanted=scale_signal(operation.duty_ratio, stroke.helix_length),
     )
@@ -123,7 +122,7 @@ def axial_chamber(
     return net
 
 
-def _given(name: str, table: Table | None) -> Table:
+def _require(name: str, table: Given | None) -> Given:
     if table is None:
         raise ParameterError(f"table {name!r} is missing; a duty ratio is held by an observer, a reference and a law")
     return table

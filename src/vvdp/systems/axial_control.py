@@ -1,6 +1,7 @@
 """The control of an axial drive as a part of a network: the program with its values, from the tables of a system."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +17,9 @@ from vvdp.control.reference import ReferenceFilter
 from vvdp.estimation.chamber_observer import ChamberObserver, SpringDrive
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
-from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence, pollution_model
 from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
+from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
@@ -102,7 +103,7 @@ def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -
     """The values of the loop. Raises ParameterError where the supply cannot hold the position that is wanted."""
     check_reach("operation.duty_ratio", control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
     drive = known_drive(parts, pilot)
-    values = {
+    values: dict[str, Any] = {
         "sensor": axial_sensor_of(control.sensor),
         "observer": chamber_observer(control, drive, parts.friction.viscous_friction, parts.stops.lower_end),
         "drive": drive,

@@ -35,6 +35,9 @@ PROGRAM = "axial"
 HOME, LEARN, RUN, STOP = 0.0, 1.0, 2.0, 3.0
 """Stages: to the stop; there, with the pollution being learned; controlled; de-energised for good."""
 
+SETTLED = 1.0
+"""From so long after the start of control on errors count [s]."""
+
 SLOWEST, LARGEST_DEVIATION = 20.0, 5.0
 """Spool speed from which on, and deviation up to which, its angle is taken to be known [rad/s]."""
 
@@ -90,8 +93,8 @@ class Stage(NamedTuple):
 class AxialCommand(NamedTuple):
     """The `drive`'s command, and what is believed and wanted, to be shown.
 
-    `measured` is what the optical sensor shows, `pollution` what that is believed to be off by. The deviations are those
-    of the observer; `margin` is the observability margin at the spool's speed. Of a chamber drive `desired_pressure` is
+    `measured` is what the optical sensor shows, `pollution` what that is believed to be off by. Deviations are those of
+    the observer; `margin` is the observability margin at the spool's speed. Of a chamber drive `desired_pressure` is
     the pressure that would move it as wanted, absolute, and `storage` W of the closed loop; else both are 0.
     """
 

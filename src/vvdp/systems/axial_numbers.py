@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import with_unit
-from vvdp.base.kinds import COUNT, DUTY_RATIO, EFFICIENCY, ENERGY, LENGTH, NUMBER, POSITION, PRESSURE_LEVEL, TIME, Kind
-from vvdp.control.chamber import ChamberReading, desired_pressure
+from vvdp.base.kinds import COUNT, DUTY_RATIO, EFFICIENCY, ENERGY, LENGTH, NUMBER, TIME, Kind
+from vvdp.control.chamber import ChamberReading, desired_pressure, volume_compliance
 from vvdp.control.orifice import valve_flow
+from vvdp.control.passivity import PassivityGains, pressure_error_gain
 from vvdp.control.reference import Reference
 from vvdp.control.storage import StorageBalance, pressure_balance, storage_excess
 from vvdp.control.tuning import sampling_limits, sampling_warning
-from vvdp.results.chart import Chart, Level, Line, Lines, Stroke
-from vvdp.results.result import Column, Table
-from vvdp.systems.axial_loop import PROGRAM, RUN
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
+from vvdp.systems.axial_charts import control_charts
+from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
 from vvdp.systems.chamber_loop import ChamberLoop, WatchedLoop
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.extras import Line as Row
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from vvdp.simulation.run import Run
     from vvdp.systems.system import System
 
-SETTLED = 1.0
-"""From so long after the start of control on errors count [s]."""
 RISEN = 1e-3
 """Share of the largest storage by which it may rise between two samples before that counts: a law that acts at samples
 is passive but for what the drive does between them."""
@@ -57,9 +56,9 @@ class Controlled(NamedTuple):
     program's commands and reference, each of shape (rows,)."""
 
     times: Array
-    true: ChamberReading
+    true: Any
     shown: Any
-    reference: Reference
+    reference: Any
 
 
 def loop_of(system: "System") -> ChamberLoop:
@@ -70,7 +69,7 @@ def loop_of(system: "System") -> ChamberLoop:
     return found
 
 
-def controlled(run: "Run", period: float) -> Controlled:
+def rows_under_control(run: "Run", period: float) -> Controlled:
     """The rows of a run at samples, every `period` [s], in which its axial drive is controlled."""
     shown, state, memory = run.command.axial, run.state, run.memory[PROGRAM]
     loop = getattr(memory, "loop", memory)
@@ -87,7 +86,7 @@ def controlled(run: "Run", period: float) -> Controlled:
 
 def control_numbers(run: "Run", loop: ChamberLoop, helix_length: float) -> Summary:
     """How well the drive was controlled, from `SETTLED` after the start on; empty where it was not that long."""
-    found = controlled(run, loop.observer.sample_period)
+    found = rows_under_control(run, loop.observer.sample_period)
     if found.times.size < 2 or found.times[-1] - found.times[0] < SETTLED:
         return {}
     late = found.times >= found.times[0] + SETTLED
@@ -126,9 +125,10 @@ def storage_numbers(found: Controlled, loop: ChamberLoop) -> Summary:
     flow = valve_flow(found.shown.drive, found.true.pressure, loop.drive.valve)
     balance = pressure_balance(flow, desired, found.true, loop.drive)
     given = -(found.true.pressure - desired.pressure) * loop.drive.area * desired.velocity_error
-    before = StorageBalance(balance.storage[:-1], given[:-1])
-    after = StorageBalance(balance.storage[1:], given[1:])
-    excess, largest = storage_excess(before, after, loop.observer.sample_period), float(np.max(balance.storage))
+    stored: Any = balance.storage
+    before, after = StorageBalance(stored[:-1], given[:-1]), StorageBalance(stored[1:], given[1:])
+    excess: Any = storage_excess(before, after, loop.observer.sample_period)
+    largest = float(np.max(stored))
     late = found.times[1:] >= found.times[0] + SETTLED
     return {
         "storage_rises": float(np.count_nonzero(excess[late] > RISEN * largest)),
@@ -138,98 +138,14 @@ def storage_numbers(found: Controlled, loop: ChamberLoop) -> Summary:
 
 
 def control_warnings(loop: ChamberLoop) -> Iterator[str]:
-    """What limits the control, a sentence each: a sample period too long for the gain."""
+    """What limits the control, a sentence each: a pressure loop too fast for its samples."""
     gains, drive = loop.gains, loop.drive  # type: ignore[attr-defined]
-    resting = desired_pressure(Reference(0.0, 0.0, 0.0, 0.0), ChamberReading(0.0, 0.0, 0.0), gains, drive).pressure
-    yield from sampling_doubts(loop, resting, gains)
-
-
-def sampling_doubts(loop: ChamberLoop, pressure: float, gains: Any) -> Iterator[str]:
-    """Whether the pressure loop is too fast for its samples, at a chamber `pressure` [Pa, absolute]."""
-    from vvdp.control.chamber import volume_compliance
-    from vvdp.control.passivity import PassivityGains, pressure_error_gain
-
-    compliance = volume_compliance(0.0, pressure, loop.drive)
+    pressure = drive.oil.reference_pressure + drive.preload / drive.area
+    compliance = volume_compliance(0.0, pressure, drive)
     is_passive = isinstance(gains, PassivityGains)
-    gain = pressure_error_gain(0.0, pressure, gains, loop.drive) if is_passive else gains.flow_gain
+    gain = pressure_error_gain(0.0, pressure, gains, drive) if is_passive else gains.flow_gain
     if warning := sampling_warning(sampling_limits(gain, compliance), loop.observer.sample_period):
         yield warning
-
-
-def control_charts(record: "Record") -> Iterable[tuple[Chart, Table]]:
-    """Where the spool should be, is, and is believed to be; what the sensor shows; what the chamber stores."""
-    shown = {key.partition(".")[2]: series for key, series in record.commands.items() if key.startswith(f"{PROGRAM}.")}
-    columns = {"time_s": Column(record.times, TIME, "time")}
-    columns["position_m"] = Column(record.states["slide.position"].values, POSITION, "position")
-    for key, label in (("reference", "reference"), ("measured", "shown by the sensor"), ("position", "believed")):
-        columns[f"{key}_believed_m" if key == "position" else f"{key}_m"] = Column(shown[key].values, POSITION, label)
-    off = shown["position"].values - record.states["slide.position"].values
-    columns["estimate_error_m"] = Column(off, POSITION, "error of the estimate")
-    columns["tracking_error_m"] = Column(
-        record.states["slide.position"].values - shown["reference"].values, POSITION, "error against the reference"
-    )
-    columns["two_deviations_m"] = Column(2.0 * shown["position_deviation"].values, POSITION, "two stated deviations")
-    columns["less_two_deviations_m"] = Column(-columns["two_deviations_m"].values, POSITION, "less two of them")
-    columns["pressure_Pa"] = Column(record.states["pilot_chamber"].values, PRESSURE_LEVEL, "chamber")
-    columns["desired_Pa"] = Column(shown["desired_pressure"].values, PRESSURE_LEVEL, "desired")
-    columns["storage_J"] = Column(shown["storage"].values, ENERGY, "storage of the loop, as believed")
-    table = Table(title="Axial control", columns=columns, is_data=True)
-    begin = record.times[shown["stage"].values == RUN]
-    levels = (Level(value=float(begin[0]), label="control", upright=True),) if begin.size else ()
-    # Errors before control has settled would flatten all that follows.
-    settled = begin[0] + SETTLED if begin.size and record.times[-1] > begin[0] + SETTLED else record.times[0]
-    late = np.flatnonzero(record.times >= settled)
-    rows = tuple(int(row) for row in late)
-    yield (
-        Chart(
-            name="axial-control",
-            caption="The spool along its axis: wanted, true, and as its sensor shows it; the chamber's pressure and the "
-            "one that would move it as wanted; what the loop stores, which falls where nothing pushes.",
-            table="axial",
-            panels=(
-                Lines(
-                    lines=(
-                        Line(x="time_s", y="measured_m", label="shown by the sensor", colour="#c9ced4", width=0.8),
-                        Line(x="time_s", y="position_m", label="true"),
-                        Line(x="time_s", y="reference_m", label="reference", stroke=Stroke.DASHED),
-                    ),
-                    label="position",
-                    levels=levels,
-                ),
-                Lines(
-                    lines=(
-                        Line(x="time_s", y="pressure_Pa", label="chamber"),
-                        Line(x="time_s", y="desired_Pa", label="desired", stroke=Stroke.DASHED),
-                    ),
-                    label="pressure",
-                ),
-                Lines(lines=(Line(x="time_s", y="storage_J"),)),
-            ),
-            height=6.5,
-        ),
-        table,
-    )
-    yield (
-        Chart(
-            name="axial-errors",
-            caption="Errors once control has settled: of the spool against its reference, and of the estimate within two "
-            "of its stated deviations.",
-            table="axial",
-            panels=(
-                Lines(lines=(Line(x="time_s", y="tracking_error_m", rows=rows),), label="against the reference"),
-                Lines(
-                    lines=(
-                        Line(x="time_s", y="estimate_error_m", rows=rows, label="error"),
-                        Line(x="time_s", y="two_deviations_m", rows=rows, label="two deviations", colour="#5a5a5a"),
-                        Line(x="time_s", y="less_two_deviations_m", rows=rows, colour="#5a5a5a"),
-                    ),
-                    label="of the estimate",
-                ),
-            ),
-            height=4.0,
-        ),
-        table,
-    )
 
 
 class AxialLoop(Extras):

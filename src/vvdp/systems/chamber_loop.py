@@ -137,7 +137,9 @@ def chamber_view(
     )
     near = memory.stage.held > 0.0 or memory.stage.number == HOME or memory.observer.mean[0] < stop + AT_STOP
     held = 1.0 if near and is_pressed(place.pressure, settings) else 0.0
-    stage = next_stage(memory.stage, place.time, held, phase.angle_deviation == phase.angle_deviation, settings.sequence)
+    stage = next_stage(
+        memory.stage, place.time, held, phase.angle_deviation == phase.angle_deviation, settings.sequence
+    )
     margin = 1.0
     if phase.angle_deviation == phase.angle_deviation:
         frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
@@ -173,7 +175,7 @@ def chamber_view(
 def chamber_command(
     view: ChamberView, wanted: ChamberFlow, gains: PositionGains, settings: ChamberLoop
 ) -> tuple[LoopMemory, AxialCommand]:
-    """Memory and command: the valve's that gives the flow a law asks for; in all other stages it empties the chamber."""
+    """Memory and command: the valve's that gives the flow a law asks for; in other stages it empties the chamber."""
     drive, pressure = settings.drive, view.reading.pressure
     command, storage = -1.0, 0.0
     if view.stage.number == RUN:

@@ -1,4 +1,4 @@
-"""What a pump unit with a controlled duty ratio brings along: a test bench of the rotary valve, and its axial control."""
+"""What a pump unit with a controlled duty ratio brings along: a bench of the rotary valve, and its axial control."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -6,14 +6,8 @@ from typing import TYPE_CHECKING, Any
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.run import Run
-from vvdp.systems.axial_numbers import (
-    LINES,
-    QUANTITIES,
-    control_charts,
-    control_numbers,
-    control_warnings,
-    loop_of,
-)
+from vvdp.systems.axial_charts import control_charts
+from vvdp.systems.axial_numbers import LINES, QUANTITIES, control_numbers, control_warnings, loop_of
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.extras import Summary
 

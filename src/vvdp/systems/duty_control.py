@@ -23,12 +23,12 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
-from vvdp.systems.axial_tables import InitialChamber, PilotSupply
-from vvdp.systems.duty_bench import DutyControl
 from vvdp.systems.axial_control import AxialControl, add_drive, add_watched_control, chamber_loop, scale_signal
 from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
 from vvdp.systems.axial_sensor import AxialSensorTable
+from vvdp.systems.axial_tables import InitialChamber, PilotSupply
 from vvdp.systems.bench_tables import DriveMotor, DutyOperation, InitialBench, Limits, OrificeLoad
+from vvdp.systems.duty_bench import DutyControl
 from vvdp.systems.rotary_bench import joints, new_bench, pump_unit
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
 from vvdp.valve.rotary import RotaryValve
@@ -68,7 +68,7 @@ def duty_control(
     initial: InitialDutyControl,
     limits: Limits,
 ) -> Network:
-    """A pump unit with an orifice load whose spool a chamber moves against a spring, to the duty ratio that is asked."""
+    """A pump unit with an orifice load; a chamber moves its spool against a spring, to the duty ratio that is asked."""
     unit = pump_unit(
         pump=pump,
         inlet=inlet,
