@@ -44,7 +44,7 @@ def rail(
         typer.Option(
             "--shape",
             metavar="NAME|FILE",
-            help="A shipped shape (rail-a to rail-d, rail-final), or a TOML file whose table [geometry] replaces lengths.",
+            help="A shipped shape (rail-a to rail-d, rail-final), or a TOML file with a table [geometry].",
         ),
     ] = None,
     settings: Settings = None,

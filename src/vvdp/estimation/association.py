@@ -95,7 +95,7 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     last  number of the last edge used
     """
     next_sector = edge_angle(last + 1.0, wheel) - edge_angle(last, wheel)
-    fresh, reach = sighting.fresh, sighting.advance + np.sqrt(2.0 * sighting.variance)
+    fresh, reach = sighting.fresh, sighting.advance + np.sqrt(sighting.variance)
     while fresh > 1.0 and reach < (fresh - 0.5) * next_sector:
         fresh -= 2.0
     counted = counted_edge(last, sighting.ignored + fresh, sighting.polarity)
