@@ -162,12 +162,12 @@ def turned_phase(angle: float, speed: float) -> Phase:
 
 
 def sight_of(
-    signal: AxialReading, phase: Phase, stage: Stage, flow: float, pressure: float = 0.0, margin: float = 1.0
+    signal: AxialReading, phase: Phase, stage: Stage, flow: float, pressure: float, margin: float
 ) -> AxialSeen:
     """What an observer sees at a sample. A sensor that is dark, or of a drive not homed yet, shows nothing.
 
     flow      into the drive, as it is known [m^3/s]
-    pressure  of its chamber, where it has one [Pa, absolute]
+    pressure  of its chamber, 0 where it has none [Pa, absolute]
     margin    of observability [1]
     """
     is_blind = signal.light <= 0.0 or stage.number == HOME

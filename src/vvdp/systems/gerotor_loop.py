@@ -37,6 +37,9 @@ from vvdp.systems.axial_loop import (
 )
 from vvdp.systems.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 
+ALWAYS_SEEN = 2.0
+"""Observability margin of a position that a known flow moves: no pollution of mean zero looks like it [1]."""
+
 
 class GerotorPlace(NamedTuple):
     """What stands before the sensors of a gerotor drive: the spool's angle, speed and position."""
@@ -161,7 +164,7 @@ def gerotor_view(
         reference=next_reference(memory.reference, stage, positions, period, settings.reference),
         stage=stage,
         integral=memory.integral,
-        seen=sight_of(signal, phase, stage, flow),
+        seen=sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN),
         measured=signal.position,
     )
 
