@@ -6,18 +6,44 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.tables import parsed_table, with_settings
 from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.simulation.run import Run, simulate
 from vvdp.systems.axial_sensor import axial_sensor_of
 from vvdp.systems.summary import summary
-from vvdp.systems.system import load_system, shipped_systems
+from vvdp.systems.system import System, built_system, load_system, shipped_systems
 
 NAMES = ("axial-chamber", "axial-gerotor")
+BY_COMMAND = """
+[operation]
+command = { table = [["0 s", "0"], ["0.05 s", "0"], ["0.05 s", "0.05"], ["0.2 s", "0.05"], ["0.2 s", "1"], ["0.9 s", "1"],
+  ["0.9 s", "-1"]] }
+spool_speed = "10 rev/s"
+[initial]
+axial_position = "0 mm"
+[run]
+until = "1.2 s"
+average_from = "0.2 s"
+"""
+"""The gerotor drive without its control: inside the dead band, forward to its end, and back."""
+
+
+def gerotor_by_command() -> str:
+    """The shipped gerotor drive on a prescribed command."""
+    text = shipped_systems()["axial-gerotor"]
+    return text[: text.index("[axial_observer]")] + BY_COMMAND
+
+
+def loaded(name: str, settings: tuple[str, ...] = ()) -> System:
+    if name == "axial-gerotor":
+        table = parsed_table(gerotor_by_command(), name)
+        return built_system(with_settings(table, list(settings)), name)
+    return load_system(name, settings)
 
 
 @cache
 def done(name: str, *settings: str) -> tuple[dict, Run]:
-    system = load_system(name, settings)
+    system = loaded(name, settings)
     run = simulate(system.model, system.case, system.stepping)
     return summary(system, run), run
 
@@ -79,14 +105,14 @@ def test_stroke_beyond_the_reach_is_refused_with_numbers(tmp_path):
 
 
 def test_calibration_that_is_not_monotone_is_refused_with_its_line(tmp_path):
-    text = shipped_systems()["axial-gerotor"].replace('"56 %"', '"80 %"')
+    text = gerotor_by_command().replace('"56 %"', '"80 %"')
     line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("light ="))
     told = refusal(text, tmp_path)
     assert f"own.toml:{line}: axial_sensor.light: row 3 has 0.8 after 0.76" in told
 
 
 def test_table_of_flows_that_falls_is_refused_with_its_line(tmp_path):
-    text = shipped_systems()["axial-gerotor"]
+    text = gerotor_by_command()
     begin, end = text.index("[characteristic]"), text.index("[stroke]")
     rows = '[characteristic]\ncommands = ["-1", "0", "0.5", "1"]\nflows = ["-1.6 lpm", "0 lpm", "1 lpm", "0.9 lpm"]\n\n'
     text = text[:begin] + rows + text[end:]
@@ -96,7 +122,7 @@ def test_table_of_flows_that_falls_is_refused_with_its_line(tmp_path):
 
 
 def test_calibrated_drive_runs_from_a_file(tmp_path):
-    text = shipped_systems()["axial-gerotor"]
+    text = gerotor_by_command()
     begin, end = text.index("[characteristic]"), text.index("[stroke]")
     rows = '[characteristic]\ncommands = ["-1", "-0.08", "0.06", "1"]\n'
     rows += 'flows = ["-1.62 lpm", "0 lpm", "0 lpm", "1.8 lpm"]\n\n'
@@ -117,7 +143,7 @@ def test_gerotor_meets_its_end_and_comes_back():
 @pytest.mark.parametrize("name", NAMES)
 def test_sensor_sees_position_and_pollution(name):
     """What it shows less the position and the pollution at the spool's angle is the noise, 20 um."""
-    system = load_system(name)
+    system = loaded(name)
     _, run = done(name)
     sensor = axial_sensor_of(system.tables["axial_sensor"])
     x = run.state.slide.position if name == "axial-chamber" else run.state.gerotor.position

@@ -24,25 +24,36 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.chamber_drive import static_reach
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
-from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap
+from vvdp.hydraulics.gerotor_drive import GerotorBelief, GerotorCalibration, GerotorDrive, GerotorMap
 from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
 from vvdp.simulation.outcome import Outcome
 from vvdp.systems.axial_control import AxialControl, add_chamber_control, add_drive, chamber_loop, scale_signal
-from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
+from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
 from vvdp.systems.axial_numbers import AxialLoop
 from vvdp.systems.axial_sensor import AxialSensorTable, add_axial_sensor
 from vvdp.systems.axial_tables import (
     AxialStroke,
     ChamberOperation,
     ControlledChamber,
+    ControlledGerotor,
     GerotorOperation,
     InitialChamber,
     InitialPosition,
     PilotSupply,
 )
 from vvdp.systems.extras import Extras, Summary
+from vvdp.systems.gerotor_control import (
+    ClockedTable,
+    GeneratorTable,
+    GerotorTables,
+    LumpedTable,
+    PIGains,
+    add_gerotor_control,
+)
+from vvdp.systems.gerotor_loop import GerotorSequence
+from vvdp.systems.gerotor_numbers import GerotorHeld
 
 Given = TypeVar("Given")
 
@@ -142,12 +153,32 @@ def axial_gerotor(
     characteristic: GerotorMap | GerotorCalibration,
     stroke: AxialStroke,
     axial_sensor: AxialSensorTable,
-    operation: GerotorOperation,
+    operation: ControlledGerotor | GerotorOperation,
     initial: InitialPosition,
+    axial_observer: AxialObserverTable | ClockedTable | LumpedTable | GeneratorTable | None = None,
+    calibration: GerotorBelief | None = None,
+    position_control: PIGains | None = None,
+    axial_reference: ReferenceFilter | None = None,
+    axial_sequence: GerotorSequence | None = None,
 ) -> Network:
-    """A gerotor pump between both ends of the spool, on a prescribed command."""
+    """A gerotor pump between both ends of the spool: on a prescribed command, or controlled to a duty ratio."""
     net = Network(UsualOil(), operation=operation)
     net.driven_shaft("spool", operation.spool_speed)
-    position = add_gerotor_drive(net, gerotor, characteristic, operation.command, initial.axial_position)
-    add_axial_sensor(net, position, "spool", axial_sensor)
+    if isinstance(operation, GerotorOperation):
+        position = add_gerotor_drive(net, gerotor, characteristic, operation.command, initial.axial_position)
+        add_axial_sensor(net, position, "spool", axial_sensor)
+        return net
+    net.extras = GerotorHeld
+    add_gerotor_drive(net, gerotor, characteristic, f"{PROGRAM}.drive", initial.axial_position)
+    tables = GerotorTables(
+        sensor=axial_sensor,
+        observer=_require("axial_observer", axial_observer),
+        gains=_require("position_control", position_control),
+        calibration=_require("calibration", calibration),
+        reference=_require("axial_reference", axial_reference),
+        sequence=_require("axial_sequence", axial_sequence),
+        helix_length=stroke.helix_length,
+        wanted=scale_signal(operation.duty_ratio, stroke.helix_length),
+    )
+    add_gerotor_control(net, tables, gerotor, "spool")
     return net

@@ -24,10 +24,11 @@ from vvdp.base.kinds import (
     Velocity,
 )
 from vvdp.base.params import Params
-from vvdp.control.reference import Reference
-from vvdp.estimation.axial_filter import AxialEstimate, Phase, PollutionModel
+from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
+from vvdp.estimation.axial_filter import NO_DUTY, AxialEstimate, AxialSeen, Phase, PollutionModel
 from vvdp.estimation.estimator import Estimate
 from vvdp.estimation.noise_basis import fourier_basis
+from vvdp.sensing.axial_sensor import AxialReading
 
 PROGRAM = "axial"
 """Name of the program that controls an axial drive."""
@@ -153,6 +154,47 @@ def known_phase(estimate: Estimate) -> Phase:
     """The phase of the pollution as an encoder's estimate has it; unknown while its speed is, or the spool stands."""
     is_known = estimate.speed > SLOWEST and estimate.speed_deviation < LARGEST_DEVIATION
     return Phase(estimate.angle, estimate.speed, estimate.angle_deviation if is_known else np.nan)
+
+
+def turned_phase(angle: float, speed: float) -> Phase:
+    """The phase of a spool whose angle is known, as that of one that a motor turns [rad, rad/s]."""
+    return Phase(angle, speed, 0.0)
+
+
+def sight_of(
+    signal: AxialReading, phase: Phase, stage: Stage, flow: float, pressure: float, margin: float
+) -> AxialSeen:
+    """What an observer sees at a sample. A sensor that is dark, or of a drive not homed yet, shows nothing.
+
+    flow      into the drive, as it is known [m^3/s]
+    pressure  of its chamber, 0 where it has none [Pa, absolute]
+    margin    of observability [1]
+    """
+    is_blind = signal.light <= 0.0 or stage.number == HOME
+    return AxialSeen(
+        time=signal.time,
+        optical=np.nan if is_blind else signal.position,
+        phase=phase,
+        pressure=pressure,
+        flow=flow,
+        held=stage.held,
+        margin=margin,
+        duty=NO_DUTY,
+    )
+
+
+def next_reference(
+    reference: Reference, stage: Stage, positions: tuple[float, float], period: float, settings: ReferenceFilter
+) -> Reference:
+    """The reference at a sample, at rest at the stop until the drive is controlled.
+
+    positions  that is wanted, and of the stop [m]
+    period     of the samples [s]
+    """
+    wanted, stop = positions
+    if stage.number == RUN:
+        return reference_step(reference, wanted, period, settings)
+    return reference_at_rest(stop)
 
 
 def next_stage(stage: Stage, time: float, held: float, known: bool, sequence: AxialSequence) -> Stage:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 RISEN = 1e-3
 """Share of the largest storage by which it may rise between two samples before that counts: a law that acts at samples
 is passive but for what the drive does between them."""
-QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType(
+MOTION: Mapping[str, tuple[Kind, str]] = MappingProxyType(
     {
         "control_begin_s": (TIME, "start of control"),
         "duty_error_rms": (DUTY_RATIO, "duty ratio: error against the reference"),
@@ -40,15 +40,29 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType(
         "spool_estimate_deviation_rms_m": (LENGTH, "spool position: stated deviation"),
         "spool_estimate_coverage": (EFFICIENCY, "spool position: errors within two deviations"),
         "pollution_rms_m": (LENGTH, "pollution of the axial sensor"),
+        "real_time_factor": (NUMBER, "simulated over computing time"),
+    }
+)
+"""Numbers of any controlled drive."""
+QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType(
+    {
+        **MOTION,
         "observability_margin_lowest": (NUMBER, "observability margin, lowest"),
         "storage_rises": (COUNT, "samples in which the storage rose beyond its supply"),
         "storage_rise_largest_J": (ENERGY, "largest such rise"),
         "storage_largest_J": (ENERGY, "storage of the chamber, largest"),
-        "real_time_factor": (NUMBER, "simulated over computing time"),
     }
 )
+"""Numbers of a controlled chamber drive."""
 GROUP = "Axial control"
-LINES = tuple(Row(label, (key,), kind, (), GROUP) for key, (kind, label) in QUANTITIES.items())
+
+
+def lines_of(quantities: Mapping[str, tuple[Kind, str]]) -> tuple[Row, ...]:
+    """A line of the overview for each number."""
+    return tuple(Row(label, (key,), kind, (), GROUP) for key, (kind, label) in quantities.items())
+
+
+LINES = lines_of(QUANTITIES)
 
 
 class Controlled(NamedTuple):
@@ -69,12 +83,18 @@ def loop_of(system: "System") -> ChamberLoop:
     return found
 
 
+def samples_under_control(run: "Run", period: float) -> Array:
+    """Whether a row of a run lies at a sample, every `period` [s], at which its axial drive is controlled."""
+    at_sample = np.abs(run.times / period - np.round(run.times / period)) < 1e-6
+    found: Array = (run.command.axial.stage == RUN) & at_sample
+    return found
+
+
 def rows_under_control(run: "Run", period: float) -> Controlled:
-    """The rows of a run at samples, every `period` [s], in which its axial drive is controlled."""
+    """The rows of a run at samples, every `period` [s], in which its chamber drive is controlled."""
     shown, state, memory = run.command.axial, run.state, run.memory[PROGRAM]
     loop = getattr(memory, "loop", memory)
-    at_sample = np.abs(run.times / period - np.round(run.times / period)) < 1e-6
-    rows = (shown.stage == RUN) & at_sample
+    rows = samples_under_control(run, period)
     true = ChamberReading(state.slide.position[rows], state.slide.velocity[rows], state.pilot_chamber[rows])
     return Controlled(
         times=run.times[rows],
@@ -84,31 +104,49 @@ def rows_under_control(run: "Run", period: float) -> Controlled:
     )
 
 
-def control_numbers(run: "Run", loop: ChamberLoop, helix_length: float) -> Summary:
-    """How well the drive was controlled, from `SETTLED` after the start on; empty where it was not that long."""
-    found = rows_under_control(run, loop.observer.sample_period)
-    if found.times.size < 2 or found.times[-1] - found.times[0] < SETTLED:
+def motion_numbers(run: "Run", position: Array, period: float, helix_length: float) -> Summary:
+    """How well a spool was held, from `SETTLED` after the start of control on; empty where it was not that long.
+
+    position      of the spool, row by row [m]
+    period        of the samples [s]
+    helix_length  duty ratio 0 to 1 [m]
+    """
+    rows = np.flatnonzero(samples_under_control(run, period))
+    if rows.size < 2 or run.times[rows[-1]] - run.times[rows[0]] < SETTLED:
         return {}
-    late = found.times >= found.times[0] + SETTLED
-    position, shown = found.true.position[late], type(found.shown)(*(column[late] for column in found.shown))
-    tracking, estimation = position - shown.reference, shown.position - position
+    late = rows[run.times[rows] >= run.times[rows[0]] + SETTLED]
+    shown, true = run.command.axial, position[late]
+    tracking, estimation = true - shown.reference[late], shown.position[late] - true
+    deviation = shown.position_deviation[late]
 
     def rms(values: Array) -> float:
         return float(np.sqrt(np.mean(values**2)))
 
-    return {
-        "control_begin_s": float(found.times[0]),
+    found = {
+        "control_begin_s": float(run.times[rows[0]]),
         "duty_error_rms": rms(tracking) / helix_length,
         "spool_position_error_rms_m": rms(tracking),
         "spool_position_error_max_m": float(np.max(np.abs(tracking))),
         "spool_estimate_error_rms_m": rms(estimation),
-        "spool_estimate_deviation_rms_m": rms(shown.position_deviation),
-        "spool_estimate_coverage": float(np.mean(np.abs(estimation) <= 2.0 * shown.position_deviation)),
-        "pollution_rms_m": rms(shown.pollution),
-        "observability_margin_lowest": float(np.min(shown.margin)),
-        **storage_numbers(found, loop),
+        "pollution_rms_m": rms(shown.pollution[late]),
         "real_time_factor": run.end / run.seconds if run.seconds > 0.0 else np.nan,
     }
+    if np.all(np.isfinite(deviation)):
+        found["spool_estimate_deviation_rms_m"] = rms(deviation)
+        found["spool_estimate_coverage"] = float(np.mean(np.abs(estimation) <= 2.0 * deviation))
+    return found
+
+
+def control_numbers(run: "Run", loop: ChamberLoop, helix_length: float) -> Summary:
+    """How well a chamber drive was controlled, from `SETTLED` after the start on; empty where it was not that long."""
+    period = loop.observer.sample_period
+    numbers = motion_numbers(run, run.state.slide.position, period, helix_length)
+    if not numbers:
+        return {}
+    found = rows_under_control(run, period)
+    late = found.times >= found.times[0] + SETTLED
+    margin = float(np.min(found.shown.margin[late]))
+    return {**numbers, "observability_margin_lowest": margin, **storage_numbers(found, loop)}
 
 
 def storage_numbers(found: Controlled, loop: ChamberLoop) -> Summary:

@@ -1,6 +1,6 @@
 """What moves along its axis in a system, linear about the middle of its travel: mass, stiffness, damping, oil."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -49,16 +49,23 @@ class AxialSight(NamedTuple):
 def axial_sight(system: "System") -> AxialSight:
     """What the axial sensor of a system sees; nothing is known where there is none, or several."""
     network = system.circuit.network
-    found = [program for program in network.programs.values() if isinstance(program.settings, AxialSensor)]
+    programs = ((_sensor_of(program.settings), program.reads) for program in network.programs.values())
+    found = [(sensor, reads) for sensor, reads in programs if sensor is not None]
     if len(found) != 1:
         return AxialSight()
-    sensor, reads = found[0].settings, found[0].reads
-    assert isinstance(sensor, AxialSensor)
+    sensor, reads = found[0]
     moved, spool = (reads[word].rpartition(".")[0] for word in ("position", "angle"))
     node = network.nodes.get(spool)
     source = node.speed if isinstance(node, DrivenShaft) else None
     speed = float(signal_value(0.0, source)) if isinstance(source, Signal) else None
     return AxialSight(moved, speed, max(len(end.amplitudes) for end in (sensor.near, sensor.far)))
+
+
+def _sensor_of(settings: Any) -> AxialSensor | None:
+    """The axial sensor among the values of a program: alone, of a loop, or of a loop that an encoder serves."""
+    loop = getattr(settings, "loop", settings)
+    sensor = getattr(loop, "sensor", loop)
+    return sensor if isinstance(sensor, AxialSensor) else None
 
 
 def axial_plant(system: "System", name: str = "") -> AxialPlant:

@@ -51,6 +51,13 @@ class GerotorOperation(Params):
     spool_speed: SpeedSignal
 
 
+class ControlledGerotor(Params):
+    """What is prescribed from outside: the duty ratio that is wanted, and how fast the spool is turned."""
+
+    duty_ratio: DutySignal
+    spool_speed: SpeedSignal
+
+
 class InitialPosition(Params):
     """Where a run starts."""
 

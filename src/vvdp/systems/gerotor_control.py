@@ -1,0 +1,188 @@
+"""The control of a gerotor drive as a part of a network: the program with its values, from the tables of a system."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Length, Speed, Time
+from vvdp.base.params import Params
+from vvdp.base.signal import Signal
+from vvdp.control.feedforward_pi import FeedforwardPI, SquareRate
+from vvdp.control.reference import Rate, ReferenceFilter
+from vvdp.estimation.gerotor_observer import GerotorObserver
+from vvdp.estimation.noise_clock import ClockedGerotor, NoiseClock
+from vvdp.estimation.signal_generator import GeneratorDesign, LumpedObserver, generator_observer, samples_in_period
+from vvdp.hydraulics.gerotor_drive import GerotorBelief, GerotorDrive
+from vvdp.network.network import Network
+from vvdp.network.program import ProgramType
+from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, pollution_model
+from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
+from vvdp.systems.gerotor_filters import (
+    ClockedLoop,
+    GeneratorLoop,
+    LumpedLoop,
+    clocked_loop_start,
+    clocked_step,
+    generator_loop_start,
+    generator_step,
+    lumped_loop_start,
+    lumped_step,
+)
+from vvdp.systems.gerotor_loop import (
+    GerotorControl,
+    GerotorLoop,
+    GerotorPlace,
+    GerotorSequence,
+    WatchedGerotor,
+    gerotor_loop_start,
+    gerotor_step,
+    watched_gerotor_start,
+    watched_gerotor_step,
+)
+from vvdp.systems.spool_encoder import WatchSettings
+
+
+class PIGains(Params):
+    """The [position_control] table: both gains over the area of the spool's end, K_p/A_s and K_i/A_s."""
+
+    proportional_rate: Rate
+    integral_rate: SquareRate
+
+
+class ClockedTable(AxialObserverTable):
+    """The [axial_observer] table with a basis in time: of a pollution that comes back with `noise_speed`."""
+
+    noise_speed: Speed
+
+
+class LumpedTable(Params):
+    """The [axial_observer] table of the lumped filter, which takes the pollution for noise."""
+
+    sample_period: Time
+    bandwidth: Speed
+
+
+class GeneratorTable(Params):
+    """The [axial_observer] table of the signal generator; drifts are deviations of a sample."""
+
+    sample_period: Time
+    noise_period: Time
+    sensor_deviation: Length
+    position_drift: Length
+    generator_drift: Length
+
+    def check(self) -> None:
+        samples_in_period(self.noise_period, self.sample_period)  # here, where the line of the table is known
+
+
+ObserverTable = AxialObserverTable | ClockedTable | LumpedTable | GeneratorTable
+
+
+@dataclass(frozen=True)
+class GerotorTables:
+    """The tables of the control of a gerotor drive, and the `wanted` position [m]."""
+
+    sensor: AxialSensorTable
+    observer: ObserverTable
+    gains: PIGains
+    calibration: GerotorBelief
+    reference: ReferenceFilter
+    sequence: GerotorSequence
+    helix_length: float
+    wanted: Signal
+
+
+def control_values(tables: GerotorTables, drive: GerotorDrive) -> dict[str, Any]:
+    """The fields of `GerotorControl`. Raises ParameterError where the drive's ends do not reach what is wanted."""
+    low, high = tables.wanted.extremes
+    if not drive.lower_end <= low <= high <= drive.upper_end:
+        raise ParameterError(
+            f"operation.duty_ratio: {1e3 * low:.4g} to {1e3 * high:.4g} mm are asked for, the drive goes from "
+            f"{1e3 * drive.lower_end:.4g} to {1e3 * drive.upper_end:.4g} mm"
+        )
+    belief = tables.calibration
+    law = FeedforwardPI(
+        area=drive.area,
+        proportional_rate=tables.gains.proportional_rate,
+        integral_rate=tables.gains.integral_rate,
+        lowest_flow=-belief.backward_gain * belief.largest_flow,
+        highest_flow=belief.largest_flow,
+    )
+    return {
+        "sensor": axial_sensor_of(tables.sensor),
+        "law": law,
+        "calibration": belief,
+        "lag": drive.lag,
+        "reference": tables.reference,
+        "sequence": tables.sequence,
+        "sample_period": tables.observer.sample_period,
+        "stop_position": drive.lower_end,
+        "wanted": tables.wanted,
+    }
+
+
+def periodic_observer(table: AxialObserverTable, drive: GerotorDrive, helix_length: float) -> GerotorObserver:
+    """The periodic Kalman filter of a table; `helix_length` [m]."""
+    return GerotorObserver(
+        area=drive.area,
+        pollution=pollution_model(table, helix_length),
+        sample_period=table.sample_period,
+        position_drift=table.position_drift,
+        position_deviation=1e-4,
+        stop_position=drive.lower_end,
+    )
+
+
+def gerotor_loop(tables: GerotorTables, drive: GerotorDrive) -> tuple[ProgramType, GerotorControl]:
+    """The program that goes with a table of an observer, the spool's angle known, and its values."""
+    table, values = tables.observer, control_values(tables, drive)
+    area, stop = drive.area, drive.lower_end
+    loop: GerotorControl
+    if isinstance(table, LumpedTable):
+        lumped = LumpedObserver(
+            area=area, sample_period=table.sample_period, bandwidth=table.bandwidth, stop_position=stop
+        )
+        loop, step, start = LumpedLoop(observer=lumped, **values), lumped_step, lumped_loop_start
+    elif isinstance(table, GeneratorTable):
+        design = GeneratorDesign(
+            area=area,
+            sample_period=table.sample_period,
+            noise_period=table.noise_period,
+            sensor_deviation=table.sensor_deviation,
+            position_drift=table.position_drift,
+            generator_drift=table.generator_drift,
+            stop_position=stop,
+        )
+        loop = GeneratorLoop(observer=generator_observer(design), **values)
+        step, start = generator_step, generator_loop_start
+    elif isinstance(table, ClockedTable):
+        clocked = ClockedGerotor(
+            observer=periodic_observer(table, drive, tables.helix_length), clock=NoiseClock(speed=table.noise_speed)
+        )
+        loop, step, start = ClockedLoop(observer=clocked, **values), clocked_step, clocked_loop_start
+    else:
+        observer = periodic_observer(table, drive, tables.helix_length)
+        loop, step, start = GerotorLoop(observer=observer, **values), gerotor_step, gerotor_loop_start
+    return ProgramType(step, GerotorPlace, UNKNOWN, type(loop), start), loop
+
+
+def add_gerotor_control(net: Network, tables: GerotorTables, drive: GerotorDrive, spool: str) -> None:
+    """Add the program that controls a gerotor drive whose spool turns with the shaft `spool`, its angle known."""
+    kind, loop = gerotor_loop(tables, drive)
+    net.program(PROGRAM, kind, loop, reads=_reads(spool), period=loop.sample_period)
+
+
+def add_watched_gerotor(
+    net: Network, tables: GerotorTables, drive: GerotorDrive, spool: str, watch: WatchSettings
+) -> None:
+    """The same with the spool watched by an encoder. Raises ParameterError for another observer than the periodic one."""
+    _, loop = gerotor_loop(tables, drive)
+    if not isinstance(loop, GerotorLoop):
+        raise ParameterError("axial_observer: a spool that an encoder watches has its pollution over its angle")
+    kind = ProgramType(watched_gerotor_step, GerotorPlace, UNKNOWN, WatchedGerotor, watched_gerotor_start)
+    settings = WatchedGerotor(watch=watch, loop=loop)
+    net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.sample_period)
+
+
+def _reads(spool: str) -> dict[str, str]:
+    return {"time": "t", "angle": f"{spool}.angle", "speed": f"{spool}.speed", "position": "gerotor.position"}

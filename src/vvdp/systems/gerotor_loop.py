@@ -1,0 +1,227 @@
+"""The control of the gerotor drive: sensor, observer, reference, feedforward and PI, one after the other at every sample.
+
+`gerotor_view` takes a sample in, an observer says where the spool is, `position_command` makes it the pump's command; the
+steps of the programs, one for each observer, are these three in a row.
+
+Source  ours, docs/models/axial-control.md, where a function names no other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import Angle, Flow, Fraction, Position, PositionSignal, SignedFraction, Speed, Time
+from vvdp.base.params import Params
+from vvdp.base.signal import signal_value
+from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_start, pi_step
+from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
+from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, Phase
+from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
+from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command
+from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
+from vvdp.sensing.encoder import Shaft
+from vvdp.sensing.instrument import InstrumentMemory
+from vvdp.systems.axial_loop import (
+    HOME,
+    LEARN,
+    RUN,
+    AxialCommand,
+    AxialSequence,
+    Stage,
+    known_phase,
+    next_reference,
+    next_stage,
+    show,
+    sight_of,
+    turned_phase,
+)
+from vvdp.systems.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
+
+ALWAYS_SEEN = 2.0
+"""Observability margin of a position that a known flow moves: no pollution of mean zero looks like it [1]."""
+
+
+class GerotorPlace(NamedTuple):
+    """What stands before the sensors of a gerotor drive: the spool's angle, speed and position."""
+
+    time: Time
+    angle: Angle
+    speed: Speed
+    position: Position
+
+
+class GerotorSequence(AxialSequence):
+    """The [axial_sequence] table of a drive that no pressure tells its stop: `homing_command` drives it backward for the
+    home time."""
+
+    homing_command: Fraction
+
+
+class GerotorControl(Params):
+    """What the control of a gerotor drive works with, but for its observer; `wanted` is the position [m].
+
+    The flow follows its command with the time constant `lag`, as far as the controller knows.
+    """
+
+    sensor: AxialSensor
+    law: FeedforwardPI
+    calibration: GerotorBelief
+    lag: Time
+    reference: ReferenceFilter
+    sequence: GerotorSequence
+    sample_period: Time
+    stop_position: Position
+    wanted: PositionSignal
+
+
+class GerotorLoop(GerotorControl):
+    """The loop with the periodic Kalman filter."""
+
+    observer: GerotorObserver
+
+
+class WatchedGerotor(Params):
+    """The same with the spool's angle told by an encoder."""
+
+    watch: WatchSettings
+    loop: GerotorLoop
+
+
+class DriveMemory(NamedTuple):
+    """What the loop carries from sample to sample, but for its observer: `wanted` is the flow that was commanded, `flow`
+    what it is taken to have come to."""
+
+    sensor: InstrumentMemory
+    reference: Reference
+    stage: Stage
+    integral: PIMemory
+    wanted: Flow
+    flow: Flow
+
+
+class GerotorMemory(NamedTuple):
+    """What loop and observer carry from sample to sample."""
+
+    drive: DriveMemory
+    observer: AxialMemory
+
+
+class WatchedGerotorMemory(NamedTuple):
+    """The same with the encoder."""
+
+    watch: WatchMemory
+    loop: GerotorMemory
+
+
+class GerotorView(NamedTuple):
+    """What is known at a sample, before an observer is asked."""
+
+    sensor: InstrumentMemory
+    reference: Reference
+    stage: Stage
+    integral: PIMemory
+    seen: AxialSeen
+    measured: Position
+
+
+def drive_start(settings: GerotorControl) -> DriveMemory:
+    """The memory before the first sample: homing."""
+    return DriveMemory(
+        sensor=axial_sensor_start(settings.sensor),
+        reference=reference_at_rest(settings.stop_position),
+        stage=Stage(HOME, 0.0, 1.0),
+        integral=pi_start(),
+        wanted=0.0,
+        flow=0.0,
+    )
+
+
+def gerotor_loop_start(settings: GerotorLoop) -> GerotorMemory:
+    """The memory before the first sample, with the observer's."""
+    return GerotorMemory(drive_start(settings), gerotor_observer_start(settings.observer, settings.stop_position))
+
+
+def gerotor_view(
+    memory: DriveMemory, place: GerotorPlace, phase: Phase, wanted: float, settings: GerotorControl
+) -> GerotorView:
+    """What is known after a sample: stage, reference, and what an observer sees.
+
+    Until it is controlled the drive is taken to be at its stop, and its flow to move nothing.
+
+    phase   of the pollution, as the spool's angle is known
+    wanted  position [m]
+    """
+    sensor, signal = axial_sensor_step(
+        memory.sensor, SpoolPlace(place.time, place.position, place.angle), settings.sensor
+    )
+    period = settings.sample_period
+    stage = next_stage(memory.stage, place.time, 1.0, phase.angle_deviation == phase.angle_deviation, settings.sequence)
+    stage = Stage(stage.number, stage.since, 1.0 if stage.number == HOME or stage.number == LEARN else 0.0)
+    flow = memory.wanted + (memory.flow - memory.wanted) * np.exp(-period / settings.lag)
+    positions = (wanted, settings.stop_position)
+    return GerotorView(
+        sensor=sensor,
+        reference=next_reference(memory.reference, stage, positions, period, settings.reference),
+        stage=stage,
+        integral=memory.integral,
+        seen=sight_of(signal, phase, stage, flow, 0.0, ALWAYS_SEEN),
+        measured=signal.position,
+    )
+
+
+def position_command(
+    view: GerotorView, estimate: AxialEstimate, settings: GerotorControl
+) -> tuple[DriveMemory, AxialCommand]:
+    """Memory and command: backward while it homes; controlled; else none, which leaves the spool where it is."""
+    integral, flow, command = pi_start(), 0.0, 0.0
+    if view.stage.number == HOME:
+        command = -settings.sequence.homing_command
+    if view.stage.number == RUN:
+        integral, flow = pi_step(
+            view.integral, view.reference, estimate.position, settings.sample_period, settings.law
+        )
+        command = gerotor_command(flow, settings.calibration)
+    memory = DriveMemory(
+        sensor=view.sensor,
+        reference=view.reference,
+        stage=view.stage,
+        integral=integral,
+        wanted=flow,
+        flow=view.seen.flow,
+    )
+    seen, asked = (view.seen.phase, view.measured, view.seen.margin), (flow, 101325.0, 0.0)
+    return memory, show(command, view.stage, view.reference, seen, estimate, asked)
+
+
+def gerotor_axial_step(
+    memory: GerotorMemory, place: GerotorPlace, phase: Phase, wanted: float, settings: GerotorLoop
+) -> tuple[GerotorMemory, AxialCommand]:
+    """One sample of the loop with the periodic Kalman filter."""
+    view = gerotor_view(memory.drive, place, phase, wanted, settings)
+    observer, estimate = gerotor_observer_step(memory.observer, view.seen, settings.observer)
+    drive, command = position_command(view, estimate, settings)
+    return GerotorMemory(drive, observer), command
+
+
+def gerotor_step(
+    t: float, memory: GerotorMemory, place: GerotorPlace, settings: GerotorLoop
+) -> tuple[GerotorMemory, AxialCommand]:
+    """Program: the spool's angle known."""
+    phase = turned_phase(place.angle, place.speed)
+    return gerotor_axial_step(memory, place, phase, signal_value(t, settings.wanted), settings)
+
+
+def watched_gerotor_start(settings: WatchedGerotor) -> WatchedGerotorMemory:
+    """The memory before the first sample."""
+    return WatchedGerotorMemory(watch_start(settings.watch), gerotor_loop_start(settings.loop))
+
+
+def watched_gerotor_step(
+    t: float, memory: WatchedGerotorMemory, place: GerotorPlace, settings: WatchedGerotor
+) -> tuple[WatchedGerotorMemory, AxialCommand]:
+    """Program: encoder and event filter tell the spool's angle."""
+    shaft = Shaft(place.time, place.angle, place.speed)
+    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
+    wanted = signal_value(t, settings.loop.wanted)
+    loop, command = gerotor_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    return WatchedGerotorMemory(watch, loop), command

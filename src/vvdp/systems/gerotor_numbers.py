@@ -1,0 +1,41 @@
+"""How well a gerotor drive is controlled: errors of position and estimate, and their pictures."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from vvdp.results.chart import Chart
+from vvdp.results.result import Table
+from vvdp.systems.axial_charts import gerotor_charts
+from vvdp.systems.axial_loop import PROGRAM
+from vvdp.systems.axial_numbers import MOTION, lines_of, motion_numbers
+from vvdp.systems.extras import Extras, Summary
+from vvdp.systems.gerotor_loop import GerotorControl, WatchedGerotor
+
+if TYPE_CHECKING:
+    from vvdp.simulation.record import Record
+    from vvdp.simulation.run import Run
+    from vvdp.systems.system import System
+
+
+def gerotor_numbers(run: "Run", system: "System", helix_length: float) -> Summary:
+    """How well the drive of a system was controlled; `helix_length` [m]."""
+    settings = system.circuit.network.programs[PROGRAM].settings
+    loop = settings.loop if isinstance(settings, WatchedGerotor) else settings
+    assert isinstance(loop, GerotorControl)
+    return motion_numbers(run, run.state.gerotor.position, loop.sample_period, helix_length)
+
+
+class GerotorHeld(Extras):
+    """What a controlled gerotor drive brings along."""
+
+    OVERVIEW = lines_of(MOTION)
+    QUANTITIES = MOTION
+    HEADLINE = ("spool_position_error_rms_m", "spool_estimate_error_rms_m")
+
+    def record_numbers(self, run: "Run") -> Summary:
+        """How well the drive was controlled."""
+        return gerotor_numbers(run, self.system, self.tables["stroke"].helix_length)
+
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
+        """Position, command and errors."""
+        return gerotor_charts(record)
