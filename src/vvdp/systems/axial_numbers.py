@@ -70,17 +70,21 @@ def loop_of(system: "System") -> ChamberLoop:
 
 
 def rows_under_control(run: "Run", period: float) -> Controlled:
-    """The rows of a run at samples, every `period` [s], in which its axial drive is controlled."""
+    """The rows of a run at samples, every `period` [s], in which its axial drive is controlled.
+
+    A row at a sample shows what was commanded before it: motion and pressure are those of the row before.
+    """
+    at_sample = np.flatnonzero(np.abs(run.times / period - np.round(run.times / period)) < 1e-6)
+    now, after = at_sample[:-1], at_sample[1:]
+    is_run = run.command.axial.stage[after] == RUN
+    now, after = now[is_run], after[is_run]
     shown, state, memory = run.command.axial, run.state, run.memory[PROGRAM]
     loop = getattr(memory, "loop", memory)
-    at_sample = np.abs(run.times / period - np.round(run.times / period)) < 1e-6
-    rows = (shown.stage == RUN) & at_sample
-    true = ChamberReading(state.slide.position[rows], state.slide.velocity[rows], state.pilot_chamber[rows])
     return Controlled(
-        times=run.times[rows],
-        true=true,
-        shown=type(shown)(*(column[rows] for column in shown)),
-        reference=Reference(*(column[rows] for column in loop.reference)),
+        times=run.times[now],
+        true=ChamberReading(state.slide.position[now], state.slide.velocity[now], state.pilot_chamber[now]),
+        shown=type(shown)(*(column[after] for column in shown)),
+        reference=Reference(*(column[after] for column in loop.reference)),
     )
 
 
