@@ -64,6 +64,11 @@ def velocity_share(gains: PositionGains, flow_gain: float, drive: ChamberDrive) 
     return flow_gain * damping / drive.area**2
 
 
+def refuse_flow_gain(gains: BacksteppingGains, drive: ChamberDrive) -> None:
+    """Raises `ParameterError` for k of 1 and more: with any lambda_2 the flow then depends on the measured velocity."""
+    best_pressure_weight(1.0, gains, gains.flow_gain, drive)
+
+
 def best_pressure_weight(compliance: float, gains: PositionGains, flow_gain: float, drive: ChamberDrive) -> float:
     """The lambda_2 [m^3/Pa] with which the flow does not depend on the measured velocity: (V/beta)/(1 - k).
 

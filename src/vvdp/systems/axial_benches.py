@@ -29,7 +29,14 @@ from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
 from vvdp.simulation.outcome import Outcome
-from vvdp.systems.axial_control import AxialControl, add_chamber_control, add_drive, chamber_loop, scale_signal
+from vvdp.systems.axial_control import (
+    AxialControl,
+    add_chamber_control,
+    add_drive,
+    chamber_loop,
+    chosen_law,
+    scale_signal,
+)
 from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
 from vvdp.systems.axial_numbers import AxialLoop
 from vvdp.systems.axial_sensor import AxialSensorTable, add_axial_sensor
@@ -43,6 +50,7 @@ from vvdp.systems.axial_tables import (
     InitialPosition,
     PilotSupply,
 )
+from vvdp.systems.chamber_feedback import RawFeedback, TrueFeedback
 from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.gerotor_control import (
     ClockedTable,
@@ -96,7 +104,11 @@ def axial_chamber(
     axial_reference: ReferenceFilter | None = None,
     axial_sequence: AxialSequence | None = None,
     passivity: PassivityGains | None = None,
+    printed_passivity: PassivityGains | None = None,
     backstepping: BacksteppingGains | None = None,
+    raw_feedback: RawFeedback | None = None,
+    true_feedback: TrueFeedback | None = None,
+    believed_oil: Oil | None = None,
 ) -> Network:
     """One pressure chamber against a spring: its valve on a prescribed command, or controlled to a duty ratio."""
     drive = ChamberDrive(
@@ -123,13 +135,15 @@ def axial_chamber(
     control = AxialControl(
         sensor=axial_sensor,
         observer=_require("axial_observer", axial_observer),
-        gains=_law(passivity, backstepping),
+        law=chosen_law(passivity, printed_passivity, backstepping),
         reference=_require("axial_reference", axial_reference),
         sequence=_require("axial_sequence", axial_sequence),
         helix_length=stroke.helix_length,
         wanted=scale_signal(operation.duty_ratio, stroke.helix_length),
+        feedback=_feedback(raw_feedback, true_feedback),
+        oil=believed_oil,
     )
-    add_chamber_control(net, chamber_loop(control, drive, pilot), "spool")
+    add_chamber_control(net, control, chamber_loop(control, drive, pilot), "spool")
     return net
 
 
@@ -139,13 +153,11 @@ def _require(name: str, table: Given | None) -> Given:
     return table
 
 
-def _law(
-    passivity: PassivityGains | None, backstepping: BacksteppingGains | None
-) -> PassivityGains | BacksteppingGains:
-    """The one law that is given."""
-    if (passivity is None) == (backstepping is None):
-        raise ParameterError("expected one table of gains, [passivity] or [backstepping]")
-    return passivity if passivity is not None else backstepping  # type: ignore[return-value]
+def _feedback(raw: RawFeedback | None, true: TrueFeedback | None) -> RawFeedback | TrueFeedback | None:
+    """What the law is told in the observer's place, if anything."""
+    if raw is not None and true is not None:
+        raise ParameterError("expected at most one of the tables [raw_feedback] and [true_feedback]")
+    return raw or true
 
 
 def axial_gerotor(

@@ -1,7 +1,8 @@
 """The control of an axial drive as a part of a network: the program with its values, from the tables of a system."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,17 +10,31 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.signal import Signal
 from vvdp.components.axial_drive import ChamberDrive as DriveParts
 from vvdp.components.axial_drive import PilotJoints, add_chamber_drive, check_reach
-from vvdp.control.backstepping import BacksteppingGains
+from vvdp.control.backstepping import BacksteppingGains, refuse_flow_gain
 from vvdp.control.chamber import ChamberDrive
 from vvdp.control.orifice import ChamberValve
 from vvdp.control.passivity import PassivityGains
 from vvdp.control.reference import ReferenceFilter
 from vvdp.estimation.chamber_observer import ChamberObserver, SpringDrive
+from vvdp.fluid.oil import Oil
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
 from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, AxialPlace, AxialSequence, pollution_model
 from vvdp.systems.axial_sensor import AxialSensorTable, axial_sensor_of
 from vvdp.systems.axial_tables import PilotSupply
+from vvdp.systems.chamber_feedback import (
+    RawFeedback,
+    TrueFeedback,
+    TruePlace,
+    raw_backstepping_step,
+    raw_passive_step,
+    raw_printed_step,
+    true_backstepping_step,
+    true_passive_step,
+    true_printed_step,
+    watched_printed_step,
+    watched_raw_step,
+)
 from vvdp.systems.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
@@ -28,23 +43,72 @@ from vvdp.systems.chamber_loop import (
     backstepping_step,
     chamber_loop_start,
     passive_step,
+    printed_step,
     watched_start,
     watched_step,
 )
 from vvdp.systems.spool_encoder import WatchSettings
 
+Step = Callable[..., Any]
+
+
+class Laws(NamedTuple):
+    """A law's programs: told by the observer, what the sensor shows, or the truth; and the first two where an encoder
+    watches the spool. None: there is no such program."""
+
+    observed: Step
+    raw: Step
+    true: Step
+    watched: Step | None
+    watched_raw: Step | None
+
+
+PASSIVE = Laws(passive_step, raw_passive_step, true_passive_step, watched_step, watched_raw_step)
+PRINTED = Laws(printed_step, raw_printed_step, true_printed_step, watched_printed_step, None)
+BACKSTEPPING = Laws(backstepping_step, raw_backstepping_step, true_backstepping_step, None, None)
+
+
+@dataclass(frozen=True)
+class ChosenLaw:
+    """The one law that a system gives gains for, and by which table."""
+
+    laws: Laws
+    gains: PassivityGains | BacksteppingGains
+
+
+def chosen_law(
+    passivity: PassivityGains | None = None,
+    printed_passivity: PassivityGains | None = None,
+    backstepping: BacksteppingGains | None = None,
+) -> ChosenLaw:
+    """The law whose gains are given. Raises ParameterError where that is none, or more than one."""
+    pairs = ((PASSIVE, passivity), (PRINTED, printed_passivity), (BACKSTEPPING, backstepping))
+    given = [ChosenLaw(laws, gains) for laws, gains in pairs if gains is not None]
+    if len(given) != 1:
+        raise ParameterError(
+            "expected one table of gains: [passivity], [printed_passivity] or, where no encoder watches the spool, "
+            "[backstepping]"
+        )
+    return given[0]
+
 
 @dataclass(frozen=True)
 class AxialControl:
-    """The tables of the control of an axial drive, and the `wanted` position [m]; `gains` choose the law."""
+    """The tables of the control of an axial drive, and the `wanted` position [m].
+
+    The law is told what the observer estimates, unless a `feedback` says otherwise. `oil` is the chamber's as the
+    controller knows it, where that is not the chamber's own.
+    """
 
     sensor: AxialSensorTable
     observer: AxialObserverTable
-    gains: PassivityGains | BacksteppingGains
+    law: ChosenLaw
     reference: ReferenceFilter
     sequence: AxialSequence
     helix_length: float
     wanted: Signal
+    feedback: RawFeedback | TrueFeedback | None = None
+    oil: Oil | None = None
 
 
 def scale_signal(signal: Signal, factor: float) -> Signal:
@@ -102,7 +166,8 @@ def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float
 def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -> ChamberLoop:
     """The values of the loop. Raises ParameterError where the supply cannot hold the position that is wanted."""
     check_reach("operation.duty_ratio", control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
-    drive = known_drive(parts, pilot)
+    drive = known_drive(replace(parts, oil=control.oil or parts.oil), pilot)
+    gains = control.law.gains
     values: dict[str, Any] = {
         "sensor": axial_sensor_of(control.sensor),
         "observer": chamber_observer(control, drive, parts.friction.viscous_friction, parts.stops.lower_end),
@@ -111,9 +176,15 @@ def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -
         "sequence": control.sequence,
         "wanted": control.wanted,
     }
-    if isinstance(control.gains, PassivityGains):
-        return PassiveLoop(gains=control.gains, **values)
-    return BacksteppingLoop(gains=control.gains, **values)
+    if control.feedback is not None:
+        values["velocity_rate"] = control.feedback.velocity_rate
+    if isinstance(gains, PassivityGains):
+        return PassiveLoop(gains=gains, **values)
+    try:
+        refuse_flow_gain(gains, drive)
+    except ParameterError as problem:
+        raise ParameterError(f"backstepping.{problem}") from None
+    return BacksteppingLoop(gains=gains, **values)
 
 
 def add_drive(net: Network, parts: DriveParts, pilot: PilotSupply) -> str:
@@ -121,27 +192,40 @@ def add_drive(net: Network, parts: DriveParts, pilot: PilotSupply) -> str:
     return add_chamber_drive(net, parts, PilotJoints(pilot.supply_pressure, pilot.tank_pressure, f"{PROGRAM}.drive"))
 
 
-def add_chamber_control(net: Network, loop: ChamberLoop, spool: str) -> None:
+def add_chamber_control(net: Network, control: AxialControl, loop: ChamberLoop, spool: str) -> None:
     """Add the program that controls a chamber drive whose spool turns with the shaft `spool`, its angle known."""
-    step = passive_step if isinstance(loop, PassiveLoop) else backstepping_step
-    kind = ProgramType(step, AxialPlace, UNKNOWN, type(loop), chamber_loop_start)
-    net.program(PROGRAM, kind, loop, reads=_reads(spool), period=loop.observer.sample_period)
+    laws = control.law.laws
+    place: type[AxialPlace] | type[TruePlace] = AxialPlace
+    step = laws.observed
+    if isinstance(control.feedback, RawFeedback):
+        step = laws.raw
+    elif control.feedback is not None:
+        step, place = laws.true, TruePlace
+    kind = ProgramType(step, place, UNKNOWN, type(loop), chamber_loop_start)
+    net.program(PROGRAM, kind, loop, reads=_reads(spool, place), period=loop.observer.sample_period)
 
 
-def add_watched_control(net: Network, loop: ChamberLoop, spool: str, watch: WatchSettings) -> None:
-    """The same with the spool watched by an encoder."""
-    if not isinstance(loop, PassiveLoop):
-        raise ParameterError("a spool that an encoder watches is controlled by a table [passivity]")
-    kind = ProgramType(watched_step, AxialPlace, UNKNOWN, WatchedLoop, watched_start)
+def add_watched_control(
+    net: Network, control: AxialControl, loop: ChamberLoop, spool: str, watch: WatchSettings
+) -> None:
+    """The same with the spool watched by an encoder. Raises ParameterError for a law that has no such program."""
+    laws = control.law.laws
+    step = laws.watched if control.feedback is None else laws.watched_raw
+    if step is None or not isinstance(loop, PassiveLoop):
+        raise ParameterError("a table [raw_feedback] goes with [passivity] where an encoder watches the spool")
+    kind = ProgramType(step, AxialPlace, UNKNOWN, WatchedLoop, watched_start)
     settings = WatchedLoop(watch=watch, loop=loop)
-    net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.observer.sample_period)
+    net.program(PROGRAM, kind, settings, reads=_reads(spool, AxialPlace), period=loop.observer.sample_period)
 
 
-def _reads(spool: str) -> dict[str, str]:
-    return {
+def _reads(spool: str, place: type[AxialPlace] | type[TruePlace]) -> dict[str, str]:
+    """Where each field of a `place` is read."""
+    paths = {
         "time": "t",
         "angle": f"{spool}.angle",
         "speed": f"{spool}.speed",
         "position": "slide.position",
         "pressure": "pilot_chamber.pressure",
+        "velocity": "slide.velocity",
     }
+    return {name: paths[name] for name in place._fields}

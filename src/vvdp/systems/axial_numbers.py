@@ -83,24 +83,26 @@ def loop_of(system: "System") -> ChamberLoop:
     return found
 
 
-def samples_under_control(run: "Run", period: float) -> Array:
-    """Whether a row of a run lies at a sample, every `period` [s], at which its axial drive is controlled."""
-    at_sample = np.abs(run.times / period - np.round(run.times / period)) < 1e-6
-    found: Array = (run.command.axial.stage == RUN) & at_sample
-    return found
+def samples_under_control(run: "Run", period: float) -> tuple[Array, Array]:
+    """The rows of a run at samples, every `period` [s], at which its axial drive is controlled, and those that follow.
+
+    A row at a sample shows what was commanded before it: what is commanded there stands in the row that follows.
+    """
+    at_sample = np.flatnonzero(np.abs(run.times / period - np.round(run.times / period)) < 1e-6)
+    is_run = run.command.axial.stage[at_sample[1:]] == RUN
+    return at_sample[:-1][is_run], at_sample[1:][is_run]
 
 
 def rows_under_control(run: "Run", period: float) -> Controlled:
     """The rows of a run at samples, every `period` [s], in which its chamber drive is controlled."""
+    now, after = samples_under_control(run, period)
     shown, state, memory = run.command.axial, run.state, run.memory[PROGRAM]
     loop = getattr(memory, "loop", memory)
-    rows = samples_under_control(run, period)
-    true = ChamberReading(state.slide.position[rows], state.slide.velocity[rows], state.pilot_chamber[rows])
     return Controlled(
-        times=run.times[rows],
-        true=true,
-        shown=type(shown)(*(column[rows] for column in shown)),
-        reference=Reference(*(column[rows] for column in loop.reference)),
+        times=run.times[now],
+        true=ChamberReading(state.slide.position[now], state.slide.velocity[now], state.pilot_chamber[now]),
+        shown=type(shown)(*(column[after] for column in shown)),
+        reference=Reference(*(column[after] for column in loop.reference)),
     )
 
 
@@ -111,11 +113,11 @@ def motion_numbers(run: "Run", position: Array, period: float, helix_length: flo
     period        of the samples [s]
     helix_length  duty ratio 0 to 1 [m]
     """
-    rows = np.flatnonzero(samples_under_control(run, period))
+    rows, after = samples_under_control(run, period)
     if rows.size < 2 or run.times[rows[-1]] - run.times[rows[0]] < SETTLED:
         return {}
-    late = rows[run.times[rows] >= run.times[rows[0]] + SETTLED]
-    shown, true = run.command.axial, position[late]
+    settled = run.times[rows] >= run.times[rows[0]] + SETTLED
+    late, shown, true = after[settled], run.command.axial, position[rows[settled]]
     tracking, estimation = true - shown.reference[late], shown.position[late] - true
     deviation = shown.position_deviation[late]
 

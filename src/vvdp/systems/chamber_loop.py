@@ -17,7 +17,7 @@ from vvdp.control.backstepping import BacksteppingGains, backstepping_law
 from vvdp.control.chamber import ChamberDrive, ChamberFlow, ChamberReading, PositionGains
 from vvdp.control.orifice import valve_command, valve_flow
 from vvdp.control.passivity import PassivityGains, passivity_law, printed_passivity_law
-from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
+from vvdp.control.reference import Rate, Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.control.storage import loop_balance
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, DutySight, Phase
 from vvdp.estimation.chamber_observer import ChamberObserver, chamber_observer_start, chamber_observer_step
@@ -43,7 +43,10 @@ AT_STOP = 0.2e-3
 
 
 class ChamberLoop(Params):
-    """What the control of a chamber drive works with; `wanted` is the position [m]."""
+    """What the control of a chamber drive works with; `wanted` is the position [m].
+
+    A velocity that no observer gives goes through a first-order filter of the `velocity_rate`.
+    """
 
     sensor: AxialSensor
     observer: ChamberObserver
@@ -51,6 +54,7 @@ class ChamberLoop(Params):
     reference: ReferenceFilter
     sequence: AxialSequence
     wanted: PositionSignal
+    velocity_rate: Rate = 1e6
 
 
 class PassiveLoop(ChamberLoop):
@@ -73,13 +77,14 @@ class WatchedLoop(Params):
 
 
 class LoopMemory(NamedTuple):
-    """What the loop carries from sample to sample."""
+    """What the loop carries from sample to sample; `reading` is what its law was told last."""
 
     sensor: InstrumentMemory
     observer: AxialMemory
     reference: Reference
     stage: Stage
     command: SignedFraction
+    reading: ChamberReading
 
 
 class WatchedMemory(NamedTuple):
@@ -112,6 +117,7 @@ def chamber_loop_start(settings: ChamberLoop) -> LoopMemory:
         reference=reference_at_rest(stop),
         stage=Stage(HOME, 0.0, 0.0),
         command=-1.0,
+        reading=ChamberReading(stop, 0.0, settings.drive.oil.reference_pressure),
     )
 
 
@@ -137,11 +143,10 @@ def chamber_view(
     )
     near = memory.stage.held > 0.0 or memory.stage.number == HOME or memory.observer.mean[0] < stop + AT_STOP
     held = 1.0 if near and is_pressed(place.pressure, settings) else 0.0
-    stage = next_stage(
-        memory.stage, place.time, held, phase.angle_deviation == phase.angle_deviation, settings.sequence
-    )
+    is_known = phase.angle_deviation == phase.angle_deviation
+    stage = next_stage(memory.stage, place.time, held, is_known, settings.sequence)
     margin = 1.0
-    if phase.angle_deviation == phase.angle_deviation:
+    if is_known:
         frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
         margin = observability_margin(frequency, phase.speed, int(observer.pollution.basis.harmonics))
     is_blind = signal.light <= 0.0 or stage.number == HOME
@@ -182,7 +187,7 @@ def chamber_command(
         command = valve_command(wanted.flow, pressure, drive.valve)
         storage = loop_balance(wanted.flow, view.reference, view.reading, gains, drive).storage
     seen, asked = (view.phase, view.measured, view.margin), (wanted.flow, wanted.desired.pressure, storage)
-    memory = LoopMemory(view.sensor, view.observer, view.reference, view.stage, command)
+    memory = LoopMemory(view.sensor, view.observer, view.reference, view.stage, command, view.reading)
     return memory, show(command, view.stage, view.reference, seen, view.estimate, asked)
 
 

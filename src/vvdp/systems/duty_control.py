@@ -23,11 +23,19 @@ from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
-from vvdp.systems.axial_control import AxialControl, add_drive, add_watched_control, chamber_loop, scale_signal
+from vvdp.systems.axial_control import (
+    AxialControl,
+    add_drive,
+    add_watched_control,
+    chamber_loop,
+    chosen_law,
+    scale_signal,
+)
 from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
 from vvdp.systems.axial_sensor import AxialSensorTable
 from vvdp.systems.axial_tables import InitialChamber, PilotSupply
 from vvdp.systems.bench_tables import DriveMotor, DutyOperation, InitialBench, Limits, OrificeLoad
+from vvdp.systems.chamber_feedback import RawFeedback
 from vvdp.systems.duty_bench import DutyControl
 from vvdp.systems.rotary_bench import joints, new_bench, pump_unit
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
@@ -59,7 +67,6 @@ def duty_control(
     pilot: PilotSupply,
     axial_sensor: AxialSensorTable,
     axial_observer: AxialObserverTable,
-    passivity: PassivityGains,
     axial_reference: ReferenceFilter,
     axial_sequence: AxialSequence,
     encoder: EncoderTable,
@@ -67,6 +74,9 @@ def duty_control(
     operation: DutyOperation,
     initial: InitialDutyControl,
     limits: Limits,
+    passivity: PassivityGains | None = None,
+    printed_passivity: PassivityGains | None = None,
+    raw_feedback: RawFeedback | None = None,
 ) -> Network:
     """A pump unit with an orifice load; a chamber moves its spool against a spring, to the duty ratio that is asked."""
     unit = pump_unit(
@@ -96,13 +106,14 @@ def duty_control(
     control = AxialControl(
         sensor=axial_sensor,
         observer=axial_observer,
-        gains=passivity,
+        law=chosen_law(passivity, printed_passivity),
         reference=axial_reference,
         sequence=axial_sequence,
         helix_length=valve.helix_length,
         wanted=scale_signal(operation.duty_ratio, valve.helix_length),
+        feedback=raw_feedback,
     )
     add_drive(net, parts, pilot)
     loop = chamber_loop(control, parts, pilot)
-    add_watched_control(net, loop, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))
+    add_watched_control(net, control, loop, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))
     return net

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.kinds import Angle, Flow, Fraction, Position, PositionSignal, SignedFraction, Speed, Time
+from vvdp.base.kinds import Angle, Flow, Fraction, Position, PositionSignal, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import signal_value
 from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_start, pi_step
@@ -177,9 +177,7 @@ def position_command(
     if view.stage.number == HOME:
         command = -settings.sequence.homing_command
     if view.stage.number == RUN:
-        integral, flow = pi_step(
-            view.integral, view.reference, estimate.position, settings.sample_period, settings.law
-        )
+        integral, flow = pi_step(view.integral, view.reference, estimate.position, settings.sample_period, settings.law)
         command = gerotor_command(flow, settings.calibration)
     memory = DriveMemory(
         sensor=view.sensor,

@@ -1,0 +1,185 @@
+"""What else a law of the chamber drive may be told than an observer's estimate: the sensor as it is, or the truth.
+
+Both are there to be compared with. The observer runs along, and is shown, but nothing hears it.
+
+Source  ours, docs/models/axial-control.md, where a function names no other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Angle, Position, Pressure, Speed, Time, Velocity
+from vvdp.base.params import Params
+from vvdp.base.signal import signal_value
+from vvdp.control.backstepping import backstepping_law
+from vvdp.control.chamber import ChamberReading
+from vvdp.control.passivity import passivity_law, printed_passivity_law
+from vvdp.control.reference import Rate
+from vvdp.estimation.axial_filter import Phase
+from vvdp.sensing.encoder import Shaft
+from vvdp.systems.axial_loop import AxialCommand, AxialPlace, known_phase
+from vvdp.systems.chamber_loop import (
+    BacksteppingLoop,
+    ChamberLoop,
+    ChamberView,
+    LoopMemory,
+    PassiveLoop,
+    WatchedLoop,
+    WatchedMemory,
+    chamber_command,
+    chamber_view,
+    printed_axial_step,
+    turned_phase,
+)
+from vvdp.systems.spool_encoder import watch_step
+
+
+class VelocityFilter(Params):
+    """A velocity goes through a first-order filter of the `velocity_rate`, 2 pi times its frequency."""
+
+    velocity_rate: Rate
+
+    def check(self) -> None:
+        if not self.velocity_rate > 0.0:
+            raise ParameterError(f"{type(self).__name__}.velocity_rate: 0 1/s; expected a rate above 0")
+
+
+class RawFeedback(VelocityFilter):
+    """The [raw_feedback] table: the law is told the sensor's position, pollution and all, and its filtered slope."""
+
+
+class TrueFeedback(VelocityFilter):
+    """The [true_feedback] table: the law is told the true position and the filtered true velocity."""
+
+
+class TruePlace(NamedTuple):
+    """What stands before the sensors, and the velocity that none of them measures."""
+
+    time: Time
+    angle: Angle
+    speed: Speed
+    position: Position
+    pressure: Pressure
+    velocity: Velocity
+
+
+def view_with(view: ChamberView, reading: ChamberReading) -> ChamberView:
+    """The same view with another reading for the law."""
+    return ChamberView(
+        sensor=view.sensor,
+        observer=view.observer,
+        reference=view.reference,
+        stage=view.stage,
+        estimate=view.estimate,
+        reading=reading,
+        phase=view.phase,
+        measured=view.measured,
+        margin=view.margin,
+    )
+
+
+def filtered(before: float, velocity: float, settings: ChamberLoop) -> float:
+    """The velocity [m/s] after a sample, from the one before it and the new one."""
+    fading: float = np.exp(-settings.velocity_rate * settings.observer.sample_period)
+    return velocity + fading * (before - velocity)
+
+
+def raw_view(memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: ChamberLoop) -> ChamberView:
+    """What is known after a sample, the law being told what the sensor shows; at the stop the spool stands still."""
+    view = chamber_view(memory, place, phase, wanted, settings)
+    slope = (view.measured - memory.reading.position) / settings.observer.sample_period
+    velocity = 0.0 if view.stage.held > 0.0 else filtered(memory.reading.velocity, slope, settings)
+    return view_with(view, ChamberReading(view.measured, velocity, place.pressure))
+
+
+def true_view(t: float, memory: LoopMemory, place: TruePlace, settings: ChamberLoop) -> ChamberView:
+    """What is known after a sample, the law being told the truth."""
+    seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)
+    view = chamber_view(memory, seen, turned_phase(seen), signal_value(t, settings.wanted), settings)
+    velocity = filtered(memory.reading.velocity, place.velocity, settings)
+    return view_with(view, ChamberReading(place.position, velocity, place.pressure))
+
+
+def raw_passive_axial_step(
+    memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """One sample of the passivity law that is told what the sensor shows."""
+    view = raw_view(memory, place, phase, wanted, settings)
+    flow = passivity_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def raw_passive_step(
+    t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: the passivity law, told what the sensor shows; the spool's angle known."""
+    return raw_passive_axial_step(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+
+
+def raw_printed_step(
+    t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: the published passivity law, told what the sensor shows; the spool's angle known."""
+    view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+    flow = printed_passivity_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def raw_backstepping_step(
+    t: float, memory: LoopMemory, place: AxialPlace, settings: BacksteppingLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: backstepping, told what the sensor shows; the spool's angle known."""
+    view = raw_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
+    flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def true_passive_step(
+    t: float, memory: LoopMemory, place: TruePlace, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: the passivity law, told the truth."""
+    view = true_view(t, memory, place, settings)
+    flow = passivity_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def true_printed_step(
+    t: float, memory: LoopMemory, place: TruePlace, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: the published passivity law, told the truth."""
+    view = true_view(t, memory, place, settings)
+    flow = printed_passivity_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def true_backstepping_step(
+    t: float, memory: LoopMemory, place: TruePlace, settings: BacksteppingLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """Program: backstepping, told the truth."""
+    view = true_view(t, memory, place, settings)
+    flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
+    return chamber_command(view, flow, settings.gains, settings)
+
+
+def watched_raw_step(
+    t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
+) -> tuple[WatchedMemory, AxialCommand]:
+    """Program: as `watched_step`, but the law is told what the sensor shows."""
+    shaft = Shaft(place.time, place.angle, place.speed)
+    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
+    wanted = signal_value(t, settings.loop.wanted)
+    loop, command = raw_passive_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    return WatchedMemory(watch, loop), command
+
+
+def watched_printed_step(
+    t: float, memory: WatchedMemory, place: AxialPlace, settings: WatchedLoop
+) -> tuple[WatchedMemory, AxialCommand]:
+    """Program: as `watched_step`, with the published passivity law."""
+    shaft = Shaft(place.time, place.angle, place.speed)
+    watch, estimate = watch_step(t, memory.watch, shaft, settings.watch)
+    wanted = signal_value(t, settings.loop.wanted)
+    loop, command = printed_axial_step(memory.loop, place, known_phase(estimate), wanted, settings.loop)
+    return WatchedMemory(watch, loop), command
