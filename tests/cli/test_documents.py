@@ -42,6 +42,7 @@ ENDINGS = {
     "m^3": "_m3",
     "kg": "_kg",
     "kg*m^2": "_kg_m2",
+    "kg/m^3": "_kg_m3",
 }
 OTHERS = {"1", "text", "list", "true or false", "its own"}
 
