@@ -16,8 +16,8 @@ from vvdp.systems.system import System, built_system, load_system, shipped_syste
 NAMES = ("axial-chamber", "axial-gerotor")
 BY_COMMAND = """
 [operation]
-command = { table = [["0 s", "0"], ["0.05 s", "0"], ["0.05 s", "0.05"], ["0.2 s", "0.05"], ["0.2 s", "1"], ["0.9 s", "1"],
-  ["0.9 s", "-1"]] }
+command = { table = [["0 s", "0"], ["0.05 s", "0"], ["0.05 s", "0.05"], ["0.2 s", "0.05"], ["0.2 s", "1"],
+  ["0.9 s", "1"], ["0.9 s", "-1"]] }
 spool_speed = "10 rev/s"
 [initial]
 axial_position = "0 mm"
@@ -28,17 +28,30 @@ average_from = "0.2 s"
 """The gerotor drive without its control: inside the dead band, forward to its end, and back."""
 
 
-def gerotor_by_command() -> str:
-    """The shipped gerotor drive on a prescribed command."""
-    text = shipped_systems()["axial-gerotor"]
-    return text[: text.index("[axial_observer]")] + BY_COMMAND
+CHAMBER_BY_COMMAND = """
+[operation]
+command = { table = [["0 s", "0"], ["0.05 s", "0"], ["0.05 s", "0.2"], ["0.15 s", "0.2"], ["0.15 s", "0"],
+  ["0.5 s", "0"], ["0.5 s", "-0.02"], ["0.51 s", "-0.02"], ["0.51 s", "0"], ["0.7 s", "0"], ["0.7 s", "-1"]] }
+spool_speed = "22.5 rev/s"
+oil_temperature = "40 degC"
+[initial]
+axial_position = "-6.2 mm"
+chamber_pressure = "0 bar"
+[run]
+until = "1 s"
+average_from = "0.2 s"
+"""
+"""The chamber drive without its control: filled, shut, let out a little, and at 0.7 s de-energised."""
+
+
+def by_command(name: str) -> str:
+    """A shipped drive on a prescribed command."""
+    text = shipped_systems()[name]
+    return text[: text.index("[axial_observer]")] + (BY_COMMAND if name == "axial-gerotor" else CHAMBER_BY_COMMAND)
 
 
 def loaded(name: str, settings: tuple[str, ...] = ()) -> System:
-    if name == "axial-gerotor":
-        table = parsed_table(gerotor_by_command(), name)
-        return built_system(with_settings(table, list(settings)), name)
-    return load_system(name, settings)
+    return built_system(with_settings(parsed_table(by_command(name), name), list(settings)), name)
 
 
 @cache
@@ -105,14 +118,14 @@ def test_stroke_beyond_the_reach_is_refused_with_numbers(tmp_path):
 
 
 def test_calibration_that_is_not_monotone_is_refused_with_its_line(tmp_path):
-    text = gerotor_by_command().replace('"56 %"', '"80 %"')
+    text = by_command("axial-gerotor").replace('"56 %"', '"80 %"')
     line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("light ="))
     told = refusal(text, tmp_path)
     assert f"own.toml:{line}: axial_sensor.light: row 3 has 0.8 after 0.76" in told
 
 
 def test_table_of_flows_that_falls_is_refused_with_its_line(tmp_path):
-    text = gerotor_by_command()
+    text = by_command("axial-gerotor")
     begin, end = text.index("[characteristic]"), text.index("[stroke]")
     rows = '[characteristic]\ncommands = ["-1", "0", "0.5", "1"]\nflows = ["-1.6 lpm", "0 lpm", "1 lpm", "0.9 lpm"]\n\n'
     text = text[:begin] + rows + text[end:]
@@ -122,7 +135,7 @@ def test_table_of_flows_that_falls_is_refused_with_its_line(tmp_path):
 
 
 def test_calibrated_drive_runs_from_a_file(tmp_path):
-    text = gerotor_by_command()
+    text = by_command("axial-gerotor")
     begin, end = text.index("[characteristic]"), text.index("[stroke]")
     rows = '[characteristic]\ncommands = ["-1", "-0.08", "0.06", "1"]\n'
     rows += 'flows = ["-1.62 lpm", "0 lpm", "0 lpm", "1.8 lpm"]\n\n'

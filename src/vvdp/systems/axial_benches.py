@@ -3,11 +3,9 @@
 The functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
 """
 
-from types import MappingProxyType
 from typing import TypeVar
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import DUTY_RATIO, POSITION
 from vvdp.components.axial_drive import (
     ChamberDrive,
     PilotJoints,
@@ -21,14 +19,12 @@ from vvdp.control.backstepping import BacksteppingGains
 from vvdp.control.passivity import PassivityGains
 from vvdp.control.reference import ReferenceFilter
 from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.chamber_drive import static_reach
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.gerotor_drive import GerotorBelief, GerotorCalibration, GerotorDrive, GerotorMap
 from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
-from vvdp.simulation.outcome import Outcome
 from vvdp.systems.axial_control import (
     AxialControl,
     add_chamber_control,
@@ -38,7 +34,7 @@ from vvdp.systems.axial_control import (
     scale_signal,
 )
 from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
-from vvdp.systems.axial_numbers import AxialLoop
+from vvdp.systems.axial_numbers import AxialLoop, ChamberReach
 from vvdp.systems.axial_sensor import AxialSensorTable, add_axial_sensor
 from vvdp.systems.axial_tables import (
     AxialStroke,
@@ -51,7 +47,6 @@ from vvdp.systems.axial_tables import (
     PilotSupply,
 )
 from vvdp.systems.chamber_feedback import RawFeedback, TrueFeedback
-from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.gerotor_control import (
     ClockedTable,
     GeneratorTable,
@@ -64,27 +59,6 @@ from vvdp.systems.gerotor_loop import GerotorSequence
 from vvdp.systems.gerotor_numbers import GerotorHeld
 
 Given = TypeVar("Given")
-
-
-class ChamberReach(Extras):
-    """How far the supply of a chamber drive holds the spool against its spring."""
-
-    STEADY = False
-    QUANTITIES = MappingProxyType(
-        {
-            "axial_reach_m": (POSITION, "position that the pilot supply holds against the spring"),
-            "duty_reach": (DUTY_RATIO, "duty ratio of the position that the pilot supply holds"),
-        }
-    )
-
-    def simulation_numbers(self, run: Outcome, found: Summary) -> Summary:  # noqa: ARG002
-        """The reach, and the duty ratio there, at the lowest pressure of the supply."""
-        tables = self.tables
-        pressure = tables["pilot"].supply_pressure.extremes[0]
-        reference = tables["pilot_oil"].reference_pressure
-        reach = static_reach(pressure, reference, tables["axial_piston"], tables["axial_spring"])
-        reach = min(reach, tables["axial_stops"].upper_end)
-        return {"axial_reach_m": reach, "duty_reach": reach / tables["stroke"].helix_length}
 
 
 def axial_chamber(

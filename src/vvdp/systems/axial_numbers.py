@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import COUNT, DUTY_RATIO, EFFICIENCY, ENERGY, LENGTH, NUMBER, TIME, Kind
+from vvdp.base.kinds import COUNT, DUTY_RATIO, EFFICIENCY, ENERGY, LENGTH, NUMBER, POSITION, TIME, Kind
 from vvdp.control.chamber import ChamberReading, desired_pressure, volume_compliance
 from vvdp.control.orifice import valve_flow
 from vvdp.control.passivity import PassivityGains, pressure_error_gain
 from vvdp.control.reference import Reference
 from vvdp.control.storage import StorageBalance, pressure_balance, storage_excess
 from vvdp.control.tuning import sampling_limits, sampling_warning
+from vvdp.hydraulics.chamber_drive import static_reach
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.systems.axial_charts import control_charts
@@ -23,6 +24,7 @@ from vvdp.systems.extras import Extras, Summary
 from vvdp.systems.extras import Line as Row
 
 if TYPE_CHECKING:
+    from vvdp.simulation.outcome import Outcome
     from vvdp.simulation.record import Record
     from vvdp.simulation.run import Run
     from vvdp.systems.system import System
@@ -188,11 +190,32 @@ def control_warnings(loop: ChamberLoop) -> Iterator[str]:
         yield warning
 
 
-class AxialLoop(Extras):
+class ChamberReach(Extras):
+    """How far the supply of a chamber drive holds the spool against its spring."""
+
+    STEADY = False
+    QUANTITIES = MappingProxyType(
+        {
+            "axial_reach_m": (POSITION, "position that the pilot supply holds against the spring"),
+            "duty_reach": (DUTY_RATIO, "duty ratio of the position that the pilot supply holds"),
+        }
+    )
+
+    def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:  # noqa: ARG002
+        """The reach, and the duty ratio there, at the lowest pressure of the supply."""
+        tables = self.tables
+        pressure = tables["pilot"].supply_pressure.extremes[0]
+        reference = tables["pilot_oil"].reference_pressure
+        reach = static_reach(pressure, reference, tables["axial_piston"], tables["axial_spring"])
+        reach = min(reach, tables["axial_stops"].upper_end)
+        return {"axial_reach_m": reach, "duty_reach": reach / tables["stroke"].helix_length}
+
+
+class AxialLoop(ChamberReach):
     """What a controlled axial drive brings along."""
 
     OVERVIEW = LINES
-    QUANTITIES = QUANTITIES
+    QUANTITIES = MappingProxyType({**QUANTITIES, **ChamberReach.QUANTITIES})
     HEADLINE = ("spool_position_error_rms_m", "spool_estimate_error_rms_m")
 
     def record_numbers(self, run: "Run") -> Summary:
