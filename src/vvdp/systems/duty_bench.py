@@ -3,31 +3,42 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from vvdp.base.kinds import Kind
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.run import Run
-from vvdp.systems.axial_charts import control_charts
-from vvdp.systems.axial_numbers import LINES, QUANTITIES, control_numbers, control_warnings, loop_of
+from vvdp.systems.axial_charts import control_charts, gerotor_charts
+from vvdp.systems.axial_numbers import MOTION, QUANTITIES, control_numbers, control_warnings, lines_of, loop_of
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.extras import Summary
+from vvdp.systems.gerotor_numbers import gerotor_numbers
 
 if TYPE_CHECKING:
     from vvdp.simulation.record import Record
     from vvdp.systems.system import System
 
 
-class DutyControl(RotaryBench):
+class HeldDuty(RotaryBench):
     """A bench whose duty ratio is asked of an axial drive; closed forms are those of the duty ratio that is asked."""
+
+    HELD: Mapping[str, tuple[Kind, str]]
+    """Numbers of its drive."""
 
     def __init__(self, system: "System", tables: Mapping[str, Any] | None = None) -> None:
         super().__init__(system, tables)
-        self.QUANTITIES = {**self.QUANTITIES, **QUANTITIES}
-        self.OVERVIEW = (*self.OVERVIEW, *LINES)
+        self.QUANTITIES = {**self.QUANTITIES, **self.HELD}
+        self.OVERVIEW = (*self.OVERVIEW, *lines_of(self.HELD))
 
     @property
     def is_watched(self) -> bool:
         """The encoder belongs to the axial control, which shows what it believes."""
         return False
+
+
+class DutyControl(HeldDuty):
+    """A bench whose spool a chamber moves against a spring."""
+
+    HELD = QUANTITIES
 
     def record_numbers(self, run: Run) -> Summary:
         """How well the duty ratio was held."""
@@ -41,3 +52,17 @@ class DutyControl(RotaryBench):
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """Position, pressure, storage and errors."""
         return control_charts(record)
+
+
+class GerotorDutyControl(HeldDuty):
+    """A bench whose spool a gerotor pump moves."""
+
+    HELD = MOTION
+
+    def record_numbers(self, run: Run) -> Summary:
+        """How well the duty ratio was held."""
+        return gerotor_numbers(run, self.system, self.valve.helix_length)
+
+    def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
+        """Position, command and errors."""
+        return gerotor_charts(record)

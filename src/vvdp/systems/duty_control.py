@@ -5,9 +5,9 @@ The functions that return a `Network` are what a system file names as its circui
 
 from dataclasses import replace
 
-from vvdp.components.axial_drive import ChamberDrive
+from vvdp.components.axial_drive import ChamberDrive, add_gerotor_drive
 from vvdp.components.directional_valves import ThreeWayProportionalValve
-from vvdp.components.pump_unit import add_pump_unit
+from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
 from vvdp.components.resistances import ORIFICE
 from vvdp.control.passivity import PassivityGains
 from vvdp.control.reference import ReferenceFilter
@@ -16,6 +16,7 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.check_valve import CheckPoppet
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
+from vvdp.hydraulics.gerotor_drive import GerotorBelief, GerotorCalibration, GerotorDrive, GerotorMap
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.rod import EndStop, Spring
@@ -31,18 +32,24 @@ from vvdp.systems.axial_control import (
     chosen_law,
     scale_signal,
 )
-from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
+from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
 from vvdp.systems.axial_sensor import AxialSensorTable
-from vvdp.systems.axial_tables import InitialChamber, PilotSupply
+from vvdp.systems.axial_tables import InitialChamber, InitialPosition, PilotSupply
 from vvdp.systems.bench_tables import DriveMotor, DutyOperation, InitialBench, Limits, OrificeLoad
 from vvdp.systems.chamber_feedback import RawFeedback
-from vvdp.systems.duty_bench import DutyControl
+from vvdp.systems.duty_bench import DutyControl, GerotorDutyControl
+from vvdp.systems.gerotor_control import GerotorTables, PIGains, add_watched_gerotor
+from vvdp.systems.gerotor_loop import GerotorSequence
 from vvdp.systems.rotary_bench import joints, new_bench, pump_unit
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
 from vvdp.valve.rotary import RotaryValve
 
 
 class InitialDutyControl(InitialBench, InitialChamber):
+    """Where a run starts."""
+
+
+class InitialGerotorControl(InitialBench, InitialPosition):
     """Where a run starts."""
 
 
@@ -89,9 +96,7 @@ def duty_control(
     )
     net = new_bench(oil, unit, operation, load, initial, limits)
     net.extras = DutyControl
-    net.volume("load_line", load_line, start="initial.load_pressure")
-    add_pump_unit(net, unit, replace(joints(operation, valve, limits), axial_position="slide.position"))
-    net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
+    join_load(net, unit, replace(joints(operation, valve, limits), axial_position="slide.position"), load_line, load)
     parts = ChamberDrive(
         piston=axial_piston,
         spring=axial_spring,
@@ -117,3 +122,62 @@ def duty_control(
     loop = chamber_loop(control, parts, pilot)
     add_watched_control(net, control, loop, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))
     return net
+
+
+def duty_control_gerotor(
+    oil: Oil,
+    pump: Pump,
+    motor: DriveMotor,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    valve: RotaryValve,
+    spool_drive: SpoolDrive,
+    check_valve: CheckPoppet,
+    load_line: Vessel,
+    load: OrificeLoad,
+    gerotor: GerotorDrive,
+    characteristic: GerotorMap | GerotorCalibration,
+    calibration: GerotorBelief,
+    axial_sensor: AxialSensorTable,
+    axial_observer: AxialObserverTable,
+    position_control: PIGains,
+    axial_reference: ReferenceFilter,
+    axial_sequence: GerotorSequence,
+    encoder: EncoderTable,
+    spool_filter: EventFilterValues,
+    operation: DutyOperation,
+    initial: InitialGerotorControl,
+    limits: Limits,
+) -> Network:
+    """The same with a gerotor pump that moves the spool."""
+    unit = pump_unit(
+        pump=pump,
+        inlet=inlet,
+        relief_valve=relief_valve,
+        valve=valve,
+        spool_drive=spool_drive,
+        check_valve=check_valve,
+    )
+    net = new_bench(oil, unit, operation, load, initial, limits)
+    net.extras = GerotorDutyControl
+    join_load(net, unit, replace(joints(operation, valve, limits), axial_position="gerotor.position"), load_line, load)
+    add_gerotor_drive(net, gerotor, characteristic, f"{PROGRAM}.drive", initial.axial_position)
+    tables = GerotorTables(
+        sensor=axial_sensor,
+        observer=axial_observer,
+        gains=position_control,
+        calibration=calibration,
+        reference=axial_reference,
+        sequence=axial_sequence,
+        helix_length=valve.helix_length,
+        wanted=scale_signal(operation.duty_ratio, valve.helix_length),
+    )
+    add_watched_gerotor(net, tables, gerotor, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))
+    return net
+
+
+def join_load(net: Network, unit: PumpUnit, joined: UnitJoints, load_line: Vessel, load: OrificeLoad) -> None:
+    """Add the pump unit, the line it delivers into, and the orifice from there to the tank."""
+    net.volume("load_line", load_line, start="initial.load_pressure")
+    add_pump_unit(net, unit, joined)
+    net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
