@@ -45,6 +45,8 @@ LONG_COMMANDS: Mapping[str, tuple[str, ...]] = {
     "rig claims": ("rig claims prototype",),
     "design optimum": ("design optimum prototype --starts 1",),
     "design pareto": ("design pareto prototype --points 8 --generations 2",),
+    "cfd rail": ("cfd rail prototype",),
+    "cfd sweep": ('cfd sweep prototype --flow "20 lpm" "60 lpm" 3',),
 }
 """The same, of what takes longer."""
 Keys: TypeAlias = Mapping[str, tuple[str, str]]

@@ -1,14 +1,32 @@
 """What the tests of computed flows share: the OpenFOAM of this machine, and cases of a second."""
 
+import io
+from contextlib import redirect_stderr, redirect_stdout
+from typing import NamedTuple
+
 import pytest
 
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.engine import MissingProgramError, OpenFoam, find_openfoam
 from vvdp.cfd.verification import Cylinders, Pipe, pipe_case
+from vvdp.cli.main import main
 
 OIL = Fluid(density=876.0, viscosity=0.0387)
 PAIR = Cylinders(inner=10e-3, outer=20e-3, length=1e-3, speed=0.05)
 PIPE = Pipe(radius=2e-3, length=20e-3, velocity=1.0)
+
+
+class Said(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+
+def say(*words: str, verb: str = "rail") -> Said:
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err), pytest.raises(SystemExit) as ended:
+        main(["cfd", verb, *words])
+    return Said(ended.value.code or 0, out.getvalue(), err.getvalue())
 
 
 @pytest.fixture(scope="session")

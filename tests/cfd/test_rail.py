@@ -1,22 +1,21 @@
 """`vvdp cfd rail`: the small case computed for real, its result and page, and what is refused."""
 
-import io
 import json
 import math
-from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from tests.cfd.conftest import say
 
 from vvdp.cfd import rail
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.rail import RailOrder, outlets, rail_case, turned_rail
 from vvdp.cfd.snapping import SURFACE
-from vvdp.cli.main import main
 from vvdp.geometry.domains import rail_domain
 from vvdp.geometry.measure import rail_mouths
-from vvdp.geometry.shape import perpendicular_area, valve_shape
+from vvdp.geometry.shape import perpendicular_area
+from vvdp.geometry.shape_tables import given_shape
 from vvdp.report.cfd_report import write_cfd_report
 from vvdp.results.store import read_result
 from vvdp.systems.system import load_system
@@ -27,23 +26,10 @@ DROP, SPLIT = 4.926e5, (0.333, 0.335, 0.332)
 """Of the small case at 40 lpm, as this version of OpenFOAM has computed it: 2 % and half a point are allowed."""
 
 
-class Said(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-
 class Made(NamedTuple):
     folder: Path
     told: dict[str, Any]
     err: str
-
-
-def say(*words: str) -> Said:
-    out, err = io.StringIO(), io.StringIO()
-    with redirect_stdout(out), redirect_stderr(err), pytest.raises(SystemExit) as ended:
-        main(["cfd", "rail", *words])
-    return Said(ended.value.code or 0, out.getvalue(), err.getvalue())
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +55,7 @@ def valve():
 
 @pytest.fixture(scope="module")
 def order(valve) -> RailOrder:
-    return RailOrder(valve, valve_shape(valve)[0], Fluid(876.0, 0.0387), 40.0 / 60e3, 8.0)
+    return RailOrder(valve, given_shape(valve, None, [])[0], Fluid(876.0, 0.0387), 40.0 / 60e3, 8.0)
 
 
 def test_drop_split_and_balance_are_what_they_were(made):

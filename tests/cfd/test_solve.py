@@ -128,6 +128,15 @@ def test_a_diverging_run_is_stopped_and_kept(pipe, openfoam, tmp_path):
     assert (tmp_path / "log.simpleFoam").is_file()
 
 
+def test_a_mesh_is_copied_from_a_case_that_has_it(pipe, openfoam, tmp_path):
+    first = solve(pipe, tmp_path / "first", openfoam, 1, silent)
+    slower = pipe._replace(fluid=pipe.fluid._replace(viscosity=0.0774))
+    found = solve(slower, tmp_path / "second", openfoam, 1, silent, tmp_path / "first")
+    assert found.mesh == first.mesh
+    assert "blockMesh" not in found.seconds
+    assert found.judgement.value == pytest.approx(2.0 * first.judgement.value, rel=1e-3)
+
+
 def test_two_cores_give_the_same(pipe, openfoam, tmp_path):
     one, two = (solve(pipe, tmp_path / str(cores), openfoam, cores, silent) for cores in (1, 2))
     assert two.judgement.value == pytest.approx(one.judgement.value, rel=1e-6)

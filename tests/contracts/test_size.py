@@ -111,6 +111,7 @@ CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "base.units._to_si": CHOICE,
     "cli.cfd.rail": VERB,
+    "cli.cfd.sweep": VERB,
     "cli.compare.estimators": VERB,
     "cli.design._run": VERB,
     "cli.design.optimum": VERB,

@@ -96,7 +96,7 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
         },
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"found": _main_numbers(numbers), "lengths": _lengths(told)},
+        listings={"found": _main_numbers(numbers), "lengths": rail_lengths(told)},
         tables={"flow": _split(order, run), "history": _history(order, run), "steps": _steps(run)},
         charts={"drop": _drop_chart(run), "split": _split_chart()},
         findings=tuple(_findings(numbers, order, run)),
@@ -140,7 +140,7 @@ def _main_numbers(numbers: dict[str, float]) -> Listing:
     return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
-def _lengths(told: Told) -> Listing:
+def rail_lengths(told: Told) -> Listing:
     rows = [row for row in told.rows if row.key.startswith(SHOWN_LENGTHS)]
     return Listing(title="", heads=("value",), rows=origin_rows(rows))
 
@@ -161,7 +161,7 @@ def _split(order: RailOrder, run: RailRun) -> Table:
             ),
             "mesh_area_m2": Column(np.array(run.mesh_areas), AREA, "opening in the mesh"),
         },
-        note="Nozzle 1 is the nearest to the port along the rail.",
+        note="Nozzle 1 lies at the angle 0, the others follow in the direction in which the spool turns.",
     )
 
 

@@ -2,16 +2,18 @@
 
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from vvdp.base.display import with_unit
 from vvdp.base.errors import unusable
+from vvdp.base.kinds import FLOW
 from vvdp.cfd.engine import find_openfoam
 from vvdp.cfd.monitor import read_monitor
 from vvdp.cfd.rail import RailOrder, outlets, rail_case, turned_rail
 from vvdp.cfd.section import Plane, cut_sections
-from vvdp.cfd.solve import STATE, Progress, Solved, solve
+from vvdp.cfd.solve import STATE, Hear, Progress, Solved, solve
 from vvdp.cfd.watching import flow_name
 from vvdp.geometry.measure import Mouth, rail_mouths
 from vvdp.results.store import DESCRIPTION, read_result
@@ -31,11 +33,30 @@ class RailRun(NamedTuple):
     seconds: float
 
 
-def run_rail(order: RailOrder, directory: Path, cores: int, hear: Callable[[Progress], None]) -> RailRun:
+def run_rail(order: RailOrder, directory: Path, cores: int, hear: Hear) -> RailRun:
     """Computes an order in `directory`, or goes on with it; see `solve` for what is raised and kept."""
-    began, openfoam, folder = time.perf_counter(), find_openfoam(), directory / CASE
+    return _run_in(directory / CASE, order, cores, hear, None)
+
+
+def run_sweep(order: RailOrder, flows: Sequence[float], directory: Path, cores: int, hear: Hear) -> tuple[RailRun, ...]:
+    """Computes an order at each of several flows [m^3/s] on one mesh, or goes on with it; see `solve`."""
+    found: list[RailRun] = []
+    for place, flow in enumerate(flows):
+
+        def hear_of_all(now: Progress, place: int = place, flow: float = flow) -> None:
+            words = f"{with_unit(flow, FLOW)}, {now.words}" if now.judgement else now.words
+            hear(Progress(words, place * now.most + now.done, len(flows) * now.most, now.judgement))
+
+        folder = directory / (f"{CASE}-{place + 1}" if place else CASE)
+        mesh_of = directory / CASE if place else None
+        found.append(_run_in(folder, order._replace(flow=flow), cores, hear_of_all, mesh_of))
+    return tuple(found)
+
+
+def _run_in(folder: Path, order: RailOrder, cores: int, hear: Hear, mesh_of: Path | None) -> RailRun:
+    began, openfoam = time.perf_counter(), find_openfoam()
     domain = turned_rail(order)
-    solved = solve(rail_case(order, domain), folder, openfoam, cores, hear)
+    solved = solve(rail_case(order, domain), folder, openfoam, cores, hear, mesh_of)
     # A hair off the middle, where the nozzles' corners lie.
     height = 1e-3 * order.valve.spool_radius
     cut_sections({MIDDLE: Plane((0.0, 0.0, height), (0.0, 0.0, 1.0))}, folder, openfoam)

@@ -52,15 +52,17 @@ class Solved(NamedTuple):
 Hear = Callable[[Progress], None]
 
 
-def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear) -> Solved:
+def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear, mesh_of: Path | None = None) -> Solved:
     """Computes a case in `folder`, from where an earlier call was interrupted; `hear` is told how far it is.
+
+    The mesh is copied from the folder `mesh_of` of another case with the same one, and made where there is none.
 
     At Ctrl-C the solver writes what it has reached, and KeyboardInterrupt goes on. Raises ConfigError where the folder
     belongs to another case or is at work; RunError where mesh or run fail: then all files are kept.
     """
     with _at_work(folder):
         state = _State(folder, case)
-        _make_mesh(case, folder, openfoam, state, hear)
+        _make_mesh(case, folder, openfoam, (state, hear), mesh_of)
         check = _check_mesh(case, folder, openfoam, state)
         for phase in case.phases:
             _Solver(case, folder, openfoam, cores, (state, hear)).run(phase)
@@ -107,17 +109,22 @@ class _State:
         self.write()
 
 
-def _make_mesh(case: Case, folder: Path, openfoam: OpenFoam, state: _State, hear: Hear) -> None:
-    """Makes the mesh anew unless all of it is there. Raises RunError where a patch has vanished."""
+def _make_mesh(case: Case, folder: Path, openfoam: OpenFoam, told: tuple["_State", Hear], mesh_of: Path | None) -> None:
+    """Makes or copies the mesh unless all of it is there. Raises RunError where a patch has vanished."""
+    state, hear = told
     if "mesh" in state.done:
         return
     for leftover in ("constant", "system", "0"):
         shutil.rmtree(folder / leftover, ignore_errors=True)
     state.write()
-    write_files(folder, {**case.mesh_files, **start_files(case), **phase_files(case, case.phases[0], 0)})
-    for program in case.mesh_programs:
-        hear(Progress(program[0], 0, _most(case), None))
-        state.spend(program[0], run_program(program, folder, openfoam))
+    write_files(folder, {**start_files(case), **phase_files(case, case.phases[0], 0)})
+    if mesh_of:
+        shutil.copytree(mesh_of / "constant" / "polyMesh", folder / "constant" / "polyMesh")
+    else:
+        write_files(folder, case.mesh_files)
+        for program in case.mesh_programs:
+            hear(Progress(program[0], 0, _most(case), None))
+            state.spend(program[0], run_program(program, folder, openfoam))
     faces = patch_faces(folder)
     if missing := sorted(name for name in case.patches if not faces.get(name)):
         raise RunError(

@@ -1,0 +1,128 @@
+"""Laws that are fitted to drops, their confidence, and the result and file they end in."""
+
+import json
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from tests.cfd.conftest import say
+
+from vvdp.base.errors import ParameterError
+from vvdp.cfd import rail
+from vvdp.cfd.case import Fluid
+from vvdp.cfd.convergence import History, Judgement
+from vvdp.cfd.fits import drop_laws, fit
+from vvdp.cfd.rail import RailOrder, outlets
+from vvdp.cfd.rail_result import Told
+from vvdp.cfd.rail_study import RailRun
+from vvdp.cfd.sweep_result import fitted_setting, sweep_result
+from vvdp.geometry.measure import Mouth
+from vvdp.geometry.shape_tables import given_shape
+from vvdp.systems.system import load_system
+
+FLOWS = np.array([10.0, 20.0, 40.0, 60.0]) / 60e3
+
+
+def test_a_straight_line_by_hand():
+    """Through (0, 1), (1, 3), (2, 4): 7/6 + 3/2 x; residuals -1/6, 1/3, -1/6; t(0.975, 1) = 12.706."""
+    found = fit([np.ones(3), np.arange(3.0)], np.array([1.0, 3.0, 4.0]))
+    assert found.coefficients == pytest.approx([7 / 6, 1.5])
+    assert found.residuals == pytest.approx([-1 / 6, 1 / 3, -1 / 6])
+    assert found.half_widths[1] == pytest.approx(12.7062 * math.sqrt(1 / 6 / 2), rel=1e-4)
+
+
+def test_an_exact_law_is_found_with_no_scatter():
+    laws = drop_laws(FLOWS, 1.3e8 * FLOWS + 9.1e11 * FLOWS**2)
+    assert laws.two_term.coefficients == pytest.approx([1.3e8, 9.1e11])
+    assert laws.two_term.half_widths == pytest.approx([0.0, 0.0], abs=1e3)
+    laws = drop_laws(FLOWS, 7e11 * FLOWS**2)
+    assert laws.orifice.coefficients == pytest.approx([7e11])
+    assert laws.power.coefficients == pytest.approx([math.log(7e11), 2.0])
+    assert laws.two_term.coefficients[0] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_an_interval_holds_the_truth_as_often_as_it_says():
+    """Of 400 noisy straight lines; a binomial of 0.95 has a deviation of 1.1 % there."""
+    rng = np.random.default_rng(5)
+    x = np.linspace(0.0, 1.0, 6)
+    inside = 0
+    for _ in range(400):
+        found = fit([np.ones(6), x], 2.0 + 3.0 * x + rng.normal(0.0, 0.1, 6))
+        inside += abs(found.coefficients[1] - 3.0) < found.half_widths[1]
+    assert inside / 400 == pytest.approx(0.95, abs=0.035)
+
+
+def test_too_few_values_are_refused():
+    with pytest.raises(ParameterError, match="2 values; a law with 2 coefficients needs more"):
+        drop_laws(FLOWS[:2], FLOWS[:2] ** 2)
+
+
+@pytest.fixture(scope="module")
+def result():
+    """Of four runs that have never been: an orifice of 0.6, with a hundredth of scatter."""
+    system = load_system("prototype")
+    valve = system.tables["valve"]
+    shape, rows = given_shape(valve, None, [], system.lengths)
+    order = RailOrder(valve, shape, Fluid(876.0, 0.0387), float(FLOWS[0]), 8.0)
+    mouths = (Mouth(12.17e-6, 7.94e-6),) * 3
+    runs = []
+    for flow, scatter in zip(FLOWS, (1.01, 0.99, 1.01, 0.99), strict=True):
+        drop = 0.5 * 876.0 * (flow / (0.6 * 36.51e-6)) ** 2 * scatter
+        flows = {name: np.full(60, flow / 3.0) for name in outlets(valve)}
+        history = History(np.arange(60.0), np.full(60, drop), {"inlet": np.full(60, -flow), **flows})
+        solved = SimpleNamespace(
+            history=history,
+            judgement=Judgement(60, drop, 10.0, 0.0, 1e-5),
+            settled=True,
+            mesh=SimpleNamespace(cells=16256),
+        )
+        runs.append(RailRun(solved, mouths, (12.1e-6,) * 3, 1.0))
+    return sweep_result(order, runs, Told("prototype", "coarse", "oil", rows))
+
+
+def test_the_coefficient_comes_back_within_its_interval(result):
+    found = {key: each.value for key, each in result.numbers.items()}
+    assert found["discharge_coefficient"] == pytest.approx(0.6, rel=0.01)
+    assert found["discharge_coefficient_low"] < found["discharge_coefficient"] < found["discharge_coefficient_high"]
+    assert found["flow_exponent"] == pytest.approx(2.0, abs=0.02)
+    assert result.tables["sweep"]["point_coefficient"] == pytest.approx([0.6] * 4, rel=0.006)
+    assert result.tables["sweep"]["split_1"] == pytest.approx([1 / 3] * 4)
+
+
+def test_every_key_of_a_sweep_is_described(result, keys_as_described):
+    keys_as_described("cfd sweep", {**result.flat, "out": "results"})
+
+
+def test_the_fitted_system_has_the_coefficient_and_its_origin(result):
+    system = load_system("prototype", [fitted_setting(result)])
+    assert system.tables["valve"].nozzle_discharge_coefficient == pytest.approx(0.6, rel=0.01)
+    (row,) = [row for row in system.rows if row.key == "nozzle_discharge_coefficient"]
+    assert row.status == "derived"
+    assert row.note == "fitted to computed flow, 10 lpm to 60 lpm, kEpsilon, 16256 cells"
+
+
+@pytest.mark.parametrize("words", [("10 lpm", "60 lpm", "2"), ("60 lpm", "10 lpm", "4"), ("0 lpm", "10 lpm", "4")])
+def test_flows_that_no_law_can_be_fitted_to_are_refused(words, tmp_path):
+    said = say("prototype", "--flow", *words, "--out", str(tmp_path / "new"), verb="sweep")
+    assert said.code == 2
+    assert "--flow: " in said.err
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.slow
+def test_a_sweep_is_solved_on_one_mesh_and_its_system_runs(openfoam, tmp_path, monkeypatch):
+    monkeypatch.setattr(rail, "GRIDS", {"coarse": 5.0})
+    place = tmp_path / "sweep"
+    words = ("--flow", "10 lpm", "60 lpm", "3", "--cores", "1", "--out", str(place), "--json")
+    said = say("prototype", *words, verb="sweep")
+    assert said.code == 0, said.err
+    told = json.loads(said.out)
+    assert told["discharge_coefficient"] == pytest.approx(0.560, rel=0.02)
+    assert told["flow_exponent"] == pytest.approx(1.76, abs=0.05)
+    assert (place / "case" / "log.snappyHexMesh").is_file()
+    assert not (place / "case-2" / "log.snappyHexMesh").exists()
+    fitted = load_system(str(place / "fitted.toml"))
+    coefficient = fitted.tables["valve"].nozzle_discharge_coefficient
+    assert coefficient == pytest.approx(told["discharge_coefficient"], rel=1e-5)
+    assert (place / "report.html").is_file()
