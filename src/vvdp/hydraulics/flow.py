@@ -19,6 +19,9 @@ LAMINAR_SHARE = 0.01
 SEEN_FLOW = 1e-4
 """Flow whose approach to zero is followed [m^3/s]: 6 lpm."""
 
+STILL_FLOW = 1e-12
+"""Flow backward that still counts as forward [m^3/s]: oil at rest would else turn about at every step."""
+
 
 class Passage(NamedTuple):
     """What goes through a passage: `flow` in tank volumes per second, signed, and the power `loss` it turns to heat."""
@@ -47,7 +50,7 @@ def flow_side(flow: float) -> float:
 
     flow  either sign [m^3/s]
     """
-    return side(flow / SEEN_FLOW)
+    return side((flow + STILL_FLOW) / SEEN_FLOW)
 
 
 def signed_root(pressure_drop: float, transition_pressure: float) -> float:
