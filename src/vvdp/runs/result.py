@@ -76,11 +76,13 @@ def key_listings(run: RecordedRun) -> dict[str, Listing]:
 
 
 def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...]:
-    found = list(warnings(run))
+    found, extras = list(warnings(run)), run.system.extras
+    good = () if extras is None else sentences(tuple(extras.merits(run.summary)), Grade.GOOD)
     if bench is None:
-        own = () if run.system.extras is None else run.system.extras.warnings(run.summary)
-        return (*found, *sentences(tuple(own), Grade.WARNING), Finding(text=in_words(run)))
-    return (*found, *bench_warnings(run, bench), *limit_findings(run, bench), Finding(text=bench_in_words(run)))
+        own = () if extras is None else extras.warnings(run.summary)
+        return (*found, *sentences(tuple(own), Grade.WARNING), *good, Finding(text=in_words(run)))
+    limits = limit_findings(run, bench)
+    return (*found, *bench_warnings(run, bench), *limits, *good, Finding(text=bench_in_words(run)))
 
 
 def _bench_tables(run: RecordedRun, bench: RotaryBench) -> dict[str, Table]:

@@ -8,7 +8,15 @@ from vvdp.results.chart import Chart
 from vvdp.results.result import Table
 from vvdp.simulation.run import Run
 from vvdp.systems.axial_charts import control_charts, gerotor_charts
-from vvdp.systems.axial_numbers import MOTION, QUANTITIES, control_numbers, control_warnings, lines_of, loop_of
+from vvdp.systems.axial_numbers import (
+    MOTION,
+    QUANTITIES,
+    control_merits,
+    control_numbers,
+    control_warnings,
+    lines_of,
+    loop_of,
+)
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.extras import Summary
 from vvdp.systems.gerotor_numbers import gerotor_numbers
@@ -47,7 +55,11 @@ class DutyControl(HeldDuty):
     def warnings(self, found: Mapping[str, Any]) -> Iterator[str]:
         """What is to be known of bench and control."""
         yield from super().warnings(found)
-        yield from control_warnings(loop_of(self.system))
+        yield from control_warnings(loop_of(self.system), found)
+
+    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """A storage that never rose."""
+        yield from control_merits(found)
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """Position, pressure, storage and errors."""

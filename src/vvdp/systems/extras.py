@@ -78,6 +78,10 @@ class Extras:
         """What a person has to know before the numbers of a summary, each in one line."""
         yield from ()
 
+    def merits(self, found: Mapping[str, Any]) -> Iterator[str]:  # noqa: ARG002
+        """What the numbers of a summary show to be right, each in one line."""
+        yield from ()
+
     def bounds(self, found: Mapping[str, Any]) -> "Iterator[Bound]":  # noqa: ARG002
         """What must lie within its bounds for the laws of its components to hold, at what a run has `found`."""
         yield from ()
