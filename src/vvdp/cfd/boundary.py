@@ -55,6 +55,12 @@ def pressure_outlet(inflow: Inflow) -> Patch:
     return Patch("patch", {"U": velocity, "p": pressure, "nut": CALCULATED, **back})
 
 
+def rotation(speed: float) -> Mapping[str, Entry]:
+    """The velocity of a wall that turns about z [rad/s]."""
+    axis: Mapping[str, Entry] = {"origin": (0, 0, 0), "axis": (0, 0, 1)}
+    return {"type": "rotatingWallVelocity", **axis, "omega": speed, "value": uniform((0.0, 0.0, 0.0))}
+
+
 def wall(inflow: Inflow, velocity: Mapping[str, Entry] | None = None) -> Patch:
     """A wall at rest, or with a `velocity` of its own; k, epsilon, omega and viscosity by wall functions."""
     functions = {

@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from vvdp.base.files import write_whole
@@ -28,6 +29,7 @@ class Case(NamedTuple):
     monitors       function objects by name, which write what is watched at each iteration
     read_history   reads what they have written in the folder of the case
     largest        size of the value that is watched beyond which the run diverges
+    further_files  what else the solver reads, by path
     """
 
     mesh_files: Mapping[str, str]
@@ -40,6 +42,7 @@ class Case(NamedTuple):
     start: Inflow
     phases: tuple[Phase, ...]
     largest: float
+    further_files: Mapping[str, str] = MappingProxyType({})
 
     @property
     def identity(self) -> str:
@@ -51,7 +54,8 @@ class Case(NamedTuple):
 def start_files(case: Case) -> dict[str, str]:
     """Fields at the start and properties, by path."""
     nu = case.fluid.viscosity / case.fluid.density
-    return field_files(case.patches, case.turbulence, case.start) | property_files(nu, case.turbulence)
+    fields = field_files(case.patches, case.turbulence, case.start)
+    return fields | property_files(nu, case.turbulence) | dict(case.further_files)
 
 
 def phase_files(case: Case, phase: Phase, end: int) -> dict[str, str]:

@@ -2,17 +2,14 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
 
-import numpy as np
-
 from vvdp.cfd.boundary import flow_inlet, pressure_outlet, wall
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase
-from vvdp.cfd.snapping import PROGRAMS, Cylinder, Refinement, meshing_files
+from vvdp.cfd.snapping import PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Turbulence, duct_turbulence
 from vvdp.cfd.watching import drop_monitors, read_drop
 from vvdp.geometry.domains import Domain, rail_domain
@@ -21,9 +18,6 @@ from vvdp.valve.rotary import RotaryValve
 
 GRIDS: Mapping[str, float] = MappingProxyType({"coarse": 8.0, "medium": 8.0 * math.sqrt(2.0), "fine": 16.0})
 """Cells of the background per spool radius: grids of one family, each finer by the square root of two."""
-TURN = math.radians(10.0)
-"""The rail is turned so far about its axis that no nozzle lies along the cells: mouths keep their area within
-0.6 %, where one that does loses 4 %."""
 IMPOSSIBLE = 1e3
 """Dynamic pressures of the jets: a drop beyond them is a run that diverges."""
 INLET = "inlet"
@@ -47,12 +41,8 @@ def outlets(valve: RotaryValve) -> tuple[str, ...]:
 
 
 def turned_rail(order: RailOrder) -> Domain:
-    """The oil of the rail, turned by `TURN` about its axis."""
-    domain = rail_domain(order.shape, order.valve)
-    cos, sin = math.cos(TURN), math.sin(TURN)
-    turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    x, y, z = (np.array(domain.inside) @ turn).tolist()
-    return Domain("rail", replace(domain.mesh, vertices=domain.mesh.vertices @ turn), (x, y, z))
+    """The oil of the rail as it is meshed."""
+    return turn_domain(rail_domain(order.shape, order.valve))
 
 
 def rail_case(order: RailOrder, domain: Domain) -> Case:

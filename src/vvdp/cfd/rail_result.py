@@ -141,6 +141,7 @@ def _main_numbers(numbers: dict[str, float]) -> Listing:
 
 
 def rail_lengths(told: Told) -> Listing:
+    """The lengths of a rail with their origin."""
     rows = [row for row in told.rows if row.key.startswith(SHOWN_LENGTHS)]
     return Listing(title="", heads=("value",), rows=origin_rows(rows))
 

@@ -1,27 +1,19 @@
-"""The flow through an inlet rail, from a valve's shape to a result in a directory that a later call goes on with."""
+"""The flow through an inlet rail, at one flow or several, from a valve's shape to what was computed."""
 
-import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from vvdp.base.display import with_unit
-from vvdp.base.errors import unusable
 from vvdp.base.kinds import FLOW
-from vvdp.cfd.engine import find_openfoam
 from vvdp.cfd.monitor import read_monitor
 from vvdp.cfd.rail import RailOrder, outlets, rail_case, turned_rail
-from vvdp.cfd.section import Plane, cut_sections
-from vvdp.cfd.solve import STATE, Hear, Progress, Solved, solve
+from vvdp.cfd.section import Plane
+from vvdp.cfd.series import NamedCase, case_folder, solve_series
+from vvdp.cfd.solve import Hear, Solved
 from vvdp.cfd.watching import flow_name
 from vvdp.geometry.measure import Mouth, rail_mouths
-from vvdp.results.store import DESCRIPTION, read_result
-
-CASE = "case"
-"""Folder of the case in the directory of a result."""
-MIDDLE = "middle"
-"""The section through the axes of all nozzles."""
 
 
 class RailRun(NamedTuple):
@@ -35,54 +27,34 @@ class RailRun(NamedTuple):
 
 def run_rail(order: RailOrder, directory: Path, cores: int, hear: Hear) -> RailRun:
     """Computes an order in `directory`, or goes on with it; see `solve` for what is raised and kept."""
-    return _run_in(directory / CASE, order, cores, hear, None)
+    return _run([NamedOrder("", order)], directory, cores, hear)[0]
 
 
 def run_sweep(order: RailOrder, flows: Sequence[float], directory: Path, cores: int, hear: Hear) -> tuple[RailRun, ...]:
     """Computes an order at each of several flows [m^3/s] on one mesh, or goes on with it; see `solve`."""
-    found: list[RailRun] = []
-    for place, flow in enumerate(flows):
-
-        def hear_of_all(now: Progress, place: int = place, flow: float = flow) -> None:
-            words = f"{with_unit(flow, FLOW)}, {now.words}" if now.judgement else now.words
-            hear(Progress(words, place * now.most + now.done, len(flows) * now.most, now.judgement))
-
-        folder = directory / (f"{CASE}-{place + 1}" if place else CASE)
-        mesh_of = directory / CASE if place else None
-        found.append(_run_in(folder, order._replace(flow=flow), cores, hear_of_all, mesh_of))
-    return tuple(found)
-
-
-def _run_in(folder: Path, order: RailOrder, cores: int, hear: Hear, mesh_of: Path | None) -> RailRun:
-    began, openfoam = time.perf_counter(), find_openfoam()
-    domain = turned_rail(order)
-    solved = solve(rail_case(order, domain), folder, openfoam, cores, hear, mesh_of)
-    # A hair off the middle, where the nozzles' corners lie.
-    height = 1e-3 * order.valve.spool_radius
-    cut_sections({MIDDLE: Plane((0.0, 0.0, height), (0.0, 0.0, 1.0))}, folder, openfoam)
-    return RailRun(
-        solved=solved,
-        mouths=tuple(rail_mouths(domain.mesh, order.valve)),
-        mesh_areas=tuple(read_monitor(folder, flow_name(mouth)).area for mouth in outlets(order.valve)),
-        seconds=time.perf_counter() - began,
+    return _run(
+        [NamedOrder(with_unit(flow, FLOW), order._replace(flow=flow)) for flow in flows], directory, cores, hear
     )
 
 
-def make_place(directory: Path, verb: str, *, force: bool) -> None:
-    """Makes `directory` the place of a run of `verb`, new or to be gone on with.
+class NamedOrder(NamedTuple):
+    """An order, and what it is called among others of a series."""
 
-    With `force` an earlier one is discarded. Raises ConfigError where it holds something else, or cannot be written.
-    """
-    if directory.exists() and not directory.is_dir():
-        raise unusable(directory, "is not a directory")
-    is_run = (directory / CASE / STATE).is_file()
-    if directory.is_dir() and any(directory.iterdir()) and not is_run:
-        raise unusable(directory, "holds something else than a computed flow; choose another directory")
-    if is_run and (directory / DESCRIPTION).is_file() and read_result(directory).verb != verb:
-        raise unusable(directory, "holds the result of another command; choose another directory")
-    try:
-        if force and directory.exists():
-            shutil.rmtree(directory)
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise unusable(directory, f"cannot be written ({problem.strerror})") from None
+    name: str
+    order: RailOrder
+
+
+def _run(orders: Sequence[NamedOrder], directory: Path, cores: int, hear: Hear) -> tuple[RailRun, ...]:
+    first = orders[0].order
+    domain = turned_rail(first)
+    mouths = tuple(rail_mouths(domain.mesh, first.valve))
+    # A hair off the middle, where the nozzles' corners lie.
+    plane = Plane((0.0, 0.0, 1e-3 * first.valve.spool_radius), (0.0, 0.0, 1.0))
+    cases = [NamedCase(name, rail_case(order, domain)) for name, order in orders]
+    runs, began = [], time.perf_counter()
+    for place, solved in enumerate(solve_series(cases, plane, directory, cores, hear)):
+        folder, now = case_folder(directory, place), time.perf_counter()
+        areas = tuple(read_monitor(folder, flow_name(mouth)).area for mouth in outlets(first.valve))
+        runs.append(RailRun(solved, mouths, areas, now - began))
+        began = now
+    return tuple(runs)

@@ -1,6 +1,8 @@
 """A mesh of hexahedra from a closed surface with named patches, by blockMesh and snappyHexMesh."""
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +18,19 @@ MARGIN = 0.77
 """Cells that the background reaches beyond the surface: never on it, where a face would fall together with one."""
 FEATURE_ANGLE = 150
 """Edges whose faces meet at less than this [deg] are kept."""
+
+
+TURN = math.radians(10.0)
+"""A valve is turned so far about its axis that no nozzle lies along the cells: mouths keep their area within 0.6 %, where
+one that does loses 4 %."""
+
+
+def turn_domain(domain: Domain) -> Domain:
+    """The same oil, turned by `TURN` about the axis."""
+    cos, sin = math.cos(TURN), math.sin(TURN)
+    turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    x, y, z = (np.array(domain.inside) @ turn).tolist()
+    return replace(domain, mesh=replace(domain.mesh, vertices=domain.mesh.vertices @ turn), inside=(x, y, z))
 
 
 class Cylinder(NamedTuple):

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.cfd.blocks import BLOCK_MESH, Point, arc, block, block_mesh_text
-from vvdp.cfd.boundary import NO_GRADIENT, Patch, constraint, pressure_outlet, uniform, wall
+from vvdp.cfd.boundary import NO_GRADIENT, Patch, constraint, pressure_outlet, rotation, wall
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.convergence import History
-from vvdp.cfd.dictionary import Entry
 from vvdp.cfd.numerics import Phase
 from vvdp.cfd.turbulence import LAMINAR, Inflow
 from vvdp.cfd.watching import force_monitors, read_axial_force, read_torque
@@ -92,15 +91,8 @@ def _pipe_mesh(pipe: Pipe, cells: int) -> str:
 
 def cylinders_case(pair: Cylinders, fluid: Fluid, cells: int) -> Case:
     """Both cylinders with so many cells across the gap, one along the axis, in four quarters."""
-    turning: Mapping[str, Entry] = {
-        "type": "rotatingWallVelocity",
-        "origin": (0, 0, 0),
-        "axis": (0, 0, 1),
-        "omega": pair.speed,
-        "value": uniform((0.0, 0.0, 0.0)),
-    }
     patches = {
-        "inner": wall(STILL, turning),
+        "inner": wall(STILL, rotation(pair.speed)),
         "outer": wall(STILL),
         "front": constraint("empty"),
         "back": constraint("empty"),

@@ -140,7 +140,7 @@ def _place(
     verb: str, out: Path | None, name: str, *, force: bool
 ) -> "Iterator[tuple[Path, Callable[[Progress], None]]]":
     """The directory of a run, and what hears how far it is."""
-    from vvdp.cfd.rail_study import make_place
+    from vvdp.cfd.series import make_place
     from vvdp.cli.screen import say
 
     directory = out if out is not None else Path("results", f"cfd-{name}")

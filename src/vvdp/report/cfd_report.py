@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.cfd.rail_study import CASE, MIDDLE
 from vvdp.cfd.section import Section, read_section
+from vvdp.cfd.series import CASE, MIDDLE
 from vvdp.cfd.snapping import SURFACE
 from vvdp.geometry.files import read_stl
 from vvdp.report.drawing import INK, Drawn, draw_figure
