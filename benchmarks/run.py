@@ -22,6 +22,7 @@ NAMES = (
     "logs",
     "networks",
     "chain",
+    "axial_control",
     "server",
 )
 README = HERE / "README.md"
