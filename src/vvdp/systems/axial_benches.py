@@ -156,7 +156,7 @@ def axial_gerotor(
         add_axial_sensor(net, position, "spool", axial_sensor)
         return net
     net.extras = GerotorHeld
-    observer: ObserverTable = _require("axial_observer", axial_observer)
+    observer: ObserverTable = _require("axial_observer", axial_observer)  # type: ignore[assignment]
     add_gerotor_drive(net, gerotor, characteristic, f"{PROGRAM}.drive", initial.axial_position)
     tables = GerotorTables(
         sensor=axial_sensor,

@@ -217,7 +217,7 @@ def gerotor_step(
     t: float, memory: GerotorMemory, place: GerotorPlace, settings: GerotorLoop
 ) -> tuple[GerotorMemory, AxialCommand]:
     """Program: the spool's angle known."""
-    phase = turned_phase(place.angle, place.speed)
+    phase = turned_phase(place)
     return gerotor_axial_step(memory, place, phase, signal_value(t, settings.wanted), settings)
 
 
