@@ -21,7 +21,7 @@ from vvdp.control.reference import ReferenceFilter
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
-from vvdp.hydraulics.gerotor_drive import GerotorBelief, GerotorCalibration, GerotorDrive, GerotorMap
+from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap
 from vvdp.hydraulics.rod import EndStop, Spring
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber
@@ -52,10 +52,11 @@ from vvdp.systems.gerotor_control import (
     GeneratorTable,
     GerotorTables,
     LumpedTable,
+    ObserverTable,
     PIGains,
     add_gerotor_control,
 )
-from vvdp.systems.gerotor_loop import GerotorSequence
+from vvdp.systems.gerotor_loop import DriveBelief, GerotorSequence
 from vvdp.systems.gerotor_numbers import GerotorHeld
 
 Given = TypeVar("Given")
@@ -142,7 +143,7 @@ def axial_gerotor(
     operation: ControlledGerotor | GerotorOperation,
     initial: InitialPosition,
     axial_observer: AxialObserverTable | ClockedTable | LumpedTable | GeneratorTable | None = None,
-    calibration: GerotorBelief | None = None,
+    calibration: DriveBelief | None = None,
     position_control: PIGains | None = None,
     axial_reference: ReferenceFilter | None = None,
     axial_sequence: GerotorSequence | None = None,
@@ -155,10 +156,11 @@ def axial_gerotor(
         add_axial_sensor(net, position, "spool", axial_sensor)
         return net
     net.extras = GerotorHeld
+    observer: ObserverTable = _require("axial_observer", axial_observer)  # type: ignore[assignment]
     add_gerotor_drive(net, gerotor, characteristic, f"{PROGRAM}.drive", initial.axial_position)
     tables = GerotorTables(
         sensor=axial_sensor,
-        observer=_require("axial_observer", axial_observer),
+        observer=observer,
         gains=_require("position_control", position_control),
         calibration=_require("calibration", calibration),
         reference=_require("axial_reference", axial_reference),

@@ -3,7 +3,7 @@
 Source  ours, docs/models/axial-control.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -52,6 +52,15 @@ class AxialPlace(NamedTuple):
     speed: Speed
     position: Position
     pressure: Pressure
+
+
+class Turned(Protocol):
+    """What tells how a spool has turned and how fast it does."""
+
+    @property
+    def angle(self) -> float: ...
+    @property
+    def speed(self) -> float: ...
 
 
 class AxialSequence(Params):
@@ -156,9 +165,9 @@ def known_phase(estimate: Estimate) -> Phase:
     return Phase(estimate.angle, estimate.speed, estimate.angle_deviation if is_known else np.nan)
 
 
-def turned_phase(angle: float, speed: float) -> Phase:
-    """The phase of a spool whose angle is known, as that of one that a motor turns [rad, rad/s]."""
-    return Phase(angle, speed, 0.0)
+def turned_phase(place: Turned) -> Phase:
+    """The phase of a spool whose angle is known, as that of one that a motor turns."""
+    return Phase(place.angle, place.speed, 0.0)
 
 
 def sight_of(

@@ -19,7 +19,7 @@ from vvdp.control.passivity import passivity_law, printed_passivity_law
 from vvdp.control.reference import Rate
 from vvdp.estimation.axial_filter import Phase
 from vvdp.sensing.encoder import Shaft
-from vvdp.systems.axial_loop import AxialCommand, AxialPlace, known_phase
+from vvdp.systems.axial_loop import AxialCommand, AxialPlace, known_phase, turned_phase
 from vvdp.systems.chamber_loop import (
     BacksteppingLoop,
     ChamberLoop,
@@ -31,7 +31,6 @@ from vvdp.systems.chamber_loop import (
     chamber_command,
     chamber_view,
     printed_axial_step,
-    turned_phase,
 )
 from vvdp.systems.spool_encoder import watch_step
 

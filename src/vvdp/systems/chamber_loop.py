@@ -17,9 +17,9 @@ from vvdp.control.backstepping import BacksteppingGains, backstepping_law
 from vvdp.control.chamber import ChamberDrive, ChamberFlow, ChamberReading, PositionGains
 from vvdp.control.orifice import valve_command, valve_flow
 from vvdp.control.passivity import PassivityGains, passivity_law, printed_passivity_law
-from vvdp.control.reference import Rate, Reference, ReferenceFilter, reference_at_rest, reference_step
+from vvdp.control.reference import Rate, Reference, ReferenceFilter, reference_at_rest
 from vvdp.control.storage import loop_balance
-from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, DutySight, Phase
+from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, Phase
 from vvdp.estimation.chamber_observer import ChamberObserver, chamber_observer_start, chamber_observer_step
 from vvdp.estimation.observability import observability_margin
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
@@ -33,8 +33,11 @@ from vvdp.systems.axial_loop import (
     AxialSequence,
     Stage,
     known_phase,
+    next_reference,
     next_stage,
     show,
+    sight_of,
+    turned_phase,
 )
 from vvdp.systems.spool_encoder import WatchMemory, WatchSettings, watch_start, watch_step
 
@@ -149,25 +152,14 @@ def chamber_view(
     if is_known:
         frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
         margin = observability_margin(frequency, phase.speed, int(observer.pollution.basis.harmonics))
-    is_blind = signal.light <= 0.0 or stage.number == HOME
-    seen = AxialSeen(
-        time=place.time,
-        optical=np.nan if is_blind else signal.position,
-        phase=phase,
-        pressure=place.pressure,
-        flow=valve_flow(memory.command, place.pressure, settings.drive.valve),
-        held=held,
-        margin=margin,
-        duty=DutySight(np.nan, 0.0, np.nan),
-    )
+    flow = valve_flow(memory.command, place.pressure, settings.drive.valve)
+    seen = sight_of(signal, phase, stage, flow, place.pressure, margin)
     observed, estimate = chamber_observer_step(memory.observer, seen, observer)
-    reference = reference_at_rest(stop)
-    if stage.number == RUN:
-        reference = reference_step(memory.reference, wanted, observer.sample_period, settings.reference)
+    period = observer.sample_period
     return ChamberView(
         sensor=sensor,
         observer=observed,
-        reference=reference,
+        reference=next_reference(memory.reference, stage, (wanted, stop), period, settings.reference),
         stage=stage,
         estimate=estimate,
         reading=ChamberReading(estimate.position, estimate.velocity, place.pressure),
@@ -216,11 +208,6 @@ def backstepping_axial_step(
     view = chamber_view(memory, place, phase, wanted, settings)
     flow = backstepping_law(view.reference, view.reading, settings.gains, settings.drive)
     return chamber_command(view, flow, settings.gains, settings)
-
-
-def turned_phase(place: AxialPlace) -> Phase:
-    """The phase of a spool whose angle is known, as that of one that a motor turns."""
-    return Phase(place.angle, place.speed, 0.0)
 
 
 def passive_step(

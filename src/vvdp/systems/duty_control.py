@@ -16,7 +16,7 @@ from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.check_valve import CheckPoppet
 from vvdp.hydraulics.cylinder import Plunger
 from vvdp.hydraulics.friction import RodFriction
-from vvdp.hydraulics.gerotor_drive import GerotorBelief, GerotorCalibration, GerotorDrive, GerotorMap
+from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.rod import EndStop, Spring
@@ -39,7 +39,7 @@ from vvdp.systems.bench_tables import DriveMotor, DutyOperation, InitialBench, L
 from vvdp.systems.chamber_feedback import RawFeedback
 from vvdp.systems.duty_bench import DutyControl, GerotorDutyControl
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, add_watched_gerotor
-from vvdp.systems.gerotor_loop import GerotorSequence
+from vvdp.systems.gerotor_loop import DriveBelief, GerotorSequence
 from vvdp.systems.rotary_bench import joints, new_bench, pump_unit
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
 from vvdp.valve.rotary import RotaryValve
@@ -137,7 +137,7 @@ def duty_control_gerotor(
     load: OrificeLoad,
     gerotor: GerotorDrive,
     characteristic: GerotorMap | GerotorCalibration,
-    calibration: GerotorBelief,
+    calibration: DriveBelief,
     axial_sensor: AxialSensorTable,
     axial_observer: AxialObserverTable,
     position_control: PIGains,

@@ -11,8 +11,14 @@ from vvdp.control.feedforward_pi import FeedforwardPI, SquareRate
 from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.gerotor_observer import GerotorObserver
 from vvdp.estimation.noise_clock import ClockedGerotor, NoiseClock
-from vvdp.estimation.signal_generator import GeneratorDesign, LumpedObserver, generator_observer, samples_in_period
-from vvdp.hydraulics.gerotor_drive import GerotorBelief, GerotorDrive
+from vvdp.estimation.signal_generator import (
+    GeneratorDesign,
+    GeneratorObserver,
+    LumpedObserver,
+    generator_observer,
+    samples_in_period,
+)
+from vvdp.hydraulics.gerotor_drive import GerotorDrive
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
 from vvdp.systems.axial_loop import PROGRAM, UNKNOWN, AxialObserverTable, pollution_model
@@ -29,6 +35,7 @@ from vvdp.systems.gerotor_filters import (
     lumped_step,
 )
 from vvdp.systems.gerotor_loop import (
+    DriveBelief,
     GerotorControl,
     GerotorLoop,
     GerotorPlace,
@@ -85,7 +92,7 @@ class GerotorTables:
     sensor: AxialSensorTable
     observer: ObserverTable
     gains: PIGains
-    calibration: GerotorBelief
+    calibration: DriveBelief
     reference: ReferenceFilter
     sequence: GerotorSequence
     helix_length: float
@@ -112,7 +119,6 @@ def control_values(tables: GerotorTables, drive: GerotorDrive) -> dict[str, Any]
         "sensor": axial_sensor_of(tables.sensor),
         "law": law,
         "calibration": belief,
-        "lag": drive.lag,
         "reference": tables.reference,
         "sequence": tables.sequence,
         "sample_period": tables.observer.sample_period,
@@ -133,36 +139,42 @@ def periodic_observer(table: AxialObserverTable, drive: GerotorDrive, helix_leng
     )
 
 
+def generator_of(table: GeneratorTable, drive: GerotorDrive) -> GeneratorObserver:
+    """The signal generator of a table, with the gains that follow from it."""
+    design = GeneratorDesign(
+        area=drive.area,
+        sample_period=table.sample_period,
+        noise_period=table.noise_period,
+        sensor_deviation=table.sensor_deviation,
+        position_drift=table.position_drift,
+        generator_drift=table.generator_drift,
+        stop_position=drive.lower_end,
+    )
+    return generator_observer(design)
+
+
 def gerotor_loop(tables: GerotorTables, drive: GerotorDrive) -> tuple[ProgramType, GerotorControl]:
     """The program that goes with a table of an observer, the spool's angle known, and its values."""
     table, values = tables.observer, control_values(tables, drive)
-    area, stop = drive.area, drive.lower_end
-    loop: GerotorControl
     if isinstance(table, LumpedTable):
-        lumped = LumpedObserver(
-            area=area, sample_period=table.sample_period, bandwidth=table.bandwidth, stop_position=stop
-        )
-        loop, step, start = LumpedLoop(observer=lumped, **values), lumped_step, lumped_loop_start
-    elif isinstance(table, GeneratorTable):
-        design = GeneratorDesign(
-            area=area,
+        observer = LumpedObserver(
+            area=drive.area,
             sample_period=table.sample_period,
-            noise_period=table.noise_period,
-            sensor_deviation=table.sensor_deviation,
-            position_drift=table.position_drift,
-            generator_drift=table.generator_drift,
-            stop_position=stop,
+            bandwidth=table.bandwidth,
+            stop_position=drive.lower_end,
         )
-        loop = GeneratorLoop(observer=generator_observer(design), **values)
-        step, start = generator_step, generator_loop_start
-    elif isinstance(table, ClockedTable):
-        clocked = ClockedGerotor(
-            observer=periodic_observer(table, drive, tables.helix_length), clock=NoiseClock(speed=table.noise_speed)
-        )
-        loop, step, start = ClockedLoop(observer=clocked, **values), clocked_step, clocked_loop_start
-    else:
-        observer = periodic_observer(table, drive, tables.helix_length)
-        loop, step, start = GerotorLoop(observer=observer, **values), gerotor_step, gerotor_loop_start
+        return _program(lumped_step, lumped_loop_start, LumpedLoop(observer=observer, **values))
+    if isinstance(table, GeneratorTable):
+        loop = GeneratorLoop(observer=generator_of(table, drive), **values)
+        return _program(generator_step, generator_loop_start, loop)
+    periodic = periodic_observer(table, drive, tables.helix_length)
+    if isinstance(table, ClockedTable):
+        clocked = ClockedGerotor(observer=periodic, clock=NoiseClock(speed=table.noise_speed))
+        return _program(clocked_step, clocked_loop_start, ClockedLoop(observer=clocked, **values))
+    return _program(gerotor_step, gerotor_loop_start, GerotorLoop(observer=periodic, **values))
+
+
+def _program(step: Any, start: Any, loop: GerotorControl) -> tuple[ProgramType, GerotorControl]:
     return ProgramType(step, GerotorPlace, UNKNOWN, type(loop), start), loop
 
 
@@ -175,7 +187,7 @@ def add_gerotor_control(net: Network, tables: GerotorTables, drive: GerotorDrive
 def add_watched_gerotor(
     net: Network, tables: GerotorTables, drive: GerotorDrive, spool: str, watch: WatchSettings
 ) -> None:
-    """The same with the spool watched by an encoder. Raises ParameterError for another observer than the periodic one."""
+    """The same with the spool watched by an encoder. Raises ParameterError where no observer goes by its angle."""
     _, loop = gerotor_loop(tables, drive)
     if not isinstance(loop, GerotorLoop):
         raise ParameterError("axial_observer: a spool that an encoder watches has its pollution over its angle")

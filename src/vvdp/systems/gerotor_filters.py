@@ -84,9 +84,7 @@ def clocked_loop_start(settings: ClockedLoop) -> ClockedLoopMemory:
 
 def view_turned(t: float, memory: DriveMemory, place: GerotorPlace, settings: GerotorControl) -> GerotorView:
     """What is known at a sample, the spool's angle with it; `t` [s]."""
-    return gerotor_view(
-        memory, place, turned_phase(place.angle, place.speed), signal_value(t, settings.wanted), settings
-    )
+    return gerotor_view(memory, place, turned_phase(place), signal_value(t, settings.wanted), settings)
 
 
 def lumped_step(

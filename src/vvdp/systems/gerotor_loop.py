@@ -1,7 +1,7 @@
-"""The control of the gerotor drive: sensor, observer, reference, feedforward and PI, one after the other at every sample.
+"""The control of the gerotor drive: sensor, observer, reference, feedforward and PI, in a row at every sample.
 
-`gerotor_view` takes a sample in, an observer says where the spool is, `position_command` makes it the pump's command; the
-steps of the programs, one for each observer, are these three in a row.
+`gerotor_view` takes a sample in, an observer says where the spool is, `position_command` makes it the pump's command;
+the steps of the programs, one for each observer, are these three in a row.
 
 Source  ours, docs/models/axial-control.md, where a function names no other.
 """
@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Angle, Flow, Fraction, Position, PositionSignal, Speed, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import signal_value
@@ -17,7 +18,7 @@ from vvdp.control.feedforward_pi import FeedforwardPI, PIMemory, pi_start, pi_st
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest
 from vvdp.estimation.axial_filter import AxialEstimate, AxialMemory, AxialSeen, Phase
 from vvdp.estimation.gerotor_observer import GerotorObserver, gerotor_observer_start, gerotor_observer_step
-from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command
+from vvdp.hydraulics.gerotor_drive import GerotorBelief, gerotor_command, gerotor_flow
 from vvdp.sensing.axial_sensor import AxialSensor, SpoolPlace, axial_sensor_start, axial_sensor_step
 from vvdp.sensing.encoder import Shaft
 from vvdp.sensing.instrument import InstrumentMemory
@@ -51,22 +52,29 @@ class GerotorPlace(NamedTuple):
 
 
 class GerotorSequence(AxialSequence):
-    """The [axial_sequence] table of a drive that no pressure tells its stop: `homing_command` drives it backward for the
-    home time."""
+    """The [axial_sequence] table of a drive that no pressure tells its stop: for the home time `homing_command` drives
+    it backward."""
 
     homing_command: Fraction
 
 
-class GerotorControl(Params):
-    """What the control of a gerotor drive works with, but for its observer; `wanted` is the position [m].
+class DriveBelief(GerotorBelief):
+    """The [calibration] table: the drive's map, and the `lag` with which its flow follows a command, as believed."""
 
-    The flow follows its command with the time constant `lag`, as far as the controller knows.
-    """
+    lag: Time
+
+    def check(self) -> None:
+        super().check()
+        if not self.lag > 0.0:
+            raise ParameterError("DriveBelief.lag: 0 s; no motor follows at once, expected above 0")
+
+
+class GerotorControl(Params):
+    """What the control of a gerotor drive works with, but for its observer; `wanted` is the position [m]."""
 
     sensor: AxialSensor
     law: FeedforwardPI
-    calibration: GerotorBelief
-    lag: Time
+    calibration: DriveBelief
     reference: ReferenceFilter
     sequence: GerotorSequence
     sample_period: Time
@@ -88,14 +96,14 @@ class WatchedGerotor(Params):
 
 
 class DriveMemory(NamedTuple):
-    """What the loop carries from sample to sample, but for its observer: `wanted` is the flow that was commanded, `flow`
-    what it is taken to have come to."""
+    """What the loop carries from sample to sample, but for its observer: `settled` is the flow that the command should
+    lead to, `flow` what it is taken to have come to."""
 
     sensor: InstrumentMemory
     reference: Reference
     stage: Stage
     integral: PIMemory
-    wanted: Flow
+    settled: Flow
     flow: Flow
 
 
@@ -131,7 +139,7 @@ def drive_start(settings: GerotorControl) -> DriveMemory:
         reference=reference_at_rest(settings.stop_position),
         stage=Stage(HOME, 0.0, 1.0),
         integral=pi_start(),
-        wanted=0.0,
+        settled=0.0,
         flow=0.0,
     )
 
@@ -157,7 +165,7 @@ def gerotor_view(
     period = settings.sample_period
     stage = next_stage(memory.stage, place.time, 1.0, phase.angle_deviation == phase.angle_deviation, settings.sequence)
     stage = Stage(stage.number, stage.since, 1.0 if stage.number == HOME or stage.number == LEARN else 0.0)
-    flow = memory.wanted + (memory.flow - memory.wanted) * np.exp(-period / settings.lag)
+    flow = memory.settled + (memory.flow - memory.settled) * np.exp(-period / settings.calibration.lag)
     positions = (wanted, settings.stop_position)
     return GerotorView(
         sensor=sensor,
@@ -172,19 +180,23 @@ def gerotor_view(
 def position_command(
     view: GerotorView, estimate: AxialEstimate, settings: GerotorControl
 ) -> tuple[DriveMemory, AxialCommand]:
-    """Memory and command: backward while it homes; controlled; else none, which leaves the spool where it is."""
-    integral, flow, command = pi_start(), 0.0, 0.0
+    """Memory and command: backward while it homes; controlled; else none, which leaves the spool where it is.
+
+    The flow that the observer will know is that of the command as the map is believed: none in the dead band.
+    """
+    integral, flow, command, settled = pi_start(), 0.0, 0.0, 0.0
     if view.stage.number == HOME:
         command = -settings.sequence.homing_command
     if view.stage.number == RUN:
         integral, flow = pi_step(view.integral, view.reference, estimate.position, settings.sample_period, settings.law)
         command = gerotor_command(flow, settings.calibration)
+        settled = gerotor_flow(command, settings.calibration)
     memory = DriveMemory(
         sensor=view.sensor,
         reference=view.reference,
         stage=view.stage,
         integral=integral,
-        wanted=flow,
+        settled=settled,
         flow=view.seen.flow,
     )
     seen, asked = (view.seen.phase, view.measured, view.seen.margin), (flow, 101325.0, 0.0)
@@ -205,7 +217,7 @@ def gerotor_step(
     t: float, memory: GerotorMemory, place: GerotorPlace, settings: GerotorLoop
 ) -> tuple[GerotorMemory, AxialCommand]:
     """Program: the spool's angle known."""
-    phase = turned_phase(place.angle, place.speed)
+    phase = turned_phase(place)
     return gerotor_axial_step(memory, place, phase, signal_value(t, settings.wanted), settings)
 
 
