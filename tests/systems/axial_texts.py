@@ -1,0 +1,127 @@
+"""Systems of a controlled chamber drive, made of the shipped ones; and the trapezoid of the specification."""
+
+import re
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from vvdp.simulation.run import Run, simulate
+from vvdp.systems.axial_numbers import Controlled, loop_of, rows_under_control
+from vvdp.systems.system import System, load_system, shipped_systems
+
+HELIX = 20.32
+"""Length of the helix [mm]."""
+TURN = 2.0 * np.pi
+RAW = {"velocity_rate": f"{60.0 * TURN} 1/s"}
+"""Filter of the raw feedback: 60 Hz."""
+TRUE = {"velocity_rate": "1e6 1/s"}
+TABLE = {
+    "error_rate": "50 1/s",
+    "position_gain": "550 N/m",
+    "velocity_gain": "45 N*s/m",
+    "pressure_weight": "3e-12 m^3/Pa",
+    "flow_gain": "4e-10 m^3/(s*Pa)",
+}
+"""Gains of backstepping, table 5.1."""
+MILD = TABLE | {"position_gain": "55 N/m", "velocity_gain": "4 N*s/m"}
+"""Those of the passivity law."""
+
+
+def change(text: str, table: str, **values: str) -> str:
+    """A system's text with other values in a table, which is added where there is none."""
+    parts = re.split(r"(?m)^(?=\[)", text)
+    rows = dict(values)
+    for i, part in enumerate(parts):
+        if part.startswith(f"[{table}]"):
+            lines = [line for line in part.rstrip().splitlines() if line.partition(" = ")[0] not in rows]
+            parts[i] = "\n".join([*lines, *(row(key, value) for key, value in rows.items())]) + "\n\n"
+            return "".join(parts)
+    return "\n".join([text.rstrip() + "\n", f"[{table}]", *(row(key, value) for key, value in rows.items())]) + "\n"
+
+
+def row(key: str, value: str) -> str:
+    return f"{key} = {value}" if value.startswith("{") else f'{key} = "{value}"'
+
+
+def without(text: str, table: str) -> str:
+    """A system's text without a table."""
+    return "".join(part for part in re.split(r"(?m)^(?=\[)", text) if not part.startswith(f"[{table}]"))
+
+
+def rename(text: str, table: str, new: str) -> str:
+    return text.replace(f"\n[{table}]\n", f"\n[{new}]\n")
+
+
+def table_signal(points: list[tuple[float, float]]) -> str:
+    """A duty ratio over time from times [s] and positions [mm]."""
+    return "{ table = [" + ", ".join(f'["{t:.9g} s", "{x / HELIX:.12g}"]' for t, x in points) + "] }"
+
+
+def trapezoid_text(periods: int = 3, pause: float = 0.2) -> str:
+    """0.25 to 5.25 mm in ramps of 50 ms from 0.6 s on, the drive of the specification: no friction, lambda_3 of the
+    table, reference filter 250 1/s, no learning; the law is told the truth."""
+    points, now = [(0.0, 0.25), (0.6, 0.25)], 0.6
+    for _ in range(periods):
+        for duration, end in ((0.05, 5.25), (pause, 5.25), (0.05, 0.25), (pause, 0.25)):
+            now += duration
+            points.append((now, end))
+    text = change(shipped_systems()["axial-chamber"], "operation", duty_ratio=table_signal(points))
+    text = change(text, "axial_friction", viscous_friction="0 N*s/m")
+    text = change(text, "axial_reference", filter_rate="250 1/s")
+    text = change(text, "passivity", flow_gain="4e-10 m^3/(s*Pa)", pressure_rate="0 1/s")
+    text = change(text, "axial_sequence", learn_time="0 s")
+    return change(change(text, "true_feedback", **TRUE), "run", until=f"{now:.6g} s", average_from=f"{now - 0.1:.6g} s")
+
+
+def backstepping_text(text: str, gains: dict[str, str]) -> str:
+    return change(without(text, "passivity"), "backstepping", **gains)
+
+
+def sample_text(text: str, milliseconds: float) -> str:
+    """The same with another sample period."""
+    text = change(text, "run", record_interval=f"{milliseconds} ms", sample_period=f"{milliseconds} ms")
+    return change(text, "axial_observer", sample_period=f"{milliseconds} ms")
+
+
+def system_of(text: str) -> System:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "own.toml"
+        path.write_text(text, "utf-8")
+        return load_system(str(path))
+
+
+@cache
+def run_of(text: str) -> tuple[System, Run]:
+    system = system_of(text)
+    return system, simulate(system.model, system.case, system.stepping)
+
+
+def rows_from(text: str, begin: float) -> Controlled:
+    """The samples from `begin` [s] on."""
+    system, run = run_of(text)
+    found = rows_under_control(run, loop_of(system).observer.sample_period)
+    late = found.times >= begin - 1e-9
+    return Controlled(
+        times=found.times[late],
+        true=type(found.true)(*(column[late] for column in found.true)),
+        shown=type(found.shown)(*(column[late] for column in found.shown)),
+        reference=type(found.reference)(*(column[late] for column in found.reference)),
+    )
+
+
+def tracking(text: str, begin: float = 0.6) -> float:
+    """Error of the spool against the reference, rms [um]."""
+    found = rows_from(text, begin)
+    return rms(found.true.position - found.shown.reference)
+
+
+def estimation(text: str, begin: float) -> float:
+    """Error of the estimate, rms [um]."""
+    found = rows_from(text, begin)
+    return rms(found.shown.position - found.true.position)
+
+
+def rms(metres: np.ndarray) -> float:
+    return 1e6 * float(np.sqrt(np.mean(metres**2)))

@@ -1,0 +1,181 @@
+"""`vvdp-duty-control`: what has to be true of a duty ratio that is held, and what happens when something fails."""
+
+import numpy as np
+import pytest
+from tests.systems.axial_texts import (
+    HELIX,
+    MILD,
+    RAW,
+    TRUE,
+    backstepping_text,
+    change,
+    rename,
+    run_of,
+    system_of,
+)
+
+from vvdp.base.errors import ConfigError
+from vvdp.systems.summary import summary
+from vvdp.systems.system import shipped_systems
+
+SHIPPED = shipped_systems()["vvdp-duty-control"]
+
+
+def seeded(text: str, seed: int) -> str:
+    return change(change(text, "axial_sensor", seed=str(seed)), "encoder", seed=str(seed))
+
+
+def found_in(text: str) -> dict:
+    return summary(*run_of(text))
+
+
+def errors(text: str, seeds: int) -> np.ndarray:
+    """Errors of position and estimate [um], and rises of the storage; shape (seeds, 3)."""
+    keys = ("spool_position_error_rms_m", "spool_estimate_error_rms_m", "storage_rises")
+    rows = [[found_in(seeded(text, seed))[key] for key in keys] for seed in range(1, seeds + 1)]
+    return np.array(rows) * (1e6, 1e6, 1.0)
+
+
+@pytest.mark.parametrize("seeds", [2, pytest.param(10, marks=pytest.mark.slow)])
+def test_duty_ratio_is_held(seeds):
+    """Of ten seeds: position 4.0 um, 4.6 at most; estimate 14 um, 16 at most; raw feedback 184 um."""
+    held, raw = errors(SHIPPED, seeds), errors(change(SHIPPED, "raw_feedback", **RAW), seeds)
+    assert np.all(held[:, 0] < 6.0)
+    assert np.all(held[:, 1] < 20.0)
+    assert np.all(raw[:, 0] > 10.0 * held[:, 0])
+    assert np.all(held[:, 2] == 0.0)
+    assert np.all(raw[:, 2] > 200.0)
+
+
+@pytest.mark.slow
+def test_published_feedforward_is_worse():
+    """By 8 % in the mean of ten seeds; what is left are errors of the estimate."""
+    exact, printed = errors(SHIPPED, 10)[:, 0], errors(rename(SHIPPED, "passivity", "printed_passivity"), 10)[:, 0]
+    assert 1.03 * np.mean(exact) < np.mean(printed) < 1.2 * np.mean(exact)
+
+
+def test_balances_close_with_two_oils():
+    found = found_in(SHIPPED)
+    assert found["trusted"] and found["control_begin_s"] < 0.5
+    assert abs(found["energy_residual"]) < 1e-6
+    assert abs(found["mass_residual"]) < 1e-6
+    assert found["real_time_factor"] > 0.0
+    assert found["duty_error_rms"] == pytest.approx(found["spool_position_error_rms_m"] / (1e-3 * HELIX))
+
+
+def test_what_the_storage_says():
+    """A sentence among the findings, or one among the warnings that tells how often, how much and when."""
+    extras = run_of(SHIPPED)[0].extras
+    found = found_in(SHIPPED)
+    assert "never rose beyond what the spool gave it" in " ".join(extras.merits(found))
+    assert not any("rose" in told for told in extras.warnings(found))
+    raw = found_in(change(SHIPPED, "raw_feedback", **RAW))
+    assert not list(extras.merits(raw))
+    (told,) = (told for told in extras.warnings(raw) if "rose" in told)
+    assert f"in {raw['storage_rises']:.0f} samples" in told
+    assert 1e-5 < raw["storage_rise_largest_J"] < 1e-3
+
+
+@pytest.mark.parametrize("duty", [0.1, 0.5, 1.2])
+def test_emergency_stop(duty):
+    """x < 0 4.4, 8.5 and 12.2 ms after the stop: the chamber empties at 20 mm^2 while the spring pushes."""
+    text = change(SHIPPED, "operation", duty_ratio=str(duty))
+    text = change(change(text, "axial_sequence", stop_time="1 s"), "run", until="1.1 s", average_from="1.05 s")
+    _, run = run_of(text)
+    x, t = run.state.slide.position, run.times
+    assert np.interp(1.0, t, x) == pytest.approx(duty * HELIX * 1e-3, abs=0.2e-3)
+    assert np.all(x[t > 1.013] < 0.0)
+    assert x[-1] == pytest.approx(-6.21e-3, abs=2e-5)
+
+
+def driven_text() -> str:
+    """Figs 5.8 and 5.9: a motor turns the spool at 22.5 rev/s; an orifice for 27.6 bar, 400 psi, and a hose alone."""
+    text = change(SHIPPED, "spool_drive", coupling="1 N*m*s")
+    text = change(text, "operation", spool_motor_speed="1350 rpm")
+    text = change(text, "initial", spool_speed="1350 rpm", load_pressure="27.6 bar")
+    text = change(text, "load", area="6.556 mm^2")
+    text = change(text, "load_line", gas_volume="0 cc", precharge_pressure="15 bar")
+    return change(text, "run", until="2.6 s", average_from="2.1 s")
+
+
+def load_pressures(text: str) -> np.ndarray:
+    """Load pressure [bar], means over a period of the PWM, 67.5 Hz, from 1.5 s on."""
+    _, run = run_of(text)
+    times = np.arange(1.5, 2.5, 1e-4)
+    gauge = (np.interp(times, run.times, run.state.load_line) - 101325.0) / 1e5
+    window = round(1.0 / 67.5 / 1e-4)
+    return np.convolve(gauge, np.ones(window) / window, "valid")
+
+
+def test_load_pressure_as_witness():
+    """Within 1 % of 27.6 bar at any time with the observer; the raw signal lets it swing by 6 %."""
+    held, raw = load_pressures(driven_text()), load_pressures(change(driven_text(), "raw_feedback", **RAW))
+    assert np.max(np.abs(held / 27.6 - 1.0)) < 0.01
+    assert np.ptp(raw) / 27.6 == pytest.approx(0.06, abs=0.015)
+    assert np.ptp(raw) > 8.0 * np.ptp(held)
+
+
+def test_lost_sensor():
+    """The pressure alone carries the estimate, to within 20 um of the reference over 0.2 s, while it says that it knows
+    less and less: 0.15 mm at the end. Nothing is wrong with the storage."""
+    text = change(SHIPPED, "axial_sensor", dropout_begin="1.6 s", dropout_end="1.8 s")
+    found, (_, run) = found_in(text), run_of(text)
+    assert found["spool_position_error_max_m"] < 20e-6
+    assert found["storage_rises"] == 0.0
+    deviation = np.interp([1.59, 1.79, 2.4], run.times, run.command.axial.position_deviation)
+    assert deviation[1] == pytest.approx(0.15e-3, rel=0.1)
+    assert deviation[0] < 25e-6 > deviation[2]
+
+
+def test_frozen_sensor():
+    """A signal that stands still is taken for a spool that moves against its pollution: 0.44 mm; the storage tells."""
+    found = found_in(change(SHIPPED, "axial_sensor", freeze_begin="1.6 s", freeze_end="1.8 s"))
+    assert found["spool_position_error_max_m"] == pytest.approx(0.44e-3, rel=0.2)
+    assert found["spool_estimate_coverage"] < 0.7
+    assert found["storage_rises"] > 50.0
+
+
+def test_biased_sensor():
+    """0.2 mm stay in the estimate for the most part, for the pollution has no mean; the pressure takes up the rest."""
+    found = found_in(change(SHIPPED, "axial_sensor", bias="0.2 mm"))
+    assert found["spool_estimate_error_rms_m"] == pytest.approx(0.18e-3, rel=0.1)
+    assert found["spool_position_error_rms_m"] == pytest.approx(0.10e-3, rel=0.15)
+    assert found["spool_estimate_coverage"] == 0.0
+    assert found["storage_rises"] > 200.0
+
+
+CHAMBER = shipped_systems()["axial-chamber"]
+REFUSED = {
+    "gain": (
+        backstepping_text(CHAMBER, MILD | {"flow_gain": "2e-9 m^3/(s*Pa)"}),
+        "backstepping.flow_gain: 2e-09 m^3/(s*Pa); the flow depends on the measured velocity with any pressure_weight, "
+        "k = 1.92; expected lambda_3 < A^2/(M lambda_p + K_v) = 1.04e-09 m^3/(s*Pa)",
+    ),
+    "noise": (
+        change(CHAMBER, "axial_observer", sensor_deviation="0 um"),
+        "sensor_deviation: 0; no sensor is without noise",
+    ),
+    "period": (change(CHAMBER, "axial_observer", sample_period="0 ms"), "sample_period: 0 s; expected a time above"),
+    "stroke": (change(CHAMBER, "operation", duty_ratio="0.4"), "8.128 mm take 13.37 bar"),
+    "calibration": (
+        change(CHAMBER, "axial_sensor", light="LIGHT").replace('"LIGHT"', '["96 %", "76 %", "80 %", "36 %", "16 %"]'),
+        "axial_sensor.light: row 3 has 0.8 after 0.76",
+    ),
+    "filter": (change(CHAMBER, "raw_feedback", velocity_rate="0 1/s"), "velocity_rate: 0 1/s; expected a rate above 0"),
+    "both": (
+        change(change(CHAMBER, "raw_feedback", **RAW), "true_feedback", **TRUE),
+        "expected at most one of the tables [raw_feedback] and [true_feedback]",
+    ),
+    "no law": (rename(CHAMBER, "passivity", "believed_oil"), "believed_oil"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_bad_values_are_refused_with_numbers_and_line(name):
+    text, expected = REFUSED[name]
+    with pytest.raises(ConfigError) as refused:
+        system_of(text)
+    told = str(refused.value)
+    assert expected in told
+    if name != "both":
+        assert "own.toml:" in told

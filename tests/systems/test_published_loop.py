@@ -1,0 +1,249 @@
+"""The closed loop of chapter 5 as the specification has it, in the compiled loop: what of its figures is met, and what
+is not. Where nothing else is said the law is told the truth, friction is 0, and figures are rms over whole periods."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.systems.axial_texts import (
+    HELIX,
+    MILD,
+    RAW,
+    TABLE,
+    TURN,
+    backstepping_text,
+    change,
+    estimation,
+    rename,
+    rows_from,
+    sample_text,
+    system_of,
+    tracking,
+    trapezoid_text,
+    without,
+)
+
+from vvdp.base.signal import signal_value
+from vvdp.control.backstepping import best_pressure_weight
+from vvdp.control.chamber import volume_compliance
+from vvdp.estimation.axial_filter import Phase
+from vvdp.systems import axial_control, chamber_loop
+from vvdp.systems.axial_loop import AxialCommand, AxialPlace
+from vvdp.systems.axial_numbers import loop_of
+from vvdp.systems.chamber_loop import LoopMemory, PassiveLoop, passive_axial_step
+
+TRAPEZOID = trapezoid_text()
+MIDDLE = 2.75
+"""Position about which sines swing [mm]."""
+
+
+@pytest.mark.parametrize(
+    ("text", "published"),
+    [
+        (TRAPEZOID, 7.70),
+        (backstepping_text(TRAPEZOID, TABLE), 9.16),
+        (backstepping_text(TRAPEZOID, MILD), 18.4),
+        (backstepping_text(TRAPEZOID, MILD | {"pressure_weight": "5e-13 m^3/Pa"}), 7.45),
+    ],
+    ids=["passive", "backstepping", "its gains mild", "and lambda_2 right"],
+)
+def test_trapezoid(text, published):
+    """7.61, 9.07, 18.15 and 7.37 um here."""
+    assert tracking(text) == pytest.approx(published, rel=0.03)
+
+
+def aerated(text: str) -> str:
+    """30 % of air per oil in the chamber, 10 % in the controller, and a friction that it does not know."""
+    oil = dict(line.split(" = ", 1) for line in oil_rows(text))
+    text = change(text, "believed_oil", **oil)
+    text = change(text, "pilot_oil", air_fraction="23.0769231 %")
+    return change(text, "axial_friction", viscous_friction="20 N*s/m")
+
+
+def oil_rows(text: str) -> list[str]:
+    part = text[text.index("[pilot_oil]") :].split("\n[", 1)[0]
+    return [line for line in part.splitlines()[1:] if " = " in line]
+
+
+def test_air_and_friction_that_the_controller_does_not_know():
+    """147 and 156 um here; most of it is the friction, A x' times 20 N s/m."""
+    assert tracking(aerated(TRAPEZOID)) == pytest.approx(156.0, rel=0.10)
+    assert tracking(aerated(backstepping_text(TRAPEZOID, TABLE))) == pytest.approx(175.0, rel=0.15)
+
+
+def sine_text(text: str) -> str:
+    """1.5 mm at 5 Hz, the velocity low-passed at 1 Hz."""
+    duty = f'{{ sine = "{MIDDLE / HELIX:.12g}", amplitude = "{1.5 / HELIX:.12g}", frequency = "5 Hz" }}'
+    text = change(text, "operation", duty_ratio=duty)
+    text = change(text, "true_feedback", velocity_rate=f"{TURN} 1/s")
+    return change(text, "run", until="2 s", average_from="1.6 s")
+
+
+@cache
+def compliance() -> float:
+    """V/beta in the middle of the sine [m^3/Pa]."""
+    drive = loop_of(system_of(TRAPEZOID)).drive
+    pressure = drive.oil.reference_pressure + (drive.stiffness * MIDDLE * 1e-3 + drive.preload) / drive.area
+    return volume_compliance(MIDDLE * 1e-3, pressure, drive)
+
+
+@pytest.mark.parametrize(
+    ("gains", "published", "least"),
+    [
+        (MILD, 1.62, 10.0),
+        (TABLE, 13.3, 10.0),
+        (MILD | {"velocity_gain": "38 N*s/m"}, 5.96, 10.0),
+        (MILD | {"flow_gain": "1e-10 m^3/(s*Pa)"}, 1.106, 12.0),
+    ],
+    ids=["k = 0.383", "k = 0.925", "k = 0.832", "k = 0.096"],
+)
+def test_best_pressure_weight(gains, published, least):
+    """The error has its minimum at (V/beta)/(1 - k): steep for a small k, flat for one near 1."""
+    system = system_of(backstepping_text(sine_text(TRAPEZOID), gains))
+    loop = loop_of(system)
+    predicted = best_pressure_weight(1.0, loop.gains, loop.gains.flow_gain, loop.drive)
+    assert predicted == pytest.approx(published, rel=0.01)
+
+    def error(factor):
+        weight = f"{factor * compliance():.9g} m^3/Pa"
+        return tracking(backstepping_text(sine_text(TRAPEZOID), gains | {"pressure_weight": weight}), 1.0)
+
+    at_best = error(predicted)
+    assert at_best < least
+    assert error(0.6 * predicted) > 1.5 * at_best
+    assert error(1.7 * predicted) > 1.5 * at_best
+    if published == 5.96:
+        assert predicted * compliance() == pytest.approx(3.0e-12, rel=0.06)
+
+
+def test_backstepping_at_its_best_is_better_than_the_passivity_law():
+    """Not as published, "slightly worse": 135 um against 7 for the gains of the table, 45 against 10 for a lambda_3 of
+    1e-10, where the specification has 44 against 52; its sweep steps over the minimum."""
+    assert tracking(sine_text(TRAPEZOID), 1.0) == pytest.approx(135.0, rel=0.10)
+    slow = change(sine_text(TRAPEZOID), "passivity", flow_gain="1e-10 m^3/(s*Pa)")
+    assert tracking(slow, 1.0) == pytest.approx(44.0, rel=0.10)
+    weight = f"{1.106 * compliance():.9g} m^3/Pa"
+    best = MILD | {"flow_gain": "1e-10 m^3/(s*Pa)", "pressure_weight": weight}
+    assert tracking(backstepping_text(sine_text(TRAPEZOID), best), 1.0) < 12.0
+
+
+@pytest.mark.parametrize(("period", "published"), [(0.2, 1.7), (1.0, 7.7), (2.0, 13.5)])
+def test_sample_periods_within_the_limit(period, published):
+    """1.60, 7.61 and 15.4 um here."""
+    assert tracking(sample_text(TRAPEZOID, period)) == pytest.approx(published, rel=0.15)
+
+
+@pytest.mark.parametrize(("period", "published"), [(3.0, 137.0), (4.0, 512.0)])
+def test_sample_periods_beyond_the_limit(period, published):
+    """A limit cycle, and told before. Its size hangs on the valve near its seat: 247 and 619 um here."""
+    found = tracking(sample_text(TRAPEZOID, period))
+    assert published < found < 2.0 * published
+    told = " ".join(system_of(sample_text(TRAPEZOID, period)).extras.warnings({}))
+    assert f"sampled every {period:g} ms it will limit-cycle: its limit is 2.54 ms" in told
+
+
+def test_the_run_warns_before_it_limit_cycles():
+    """At 2 ms it still tracks; at 1 ms there is nothing to be said. With 1 % of air the same gain takes a fifth."""
+    assert not list(system_of(TRAPEZOID).extras.warnings({}))
+    (told,) = system_of(sample_text(TRAPEZOID, 2.0)).extras.warnings({})
+    assert "a sample period of 2 ms is above the 1.2" in told
+    stiff = change(TRAPEZOID, "pilot_oil", air_fraction="0.990099 %")
+    (told,) = system_of(sample_text(stiff, 0.4)).extras.warnings({})
+    assert "limit" not in told
+    assert tracking(sample_text(stiff, 0.4)) < 5.0
+    (told,) = system_of(sample_text(stiff, 0.6)).extras.warnings({})
+    assert "it will limit-cycle" in told
+    assert tracking(sample_text(stiff, 0.6)) > 100.0
+
+
+def test_published_feedforward_lacks_what_damps_the_pressure():
+    """Without the part of P_d' that the errors make, the pressure's pole is lambda_3 beta/V - 58 1/s: a lambda_3 of
+    3e-11 leaves next to nothing of it. At the table's gain the difference is below 1 %."""
+    slow = sample_text(change(TRAPEZOID, "passivity", flow_gain="3e-11 m^3/(s*Pa)"), 0.2)
+    assert tracking(rename(slow, "passivity", "printed_passivity")) > 5.0 * tracking(slow)
+    printed = tracking(rename(TRAPEZOID, "passivity", "printed_passivity"))
+    assert tracking(TRAPEZOID) < printed < 1.02 * tracking(TRAPEZOID)
+
+
+def spinning_text(noise: str = "20 um", speed: str = "22.5 rev/s", seed: int = 1) -> str:
+    """A constant reference, pollution of 0.2 mm scale, the filter of the specification; it learns at the stop."""
+    text = without(
+        change(TRAPEZOID, "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}", spool_speed=speed), "true_feedback"
+    )
+    text = change(text, "axial_sensor", pollution_scale="0.125 mm", noise=noise, seed=str(seed))
+    drifts = {"sensor_deviation": "20 um", "position_drift": "0.1 um", "coefficient_drift": "0.1 um"}
+    text = change(text, "axial_observer", coefficient_deviation="0.2 mm", **drifts)
+    text = change(text, "axial_sequence", learn_time="0.3 s")
+    return change(text, "run", until="3 s", average_from="2 s")
+
+
+def ripple(text: str) -> float:
+    """Peak to peak of the chamber's pressure [bar]."""
+    return float(np.ptp(rows_from(text, 1.5).true.pressure)) / 1e5
+
+
+def mean_over_seeds(number, seeds, **settings) -> float:
+    return float(np.mean([number(spinning_text(seed=seed, **settings)) for seed in range(1, seeds + 1)]))
+
+
+@pytest.mark.parametrize("seeds", [3, pytest.param(20, marks=pytest.mark.slow)])
+def test_pollution_of_a_spinning_spool(seeds):
+    """46 um and 0.18 bar when the raw signal is fed back: 43.9 um and 0.184 bar here, peak to peak.
+
+    With the filter 1.6 um and 0.014 bar: 3.0 um and 0.030 bar here with white noise of 20 um, which the specification
+    does not name, 1.2 um without any.
+    """
+    raw = mean_over_seeds(lambda text: tracking(change(text, "raw_feedback", **RAW), 1.5), seeds)
+    assert raw == pytest.approx(46.0, rel=0.15)
+    swing = mean_over_seeds(lambda text: ripple(change(text, "raw_feedback", **RAW)), seeds)
+    assert swing == pytest.approx(0.18, rel=0.15)
+    noisy = mean_over_seeds(lambda text: tracking(text, 1.5), seeds)
+    assert noisy == pytest.approx(3.0, rel=0.15)
+    quiet = mean_over_seeds(lambda text: tracking(text, 1.5), seeds, noise="0 um")
+    assert quiet < 1.6 < noisy
+
+
+BELIEVED = 22.0 * TURN
+
+
+def clocked_step(
+    t: float, memory: LoopMemory, place: AxialPlace, settings: PassiveLoop
+) -> tuple[LoopMemory, AxialCommand]:
+    """The passivity law with a pollution that a clock counts, 0.5 Hz too slow."""
+    phase = Phase(BELIEVED * t, BELIEVED, 0.0)
+    return passive_axial_step(memory, place, phase, signal_value(t, settings.wanted), settings)
+
+
+@pytest.mark.slow
+def test_a_clock_that_is_half_a_hertz_off(monkeypatch):
+    """No better than the raw signal, as the text warns: 55 um published, 43 um here."""
+    monkeypatch.setattr(axial_control, "PASSIVE", axial_control.PASSIVE._replace(observed=clocked_step))
+    # Another seed for the cache of runs: the text does not say which program runs it.
+    errors = [tracking(spinning_text(seed=100 + seed), 1.5) for seed in range(20)]
+    assert np.mean(errors) == pytest.approx(43.0, rel=0.15)
+    assert np.mean(errors) > 0.8 * 46.0
+
+
+def unguarded(frequency, speed, harmonics):
+    return 1.0
+
+
+def test_resonance():
+    """11.464 rev/s, where the published filter loses the spool: 77 um. As built the pollution is kept as it was learned
+    at the stop, and the error stays below 5 um."""
+    at_resonance = spinning_text(speed="11.464 rev/s")
+    assert tracking(at_resonance, 1.5) < 5.0
+    found = rows_from(at_resonance, 1.5)
+    assert np.all(found.shown.frozen == 1.0)
+    assert np.max(found.shown.margin) < 1e-3
+
+
+@pytest.mark.slow
+def test_resonance_without_guard(monkeypatch):
+    """Nothing learned at the stop: more than 50 um of the spool and 100 um of the estimate; published 77 um."""
+    unlearned = change(spinning_text(speed="11.464 rev/s"), "axial_sequence", learn_time="0 s")
+    guarded = tracking(unlearned, 1.5)
+    monkeypatch.setattr(chamber_loop, "observability_margin", unguarded)
+    seeds = [change(unlearned, "axial_sensor", seed=str(100 + seed)) for seed in range(20)]
+    assert np.mean([tracking(text, 1.5) for text in seeds]) > 50.0 > guarded
+    assert np.mean([estimation(text, 1.5) for text in seeds]) > 100.0
