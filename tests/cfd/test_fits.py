@@ -16,7 +16,7 @@ from vvdp.cfd.fits import drop_laws, fit
 from vvdp.cfd.rail import RailOrder, outlets
 from vvdp.cfd.rail_result import Told
 from vvdp.cfd.rail_study import RailRun
-from vvdp.cfd.sweep_result import fitted_settingss, sweep_result
+from vvdp.cfd.sweep_result import fitted_settings, sweep_result
 from vvdp.geometry.measure import Mouth
 from vvdp.geometry.shape_tables import given_shape
 from vvdp.systems.system import load_system

@@ -34,8 +34,8 @@ VERB = "cfd rail"
 METHOD = (
     "Steady flow of constant density and viscosity, computed by OpenFOAM (simpleFoam) on hexahedra: Reynolds-averaged "
     "equations with a model of turbulence, upwind schemes to begin with, then limited schemes of second order. A run "
-    "has settled where means of the drop over 50 iterations no longer change by 0.1 %, and what leaves is within 0.1 % of "
-    "what enters."
+    "has settled where means of the drop over 50 iterations no longer change by 0.1 %, and what leaves is within 0.1 % "
+    "of what enters."
 )
 MANNER = (
     f"{METHOD} The oil enters by the port and leaves by the nozzles into the open bore. The drop is the mean static "

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from vvdp.systems.system import System
 
 T = TypeVar("T")
-LEAST_RUNS = 3
+LEAST_RUNS, LEAST_FLOW = 3, 1e-6
+"""Runs to which a law with its confidence can be fitted, and a flow [m^3/s] that is worth a run."""
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -108,7 +109,11 @@ def sweep(
     from vvdp.cfd.sweep_result import VERB, fitted_settings, sweep_result
 
     loaded, order, told = _order(system, settings, shape, grid, model)
-    flows = _stretch("--flow", flow, FLOW) if flow else tuple(share * order.flow for share in (0.25, 0.5, 1.0, 1.5))
+    flows = (
+        _stretch("--flow", flow, FLOW, LEAST_FLOW)
+        if flow
+        else tuple(share * order.flow for share in (0.25, 0.5, 1.0, 1.5))
+    )
     with _place(VERB, out, f"sweep-{loaded.name}-{grid}", force=force) as (directory, hear):
         runs = run_sweep(order, flows, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, sweep_result(order, runs, told), no_report=no_report)
@@ -156,7 +161,7 @@ def turbine(
         grid=rail.grid,
         turbulence=rail.turbulence,
     )
-    speeds = _stretch("--speed", speed, SPEED)
+    speeds = _stretch("--speed", speed, SPEED, 0.0)
     with _place(VERB, out, f"turbine-{loaded.name}-{grid}", force=force) as (directory, hear):
         runs = run_turbine(order, speeds, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, turbine_result(order, runs, told), no_report=no_report)
@@ -214,15 +219,16 @@ def _all_cores() -> int:
     return all_cores()
 
 
-def _stretch(option: str, given: tuple[str, str, int], kind: "Kind") -> tuple[float, ...]:
+def _stretch(option: str, given: tuple[str, str, int], kind: "Kind", least: float) -> tuple[float, ...]:
     """Evenly spaced values of an option. Raises ConfigError where they are too few for a law, or out of order."""
     import numpy as np
 
+    from vvdp.base.display import with_unit
     from vvdp.base.errors import ConfigError, Fault
 
     low, high = (parsed_option(option, text, kind) for text in given[:2])
-    if not (0.0 <= low < high and given[2] >= LEAST_RUNS):
-        words = f"expected the lower value first, none below zero, and at least {LEAST_RUNS} of them"
+    if not (least <= low < high and given[2] >= LEAST_RUNS):
+        words = f"expected the lower value first, {with_unit(least, kind)} or more, and at least {LEAST_RUNS} values"
         raise ConfigError([Fault(option, 0, " ".join(map(str, given)), words)])
     return tuple(float(value) for value in np.linspace(low, high, given[2]))
 
