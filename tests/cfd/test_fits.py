@@ -16,7 +16,7 @@ from vvdp.cfd.fits import drop_laws, fit
 from vvdp.cfd.rail import RailOrder, outlets
 from vvdp.cfd.rail_result import Told
 from vvdp.cfd.rail_study import RailRun
-from vvdp.cfd.sweep_result import fitted_setting, sweep_result
+from vvdp.cfd.sweep_result import fitted_settings, sweep_result
 from vvdp.geometry.measure import Mouth
 from vvdp.geometry.shape_tables import given_shape
 from vvdp.systems.system import load_system
@@ -95,7 +95,7 @@ def test_every_key_of_a_sweep_is_described(result, keys_as_described):
 
 
 def test_the_fitted_system_has_the_coefficient_and_its_origin(result):
-    system = load_system("prototype", [fitted_setting(result)])
+    system = load_system("prototype", fitted_settings(result))
     assert system.tables["valve"].nozzle_discharge_coefficient == pytest.approx(0.6, rel=0.01)
     (row,) = [row for row in system.rows if row.key == "nozzle_discharge_coefficient"]
     assert row.status == "derived"

@@ -43,6 +43,7 @@ ENDINGS = {
     "kg": "_kg",
     "kg*m^2": "_kg_m2",
     "kg/m^3": "_kg_m3",
+    "N*m*s": "_N_m_s",
     "Pa*s/m^3": "_Pa_s_m3",
     "Pa*s^2/m^6": "_Pa_s2_m6",
 }

@@ -112,6 +112,7 @@ ALLOWED = {
     "base.units._to_si": CHOICE,
     "cli.cfd.rail": VERB,
     "cli.cfd.sweep": VERB,
+    "cli.cfd.turbine": VERB,
     "cli.compare.estimators": VERB,
     "cli.design._run": VERB,
     "cli.design.optimum": VERB,

@@ -31,12 +31,15 @@ from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Se
 from vvdp.valve.branch import turbulent_drops
 
 VERB = "cfd rail"
+METHOD = (
+    "Steady flow of constant density and viscosity, computed by OpenFOAM (simpleFoam) on hexahedra: Reynolds-averaged "
+    "equations with a model of turbulence, upwind schemes to begin with, then limited schemes of second order. A run "
+    "has settled where means of the drop over 50 iterations no longer change by 0.1 %, and what leaves is within 0.1 % "
+    "of what enters."
+)
 MANNER = (
-    "Steady flow of constant density and viscosity through the inlet rail and its nozzles into the open bore, computed "
-    "by OpenFOAM (simpleFoam) on hexahedra: Reynolds-averaged equations with a model of turbulence, upwind schemes to "
-    "begin with, then limited schemes of second order. The drop is the mean static pressure at the port less that in "
-    "the bore. A run has settled where means of the drop over 50 iterations no longer change by 0.1 %, and what leaves "
-    "is within 0.1 % of what enters."
+    f"{METHOD} The oil enters by the port and leaves by the nozzles into the open bore. The drop is the mean static "
+    "pressure at the port less that in the bore."
 )
 LEFT_OUT = (
     "The spool: the bore is open, its pressure the same everywhere.",

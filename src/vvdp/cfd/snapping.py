@@ -21,8 +21,8 @@ FEATURE_ANGLE = 150
 
 
 TURN = math.radians(10.0)
-"""A valve is turned so far about its axis that no nozzle lies along the cells: mouths keep their area within 0.6 %, where
-one that does loses 4 %."""
+"""A valve is turned so far about its axis that no nozzle lies along the cells: mouths keep their area within 0.6 %,
+where one that does loses 4 %."""
 
 
 def turn_domain(domain: Domain) -> Domain:

@@ -211,13 +211,14 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[RailRun]) -> 
         )
 
 
-def fitted_setting(result: Result) -> str:
-    """The fitted discharge coefficient as a setting of a system: its value, its interval, where it comes from."""
+def fitted_settings(result: Result) -> tuple[str]:
+    """The discharge coefficient that was found, as a setting of a system with its interval and origin."""
     numbers = {key: each.value for key, each in result.numbers.items()}
     made = result.conditions
     note = f"fitted to computed flow, {made['flow']}, {made['turbulence']}, {numbers['cells']:.0f} cells"
     low, high = numbers["discharge_coefficient_low"], numbers["discharge_coefficient_high"]
-    return (
+    setting = (
         f'valve.nozzle_discharge_coefficient={{value="{numbers["discharge_coefficient"]:.6g}", '
         f'range=["{low:.6g}", "{high:.6g}"], status="derived", note="{note}"}}'
     )
+    return (setting,)

@@ -14,6 +14,7 @@ from vvdp.cli.printing import show_result
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from vvdp.base.kinds import Kind
     from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.rail_result import Told
     from vvdp.cfd.solve import Progress
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from vvdp.systems.system import System
 
 T = TypeVar("T")
-LEAST_FLOWS = 3
+LEAST_RUNS, LEAST_FLOW = 3, 1e-6
+"""Runs to which a law with its confidence can be fitted, and a flow [m^3/s] that is worth a run."""
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -102,21 +104,69 @@ def sweep(
     One mesh is solved at every flow. The file fitted.toml is the system with the discharge coefficient that was found.
     Rerun the same command to resume; what is finished is not computed again.
     """
-    from vvdp.base.files import write_whole
+    from vvdp.base.kinds import FLOW
     from vvdp.cfd.rail_study import run_sweep
-    from vvdp.cfd.sweep_result import VERB, fitted_setting, sweep_result
-    from vvdp.systems.resolved import resolved_text
-    from vvdp.systems.system import load_system
+    from vvdp.cfd.sweep_result import VERB, fitted_settings, sweep_result
 
     loaded, order, told = _order(system, settings, shape, grid, model)
-    flows = _flows(flow, order.flow)
+    flows = (
+        _stretch("--flow", flow, FLOW, LEAST_FLOW)
+        if flow
+        else tuple(share * order.flow for share in (0.25, 0.5, 1.0, 1.5))
+    )
     with _place(VERB, out, f"sweep-{loaded.name}-{grid}", force=force) as (directory, hear):
         runs = run_sweep(order, flows, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, sweep_result(order, runs, told), no_report=no_report)
-    kept = [text for text in settings or () if not text.strip().startswith("geometry.")]
-    fitted = load_system(system, [*kept, fitted_setting(reported.result)])
-    write_whole(directory / "fitted.toml", resolved_text(fitted))
+    _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "sweep"))
+
+
+@app.command(cls=Verb)
+def turbine(
+    system: SystemName,
+    grid: Grid = "coarse",
+    flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
+    speed: Annotated[
+        tuple[str, str, int],
+        typer.Option("--speed", metavar="FROM TO COUNT", help="Spool speeds, 3 or more."),
+    ] = ("0 rpm", "1500 rpm", 3),
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    out: Annotated[Path | None, out_option("results/cfd-turbine-SYSTEM-GRID")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute torque and drop of the outlet turbine over the speed.
+
+    One mesh is solved at every speed, in the frame of the spool. The file fitted.toml is the system with the effective
+    area and the discharge coefficient that were found. Rerun the same command to resume; what is finished is not
+    computed again.
+    """
+    from vvdp.base.kinds import FLOW, SPEED
+    from vvdp.cfd.turbine import TurbineOrder
+    from vvdp.cfd.turbine_result import VERB, fitted_settings, turbine_result
+    from vvdp.cfd.turbine_study import run_turbine
+
+    loaded, rail, told = _order(system, settings, shape, grid, model)
+    order = TurbineOrder(
+        valve=rail.valve,
+        shape=rail.shape,
+        fluid=rail.fluid,
+        flow=parsed_option("--flow", flow, FLOW) if flow else rail.flow,
+        speed=0.0,
+        position=0.5 * rail.valve.helix_length,
+        grid=rail.grid,
+        turbulence=rail.turbulence,
+    )
+    speeds = _stretch("--speed", speed, SPEED, 0.0)
+    with _place(VERB, out, f"turbine-{loaded.name}-{grid}", force=force) as (directory, hear):
+        runs = run_turbine(order, speeds, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, turbine_result(order, runs, told), no_report=no_report)
+    _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
+    show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "runs"))
 
 
 class _Reported(NamedTuple):
@@ -133,6 +183,16 @@ def _write(directory: Path, loaded: "System", result: "Result", *, no_report: bo
 
     write_result(directory, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
     return _Reported(result, not no_report and add_report(CFD, directory))
+
+
+def _write_fitted(directory: Path, system: str, settings: list[str]) -> None:
+    """Writes the system with what was found."""
+    from vvdp.base.files import write_whole
+    from vvdp.systems.resolved import resolved_text
+    from vvdp.systems.system import load_system
+
+    kept = [text for text in settings if not text.strip().startswith("geometry.")]
+    write_whole(directory / "fitted.toml", resolved_text(load_system(system, kept)))
 
 
 @contextmanager
@@ -159,20 +219,18 @@ def _all_cores() -> int:
     return all_cores()
 
 
-def _flows(given: tuple[str, str, int] | None, usual: float) -> tuple[float, ...]:
-    """Evenly spaced flows [m^3/s], by default up to one and a half times the `usual` one."""
+def _stretch(option: str, given: tuple[str, str, int], kind: "Kind", least: float) -> tuple[float, ...]:
+    """Evenly spaced values of an option. Raises ConfigError where they are too few for a law, or out of order."""
     import numpy as np
 
+    from vvdp.base.display import with_unit
     from vvdp.base.errors import ConfigError, Fault
-    from vvdp.base.kinds import FLOW
 
-    if given is None:
-        return tuple(float(share * usual) for share in (0.25, 0.5, 1.0, 1.5))
-    low, high = (parsed_option("--flow", text, FLOW) for text in given[:2])
-    if not (0.0 < low < high and given[2] >= LEAST_FLOWS):
-        words = f"expected two flows above zero, the lower first, and at least {LEAST_FLOWS} of them"
-        raise ConfigError([Fault("--flow", 0, " ".join(map(str, given)), words)])
-    return tuple(float(flow) for flow in np.linspace(low, high, given[2]))
+    low, high = (parsed_option(option, text, kind) for text in given[:2])
+    if not (least <= low < high and given[2] >= LEAST_RUNS):
+        words = f"expected the lower value first, {with_unit(least, kind)} or more, and at least {LEAST_RUNS} values"
+        raise ConfigError([Fault(option, 0, " ".join(map(str, given)), words)])
+    return tuple(float(value) for value in np.linspace(low, high, given[2]))
 
 
 def _order(

@@ -50,8 +50,8 @@ def section_figure(section: Section, density: float) -> Drawn:
         _cells(right, section, section.points[int(speed.argmax()), :2])
 
     caption = (
-        "Section across the axis through the nozzles: speed, static pressure above that in the bore, and cells of the "
-        "mesh where the oil is fastest."
+        "Section across the axis: speed, static pressure above that where the oil leaves, and cells of the mesh where "
+        "the oil is fastest."
     )
     return draw_figure("sections", caption, 2.9, draw)
 

@@ -1,0 +1,228 @@
+"""What the flow through an outlet turbine comes to over the speed of its spool: torque, drops, and their laws."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.display import number, percent, with_unit
+from vvdp.base.kinds import (
+    AREA,
+    COUNT,
+    DENSITY,
+    EFFICIENCY,
+    FLAG,
+    FLOW,
+    NUMBER,
+    PRESSURE_DIFFERENCE,
+    SPEED,
+    TORQUE,
+    Kind,
+)
+from vvdp.cfd.fits import Fit, fit
+from vvdp.cfd.rail_result import METHOD, Told
+from vvdp.cfd.turbine import TurbineOrder
+from vvdp.cfd.turbine_study import TurbineRun
+from vvdp.geometry.result import origin_rows
+from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
+from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.valve.torque import outlet_torque
+
+VERB = "cfd turbine"
+FRAME = (
+    "The oil within the spool's radius is solved in the frame that turns with the spool, which stands at one angle to "
+    "the collector: what the passing of the channels does to the flow is left out. Torque is fitted by a straight line "
+    "over the speed."
+)
+LENGTHS = (
+    "None of these is published. Arm and entry taper of the channels were chosen so that flow simulation of a turbine "
+    "with another chamber gave the published torque and drop, so both are calibrated; the fall with the speed is not."
+)
+SHOWN_LENGTHS = ("outlet_", "chamber_", "collector_", "groove_", "port_")
+SLOPE = Kind("torque over speed", "N*m*s", -1e6, 1e6, "1e-4 N*m*s")
+QUANTITIES = {
+    "flow_m3_s": (FLOW, "flow"),
+    "torque_at_rest_N_m": (TORQUE, "torque at rest, fitted"),
+    "torque_at_rest_error_N_m": (TORQUE, "half of its interval"),
+    "torque_slope_N_m_s": (SLOPE, "torque over speed, fitted"),
+    "torque_slope_error_N_m_s": (SLOPE, "half of its interval"),
+    "torque_slope_law_N_m_s": (SLOPE, "torque over speed by the system's own law"),
+    "effective_area_m2": (AREA, "effective area of the jets"),
+    "effective_area_law_m2": (AREA, "effective area of the system"),
+    "turbine_drop_Pa": (PRESSURE_DIFFERENCE, "drop of the turbine, slowest run"),
+    "collector_drop_Pa": (PRESSURE_DIFFERENCE, "drop of collector and port, slowest run"),
+    "discharge_coefficient": (NUMBER, "discharge coefficient of the turbine"),
+    "discharge_coefficient_law": (NUMBER, "discharge coefficient of the system"),
+    "cells": (COUNT, "cells"),
+    "density_kg_m3": (DENSITY, "density"),
+}
+
+
+def turbine_result(order: TurbineOrder, runs: Sequence[TurbineRun], told: Told) -> Result:
+    """The result of runs of one order at several speeds; its sections name drawings that the page has.
+
+    Raises ParameterError where there are fewer than three.
+    """
+    table = _runs(order, runs)
+    speeds = table["speed_rad_s"]
+    line = fit([np.ones_like(speeds), speeds], table["torque_N_m"])
+    numbers = _numbers(order, runs, line)
+    return Result(
+        verb=VERB,
+        title="Torque of the outlet turbine over the speed",
+        system=told.system,
+        manner=f"{METHOD} {FRAME}",
+        references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
+        conditions={
+            "flow": with_unit(order.flow, FLOW),
+            "oil": told.oil,
+            "grid": told.grid,
+            "turbulence": order.turbulence.model,
+        },
+        left_out=("Centre section and windows upstream: the oil enters the chamber along the axis, without swirl.",
+                  "Leakage, cavitation, and the warming of the oil."),
+        numbers=numbers_of(numbers, QUANTITIES),
+        listings={"fits": _fits(numbers), "lengths": _lengths(told)},
+        tables={"runs": table, "line": _line(order, speeds, line)},
+        charts={"torque-over-speed": _chart()},
+        findings=tuple(_findings(order, numbers, runs)),
+        sections=(
+            Section(title="Torque and drop", words=(FRAME,), shows=("fits", "torque-over-speed", "runs")),
+            Section(title="The turbine", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
+            Section(title="The flow", shows=("sections",), starts_page=True),
+            Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
+        ),
+        seconds=sum(run.seconds for run in runs),
+    )  # fmt: skip
+
+
+def _runs(order: TurbineOrder, runs: Sequence[TurbineRun]) -> Table:
+    speeds = np.array([run.speed for run in runs])
+    total = np.array([run.solved.judgement.value for run in runs])
+    behind = np.array([run.behind for run in runs])
+    columns = {
+        "speed_rad_s": Column(speeds, SPEED, "spool speed"),
+        "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
+        "torque_spread_N_m": Column(np.array([run.torque_spread for run in runs]), TORQUE, "its range"),
+        "torque_law_N_m": Column(_law(order, speeds), TORQUE, "law of the system"),
+        "turbine_drop_Pa": Column(total - behind, PRESSURE_DIFFERENCE, "drop of the turbine"),
+        "collector_drop_Pa": Column(behind, PRESSURE_DIFFERENCE, "drop of the collector"),
+        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
+        "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
+        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+    }
+    return Table(title="Runs", columns=columns, axes=("speed_rad_s",))
+
+
+def _law(order: TurbineOrder, speeds: Array) -> Array:
+    return np.array([outlet_torque(order.flow, float(w), order.fluid.density, order.valve) for w in speeds])
+
+
+def _numbers(order: TurbineOrder, runs: Sequence[TurbineRun], line: Fit) -> dict[str, float]:
+    """Torque rho R Q^2 / A_eff - rho R^2 Q omega; drop of the turbine rho Q^2 / (2 Cd^2 A^2)."""
+    valve, density, flow = order.valve, order.fluid.density, order.flow
+    (at_rest, slope), (at_rest_error, slope_error) = line.coefficients.tolist(), line.half_widths.tolist()
+    slowest = min(runs, key=lambda run: abs(run.speed))
+    drop = slowest.solved.judgement.value - slowest.behind
+    radius = valve.outlet_radius
+    return {
+        "flow_m3_s": flow,
+        "torque_at_rest_N_m": at_rest,
+        "torque_at_rest_error_N_m": at_rest_error,
+        "torque_slope_N_m_s": slope,
+        "torque_slope_error_N_m_s": slope_error,
+        "torque_slope_law_N_m_s": -density * radius**2 * flow,
+        "effective_area_m2": density * radius * flow**2 / at_rest,
+        "effective_area_law_m2": valve.outlet_effective_area,
+        "turbine_drop_Pa": drop,
+        "collector_drop_Pa": slowest.behind,
+        "discharge_coefficient": flow / valve.outlet_area / math.sqrt(2.0 * drop / density),
+        "discharge_coefficient_law": valve.outlet_discharge_coefficient,
+        "cells": float(runs[0].solved.mesh.cells),
+        "density_kg_m3": density,
+    }
+
+
+def _fits(numbers: dict[str, float]) -> Listing:
+    rows = (Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
+    return Listing(title="", heads=("value",), rows=tuple(rows))
+
+
+def _lengths(told: Told) -> Listing:
+    rows = [row for row in told.rows if row.key.startswith(SHOWN_LENGTHS)]
+    return Listing(title="", heads=("value",), rows=origin_rows(rows))
+
+
+def _line(order: TurbineOrder, speeds: Array, line: Fit) -> Table:
+    """The fitted line and the law of the system over the speed."""
+    over = np.linspace(min(0.0, float(speeds.min())), 1.05 * float(speeds.max()), 2)
+    at_rest, slope = line.coefficients
+    return Table(
+        title="Laws over the speed",
+        columns={
+            "speed_rad_s": Column(over, SPEED, "spool speed"),
+            "fitted_N_m": Column(at_rest + slope * over, TORQUE, "straight line, fitted"),
+            "law_N_m": Column(_law(order, over), TORQUE, "law of the system"),
+        },
+        is_data=True,
+    )
+
+
+def _chart() -> Chart:
+    x = "speed_rad_s"
+    lines = (
+        Line(x=x, y="fitted_N_m", label="straight line, fitted", table="line", colour=Colour.LOAD),
+        Line(x=x, y="law_N_m", label="law of the system", table="line", colour=Colour.RELIEF, stroke=Stroke.DOTTED),
+        Line(x=x, y="torque_N_m", label="computed", colour=Colour.INK, stroke=Stroke.POINTS, width=2),
+    )
+    drops = (
+        Line(x=x, y="turbine_drop_Pa", colour=Colour.LOAD, stroke=Stroke.MARKED),
+        Line(x=x, y="collector_drop_Pa", colour=Colour.TANK, stroke=Stroke.MARKED),
+    )
+    return Chart(
+        name="torque-over-speed",
+        caption="Left: torque of the outlet turbine on the spool. Right: drop of the turbine, from its chamber to the "
+        "walls of the collector, and that of collector and port.",
+        table="runs",
+        panels=(Lines(lines=lines, label="torque", low=0.0), Lines(lines=drops, label="pressure drop", low=0.0)),
+        side_by_side=True,
+    )
+
+
+def _findings(order: TurbineOrder, numbers: dict[str, float], runs: Sequence[TurbineRun]) -> Iterator[Finding]:
+    at_rest = with_unit(numbers["torque_at_rest_N_m"], TORQUE)
+    areas = [with_unit(numbers[key], AREA, 3) for key in ("effective_area_m2", "effective_area_law_m2")]
+    yield Finding(
+        text=f"At {with_unit(order.flow, FLOW)} the torque at rest is {at_rest}, as of jets with an effective area of "
+        f"{areas[0]}; the system has {areas[1]}."
+    )
+    ratio = numbers["torque_slope_N_m_s"] / numbers["torque_slope_law_N_m_s"]
+    yield Finding(text=f"It falls with the speed {number(ratio, 3)} times as fast as the law of the system says.")
+    found, given = numbers["discharge_coefficient"], numbers["discharge_coefficient_law"]
+    yield Finding(
+        text=f"The turbine takes {with_unit(numbers['turbine_drop_Pa'], PRESSURE_DIFFERENCE)}, a discharge coefficient "
+        f"of {number(found, 3)} where the system has {number(given, 3)}; collector and port take "
+        f"{with_unit(numbers['collector_drop_Pa'], PRESSURE_DIFFERENCE)} more."
+    )
+    restless = [run for run in runs if not run.solved.settled]
+    if restless:
+        yield Finding(
+            title="Not settled",
+            grade=Grade.WARNING,
+            text=f"{len(restless)} of {len(runs)} runs still changed after all their iterations, by up to "
+            f"{percent(max(run.solved.judgement.change for run in restless), 2)}.",
+            remedy="Take a finer grid.",
+        )
+
+
+def fitted_settings(result: Result) -> tuple[str, ...]:
+    """Effective area and discharge coefficient that were found, as settings of a system with their origin."""
+    numbers = {key: each.value for key, each in result.numbers.items()}
+    made = result.conditions
+    note = f"fitted to computed flow, {made['flow']}, {made['turbulence']}, {numbers['cells']:.0f} cells"
+    values = {
+        "outlet_effective_area": f"{1e6 * numbers['effective_area_m2']:.6g} mm^2",
+        "outlet_discharge_coefficient": f"{numbers['discharge_coefficient']:.6g}",
+    }
+    return tuple(f'valve.{key}={{value="{text}", status="derived", note="{note}"}}' for key, text in values.items())
