@@ -44,6 +44,15 @@ def run_turbine(
         torque = read_torque(folder).value[last]
         behind = order.fluid.density * read_monitor(folder, BEHIND).values[last, 0]
         spread = float(np.ptp(torque))
-        runs.append(TurbineRun(speeds[place], solved, float(torque.mean()), spread, float(behind.mean()), now - began))
+        runs.append(
+            TurbineRun(
+                speed=speeds[place],
+                solved=solved,
+                torque=float(torque.mean()),
+                torque_spread=spread,
+                behind=float(behind.mean()),
+                seconds=now - began,
+            )
+        )
         began = now
     return tuple(runs)

@@ -194,13 +194,13 @@ def flow_deviation(found: Controlled, loop: ChamberLoop) -> Array:
     gains, true, shown = _gains(loop), found.true, found.shown
     law: Any = passivity_law if isinstance(gains, PassivityGains) else backstepping_law
 
-    def asked(reading: ChamberReading) -> Array:
+    def law_flow(reading: ChamberReading) -> Array:
         flow: Array = law(found.reference, reading, gains, loop.drive).flow
         return flow
 
-    right = asked(true)
-    by_position = asked(true._replace(position=true.position + shown.position_deviation)) - right
-    by_velocity = asked(true._replace(velocity=true.velocity + shown.velocity_deviation)) - right
+    right = law_flow(true)
+    by_position = law_flow(true._replace(position=true.position + shown.position_deviation)) - right
+    by_velocity = law_flow(true._replace(velocity=true.velocity + shown.velocity_deviation)) - right
     return np.hypot(by_position, by_velocity)
 
 

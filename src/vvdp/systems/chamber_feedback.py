@@ -79,7 +79,7 @@ def view_with(view: ChamberView, reading: ChamberReading) -> ChamberView:
     )
 
 
-def filtered(before: float, velocity: float, settings: ChamberLoop) -> float:
+def low_pass(before: float, velocity: float, settings: ChamberLoop) -> float:
     """The velocity [m/s] after a sample, from the one before it and the new one."""
     fading: float = np.exp(-settings.velocity_rate * settings.observer.sample_period)
     return velocity + fading * (before - velocity)
@@ -89,7 +89,7 @@ def raw_view(memory: LoopMemory, place: AxialPlace, phase: Phase, wanted: float,
     """What is known after a sample, the law being told what the sensor shows; at the stop the spool stands still."""
     view = chamber_view(memory, place, phase, wanted, settings)
     slope = (view.measured - memory.reading.position) / settings.observer.sample_period
-    velocity = 0.0 if view.stage.held > 0.0 else filtered(memory.reading.velocity, slope, settings)
+    velocity = 0.0 if view.stage.held > 0.0 else low_pass(memory.reading.velocity, slope, settings)
     return view_with(view, ChamberReading(view.measured, velocity, place.pressure))
 
 
@@ -97,7 +97,7 @@ def true_view(t: float, memory: LoopMemory, place: TruePlace, settings: ChamberL
     """What is known after a sample, the law being told the truth."""
     seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)
     view = chamber_view(memory, seen, turned_phase(seen), signal_value(t, settings.wanted), settings)
-    velocity = filtered(memory.reading.velocity, place.velocity, settings)
+    velocity = low_pass(memory.reading.velocity, place.velocity, settings)
     return view_with(view, ChamberReading(place.position, velocity, place.pressure))
 
 

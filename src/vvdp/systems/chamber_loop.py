@@ -179,7 +179,14 @@ def chamber_command(
         command = valve_command(wanted.flow, pressure, drive.valve)
         storage = loop_balance(wanted.flow, view.reference, view.reading, gains, drive).storage
     seen, asked = (view.phase, view.measured, view.margin), (wanted.flow, wanted.desired.pressure, storage)
-    memory = LoopMemory(view.sensor, view.observer, view.reference, view.stage, command, view.reading)
+    memory = LoopMemory(
+        sensor=view.sensor,
+        observer=view.observer,
+        reference=view.reference,
+        stage=view.stage,
+        command=command,
+        reading=view.reading,
+    )
     return memory, show(command, view.stage, view.reference, seen, view.estimate, asked)
 
 
