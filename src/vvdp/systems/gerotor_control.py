@@ -187,10 +187,10 @@ def add_gerotor_control(net: Network, tables: GerotorTables, drive: GerotorDrive
 def add_watched_gerotor(
     net: Network, tables: GerotorTables, drive: GerotorDrive, spool: str, watch: WatchSettings
 ) -> None:
-    """The same with the spool watched by an encoder. Raises ParameterError where no observer goes by its angle."""
-    _, loop = gerotor_loop(tables, drive)
-    if not isinstance(loop, GerotorLoop):
-        raise ParameterError("axial_observer: a spool that an encoder watches has its pollution over its angle")
+    """The same with the periodic Kalman filter and the spool watched by an encoder."""
+    assert isinstance(tables.observer, AxialObserverTable)
+    observer = periodic_observer(tables.observer, drive, tables.helix_length)
+    loop = GerotorLoop(observer=observer, **control_values(tables, drive))
     kind = ProgramType(watched_gerotor_step, GerotorPlace, UNKNOWN, WatchedGerotor, watched_gerotor_start)
     settings = WatchedGerotor(watch=watch, loop=loop)
     net.program(PROGRAM, kind, settings, reads=_reads(spool), period=loop.sample_period)
