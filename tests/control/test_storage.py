@@ -12,7 +12,7 @@ from vvdp.control.backstepping import backstepping_law, best_pressure_weight
 from vvdp.control.chamber import ChamberReading, chamber_volume, volume_compliance
 from vvdp.control.orifice import valve_command, valve_flow
 from vvdp.control.passivity import passivity_law, printed_passivity_law
-from vvdp.control.reference import ReferenceFilter, reference_at_rest, reference_step, trapezoid
+from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step, trapezoid
 from vvdp.control.storage import (
     StorageBalance,
     estimation_storage,
@@ -64,6 +64,48 @@ def test_storage_never_rises_without_sampling(drive, passive):
     assert np.all(supply <= 0.0)
     change = np.sum(0.5 * (supply[1:] + supply[:-1])) * 0.2 / 1999
     assert storage[-1] - storage[0] == pytest.approx(change, rel=3e-3)
+
+
+SAMPLES = 12479
+
+
+def swing(t):
+    """A reference of 1 mm at 5 Hz about 3 mm, with its derivatives."""
+    w, a = 10.0 * np.pi, 1e-3
+    s, c = a * np.sin(w * t), a * np.cos(w * t)
+    return Reference(3e-3 + s, w * c, -(w**2) * s, -(w**3) * c)
+
+
+def rest(t):
+    return reference_at_rest(3e-3)
+
+
+@pytest.mark.parametrize("path", [rest, swing], ids=["fixed", "moving"])
+def test_storage_falls_from_an_error_of_1_mm(drive, passive, path):
+    """With an ideal flow source: from 1.98e-3 J to 1e-20 J or less, no rise in 12479 samples; its change is that of the
+    identity (5.33)."""
+    strong = replace(drive, valve=replace(drive.valve, supply_pressure=1e7))
+    begin = path(0.0)
+    start = (begin.position - 1e-3, begin.velocity, 1e5 + (2594.0 * (begin.position - 1e-3) + 211.5) / 1.74e-4)
+
+    def slope(t, y):
+        flow = passivity_law(path(t), ChamberReading(*y), passive, strong).flow
+        return rates(y, flow, strong)
+
+    times = np.linspace(0.0, 0.8, SAMPLES)
+    found = solve_ivp(slope, (0.0, 0.8), start, "DOP853", times, rtol=1e-12, atol=(1e-15, 1e-13, 1e-8))
+    stored, supply = [], []
+    for t, y in zip(times, found.y.T, strict=True):
+        flow = passivity_law(path(t), ChamberReading(*y), passive, strong).flow
+        balance = loop_balance(flow, path(t), ChamberReading(*y), passive, strong)
+        stored.append(balance.storage)
+        supply.append(balance.supply)
+    stored, supply = np.array(stored), np.array(supply)
+    assert stored[0] == pytest.approx(1.98e-3, rel=0.03)
+    assert stored[-1] < 1e-20
+    assert np.count_nonzero(np.diff(stored) > 1e-16 * stored[0]) == 0
+    residual = np.gradient(stored, times)[1:-1] - supply[1:-1]
+    assert np.max(np.abs(residual)) < 0.003 * np.max(np.abs(supply))
 
 
 def move(y, command, drive, period, pieces=10):

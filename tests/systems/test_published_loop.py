@@ -16,6 +16,7 @@ from tests.systems.axial_texts import (
     estimation,
     rename,
     rows_from,
+    run_of,
     sample_text,
     system_of,
     tracking,
@@ -23,14 +24,19 @@ from tests.systems.axial_texts import (
     without,
 )
 
+from vvdp.base.errors import ParameterError
 from vvdp.base.signal import signal_value
 from vvdp.control.backstepping import best_pressure_weight
 from vvdp.control.chamber import volume_compliance
+from vvdp.control.storage import estimation_storage, least_estimation_weight, loop_balance
 from vvdp.estimation.axial_filter import Phase
+from vvdp.estimation.noise_basis import function_count, write_basis
+from vvdp.numerics.kalman import covariance_of
+from vvdp.sensing.axial_sensor import pollution_at
 from vvdp.systems import axial_control, chamber_loop
-from vvdp.systems.axial_loop import AxialCommand, AxialPlace
-from vvdp.systems.axial_numbers import loop_of
-from vvdp.systems.chamber_loop import LoopMemory, PassiveLoop, passive_axial_step
+from vvdp.systems.axial_loop import PROGRAM, AxialCommand, AxialPlace
+from vvdp.systems.axial_numbers import loop_of, rows_under_control, samples_under_control
+from vvdp.systems.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
 
 TRAPEZOID = trapezoid_text()
 MIDDLE = 2.75
@@ -247,3 +253,56 @@ def test_resonance_without_guard(monkeypatch):
     seeds = [change(unlearned, "axial_sensor", seed=str(100 + seed)) for seed in range(20)]
     assert np.mean([tracking(text, 1.5) for text in seeds]) > 50.0 > guarded
     assert np.mean([estimation(text, 1.5) for text in seeds]) > 100.0
+
+
+def resting_text(noise: str, learn: str) -> str:
+    """A constant reference, with the shipped pollution and observer."""
+    text = change(without(TRAPEZOID, "true_feedback"), "operation", duty_ratio=f"{MIDDLE / HELIX:.12g}")
+    text = change(change(text, "axial_sensor", noise=noise), "axial_sequence", learn_time=learn)
+    return change(text, "run", until="2 s", average_from="1 s")
+
+
+def polluted_shape(loop: ChamberLoop) -> np.ndarray:
+    """The coefficients that the observer would have to find."""
+    basis, angles = loop.observer.pollution.basis, np.linspace(0.0, TURN, 64, endpoint=False)
+    rows = np.zeros((angles.size, function_count(basis)))
+    for row, angle in zip(rows, angles, strict=True):
+        write_basis(angle, basis, row, 0)
+    return np.linalg.lstsq(rows, np.array([pollution_at(angle, loop.sensor.near) for angle in angles]), rcond=None)[0]
+
+
+def storages(text: str) -> tuple[np.ndarray, np.ndarray]:
+    """W of the true states [J] and x' P^-1 x of the estimate, at samples from 0.1 s after the start of control on."""
+    system, run = run_of(text)
+    loop = loop_of(system)
+    found = rows_under_control(run, loop.observer.sample_period)
+    late = np.flatnonzero(found.times >= found.times[0] + 0.1)
+    believed, shape = run.memory[PROGRAM].observer, polluted_shape(loop)
+    after = samples_under_control(run, loop.observer.sample_period)[1]
+    estimated = []
+    for k in late:
+        truth = np.concatenate([[found.true.position[k], found.true.velocity[k]], shape])
+        covariance = covariance_of(believed.factors[..., after[k]])
+        estimated.append(estimation_storage(truth - believed.mean[..., after[k]], covariance))
+    stored = loop_balance(0.0, found.reference, found.true, loop.gains, loop.drive).storage
+    return np.asarray(stored)[late], np.array(estimated)
+
+
+@pytest.mark.parametrize(("learn", "least"), [("0 s", 0.0683), ("0.3 s", 0.0250)])
+def test_lyapunov_function_of_the_loop_with_its_observer(learn, least):
+    """Section 5.6 with a weight: what the loop stores rises at hundreds of samples, what the estimate errs by never
+    does, and W + c x' P^-1 x falls throughout from c = 0.068 J on; 0.025 J where the pollution has been learned."""
+    stored, estimated = storages(resting_text("0 um", learn))
+    assert np.count_nonzero(np.diff(stored) > 0.0) > 500
+    assert np.all(np.diff(estimated) < 0.0)
+    weight = least_estimation_weight(stored, estimated)
+    assert weight == pytest.approx(least, rel=0.1)
+    assert np.all(np.diff(stored + 1.001 * weight * estimated) <= 0.0)
+    assert np.any(np.diff(stored + 0.9 * weight * estimated) > 0.0)
+
+
+def test_no_weight_makes_a_noisy_estimate_fall():
+    """White noise moves the estimate either way at every sample: the function is one of the loop without noise."""
+    stored, estimated = storages(resting_text("20 um", "0.3 s"))
+    with pytest.raises(ParameterError, match="no weight makes their sum fall"):
+        least_estimation_weight(stored, estimated)

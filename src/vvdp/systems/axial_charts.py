@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import ENERGY, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, TIME, Kind
+from vvdp.base.kinds import ANGLE, ENERGY, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, TIME, Kind
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
@@ -18,45 +18,57 @@ TABLE = "axial"
 """Name of the table that holds what is drawn."""
 
 
+TURN = 2.0 * np.pi
 Columns = dict[str, tuple[Array, Kind, str]]
 
 
-def motion_columns(record: "Record", spool: str) -> Columns:
-    """Where the spool should be, is and is believed to be, over time; `spool` is the path of its position."""
-    words = ("reference", "measured", "position", "position_deviation")
+def motion_columns(record: "Record", spool: str, period: float) -> Columns:
+    """Where the spool should be, is and is believed to be, over time; `spool` is the path of its position.
+
+    A row shows what was commanded at the last sample before it: errors are those against the position at that sample,
+    of which there is one every `period` [s].
+    """
+    words = ("reference", "measured", "position", "position_deviation", "pollution", "spool_angle")
     shown = {key: record.commands[f"{PROGRAM}.{key}"].values for key in words}
     true = record.states[spool].values
+    sampled = np.interp(period * (np.ceil(record.times / period - 1e-6) - 1.0), record.times, true)
     return {
         "time_s": (record.times, TIME, "time"),
         "position_m": (true, POSITION, "position"),
         "reference_m": (shown["reference"], POSITION, "reference"),
         "measured_m": (shown["measured"], POSITION, "shown by the sensor"),
-        "tracking_error_m": (true - shown["reference"], POSITION, "error against the reference"),
-        "estimate_error_m": (shown["position"] - true, POSITION, "error of the estimate"),
+        "tracking_error_m": (sampled - shown["reference"], POSITION, "error against the reference"),
+        "estimate_error_m": (shown["position"] - sampled, POSITION, "error of the estimate"),
         "above_m": (2.0 * shown["position_deviation"], POSITION, "two stated deviations"),
         "below_m": (-2.0 * shown["position_deviation"], POSITION, "less two stated deviations"),
+        "sensor_error_m": (shown["measured"] - sampled, POSITION, "error of the sensor"),
+        "pollution_m": (shown["pollution"], POSITION, "pollution that is believed"),
+        "turned_rad": (np.mod(shown["spool_angle"], TURN), ANGLE, "angle of the spool within its turn"),
     }
 
 
-def control_charts(record: "Record") -> Iterator[tuple[Chart, Table]]:
-    """The course of the whole run of a chamber drive, and the errors once control has settled."""
-    columns = motion_columns(record, "slide.position") | {
+def control_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Table]]:
+    """The course of the run of a chamber drive, its errors once control has settled, and the pollution over a turn;
+    the observer samples every `period` [s]."""
+    stored = record.commands[f"{PROGRAM}.storage"].values
+    columns = motion_columns(record, "slide.position", period) | {
         "pressure_Pa": (record.states["pilot_chamber"].values, PRESSURE_LEVEL, "chamber"),
         "desired_Pa": (record.commands[f"{PROGRAM}.desired_pressure"].values, PRESSURE_LEVEL, "desired"),
-        "storage_J": (record.commands[f"{PROGRAM}.storage"].values, ENERGY, "storage of the loop, as believed"),
+        "storage_J": (stored, ENERGY, "storage of the loop, as believed"),
     }
     pressure = (
         Line(x="time_s", y="pressure_Pa", label="chamber"),
         Line(x="time_s", y="desired_Pa", label="desired", stroke=Stroke.DASHED),
     )
-    panels = (Lines(lines=pressure, label="pressure"), Lines(lines=(Line(x="time_s", y="storage_J"),), label="storage"))
+    storage = Line(x="time_s", y="storage_J", rows=tuple(np.flatnonzero(stored > 0.0).tolist()))
+    panels = (Lines(lines=pressure, label="pressure"), Lines(lines=(storage,), label="storage", y_log=True))
     told = "; the chamber's pressure and that which would move it as wanted; what the loop stores, which falls where "
     yield from drive_charts(record, columns, panels, told + "nothing pushes")
 
 
-def gerotor_charts(record: "Record") -> Iterator[tuple[Chart, Table]]:
+def gerotor_charts(record: "Record", period: float) -> Iterator[tuple[Chart, Table]]:
     """The same of a gerotor drive."""
-    columns = motion_columns(record, "gerotor.position") | {
+    columns = motion_columns(record, "gerotor.position", period) | {
         "command": (record.commands[f"{PROGRAM}.drive"].values, SIGNED_FRACTION, "command"),
     }
     panels = (Lines(lines=(Line(x="time_s", y="command"),), label="command"),)
@@ -74,6 +86,16 @@ def drive_charts(
     yield course_chart(levels, panels, told), table
     settled = start + SETTLED if record.times[-1] > start + SETTLED else start
     yield error_chart(tuple(np.flatnonzero(record.times >= settled).tolist())), table
+    if rows := last_turn(record.commands[f"{PROGRAM}.spool_angle"].values, np.diff(record.times, prepend=0.0)):
+        yield pollution_chart(rows), table
+
+
+def last_turn(angles: Array, steps: Array) -> tuple[int, ...]:
+    """The rows of the last whole turn of the spool, as its angle is known [rad], where rows are at least half as far
+    apart as most of them are [s]; none where there is no whole turn."""
+    turns = np.floor(angles / TURN)
+    rows = np.flatnonzero((turns == turns[-1] - 1.0) & (steps > 0.5 * np.median(steps)))
+    return tuple(rows.tolist()) if turns[-1] >= 2.0 else ()
 
 
 def course_chart(levels: tuple[Level, ...], panels: tuple[Lines, ...], told: str) -> Chart:
@@ -94,11 +116,7 @@ def course_chart(levels: tuple[Level, ...], panels: tuple[Lines, ...], told: str
 
 def error_chart(rows: tuple[int, ...]) -> Chart:
     """Errors over these rows."""
-    of_estimate = (
-        Line(x="time_s", y="estimate_error_m", rows=rows, label="error"),
-        Line(x="time_s", y="above_m", rows=rows, label="two deviations either way", colour=Colour.RELIEF),
-        Line(x="time_s", y="below_m", rows=rows, colour=Colour.RELIEF),
-    )
+    of_estimate = Line(x="time_s", y="estimate_error_m", rows=rows, low="below_m", high="above_m")
     return Chart(
         name="axial-errors",
         caption="Errors once control has settled: of the spool against its reference, and of the estimate within two "
@@ -106,7 +124,23 @@ def error_chart(rows: tuple[int, ...]) -> Chart:
         table=TABLE,
         panels=(
             Lines(lines=(Line(x="time_s", y="tracking_error_m", rows=rows),), label="against the reference"),
-            Lines(lines=of_estimate, label="of the estimate"),
+            Lines(lines=(of_estimate,), label="of the estimate"),
         ),
         height=4.0,
+    )
+
+
+def pollution_chart(rows: tuple[int, ...]) -> Chart:
+    """What the sensor is off by, and what is believed of it, over the turn of these rows."""
+    lines = (
+        Line(x="turned_rad", y="sensor_error_m", rows=rows, label="error of the sensor", colour=Colour.TANK),
+        Line(x="turned_rad", y="pollution_m", rows=rows, label="believed", stroke=Stroke.DASHED),
+    )
+    return Chart(
+        name="axial-pollution",
+        caption="The pollution of the axial sensor over the last whole turn of the spool: as it is, with the sensor's "
+        "noise, and as the observer has learned it.",
+        table=TABLE,
+        panels=(Lines(lines=lines, label="pollution"),),
+        height=3.0,
     )

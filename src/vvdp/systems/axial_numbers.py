@@ -277,4 +277,4 @@ class AxialLoop(ChamberReach):
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """Position, pressure, storage and errors."""
-        return control_charts(record)
+        return control_charts(record, self.tables["axial_observer"].sample_period)

@@ -63,7 +63,7 @@ class DutyControl(HeldDuty):
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """Position, pressure, storage and errors."""
-        return control_charts(record)
+        return control_charts(record, self.tables["axial_observer"].sample_period)
 
 
 class GerotorDutyControl(HeldDuty):
@@ -77,4 +77,4 @@ class GerotorDutyControl(HeldDuty):
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """Position, command and errors."""
-        return gerotor_charts(record)
+        return gerotor_charts(record, self.tables["axial_observer"].sample_period)

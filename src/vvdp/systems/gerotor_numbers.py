@@ -38,4 +38,4 @@ class GerotorHeld(Extras):
 
     def charts(self, record: "Record") -> Iterable[tuple[Chart, Table]]:
         """Position, command and errors."""
-        return gerotor_charts(record)
+        return gerotor_charts(record, self.tables["axial_observer"].sample_period)
