@@ -122,6 +122,37 @@ def sweep(
 
 
 @app.command(cls=Verb)
+def grids(
+    system: SystemName,
+    flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    out: Annotated[Path | None, out_option("results/cfd-grids-SYSTEM")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute the inlet rail on all three grids and tell how far the drop is off.
+
+    Observed order, extrapolation and grid convergence index. Rerun the same command to resume; what is finished is not
+    computed again.
+    """
+    from vvdp.base.kinds import FLOW
+    from vvdp.cfd.grids_result import VERB, grids_result
+    from vvdp.cfd.rail import GRIDS
+    from vvdp.cfd.rail_study import run_grids
+
+    loaded, order, about = _order(system, settings, shape, next(iter(GRIDS)), model)
+    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
+    with _place(VERB, out, f"grids-{loaded.name}", force=force) as (directory, hear):
+        runs = run_grids(order, GRIDS, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, grids_result(order, runs, tuple(GRIDS), about), no_report=no_report)
+    show_result(reported.result, directory, json=json, reported=reported.page, names=("convergence", "grids"))
+
+
+@app.command(cls=Verb)
 def turbine(
     system: SystemName,
     grid: Grid = "coarse",
