@@ -3,13 +3,18 @@
 import json
 import os
 import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import psutil
 import pytest
+from tests.cfd.conftest import OIL, PIPE
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.cfd.monitor import states
 from vvdp.cfd.solve import solve
+from vvdp.cfd.verification import pipe_case
 
 
 def silent(progress):
@@ -141,3 +146,45 @@ def test_two_cores_give_the_same(pipe, openfoam, tmp_path):
     one, two = (solve(pipe, tmp_path / str(cores), openfoam, cores, silent) for cores in (1, 2))
     assert two.judgement.value == pytest.approx(one.judgement.value, rel=1e-6)
     assert not list((tmp_path / "2").glob("processor*"))
+
+
+ORPHAN = """
+import sys
+from pathlib import Path
+from tests.cfd.conftest import OIL, PIPE
+from vvdp.cfd.engine import find_openfoam
+from vvdp.cfd.solve import solve
+from vvdp.cfd.verification import pipe_case
+from vvdp.cfd.verification import pipe_case
+
+case = pipe_case(PIPE, OIL, 40)
+case = case._replace(phases=(case.phases[0]._replace(most=100000, tolerance=0.0),))
+solve(case, Path(sys.argv[1]), find_openfoam(), 1, lambda progress: print(progress.done, flush=True))
+"""
+
+
+def test_a_solver_that_lost_its_vvdp_is_asked_to_end(openfoam, tmp_path, monkeypatch):
+    """As after kill -9: the solver works on alone, until the next call finds it."""
+    monkeypatch.setattr("vvdp.cfd.solve.LOOK", 0.1)
+    words = [sys.executable, "-c", ORPHAN, str(tmp_path)]
+    with subprocess.Popen(words, cwd=Path(__file__).parents[2], stdout=subprocess.PIPE, text=True) as first:
+        for line in first.stdout:
+            if int(line) > 0:
+                break
+        (solver,) = psutil.Process(first.pid).children()
+        first.kill()
+    assert solver.is_running()
+    case = pipe_case(PIPE, OIL, 40)
+    case = case._replace(phases=(case.phases[0]._replace(most=100000, tolerance=0.0),))
+    seen = []
+
+    def stop(progress):
+        seen.append(progress)
+        if progress.judgement:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        solve(case, tmp_path, openfoam, 1, stop)
+    assert not solver.is_running() or solver.status() == psutil.STATUS_ZOMBIE
+    assert seen[-1].done > 0
+    assert solver_starts(tmp_path) == 2

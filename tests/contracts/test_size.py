@@ -110,6 +110,8 @@ FACADE = "one value with what it can be asked, each answer a few lines"
 CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "base.units._to_si": CHOICE,
+    "cli.cfd.centre": VERB,
+    "cli.cfd.grids": VERB,
     "cli.cfd.rail": VERB,
     "cli.cfd.sweep": VERB,
     "cli.cfd.turbine": VERB,

@@ -72,6 +72,12 @@ def wall(inflow: Inflow, velocity: Mapping[str, Entry] | None = None) -> Patch:
     return Patch("wall", {"U": velocity or {"type": "noSlip"}, "p": NO_GRADIENT, **functions})
 
 
+def slip() -> Patch:
+    """A wall along which the oil slides without friction."""
+    fields = dict.fromkeys(("p", "k", "epsilon", "omega"), NO_GRADIENT)
+    return Patch("patch", {"U": {"type": "slip"}, "nut": CALCULATED, **fields})
+
+
 def constraint(kind: str) -> Patch:
     """A patch that only says how the mesh goes on there: "empty", "wedge", "symmetry"."""
     return Patch(kind, {name: {"type": kind} for name in DIMENSIONS})

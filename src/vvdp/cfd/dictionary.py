@@ -34,7 +34,7 @@ def _token(value: Entry) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):
-        return repr(value)
+        return repr(value if isinstance(value, int) else float(value))  # NumPy's floats say more
     if isinstance(value, Mapping):
         return "{ " + " ".join(_inline(key, item) for key, item in value.items()) + " }"
     return "( " + " ".join(_token(item) for item in value) + " )"

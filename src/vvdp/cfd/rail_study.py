@@ -1,7 +1,7 @@
 """The flow through an inlet rail, at one flow or several, from a valve's shape to what was computed."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,6 +35,13 @@ def run_sweep(order: RailOrder, flows: Sequence[float], directory: Path, cores: 
     return _run(
         [NamedOrder(with_unit(flow, FLOW), order._replace(flow=flow)) for flow in flows], directory, cores, hear
     )
+
+
+def run_grids(
+    order: RailOrder, grids: Mapping[str, float], directory: Path, cores: int, hear: Hear
+) -> tuple[RailRun, ...]:
+    """Computes an order on each of several grids, by name [cells per spool radius], or goes on with it; see `solve`."""
+    return _run([NamedOrder(name, order._replace(grid=grid)) for name, grid in grids.items()], directory, cores, hear)
 
 
 class NamedOrder(NamedTuple):

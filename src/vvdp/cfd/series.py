@@ -1,4 +1,4 @@
-"""Cases on one mesh in one directory, solved one after the other, which a later call goes on with."""
+"""Cases in one directory, solved one after the other, which a later call goes on with."""
 
 import shutil
 from collections.abc import Iterator, Sequence
@@ -31,7 +31,7 @@ def case_folder(directory: Path, place: int) -> Path:
 
 
 def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, cores: int, hear: Hear) -> Iterator[Solved]:
-    """Yields each case as it is computed, with the section `plane` cut; all have the mesh of the first.
+    """Yields each case as it is computed, with the section `plane` cut; one that is meshed as the first has its mesh.
 
     See `solve` for what is raised and kept.
     """
@@ -43,7 +43,8 @@ def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, core
             hear(Progress(words, place * now.most + now.done, len(cases) * now.most, now.judgement))
 
         folder = case_folder(directory, place)
-        yield solve(case, folder, openfoam, cores, hear_of_all, case_folder(directory, 0) if place else None)
+        has_mesh = place > 0 and case.mesh_files == cases[0].case.mesh_files
+        yield solve(case, folder, openfoam, cores, hear_of_all, case_folder(directory, 0) if has_mesh else None)
         cut_sections({MIDDLE: plane}, folder, openfoam)
 
 

@@ -22,13 +22,17 @@ def flow_name(patch: str) -> str:
 
 def drop_monitors(inlet: str, openings: Sequence[str]) -> Monitors:
     """Function objects for the mean pressure at the inlet and the flow through every opening."""
-    flows = {flow_name(patch): patch_mean(patch, "sum", "phi") for patch in openings}
-    return {PRESSURE: patch_mean(inlet, "areaAverage", "p"), **flows}
+    return {PRESSURE: patch_mean(inlet, "areaAverage", "p"), **flow_monitors(openings)}
+
+
+def flow_monitors(openings: Sequence[str]) -> Monitors:
+    """Function objects for the flow through every opening."""
+    return {flow_name(patch): patch_mean(patch, "sum", "phi") for patch in openings}
 
 
 def read_drop(openings: Sequence[str], density: float, case: Path) -> History:
     """The drop from the inlet to where the pressure is 0 [Pa], and the flows."""
-    pressure, *flows = _align(
+    pressure, *flows = align(
         [read_monitor(case, PRESSURE), *(read_monitor(case, flow_name(each)) for each in openings)]
     )
     values = {patch: flow.values[:, 0] for patch, flow in zip(openings, flows, strict=True)}
@@ -67,7 +71,7 @@ def _read_along_axis(table: str, case: Path) -> History:
     return History(found.iterations, whole, {})
 
 
-def _align(monitors: Sequence[Monitor]) -> list[Monitor]:
+def align(monitors: Sequence[Monitor]) -> list[Monitor]:
     """Tables cut to the rows that all have: one may be an iteration ahead while the solver works."""
     rows = min(len(monitor.iterations) for monitor in monitors)
     return [Monitor(each.iterations[:rows], each.values[:rows], each.area) for each in monitors]

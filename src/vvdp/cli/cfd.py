@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from vvdp.systems.system import System
 
 T = TypeVar("T")
+USUAL_SHARES = (0.25, 0.5, 1.0, 1.5)
+"""Of the pump's flow."""
 LEAST_RUNS, LEAST_FLOW = 3, 1e-6
 """Runs to which a law with its confidence can be fitted, and a flow [m^3/s] that is worth a run."""
 
@@ -45,6 +47,14 @@ Shape = Annotated[
         "--shape",
         metavar="NAME|FILE",
         help="A shipped shape (rail-a to rail-d, rail-final), or a TOML file with a table [geometry].",
+    ),
+]
+
+
+Flows = Annotated[
+    tuple[str, str, int] | None,
+    typer.Option(
+        "--flow", metavar="FROM TO COUNT", help="Flows, 3 or more (default: 4, to 1.5 times that of the pump)."
     ),
 ]
 
@@ -84,12 +94,7 @@ def rail(
 def sweep(
     system: SystemName,
     grid: Grid = "coarse",
-    flow: Annotated[
-        tuple[str, str, int] | None,
-        typer.Option(
-            "--flow", metavar="FROM TO COUNT", help="Flows, 3 or more (default: 4, to 1.5 times that of the pump)."
-        ),
-    ] = None,
+    flow: Flows = None,
     model: Model = "k-epsilon",
     shape: Shape = None,
     settings: Settings = None,
@@ -109,16 +114,90 @@ def sweep(
     from vvdp.cfd.sweep_result import VERB, fitted_settings, sweep_result
 
     loaded, order, told = _order(system, settings, shape, grid, model)
-    flows = (
-        _stretch("--flow", flow, FLOW, LEAST_FLOW)
-        if flow
-        else tuple(share * order.flow for share in (0.25, 0.5, 1.0, 1.5))
-    )
+    flows = _stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * order.flow for share in USUAL_SHARES)
     with _place(VERB, out, f"sweep-{loaded.name}-{grid}", force=force) as (directory, hear):
         runs = run_sweep(order, flows, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, sweep_result(order, runs, told), no_report=no_report)
     _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "sweep"))
+
+
+@app.command(cls=Verb)
+def grids(
+    system: SystemName,
+    flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    out: Annotated[Path | None, out_option("results/cfd-grids-SYSTEM")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute the inlet rail on all three grids and tell how far the drop is off.
+
+    Observed order, extrapolation and grid convergence index. Rerun the same command to resume; what is finished is not
+    computed again.
+    """
+    from vvdp.base.kinds import FLOW
+    from vvdp.cfd.grids_result import VERB, grids_result
+    from vvdp.cfd.rail import GRIDS
+    from vvdp.cfd.rail_study import run_grids
+
+    loaded, order, about = _order(system, settings, shape, next(iter(GRIDS)), model)
+    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
+    with _place(VERB, out, f"grids-{loaded.name}", force=force) as (directory, hear):
+        runs = run_grids(order, GRIDS, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, grids_result(order, runs, tuple(GRIDS), about), no_report=no_report)
+    show_result(reported.result, directory, json=json, reported=reported.page, names=("convergence", "grids"))
+
+
+@app.command(cls=Verb)
+def centre(
+    system: SystemName,
+    grid: Grid = "coarse",
+    flow: Flows = None,
+    angle: Annotated[
+        str, typer.Option("--angle", metavar="ANGLE", help="Spool angle; at 0 the nozzles are open.")
+    ] = "0 deg",
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    out: Annotated[Path | None, out_option("results/cfd-centre-SYSTEM-GRID")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Fit laws to the drop of the centre section over the flow.
+
+    One mesh is solved at every flow, the spool at rest half-way along its stroke. The file fitted.toml is the system
+    with the exponent and the coefficient that were found. Rerun the same command to resume; what is finished is not
+    computed again.
+    """
+    from vvdp.base.kinds import ANGLE, FLOW
+    from vvdp.cfd.centre import CentreOrder
+    from vvdp.cfd.centre_result import VERB, centre_result, fitted_settings
+    from vvdp.cfd.centre_study import run_centre
+
+    loaded, rail, told = _order(system, settings, shape, grid, model)
+    order = CentreOrder(
+        valve=rail.valve,
+        shape=rail.shape,
+        fluid=rail.fluid,
+        flow=rail.flow,
+        angle=parsed_option("--angle", angle, ANGLE),
+        position=0.5 * rail.valve.helix_length,
+        grid=rail.grid,
+        turbulence=rail.turbulence,
+    )
+    flows = _stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * rail.flow for share in USUAL_SHARES)
+    with _place(VERB, out, f"centre-{loaded.name}-{grid}", force=force) as (directory, hear):
+        runs = run_centre(order, flows, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, centre_result(order, runs, told), no_report=no_report)
+    _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
+    show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "runs"))
 
 
 @app.command(cls=Verb)
