@@ -35,13 +35,20 @@ def test_moves_by_hand():
     assert third.change == 0.0 and "steps" in OF_THE_RUN
 
 
+UNTIL = {"axial-chamber": "0.7 s", "axial-gerotor": "1.2 s"}
+"""Where nothing flows while a drive stands at its stop, longer than that. With an encoder 0.3 s end before it is
+controlled: one edge more or less moves what the control does."""
+
+
 @pytest.mark.parametrize("name", shipped_systems())
 def test_parts_are_exact_at_the_default(name):
-    """Within 1e-5 of the converged value, relative to the part or to a thousandth of the largest of its unit."""
-    system = load_system(name, until="0.3 s")
+    """Within 1e-5 of the converged value, relative to the part or to a thousandth of the largest of its unit; extremes,
+    which are those at the ends of steps, within 3e-5."""
+    system = load_system(name, until=UNTIL.get(name, "0.3 s"))
     found, exact = (found_at(system, tolerance) for tolerance in (system.stepping.relative_tolerance, FINEST))
     changes = of_the_machine(moves(found, exact, summary_units(system)))
-    assert changes[0].change < 1e-5, changes[:3]
+    allowed = [3e-5 if "_max_" in move.key or "_min_" in move.key else 1e-5 for move in changes]
+    assert [m for m, most in zip(changes, allowed, strict=True) if m.change >= most] == []
 
 
 def variant(rng):

@@ -9,7 +9,7 @@ import numpy as np
 
 from vvdp.base.kinds import Flow, Power
 from vvdp.base.modes import side
-from vvdp.base.select import select
+from vvdp.base.select import clip, select
 from vvdp.fluid.mixture import FluidState
 
 LAMINAR_SHARE = 0.01
@@ -20,7 +20,7 @@ SEEN_FLOW = 1e-4
 """Flow whose approach to zero is followed [m^3/s]: 6 lpm."""
 
 STILL_FLOW = 1e-12
-"""Flow backward that still counts as forward [m^3/s]: oil at rest would else turn about at every step."""
+"""Flow up to which oil stands still [m^3/s]: at rest it would else turn about at every step."""
 
 
 class Passage(NamedTuple):
@@ -50,7 +50,7 @@ def flow_side(flow: float) -> float:
 
     flow  either sign [m^3/s]
     """
-    return side((flow + STILL_FLOW) / SEEN_FLOW)
+    return side((flow - clip(flow, -STILL_FLOW, STILL_FLOW)) / SEEN_FLOW)
 
 
 def signed_root(pressure_drop: float, transition_pressure: float) -> float:
