@@ -1,6 +1,6 @@
 """The loop of the gerotor drive with the other observers: lumped filter, signal generator, and basis in time.
 
-Source  ours, docs/models/axial-control.md, where a function names no other.
+Source  ours, docs/models/gerotor-control.md, where a function names no other.
 """
 
 from typing import NamedTuple

@@ -3,7 +3,7 @@
 `gerotor_view` takes a sample in, an observer says where the spool is, `position_command` makes it the pump's command;
 the steps of the programs, one for each observer, are these three in a row.
 
-Source  ours, docs/models/axial-control.md, where a function names no other.
+Source  ours, docs/models/gerotor-control.md, where a function names no other.
 """
 
 from typing import NamedTuple

@@ -1,0 +1,84 @@
+"""Numbers that docs/models/gerotor-control.md spells out, from runs of the shipped systems and of the published loops."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.systems.axial_texts import change, run_of
+from tests.systems.test_published_gerotor_loop import (
+    NOISY,
+    STROKE,
+    constant,
+    generator,
+    ideal,
+    in_time,
+    late_tracking,
+    lumped,
+    peak,
+    published_text,
+    rows,
+    tracking,
+)
+
+from vvdp.systems.summary import summary
+from vvdp.systems.system import shipped_systems
+
+PAGE = (Path(__file__).parents[2] / "docs" / "models" / "gerotor-control.md").read_text("utf-8")
+WORDS = " ".join(PAGE.split())
+TEXT, IDEAL = published_text(), ideal(published_text())
+
+
+def cells(case: str) -> list[float]:
+    """The numbers of our column in the row of a case, the first where the page has several."""
+    row = next(row for row in PAGE.splitlines() if row.startswith(f"| {case} |"))
+    return [float(number) for number in re.findall(r"[\d.]+", row.split("|")[3])]
+
+
+def drifting() -> str:
+    speed = '{ sine = "10 rev/s", amplitude = "0.5 rev/s", frequency = "0.1 Hz" }'
+    return change(change(constant(IDEAL), "operation", spool_speed=speed), "run", until="26 s")
+
+
+@pytest.mark.parametrize(
+    ("case", "text"),
+    [
+        ("signal generator, 20 states, 25 Hz, 2 ms, ideal map", ideal(generator(TEXT))),
+        ("periodic filter, ideal map", IDEAL),
+        ("lumped filter, ideal map", lumped(IDEAL)),
+        ("lumped filter, dead band", lumped(TEXT)),
+        ("periodic filter, dead band", TEXT),
+        ("basis in time, off by 0.5 Hz: tracking", in_time(IDEAL, 9.5)),
+        ("speed of 10 +- 0.5 Hz, basis in time", in_time(drifting(), 10.0)),
+        ("the same, basis in the spool's angle, white noise", change(drifting(), "axial_sensor", noise=NOISY)),
+    ],
+)
+def test_tracking_of_the_table(case, text):
+    told = cells(case)
+    assert tracking(text) == pytest.approx(told[0], rel=0.03)
+    if len(told) > 1:
+        assert late_tracking(text) == pytest.approx(told[1], rel=0.05)
+
+
+def test_estimates_and_commands_of_the_table():
+    held, biased = rows(lumped(constant(TEXT))), rows(in_time(IDEAL, 9.5))
+    assert cells("constant reference, dead band, lumped filter: estimate") == pytest.approx(
+        [peak(held.estimate - held.reference)], rel=0.01
+    )
+    assert cells("the same, swing of the command") == pytest.approx([np.ptp(held.command)], rel=0.01)
+    assert cells("the same, estimate") == pytest.approx([peak(biased.estimate - biased.true)], rel=0.01)
+    assert f"swings by {50.0 * np.ptp(held.true) / STROKE:.2f} %" in WORDS
+    quiet = [rows(constant(published_text(NOISY, seed))) for seed in range(1, 21)]
+    estimate = np.mean([peak(each.estimate - each.reference) for each in quiet])
+    swing = np.mean([np.ptp(each.command) for each in quiet])
+    assert cells("the same, periodic filter: estimate, 20 seeds") == pytest.approx([estimate], rel=0.05)
+    assert cells("the same, swing of the command, 20 seeds") == pytest.approx([swing], rel=0.05)
+
+
+def test_numbers_of_the_shipped_systems():
+    found = summary(*run_of(shipped_systems()["axial-gerotor"]))
+    assert f"{1e6 * found['spool_position_error_rms_m']:.0f} um rms against the reference" in WORDS
+    assert f"{1e3 * found['spool_position_error_max_m']:.2f} mm at most" in WORDS
+    assert f"a pollution of {1e3 * found['pollution_rms_m']:.2f} mm rms" in WORDS
+    unit = summary(*run_of(shipped_systems()["vvdp-duty-control-gerotor"]))
+    assert f"told by the encoder: {1e6 * unit['spool_position_error_rms_m']:.0f} um rms" in WORDS
