@@ -1,4 +1,4 @@
-"""Numbers that docs/models/gerotor-control.md spells out, from runs of the shipped systems and of the published loops."""
+"""Numbers that docs/models/gerotor-control.md spells out, from runs of shipped systems and of the published loops."""
 
 import re
 from pathlib import Path
