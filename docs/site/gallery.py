@@ -4,7 +4,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from vvdp.base.kinds import FLOW, FRACTION, FREQUENCY, POSITION, POWER, PRESSURE_DIFFERENCE, SPEED, VELOCITY, Kind
+from vvdp.base.kinds import (
+    FLOW,
+    FRACTION,
+    FREQUENCY,
+    LENGTH,
+    POSITION,
+    POWER,
+    PRESSURE_DIFFERENCE,
+    SPEED,
+    VELOCITY,
+    Kind,
+)
 from vvdp.base.units import in_unit
 from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
@@ -41,6 +52,11 @@ PUMP_NUMBERS = (
     Number("PWM frequency", "pwm_frequency_Hz", FREQUENCY, "Hz"),
     Number("mean flow to the load", "mean_load_flow_m3_s", FLOW, "lpm"),
     Number("efficiency, pump shaft to load", "efficiency", FRACTION, "%"),
+)
+HELD_NUMBERS = (
+    Number("position against the reference, rms", "spool_position_error_rms_m", LENGTH, "um"),
+    Number("error of the estimate, rms", "spool_estimate_error_rms_m", LENGTH, "um"),
+    Number("pollution of the sensor, rms", "pollution_rms_m", LENGTH, "um"),
 )
 ENTRIES: Mapping[str, Entry] = {
     "prototype": Entry(
@@ -98,13 +114,18 @@ ENTRIES: Mapping[str, Entry] = {
         ),
     ),
     "axial-gerotor": Entry(
-        "A gerotor pump between both ends moves the spool of a rotary valve along its axis, with a dead band and a "
-        "lag. [Details](models/axial-drives.md)",
-        (
-            Number("lowest position of the spool", "position_min_gerotor_m", POSITION, "mm"),
-            Number("highest position of the spool", "position_max_gerotor_m", POSITION, "mm"),
-            Number("mean power of the pump", "power_gerotor_W", POWER, "W"),
-        ),
+        "A gerotor pump between both ends moves the spool of a rotary valve along its axis, to the duty ratio that is "
+        "asked, past a dead band and an optical sensor that every turn pollutes. [Details](models/gerotor-control.md)",
+        HELD_NUMBERS,
+    ),
+    "vvdp-duty-control": Entry(
+        "The pump unit with its duty ratio held: a pressure chamber moves the spool against a spring. "
+        "[Details](models/axial-control.md)",
+        HELD_NUMBERS,
+    ),
+    "vvdp-duty-control-gerotor": Entry(
+        "The same with the gerotor pump of the first axial drive. [Details](models/gerotor-control.md)",
+        HELD_NUMBERS,
     ),
     "long-hose": Entry(
         "Two pumps feed a hose of 10 m from both ends. An orifice at one end is halved, and the wave runs to and fro. "
