@@ -135,7 +135,7 @@ def test_backstepping_at_its_best_is_better_than_the_passivity_law():
 
 @pytest.mark.parametrize(("period", "published"), [(0.2, 1.7), (1.0, 7.7), (2.0, 13.5)])
 def test_sample_periods_within_the_limit(period, published):
-    """1.60, 7.61 and 15.4 um here."""
+    """1.50, 7.61 and 15.4 um here."""
     assert tracking(sample_text(TRAPEZOID, period)) == pytest.approx(published, rel=0.15)
 
 
@@ -306,3 +306,10 @@ def test_no_weight_makes_a_noisy_estimate_fall():
     stored, estimated = storages(resting_text("20 um", "0.3 s"))
     with pytest.raises(ParameterError, match="no weight makes their sum fall"):
         least_estimation_weight(stored, estimated)
+
+
+def test_rows_too_far_apart_tell_nothing():
+    """What is commanded at a sample stands in the row of the next one: a millisecond later, at five samples in one."""
+    coarse = change(sample_text(TRAPEZOID, 0.2), "run", record_interval="1 ms")
+    assert rows_from(coarse, 0.6).times.size < 2500
+    assert rows_from(coarse, 0.6).times[0] > 1.6
