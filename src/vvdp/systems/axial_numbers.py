@@ -90,11 +90,14 @@ def loop_of(system: "System") -> ChamberLoop:
 def samples_under_control(run: "Run", period: float) -> tuple[Array, Array]:
     """The rows of a run at samples, every `period` [s], at which its axial drive is controlled, and those that follow.
 
-    A row at a sample shows what was commanded before it: what is commanded there stands in the row that follows.
+    A row at a sample shows what was commanded before it: what is commanded there stands in the row of the next sample.
+    Samples whose next one is not recorded are left out.
     """
     at_sample = np.flatnonzero(np.abs(run.times / period - np.round(run.times / period)) < 1e-6)
-    is_run = run.command.axial.stage[at_sample[1:]] == RUN
-    return at_sample[:-1][is_run], at_sample[1:][is_run]
+    now, after = at_sample[:-1], at_sample[1:]
+    is_next = np.abs(run.times[after] - run.times[now] - period) < 1e-6 * period
+    is_used = is_next & (run.command.axial.stage[after] == RUN)
+    return now[is_used], after[is_used]
 
 
 def rows_under_control(run: "Run", period: float) -> Controlled:

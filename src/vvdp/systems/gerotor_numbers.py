@@ -28,6 +28,7 @@ def gerotor_numbers(run: "Run", system: "System", helix_length: float) -> Summar
 class GerotorHeld(Extras):
     """What a controlled gerotor drive brings along."""
 
+    STEADY = False
     OVERVIEW = lines_of(MOTION)
     QUANTITIES = MOTION
     HEADLINE = ("spool_position_error_rms_m", "spool_estimate_error_rms_m")

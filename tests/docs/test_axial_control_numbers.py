@@ -1,0 +1,118 @@
+"""Numbers that docs/models/axial-control.md spells out, worked out by the systems that it names.
+
+Those of the Lyapunov function, of noise and of resonance are held by tests/systems/test_published_loop.py.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.systems.axial_texts import (
+    MILD,
+    RAW,
+    TABLE,
+    backstepping_text,
+    change,
+    rename,
+    run_of,
+    sample_text,
+    tracking,
+    trapezoid_text,
+)
+from tests.systems.test_duty_control import SHIPPED, driven_text, errors, found_in, load_pressures
+from tests.systems.test_published_loop import aerated, sine_text
+
+from vvdp.systems.system import shipped_systems
+
+TEXT = (Path(__file__).parents[2] / "docs" / "models" / "axial-control.md").read_text("utf-8")
+PAGE = " ".join(TEXT.split())
+TRAPEZOID = trapezoid_text()
+SINE = sine_text(TRAPEZOID)
+RIGHT = MILD | {"pressure_weight": "5e-13 m^3/Pa"}
+CASES = {
+    "passivity law": TRAPEZOID,
+    "backstepping, its table": backstepping_text(TRAPEZOID, TABLE),
+    "backstepping with the passive gains": backstepping_text(TRAPEZOID, MILD),
+    "and $\\lambda_2$ = 5e-13 m^3/Pa": backstepping_text(TRAPEZOID, RIGHT),
+    "30 % of air, 10 % believed, 20 N s/m unknown: passive": aerated(TRAPEZOID),
+    "the same: backstepping": aerated(backstepping_text(TRAPEZOID, TABLE)),
+    "sampled every 0.2 ms": sample_text(TRAPEZOID, 0.2),
+    "every 2 ms": sample_text(TRAPEZOID, 2.0),
+    "every 3 ms": sample_text(TRAPEZOID, 3.0),
+    "every 4 ms": sample_text(TRAPEZOID, 4.0),
+}
+SINES = {
+    "sine of 1.5 mm, 5 Hz, velocity low-passed at 1 Hz: passive": SINE,
+    "the same with $\\lambda_3$ = 1e-10": change(SINE, "passivity", flow_gain="1e-10 m^3/(s*Pa)"),
+}
+
+
+def row_of(name: str) -> list[float]:
+    (row,) = re.findall(rf"^\| {re.escape(name)} \|(.*)\|$", TEXT, re.MULTILINE)
+    return [float(re.search(r"[\d.]+", cell)[0]) for cell in row.split("|")]
+
+
+@pytest.mark.parametrize("name", [*CASES, *SINES])
+def test_figures_of_chapter_5(name):
+    found = tracking(CASES[name]) if name in CASES else tracking(SINES[name], 1.0)
+    assert row_of(name)[1] == pytest.approx(found, rel=0.01)
+
+
+def test_every_row_is_worked_out():
+    rows = TEXT.split("| case | specified | here |")[1].split("\n\n")[0].splitlines()[2:]
+    assert [row.split(" | ")[0].removeprefix("| ") for row in rows] == [*CASES, *SINES]
+
+
+def test_friction_that_is_in_no_law():
+    chamber = shipped_systems()["axial-chamber"]
+    cost, free = (
+        1e6 * found_in(text)["spool_position_error_rms_m"]
+        for text in (chamber, change(chamber, "axial_friction", viscous_friction="0 N*s/m"))
+    )
+    assert f"{cost:.0f} um rms against {free:.0f} um without" in PAGE
+
+
+def test_published_feedforward_on_the_page():
+    assert "0.5 % of the error" in PAGE and "a factor of 7" in PAGE
+    printed = rename(TRAPEZOID, "passivity", "printed_passivity")
+    assert tracking(printed) / tracking(TRAPEZOID) - 1.0 == pytest.approx(0.005, abs=0.001)
+    slow = sample_text(change(TRAPEZOID, "passivity", flow_gain="3e-11 m^3/(s*Pa)"), 0.2)
+    assert tracking(rename(slow, "passivity", "printed_passivity")) / tracking(slow) == pytest.approx(7.0, abs=0.5)
+
+
+def test_storage_on_the_page():
+    raw = found_in(change(SHIPPED, "raw_feedback", **RAW))
+    assert f"and {raw['storage_rises']:.0f} of 1175 samples with raw feedback" in PAGE
+    assert f"by up to {1e3 * raw['storage_rise_largest_J']:.2f} mJ" in PAGE
+    assert f"at a storage of {1e3 * raw['storage_largest_J']:.2f} mJ" in PAGE
+
+
+@pytest.mark.slow
+def test_ten_seeds_on_the_page():
+    held, raw = errors(SHIPPED, 10), errors(change(SHIPPED, "raw_feedback", **RAW), 10)
+    for name, column in (
+        ("position against the reference", held[:, 0]),
+        ("error of the estimate", held[:, 1]),
+        ("position with raw feedback", raw[:, 0]),
+    ):
+        assert row_of(name) == pytest.approx([np.mean(column), np.max(column)], rel=0.03)
+    printed = errors(rename(SHIPPED, "passivity", "printed_passivity"), 10)
+    assert f"{100.0 * (np.mean(printed[:, 0]) / np.mean(held[:, 0]) - 1.0):.0f} % worse in the mean" in PAGE
+
+
+def test_witness_on_the_page():
+    held, raw = load_pressures(driven_text()), load_pressures(change(driven_text(), "raw_feedback", **RAW))
+    assert f"between {np.min(held):.2f} and {np.max(held):.2f} bar with the observer" in PAGE
+    assert f"from {np.min(raw):.1f} to {np.max(raw):.1f} bar" in PAGE
+
+
+def test_time_without_current_on_the_page():
+    found = []
+    for duty in (0.1, 0.5, 1.0, 1.2):
+        text = change(SHIPPED, "operation", duty_ratio=str(duty))
+        text = change(change(text, "axial_sequence", stop_time="1 s"), "run", until="1.1 s", average_from="1.05 s")
+        _, run = run_of(text)
+        found.append(1e3 * (run.times[(run.times > 1.0) & (run.state.slide.position < 0.0)][0] - 1.0))
+    times = "after {:.1f}, {:.1f}, {:.1f} and {:.1f} ms".format(*found)
+    assert times in PAGE
