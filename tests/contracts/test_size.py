@@ -112,6 +112,7 @@ ALLOWED = {
     "base.units._to_si": CHOICE,
     "cli.cfd.centre": VERB,
     "cli.cfd.grids": VERB,
+    "cli.cfd.openings": VERB,
     "cli.cfd.rail": VERB,
     "cli.cfd.sweep": VERB,
     "cli.cfd.turbine": VERB,

@@ -79,7 +79,7 @@ def centre_result(order: CentreOrder, runs: Sequence[CentreRun], told: Told) -> 
         left_out=("Rail and nozzles upstream: the stubs have a uniform inflow and walls without friction.",
                   "The turning of the spool, leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"fits": _fits(numbers), "lengths": _lengths(told)},
+        listings={"fits": _fits(numbers), "lengths": centre_lengths(told)},
         tables={"runs": table},
         charts={"drop-over-flow": _chart()},
         findings=tuple(_findings(numbers, span, runs, static)),
@@ -99,12 +99,12 @@ def _power(flows: Array, drops: Array) -> Fit | None:
 
 
 def _runs(order: CentreOrder, runs: Sequence[CentreRun]) -> Table:
-    flows = np.array([run.flow for run in runs])
+    flows = np.array([run.order.flow for run in runs])
     total = np.array([run.solved.judgement.value for run in runs])
     density, valve = order.fluid.density, order.valve
     jets = flows / perpendicular_area(order.shape, valve)
-    law = np.array([turbulent_drops(run.flow, 1.0, density, valve).centre_section for run in runs])
-    torque = np.array([inlet_torque(run.flow, 1.0, density, valve) for run in runs])
+    law = np.array([turbulent_drops(run.order.flow, 1.0, density, valve).centre_section for run in runs])
+    torque = np.array([inlet_torque(run.order.flow, 1.0, density, valve) for run in runs])
     columns = {
         "flow_m3_s": Column(flows, FLOW, "flow"),
         "total_drop_Pa": Column(total, SIGNED_PRESSURE, "total drop"),
@@ -148,7 +148,8 @@ def _fits(numbers: dict[str, float]) -> Listing:
     return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
-def _lengths(told: Told) -> Listing:
+def centre_lengths(told: Told) -> Listing:
+    """The lengths of a centre section with their origin."""
     rows = [row for row in told.rows if row.key.startswith(SHOWN_LENGTHS)]
     return Listing(title="", heads=("value",), rows=origin_rows(rows))
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from vvdp.base.kinds import Kind
+    from vvdp.cfd.centre import CentreOrder
     from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.rail_result import Told
     from vvdp.cfd.solve import Progress
@@ -177,27 +178,80 @@ def centre(
     computed again.
     """
     from vvdp.base.kinds import ANGLE, FLOW
-    from vvdp.cfd.centre import CentreOrder
     from vvdp.cfd.centre_result import VERB, centre_result, fitted_settings
     from vvdp.cfd.centre_study import run_centre
 
     loaded, rail, told = _order(system, settings, shape, grid, model)
-    order = CentreOrder(
-        valve=rail.valve,
-        shape=rail.shape,
-        fluid=rail.fluid,
-        flow=rail.flow,
-        angle=parsed_option("--angle", angle, ANGLE),
-        position=0.5 * rail.valve.helix_length,
-        grid=rail.grid,
-        turbulence=rail.turbulence,
-    )
+    order = _centre_order(rail, parsed_option("--angle", angle, ANGLE))
     flows = _stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * rail.flow for share in USUAL_SHARES)
     with _place(VERB, out, f"centre-{loaded.name}-{grid}", force=force) as (directory, hear):
         runs = run_centre(order, flows, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, centre_result(order, runs, told), no_report=no_report)
     _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "runs"))
+
+
+@app.command(cls=Verb)
+def openings(
+    system: SystemName,
+    grid: Grid = "coarse",
+    flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
+    angle: Annotated[
+        list[str] | None,
+        typer.Option("--angle", metavar="ANGLE", help="Spool angle, two or more (default: 16.5 deg and 21 deg)."),
+    ] = None,
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    out: Annotated[Path | None, out_option("results/cfd-openings-SYSTEM-GRID")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute effective area and torque of partly open nozzles.
+
+    The centre section is solved with open nozzles and, at each angle, with nozzles that close and that open; the spool
+    stands still. Rerun the same command to resume; what is finished is not computed again.
+    """
+    from vvdp.base.kinds import ANGLE, FLOW
+    from vvdp.cfd.centre_study import run_angles
+    from vvdp.cfd.openings_result import VERB, both_ways, openings_result
+
+    loaded, rail, told = _order(system, settings, shape, grid, model)
+    order = _centre_order(rail, 0.0)
+    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
+    angles = both_ways(_two_or_more("--angle", angle or ["16.5 deg", "21 deg"], ANGLE))
+    with _place(VERB, out, f"openings-{loaded.name}-{grid}", force=force) as (directory, hear):
+        runs = run_angles(order, angles, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, openings_result(runs, told), no_report=no_report)
+    show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "angles"))
+
+
+def _two_or_more(option: str, given: list[str], kind: "Kind") -> list[float]:
+    """Values of an option above zero. Raises ConfigError where there are too few for a law."""
+    from vvdp.base.errors import ConfigError, Fault
+
+    found = sorted({parsed_option(option, text, kind) for text in given})
+    if len(found) < 2 or not found[0] > 0.0:
+        raise ConfigError([Fault(option, 0, ", ".join(given), "expected two or more different values above zero")])
+    return found
+
+
+def _centre_order(rail: "RailOrder", angle: float) -> "CentreOrder":
+    """The centre section to a rail, the spool half-way along its stroke."""
+    from vvdp.cfd.centre import CentreOrder
+
+    return CentreOrder(
+        valve=rail.valve,
+        shape=rail.shape,
+        fluid=rail.fluid,
+        flow=rail.flow,
+        angle=angle,
+        position=0.5 * rail.valve.helix_length,
+        grid=rail.grid,
+        turbulence=rail.turbulence,
+    )
 
 
 @app.command(cls=Verb)
