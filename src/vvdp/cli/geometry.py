@@ -48,7 +48,7 @@ def geometry(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Build spool, sleeve and oil volumes as solids and draw them.
+    """Build spool, sleeve and oil volumes as solids.
 
     The axial position is that of the start of the run. Lengths that only the shape needs are those of the system's own
     table [geometry], replaced by --shape and by --set geometry.KEY=VALUE. Ctrl-C keeps what has been made so far.

@@ -61,7 +61,7 @@ def map(  # noqa: A001 - the name of the verb
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Map flow and efficiencies over duty ratio and load pressure.
+    """Map flow and efficiencies over duty ratio and load.
 
     Every point is simulated to its periodic steady state. Finished points are kept; rerun the same command to resume.
     Pump speed and oil temperature can be further axes.

@@ -26,7 +26,7 @@ def new(
     force: Force = False,
     json: AsJson = False,
 ) -> None:
-    """Write a system file of your own, a commented copy of another."""
+    """Write a system file of your own, a copy of another."""
     from vvdp.base.errors import unusable
     from vvdp.base.tables import write_new
     from vvdp.cli.screen import print_json

@@ -40,7 +40,7 @@ def observability(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Tell at which spool speeds the axial sensor can show the position.
+    """Tell at which spool speeds the axial sensor can see.
 
     Its noise repeats itself with every turn. Where a harmonic of it has the natural frequency of what moves, the two
     cannot be told apart. The margin is worked out over spool speed for several numbers of harmonics, with the friction,
