@@ -86,15 +86,15 @@ def drive_charts(
     yield course_chart(levels, panels, told), table
     settled = start + SETTLED if record.times[-1] > start + SETTLED else start
     yield error_chart(tuple(np.flatnonzero(record.times >= settled).tolist())), table
-    if rows := last_turn(record.commands[f"{PROGRAM}.spool_angle"].values, np.diff(record.times, prepend=0.0)):
+    if rows := last_turn(record.commands[f"{PROGRAM}.spool_angle"].values):
         yield pollution_chart(rows), table
 
 
-def last_turn(angles: Array, steps: Array) -> tuple[int, ...]:
-    """The rows of the last whole turn of the spool, as its angle is known [rad], where rows are at least half as far
-    apart as most of them are [s]; none where there is no whole turn."""
+def last_turn(angles: Array) -> tuple[int, ...]:
+    """A row for each sample of the last whole turn of the spool [rad], as its angle is known; none before one is over."""
     turns = np.floor(angles / TURN)
-    rows = np.flatnonzero((turns == turns[-1] - 1.0) & (steps > 0.5 * np.median(steps)))
+    is_new = np.diff(angles, prepend=angles[0]) != 0.0
+    rows = np.flatnonzero((turns == turns[-1] - 1.0) & is_new)
     return tuple(rows.tolist()) if turns[-1] >= 2.0 else ()
 
 
