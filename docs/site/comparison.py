@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from vvdp.comparison.estimators import contenders
-from vvdp.comparison.result import MOST_COLUMNS
+from vvdp.comparison.figures import Measured
 from vvdp.comparison.results import Comparison
 from vvdp.comparison.scenarios import scenarios
-from vvdp.comparison.scores import Measured
+from vvdp.comparison.score_tables import MOST_COLUMNS
 from vvdp.comparison.trials import compare
 
 PAGE = Path(__file__).parents[1] / "comparison.md"
@@ -57,7 +57,7 @@ def tables(found: Comparison) -> Iterator[str]:
     def cells(keys: Sequence[str], names: Sequence[str], text: Callable[[float], str]) -> dict[str, list[str]]:
         return {
             each: [joined([text(found.scores[name, each][key].value) for key in keys]) for name in names]
-            for each in found.estimators
+            for each in found.contenders
         }
 
     for words, keys, text in (
@@ -76,7 +76,7 @@ def tables(found: Comparison) -> Iterator[str]:
 def step_table(found: Comparison) -> Iterator[str]:
     """How quick each is, what it costs, and where it loses count."""
     rows = {}
-    for name in found.estimators:
+    for name in found.contenders:
         score: Mapping[str, Measured] = found.scores["step", name]
         rows[name] = [
             *(short(scale * score[key].value, 3) for _, key, scale in STEP),

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from vvdp.comparison.result import comparison_result, scenario_tables
-from vvdp.comparison.scores import error_key
+from vvdp.comparison.figures import error_key
+from vvdp.comparison.result import comparison_result, screen_tables
 from vvdp.comparison.trials import compare
 from vvdp.report.result_page import write_result_report
 from vvdp.results.store import read_result, table_text, write_result
@@ -66,7 +66,7 @@ def test_without_a_step_there_is_no_delay(known_contenders, short_scenarios):
     found = compare(short_scenarios[:1], known_contenders, 1)
     result = comparison_result(found)
     assert "delay" not in result.charts and "cost" in result.charts
-    (table,) = scenario_tables(found, result).values()
+    (table,) = screen_tables(found, result).values()
     assert "delay_s" not in table.shown and table.rows == 2
 
 

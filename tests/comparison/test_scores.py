@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from vvdp.comparison.figures import quantile
 from vvdp.comparison.motion import Lag, Ramps, steady
 from vvdp.comparison.result import FIGURES
 from vvdp.comparison.scores import (
@@ -10,7 +11,6 @@ from vvdp.comparison.scores import (
     Traces,
     Truth,
     equivalent_delay,
-    quantile,
     score,
     settling_time,
     summary,

@@ -1,9 +1,9 @@
 """`vvdp compare`."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
@@ -12,27 +12,22 @@ from vvdp.cli.options import AsJson, Force, NoReport, Verb, default_directory, o
 from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
-    from vvdp.comparison.estimators import Contender
-    from vvdp.comparison.results import Comparison
-    from vvdp.comparison.scenarios import Scenario
-    from vvdp.results.result import Result
+    from vvdp.comparison.contest import Titled
+    from vvdp.results.result import Result, Table
 
 INTERRUPTED = 130
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
-
-class _Named(Protocol):
-    @property
-    def name(self) -> str: ...
-
-
-Chosen = TypeVar("Chosen", bound=_Named)
+Chosen = TypeVar("Chosen", bound="Titled")
+Scenarios = Annotated[
+    list[str] | None, typer.Option("--scenario", metavar="NAME", help="Run this scenario only (repeatable).")
+]
 
 
 @app.callback()
 def compare() -> None:
-    """Compare runs, or estimators on simulated data."""
+    """Compare runs, estimators or controllers on simulated data."""
 
 
 @app.command(cls=Verb)
@@ -60,9 +55,7 @@ def runs(
 
 @app.command(cls=Verb)
 def estimators(
-    scenario: Annotated[
-        list[str] | None, typer.Option("--scenario", metavar="NAME", help="Run this scenario only (repeatable).")
-    ] = None,
+    scenario: Scenarios = None,
     estimator: Annotated[
         list[str] | None, typer.Option("--estimator", metavar="NAME", help="Run this estimator only (repeatable).")
     ] = None,
@@ -90,12 +83,9 @@ def estimators(
 
     Ctrl-C stops the comparison early and keeps the completed runs.
     """
-    from vvdp.base.files import result_directory
     from vvdp.base.kinds import FREQUENCY
-    from vvdp.cli.progress import count_lines
-    from vvdp.cli.screen import say
     from vvdp.comparison.estimators import contenders
-    from vvdp.comparison.result import comparison_result
+    from vvdp.comparison.result import comparison_result, screen_tables
     from vvdp.comparison.scenarios import scenarios
     from vvdp.comparison.trials import compare
 
@@ -103,24 +93,98 @@ def estimators(
     chosen = _choose("--scenario", scenario, scenarios(sectors, frequency))
     rivals = _choose("--estimator", estimator, contenders(sectors, frequency))
     if show:
-        _print_names(chosen, rivals)
+        _print_names(chosen, rivals, "estimator")
         return
     directory = out if out is not None else default_directory("compare-estimators")
     engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
+    note = (
+        "errors are estimate less truth, rms over all runs, 95 % of each run and then their mean; "
+        "lost in sectors, settling as the median\n"
+    )
+    contest = _Contest(
+        compare=lambda **how: compare(chosen, rivals, seeds, engine=engine, **how),
+        result=comparison_result,
+        screen=screen_tables,
+        contenders="estimators",
+        note=note,
+    )
+    _carry_out(contest, directory, force=force, json=json, no_report=no_report)
+
+
+@app.command(cls=Verb)
+def controllers(
+    scenario: Scenarios = None,
+    controller: Annotated[
+        list[str] | None, typer.Option("--controller", metavar="NAME", help="Run this controller only (repeatable).")
+    ] = None,
+    seeds: Annotated[int, typer.Option("--seeds", metavar="N", min=1, help="Number of random runs per scenario.")] = 20,
+    out: Annotated[Path | None, out_option("results/compare-controllers-DATE-TIME")] = None,
+    force: Force = False,
+    on: On = HERE,
+    workers: Workers = None,
+    cores: Cores = None,
+    sbatch: Sbatch = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+    show: Annotated[bool, typer.Option("--list", help="List scenarios and controllers without running any.")] = False,
+) -> None:
+    """Run controllers of the spool's axial position on the same simulated drive, a pressure chamber against a spring.
+
+    Ctrl-C stops the comparison early and keeps the completed runs.
+    """
+    from vvdp.comparison.controllers import controllers as known_controllers
+    from vvdp.comparison.loop_result import controller_result, screen_tables
+    from vvdp.comparison.loop_scenarios import loop_scenarios
+    from vvdp.comparison.loop_trials import compare_controllers
+
+    chosen = _choose("--scenario", scenario, loop_scenarios())
+    rivals = _choose("--controller", controller, known_controllers())
+    if show:
+        _print_names(chosen, rivals, "controller")
+        return
+    directory = out if out is not None else default_directory("compare-controllers")
+    engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
+    contest = _Contest(
+        compare=lambda **how: compare_controllers(chosen, rivals, seeds, engine=engine, **how),
+        result=controller_result,
+        screen=screen_tables,
+        contenders="controllers",
+        note="tracking is position less reference, estimate is estimate less position, both rms over all runs\n",
+    )
+    _carry_out(contest, directory, force=force, json=json, no_report=no_report)
+
+
+@dataclass(frozen=True)
+class _Contest:
+    """A comparison of contenders: how it is run, its result, its tables on the screen, and a note below these."""
+
+    compare: Callable[..., Any]
+    result: Callable[[Any], "Result"]
+    screen: Callable[[Any, "Result"], Mapping[str, "Table"]]
+    contenders: str
+    note: str
+
+
+def _carry_out(contest: _Contest, directory: Path, *, force: bool, json: bool, no_report: bool) -> None:
+    """Runs a comparison, writes its result and prints it; exits with 130 after an interrupt."""
+    from vvdp.base.files import result_directory
+    from vvdp.cli.progress import count_lines
+    from vvdp.cli.screen import say
+
     with result_directory(directory, force=force) as folder:
         with count_lines("runs") as progress:
-            found = compare(chosen, rivals, seeds, engine=engine, progress=progress, say=say)
-        result = comparison_result(found)
+            found = contest.compare(progress=progress, say=say)
+        result = contest.result(found)
         reported = write_with_report(folder, result, "", no_report=no_report)
     if json:
-        kept = {name: result.tables[name] for name in ("comparison", "estimators")}
-        result = replace(result, charts={}, tables=kept)
+        kept = {name: result.tables[name] for name in ("comparison", contest.contenders)}
+        shown = replace(result, charts={}, tables=kept)
     else:
-        _print_scenarios(found, result)
-    show_result(result, directory, json=json, reported=reported, names=("estimators",))
+        _print_scenarios(contest.screen(found, result), contest.note)
+        shown = result
+    show_result(shown, directory, json=json, reported=reported, names=(contest.contenders,))
     if not found.finished:
-        done = sum(played.runs for played in found.scenarios.values())
-        say(f"interrupted after {done} of {seeds * len(chosen)} runs; these were written")
+        say(f"interrupted after {found.runs} of {found.seeds * len(found.scenarios)} runs; these were written")
         raise typer.Exit(INTERRUPTED)
 
 
@@ -137,28 +201,24 @@ def _choose(option: str, names: list[str] | None, known: Sequence[Chosen]) -> li
     return [by_name[name] for name in dict.fromkeys(names or by_name)]
 
 
-def _print_names(scenarios: Sequence["Scenario"], contenders: Sequence["Contender"]) -> None:
+def _print_names(scenarios: Sequence["Titled"], contenders: Sequence["Titled"], what: str) -> None:
     from vvdp.cli.screen import console, grid
 
-    table = grid("scenario", "what happens", title="Scenarios")
-    for scenario in scenarios:
-        table.add_row(scenario.name, scenario.title)
-    console().print(table)
-    table = grid("estimator", "what it is", title="Estimators")
-    for contender in contenders:
-        table.add_row(contender.name, contender.title)
-    console().print(table)
+    for head, meaning, title, found in (
+        ("scenario", "what happens", "Scenarios", scenarios),
+        (what, "what it is", f"{what.capitalize()}s", contenders),
+    ):
+        table = grid(head, meaning, title=title)
+        for each in found:
+            table.add_row(each.name, each.title)
+        console().print(table)
 
 
-def _print_scenarios(found: "Comparison", result: "Result") -> None:
+def _print_scenarios(tables: Mapping[str, "Table"], note: str) -> None:
     """A table for every scenario: what matters; the rest stands in the files."""
     from vvdp.cli.printing import table_grid
     from vvdp.cli.screen import console, tell
-    from vvdp.comparison.result import scenario_tables
 
-    for table in scenario_tables(found, result).values():
+    for table in tables.values():
         console().print(table_grid("comparison", table))
-    tell(
-        "errors are estimate less truth, rms over all runs, 95 % of each run and then their mean; "
-        "lost in sectors, settling as the median\n"
-    )
+    tell(note)

@@ -5,42 +5,33 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from vvdp.comparison.results import Comparison, Traced
+from vvdp.comparison.score_tables import ErrorFigure, Figures, error_chart, scenario_rows
 from vvdp.results.chart import Chart, Colour, Dots, Line, Lines
 from vvdp.results.result import Table
 
-COLUMNS = 4
-"""Panels beside each other in the figures of errors."""
 BEFORE, AFTER = 0.05, 0.35
 """What is shown of a step, before it and after [s]."""
 SMALLEST = 1e-3
 """Where the scales of errors begin [rad, rad/s]."""
 
 
-def comparison_charts(found: Comparison, tables: Mapping[str, Table]) -> Iterator[Chart]:
+def comparison_charts(found: Comparison, figures: Figures, tables: Mapping[str, Table]) -> Iterator[Chart]:
     """All figures that a comparison gives."""
     for quantity, unit in (("speed", "rad_s"), ("angle", "rad")):
-        yield _errors(found, tables["comparison"], quantity, unit)
+        key = f"{quantity}_error_rms_{unit}"
+        error = ErrorFigure(key, figures.kinds[key][1], SMALLEST, 0.0)
+        yield error_chart(found, tables["comparison"], figures, error, (f"{quantity}-error", _error_caption(quantity)))
     if found.traced:
         yield _traces(found, found.traced)
     if found.first_step:
         yield _delays(found, tables["comparison"])
     words = "What a sample takes on one core, the whole record divided by its samples, logarithmic."
     cost = Dots(names="name", value="cost_s", least=1e-9, title="cost")
-    height = 0.7 + 0.16 * len(found.estimators)
+    height = 0.7 + 0.16 * len(found.contenders)
     yield Chart(name="cost", caption=words, table="estimators", panels=(cost,), columns=1, height=height)
 
 
-def _rows(table: Table, scenario: str) -> tuple[int, ...]:
-    return tuple(np.flatnonzero(table["scenario"] == scenario).tolist())
-
-
-def _errors(found: Comparison, table: Table, quantity: str, unit: str) -> Chart:
-    keys = [f"{quantity}_error_rms{end}_{unit}" for end in ("", "_low", "_high")]
-    panels = tuple(
-        Dots(names="estimator", value=keys[0], low=keys[1], high=keys[2], least=SMALLEST, title=name,
-             rows=_rows(table, name))
-        for name in found.scenarios_run
-    )  # fmt: skip
+def _error_caption(quantity: str) -> str:
     caption = (
         f"Error of the {quantity} for every estimator in every scenario. Dot: root mean square over all runs; bar: "
         "where 90 % of the runs lie, so that a dot beyond its bar tells of a few runs that went badly wrong. The scale "
@@ -48,15 +39,11 @@ def _errors(found: Comparison, table: Table, quantity: str, unit: str) -> Chart:
     )
     if quantity == "angle":
         caption += " Counted modulo a turn: 1.8 rad is what knowing nothing of the angle gives."
-    height = 0.55 + -(-len(panels) // COLUMNS) * (0.42 + 0.145 * len(found.estimators))
-    name = f"{quantity}-error"
-    return Chart(
-        name=name, caption=caption, table="comparison", panels=panels, columns=COLUMNS, share=True, height=height
-    )
+    return caption
 
 
 def _delays(found: Comparison, table: Table) -> Chart:
-    rows = _rows(table, str(found.first_step))
+    rows = scenario_rows(table, str(found.first_step))
     panels = tuple(
         Dots(names="estimator", value=key, least=least, title=title, rows=rows)
         for title, key, least in (("delay", "delay_s", 1e-4), ("settling time, median", "settling_median_s", 1e-2))
@@ -65,7 +52,7 @@ def _delays(found: Comparison, table: Table) -> Chart:
         f"Delay and settling time in the scenario {found.first_step}, logarithmic. Left is better. Without a dot an "
         "estimator does not settle in most runs, or lags by more than 0.2 s in one."
     )
-    height = 0.7 + 0.16 * len(found.estimators)
+    height = 0.7 + 0.16 * len(found.contenders)
     return Chart(name="delay", caption=caption, table="comparison", panels=panels, columns=2, height=height)
 
 

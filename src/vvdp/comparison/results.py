@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from vvdp.base.arrays import Array
-from vvdp.comparison.scores import Measured
+from vvdp.comparison.contest import Contest
+from vvdp.comparison.figures import Measured
 
 
 @dataclass(frozen=True)
@@ -18,46 +18,22 @@ class Traced:
     estimated: Mapping[str, Array]
 
 
-class Played(NamedTuple):
-    """A scenario as it was run: whether it is a step of the speed, and how many seeds it got."""
-
-    title: str
-    is_step: bool
-    runs: int
-
-
-class Entered(NamedTuple):
-    """An estimator as it took part: what it is, and whether it works as the samples come and knows none before."""
-
-    title: str
-    causal: bool
-
-
 @dataclass(frozen=True, kw_only=True)
-class Comparison:
+class Comparison(Contest):
     """What every estimator scored in every scenario.
 
-    `seeds` were asked for; `scores` holds the figures of `vvdp.comparison.scores.summary` by scenario and estimator,
-    `costs` the time that a sample takes [s].
+    `scores` holds the figures of `vvdp.comparison.scores.summary`, `costs` the time that a sample takes [s]; `steps`
+    are the scenarios that are a step of the speed, `causal` the estimators that know no sample before it comes.
     """
 
     sectors: int
     rate: float
-    seeds: int
-    scenarios: Mapping[str, Played]
-    estimators: Mapping[str, Entered]
-    scores: Mapping[tuple[str, str], Mapping[str, Measured]]
     costs: Mapping[str, Measured]
+    steps: frozenset[str]
+    causal: frozenset[str]
     traced: Traced | None
-    seconds: float
-    finished: bool
-
-    @property
-    def scenarios_run(self) -> dict[str, Played]:
-        """The scenarios that were run at least once."""
-        return {name: played for name, played in self.scenarios.items() if played.runs}
 
     @property
     def first_step(self) -> str | None:
         """The first scenario in which the speed goes over to another."""
-        return next((name for name, played in self.scenarios_run.items() if played.is_step), None)
+        return next((name for name in self.scenarios_run if name in self.steps), None)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.comparison.figures import Measured, mean, quantile, root_mean
 from vvdp.comparison.motion import Lag, Motion
 from vvdp.sensing.wheel import TURN
 
@@ -172,19 +173,6 @@ def equivalent_delay(time: Array, speed: Array, motion: Lag) -> float:
     return float(period * (best + 0.5 * (left - right) / (left - 2.0 * middle + right)))
 
 
-class Measured(NamedTuple):
-    """A figure over all seeds and its standard error, NaN where there is none."""
-
-    value: float
-    error: float = np.nan
-
-
-def error_key(key: str) -> str:
-    """The key of the standard error of a figure: `speed_error_rms_se_rad_s`."""
-    unit = next((unit for unit in ("_rad_s", "_rad", "_s") if key.endswith(unit)), "")
-    return f"{key.removesuffix(unit)}_se{unit}"
-
-
 def summary(scores: Array) -> dict[str, Measured]:
     """What the rows of `scores`, shape (seeds, fields of Score), come to; keys end in the unit.
 
@@ -195,45 +183,17 @@ def summary(scores: Array) -> dict[str, Measured]:
     found: dict[str, Measured] = {}
     for name, unit in (("angle", "rad"), ("speed", "rad_s")):
         runs = np.sort(np.sqrt(column[f"{name}_mean_square"]))
-        found[f"{name}_error_rms_{unit}"] = _root_mean(column[f"{name}_mean_square"])
+        found[f"{name}_error_rms_{unit}"] = root_mean(column[f"{name}_mean_square"])
         found[f"{name}_error_rms_low_{unit}"] = quantile(runs, 0.05)
         found[f"{name}_error_rms_high_{unit}"] = quantile(runs, 0.95)
-        found[f"{name}_error_95_{unit}"] = _mean(column[f"{name}_tail"])
+        found[f"{name}_error_95_{unit}"] = mean(column[f"{name}_tail"])
         found[f"{name}_error_worst_{unit}"] = Measured(float(np.max(column[f"{name}_worst"])))
-        found[f"{name}_error_mean_{unit}"] = _mean(column[f"{name}_bias"])
-        found[f"{name}_coverage"] = _mean(column[f"{name}_coverage"])
+        found[f"{name}_error_mean_{unit}"] = mean(column[f"{name}_bias"])
+        found[f"{name}_coverage"] = mean(column[f"{name}_coverage"])
     found["settling_median_s"] = quantile(column["settling"], 0.5)
     found["settling_90_s"] = quantile(column["settling"], 0.9)
-    found["settled"] = _mean(np.where(np.isnan(column["settling"]), np.nan, np.isfinite(column["settling"])))
-    found["delay_s"] = _mean(column["delay"])
-    found["lost_sectors"] = _mean(column["lost_sectors"])
-    found["nis"] = _mean(column["nis"])
+    found["settled"] = mean(np.where(np.isnan(column["settling"]), np.nan, np.isfinite(column["settling"])))
+    found["delay_s"] = mean(column["delay"])
+    found["lost_sectors"] = mean(column["lost_sectors"])
+    found["nis"] = mean(column["nis"])
     return found
-
-
-def _mean(values: Array) -> Measured:
-    n = values.size
-    if not np.isfinite(values).all():
-        return Measured(float(np.mean(values)))
-    return Measured(float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(n)) if n > 1 else np.nan)
-
-
-def _root_mean(squares: Array) -> Measured:
-    mean, error = _mean(squares)
-    root = float(np.sqrt(mean))
-    return Measured(root, error / (2.0 * root) if root > 0.0 else 0.0)
-
-
-def quantile(values: Array, share: float) -> Measured:
-    """The value that `share` of the `values` do not exceed, with its standard error; infinite values are large ones.
-
-    NaN where a value is not known. The number of values below the quantile is binomial, with deviation
-    sqrt(n share (1 - share)).
-    """
-    if np.isnan(values).any():
-        return Measured(np.nan)
-    ordered, n = np.sort(values), values.size
-    place, spread = share * (n - 1), np.sqrt(n * share * (1.0 - share))
-    low, middle, high = (ordered[int(np.clip(round(place + d), 0, n - 1))] for d in (-spread, 0.0, spread))
-    error = 0.5 * (high - low) if np.isfinite(high) else np.nan
-    return Measured(float(middle), float(error) if n > 1 else np.nan)

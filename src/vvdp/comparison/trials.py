@@ -7,36 +7,29 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 import vvdp
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ParameterError
+from vvdp.comparison.contest import Ran, Trial, contest_of, refuse_nothing, run_trials
 from vvdp.comparison.estimators import AdaptingSettings, Contender, adapting_start
-from vvdp.comparison.results import Comparison, Entered, Played, Traced
+from vvdp.comparison.figures import Measured
+from vvdp.comparison.results import Comparison, Traced
 from vvdp.comparison.scenarios import Record, Scenario
-from vvdp.comparison.scores import Measured, Score, Traces, Truth, score, summary, without_direction
+from vvdp.comparison.scores import Score, Traces, Truth, score, summary, without_direction
 from vvdp.sensing.encoder import Shaft, encoder_start, encoder_step
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay
 from vvdp.studies.engine import HERE, Engine
-from vvdp.studies.run import hold_interrupts, silent
-from vvdp.studies.work import batches, check_same
+from vvdp.studies.run import silent
+from vvdp.studies.work import check_same
 
 COST_SAMPLES = 20_000
 """Samples of the record on which estimators are timed."""
 COST_ROUNDS = 9
 """How often each is timed, in turns with the others."""
-
-
-class _Ran(NamedTuple):
-    scenario: str
-    seed: int
-    scores: Mapping[str, Score]
-    traced: Traced | None
 
 
 def simulate_record(scenario: Scenario, encoder: Replay, seed: int, samples: int | None = None) -> Record:
@@ -51,13 +44,6 @@ def simulate_record(scenario: Scenario, encoder: Replay, seed: int, samples: int
     truth = Truth(times, angles, scenario.motion.speed(times))
     memory = encoder_start(scenario.encoder, times[0], angles[0], float(seed))
     return Record(seed, truth, encoder(memory, np.column_stack(truth), scenario.encoder).shown)
-
-
-class _Trial(NamedTuple):
-    """A run: the name of its scenario, and its seed."""
-
-    scenario: str
-    seed: int
 
 
 @dataclass(frozen=True)
@@ -88,7 +74,7 @@ class _Field:
         compiled = (*self.encoders.values(), *self.steps.values(), *self.loops.values())
         return vvdp.__version__, *(each.digest for each in compiled)
 
-    def run(self, scenario: Scenario, seed: int) -> _Ran:
+    def run(self, scenario: Scenario, seed: int) -> Ran:
         record = simulate_record(scenario, self.encoders[scenario.name], seed)
         truth = without_direction(record.truth, scenario.motion)
         scores: dict[str, Score] = {}
@@ -99,7 +85,7 @@ class _Field:
             speeds[contender.name] = traces.speed
         shown = seed == 0 and scenario.name == self.traced
         traced = Traced(scenario.name, truth.time, truth.speed, speeds) if shown else None
-        return _Ran(scenario.name, seed, scores, traced)
+        return Ran(scenario.name, seed, scores, traced)
 
     def traces(self, contender: Contender, scenario: Scenario, record: Record) -> Traces:
         if contender.loop is None:
@@ -140,10 +126,7 @@ def compare(
     second time, and keeps the runs that are done. Raises ParameterError where there is nothing to compare, RunError
     where a worker has another vvdp, or none is left.
     """
-    if not scenarios or not contenders or seeds < 1:
-        raise ParameterError(
-            f"{len(scenarios)} scenarios, {len(contenders)} estimators and {seeds} seeds; expected at least one each"
-        )
+    refuse_nothing(scenarios, contenders, seeds, "estimators")
     began = time.perf_counter()
     traced = next((scenario for scenario in scenarios if scenario.motion.step), scenarios[0])
     by_name = {each.name: each for each in scenarios}
@@ -152,30 +135,16 @@ def compare(
     )
     compiled = _field(plan)
     costs = _costs(compiled, scenarios[0])  # before the runs: these would slow each other, and all is compiled then
-    progress(0, len(scenarios) * seeds)
-    done, finished = _all_runs(plan, seeds, engine, progress)
-    if not done:
-        raise KeyboardInterrupt  # nothing to keep
-    done.sort(key=lambda ran: ran.seed)  # sums then do not depend on which was done first
-    runs = {scenario.name: [ran for ran in done if ran.scenario == scenario.name] for scenario in scenarios}
+    task = partial(_runs_done, replace(plan, say=quiet), compiled.program)
+    done = run_trials(task, by_name, seeds, engine, progress)
     return Comparison(
+        **contest_of(done, scenarios, contenders, seeds, summary),
         sectors=scenarios[0].sectors,
         rate=scenarios[0].rate,
-        seeds=seeds,
-        scenarios={
-            each.name: Played(each.title, each.motion.step is not None, len(runs[each.name])) for each in scenarios
-        },
-        estimators={each.name: Entered(each.title, each.afterwards is None) for each in contenders},
-        scores={
-            (name, contender.name): summary(np.array([ran.scores[contender.name] for ran in found]))
-            for name, found in runs.items()
-            if found
-            for contender in contenders
-        },
         costs=costs,
-        traced=next((ran.traced for ran in done if ran.traced), None),
+        steps=frozenset(each.name for each in scenarios if each.motion.step is not None),
+        causal=frozenset(each.name for each in contenders if each.afterwards is None),
         seconds=time.perf_counter() - began,
-        finished=finished,
     )
 
 
@@ -231,22 +200,7 @@ def compiled_loop(
     return Replay(contender.loop, memory, Shaft(0.0, 0.0, 0.0), settings, cache=cache, say=say)
 
 
-def _all_runs(plan: _Plan, seeds: int, engine: Engine, progress: Callable[[int, int], None]) -> tuple[list[_Ran], bool]:
-    """The runs that came to an end, seed by seed through all scenarios, and whether these are all."""
-    trials = [_Trial(scenario, seed) for seed in range(seeds) for scenario in plan.scenarios]
-    task = partial(_runs_done, replace(plan, say=quiet), _field(plan).program)
-    done: list[_Ran] = []
-    try:
-        with hold_interrupts() as interrupted:
-            for some in batches(task, trials, engine, interrupted):
-                done += some
-                progress(len(done), len(trials))
-    except KeyboardInterrupt:
-        return done, False
-    return done, len(done) == len(trials)
-
-
-def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[_Trial], cores: int) -> list[_Ran]:
+def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[Trial], cores: int) -> list[Ran]:
     """What comes of a batch, where it is run."""
     compiled = _field(plan)
     check_same(compiled.program, program)

@@ -1,0 +1,169 @@
+"""Controllers side by side: the same drives, sensors and noise for all of them, many random seeds, all cores."""
+
+import secrets
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
+from pathlib import Path
+
+import numpy as np
+
+import vvdp
+from vvdp.base.arrays import Array
+from vvdp.comparison.contest import Contest, Ran, Trial, contest_of, refuse_nothing, run_trials
+from vvdp.comparison.controllers import Controller
+from vvdp.comparison.loop_scenarios import UNTIL, LoopScenario
+from vvdp.comparison.loop_scores import LoopScore, loop_score, loop_summary
+from vvdp.network.build import Circuit
+from vvdp.simulation.batch import simulate_batch
+from vvdp.simulation.link import quiet
+from vvdp.simulation.prepare import prepare
+from vvdp.simulation.run import Stepping, simulate
+from vvdp.studies.engine import HERE, Engine
+from vvdp.studies.run import silent
+from vvdp.studies.work import check_same
+from vvdp.systems.axial_numbers import rows_under_control
+from vvdp.systems.axial_tally import tally_of
+from vvdp.systems.chamber_bench import controlled_circuit, seeded_case
+
+SHOWN = "polluted"
+"""The scenario of which a run is drawn, where it is among those that are run."""
+
+
+@dataclass(frozen=True)
+class TracedLoop:
+    """One run of every controller: the error against the reference [m] over the time [s] at the samples."""
+
+    scenario: str
+    time: Array
+    errors: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What is compared, as it travels to other processes; plans of one name are one plan. `say` stays here."""
+
+    name: str
+    scenarios: Mapping[str, LoopScenario] = field(compare=False)
+    controllers: Mapping[str, Controller] = field(compare=False)
+    traced: str = field(compare=False)
+    cache: Path | None = field(compare=False)
+    say: Callable[[str], None] = field(compare=False)
+
+
+@dataclass(frozen=True)
+class _Loops:
+    """The closed loops of all pairs of scenario and controller, compiled; `program` is what they depend on."""
+
+    circuits: Mapping[tuple[str, str], Circuit]
+    program: tuple[str, ...]
+
+
+def compare_controllers(
+    scenarios: Sequence[LoopScenario],
+    controllers: Sequence[Controller],
+    seeds: int,
+    *,
+    engine: Engine = HERE,
+    progress: Callable[[int, int], None] = silent,
+    say: Callable[[str], None] = quiet,
+    cache: Path | None = None,
+) -> Contest:
+    """What every controller scores in every scenario over `seeds` random runs.
+
+    All controllers meet the same noise, and the same place of the pollution on the spool. `engine` says where the runs
+    are made, `progress` hears how many are done, of all. Ctrl-C ends the comparison after the current batches, at once
+    the second time, and keeps the runs that are done. Raises ParameterError where there is nothing to compare, RunError
+    where a worker has another vvdp, or none is left.
+    """
+    refuse_nothing(scenarios, controllers, seeds, "controllers")
+    began = time.perf_counter()
+    by_name = {each.name: each for each in scenarios}
+    plan = _Plan(
+        name=secrets.token_hex(8),
+        scenarios=by_name,
+        controllers={each.name: each for each in controllers},
+        traced=SHOWN if SHOWN in by_name else scenarios[0].name,
+        cache=cache,
+        say=say,
+    )
+    task = partial(_runs_done, replace(plan, say=quiet), _loops(plan).program)
+    done = run_trials(task, by_name, seeds, engine, progress)
+    found = contest_of(done, scenarios, controllers, seeds, loop_summary)
+    return Contest(**found, seconds=time.perf_counter() - began)
+
+
+def loop_stepping(scenario: LoopScenario) -> Stepping:
+    """How a run of a scenario is stepped: as the shipped drive, recorded at its samples."""
+    return replace(scenario.known.stepping, until=UNTIL, record_interval=scenario.period)
+
+
+@lru_cache(maxsize=1)
+def _loops(plan: _Plan) -> _Loops:
+    """A plan compiled, once in each process: a text for each controller, whatever the scenario."""
+    circuits, digests = {}, []
+    for name, controller in plan.controllers.items():
+        for scenario in plan.scenarios.values():
+            control = controller.control(scenario)
+            circuit = controlled_circuit(scenario.plant, control, scenario.known.loop(control))
+            circuits[scenario.name, name] = circuit
+            ready = prepare(circuit.model, circuit.case, loop_stepping(scenario), plan.cache, _with_name(plan, name))
+            digests.append(ready.linked.digest)
+    return _Loops(circuits, (vvdp.__version__, *digests))
+
+
+def _with_name(plan: _Plan, name: str) -> Callable[[str], None]:
+    """Says which controller is being compiled."""
+
+    def say_name(_: str) -> None:
+        plan.say(f"compiling {name} (once, some ten seconds)")
+
+    return say_name
+
+
+def _runs_done(plan: _Plan, program: tuple[str, ...], batch: Sequence[Trial], cores: int) -> list[Ran]:
+    """What comes of a batch, where it is run."""
+    loops = _loops(plan)
+    check_same(loops.program, program)
+    scores: dict[Trial, dict[str, LoopScore]] = {trial: {} for trial in batch}
+    for name in plan.controllers:
+        for alike in _alike(plan, batch):
+            for trial, score in zip(alike, _scores(plan, loops, name, alike, cores), strict=True):
+                scores[trial][name] = score
+    first = Trial(plan.traced, 0)
+    traced = _trace(plan, loops) if first in batch else None
+    return [Ran(trial.scenario, trial.seed, scores[trial], traced if trial == first else None) for trial in batch]
+
+
+def _alike(plan: _Plan, batch: Sequence[Trial]) -> list[list[Trial]]:
+    """The trials of a batch, those of one sample period together: these run in one call."""
+    periods: dict[float, list[Trial]] = {}
+    for trial in batch:
+        periods.setdefault(plan.scenarios[trial.scenario].period, []).append(trial)
+    return list(periods.values())
+
+
+def _scores(plan: _Plan, loops: _Loops, name: str, trials: Sequence[Trial], cores: int) -> list[LoopScore]:
+    """The scores of a controller in trials of one sample period."""
+    cases = [seeded_case(loops.circuits[trial.scenario, name], trial.seed) for trial in trials]
+    scenario = trials[0].scenario
+    stepping = loop_stepping(plan.scenarios[scenario])
+    run = simulate_batch(loops.circuits[scenario, name].model, cases, stepping, UNTIL, cores=cores, cache=plan.cache)
+    return [
+        loop_score(tally_of(case, memories), reason is None)
+        for case, memories, reason in zip(cases, run.final_memories, run.reasons, strict=True)
+    ]
+
+
+def _trace(plan: _Plan, loops: _Loops) -> TracedLoop:
+    """The run of seed 0 that is drawn, of every controller."""
+    scenario = plan.scenarios[plan.traced]
+    errors: dict[str, Array] = {}
+    times = np.zeros(0)
+    for name in plan.controllers:
+        circuit = loops.circuits[plan.traced, name]
+        run = simulate(circuit.model, seeded_case(circuit, 0), loop_stepping(scenario), cache=plan.cache)
+        found = rows_under_control(run, scenario.period)
+        times, errors[name] = found.times, found.true.position - found.reference.position
+    return TracedLoop(plan.traced, times, errors)

@@ -1,0 +1,111 @@
+"""The chamber drive of a system as a test bench of its control: the drive that is and the one that its control knows
+may differ, the control is any program, and every case has noise of its own.
+
+Source  ours, docs/models/axial-control.md
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vvdp.components.axial_drive import ChamberDrive
+from vvdp.network.build import Circuit, build
+from vvdp.network.network import Network
+from vvdp.sensing.axial_sensor import AxialSensor, Pollution
+from vvdp.simulation.model import Case, initial_case
+from vvdp.simulation.run import Stepping
+from vvdp.systems.axial_control import AxialControl, add_chamber_control, add_drive, chamber_loop, known_drive
+from vvdp.systems.axial_loop import PROGRAM
+from vvdp.systems.axial_sensor import AxialSensorTable
+from vvdp.systems.axial_tables import ChamberOperation, InitialChamber, PilotSupply
+from vvdp.systems.axial_tally import TallySettings, add_tally
+from vvdp.systems.chamber_loop import ChamberLoop
+from vvdp.systems.system import System
+
+
+@dataclass(frozen=True)
+class ChamberBench:
+    """A chamber drive with what feeds it, what turns its spool, its sensor's table, where it starts, and how it is
+    stepped."""
+
+    parts: ChamberDrive
+    pilot: PilotSupply
+    operation: ChamberOperation
+    initial: InitialChamber
+    sensor: AxialSensorTable
+    helix_length: float
+    stepping: Stepping
+
+    def loop(self, control: AxialControl) -> ChamberLoop:
+        """The values of a control that knows this drive."""
+        return chamber_loop(control, self.parts, self.pilot)
+
+
+def chamber_bench(system: System) -> ChamberBench:
+    """The bench of a system with the circuit `axial_chamber`."""
+    tables = system.tables
+    parts = ChamberDrive(
+        piston=tables["axial_piston"],
+        spring=tables["axial_spring"],
+        friction=tables["axial_friction"],
+        stops=tables["axial_stops"],
+        valve=tables["pilot_valve"],
+        chamber=tables["pilot_chamber"],
+        oil=tables["pilot_oil"],
+        pressure="initial.chamber_pressure",
+        position="initial.axial_position",
+    )
+    return ChamberBench(
+        parts=parts,
+        pilot=tables["pilot"],
+        operation=tables["operation"],
+        initial=tables["initial"],
+        sensor=tables["axial_sensor"],
+        helix_length=tables["stroke"].helix_length,
+        stepping=system.stepping,
+    )
+
+
+def controlled_circuit(bench: ChamberBench, control: AxialControl, loop: ChamberLoop) -> Circuit:
+    """The drive of a bench under a control with the values `loop`, and the tally of what that comes to."""
+    operation = bench.operation
+    net = Network(
+        bench.parts.oil,
+        temperature=operation.oil_temperature,
+        operation=operation,
+        pilot=bench.pilot,
+        initial=bench.initial,
+    )
+    net.driven_shaft("spool", operation.spool_speed)
+    add_drive(net, bench.parts, bench.pilot)
+    add_chamber_control(net, control, loop, "spool")
+    settings = TallySettings(
+        drive=known_drive(bench.parts, bench.pilot),
+        gains=loop.gains,  # type: ignore[attr-defined]
+        reference=loop.reference,
+        wanted=loop.wanted,
+        sample_period=loop.observer.sample_period,
+        stop_position=loop.observer.stop_position,
+    )
+    add_tally(net, settings)
+    return build(net)
+
+
+def seeded_case(circuit: Circuit, seed: int) -> Case:
+    """The case of a controlled circuit whose sensor has noise, and a place of its pollution on the spool, of a seed."""
+    loop = circuit.case.settings[PROGRAM]
+    turned = float(np.random.default_rng([seed, 4]).uniform(0.0, 2.0 * np.pi))
+    sensor = replace(turn_sensor(loop.sensor, turned), instrument=replace(loop.sensor.instrument, seed=float(seed)))
+    settings = {**circuit.case.settings, PROGRAM: replace(loop, sensor=sensor)}
+    return initial_case(circuit.model, type(circuit.case.command), circuit.case.params, settings)
+
+
+def turn_sensor(sensor: AxialSensor, angle: float) -> AxialSensor:
+    """The sensor on a spool whose polluted end is turned by an angle [rad]."""
+    return replace(sensor, near=turn_pollution(sensor.near, angle), far=turn_pollution(sensor.far, angle))
+
+
+def turn_pollution(pollution: Pollution, angle: float) -> Pollution:
+    """The pollution of a spool whose end is turned by an angle [rad]."""
+    phases = tuple(phase + (g + 1.0) * angle for g, phase in enumerate(pollution.phases))
+    return replace(pollution, phases=phases)
