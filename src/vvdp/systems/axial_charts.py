@@ -91,7 +91,7 @@ def drive_charts(
 
 
 def last_turn(angles: Array) -> tuple[int, ...]:
-    """A row for each sample of the last whole turn of the spool [rad], as its angle is known; none before one is over."""
+    """A row for each sample of the last whole turn of the spool, from its angle [rad]; none before one is over."""
     turns = np.floor(angles / TURN)
     is_new = np.diff(angles, prepend=angles[0]) != 0.0
     rows = np.flatnonzero((turns == turns[-1] - 1.0) & is_new)

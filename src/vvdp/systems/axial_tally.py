@@ -32,10 +32,13 @@ from vvdp.network.program import ProgramType
 from vvdp.simulation.layout import as_memory
 from vvdp.simulation.model import Case
 from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
-from vvdp.systems.axial_numbers import RISEN
 
 TALLY = "tally"
 """Name of the program that adds up."""
+
+RISEN = 1e-3
+"""Share of the largest storage by which it may rise between two samples before that counts: a law that acts at samples
+is passive but for what the drive does between them."""
 
 Sum = Annotated[float, NUMBER]
 
