@@ -33,7 +33,7 @@ from vvdp.estimation.axial_filter import Phase
 from vvdp.estimation.noise_basis import function_count, write_basis
 from vvdp.numerics.kalman import covariance_of
 from vvdp.sensing.axial_sensor import pollution_at
-from vvdp.systems import axial_control, chamber_loop
+from vvdp.systems import axial_control, axial_numbers, chamber_loop
 from vvdp.systems.axial_loop import PROGRAM, AxialCommand, AxialPlace
 from vvdp.systems.axial_numbers import loop_of, rows_under_control, samples_under_control
 from vvdp.systems.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
@@ -335,3 +335,13 @@ def test_rows_too_far_apart_tell_nothing():
     coarse = change(sample_text(TRAPEZOID, 0.2), "run", record_interval="1 ms")
     assert rows_from(coarse, 0.6).times.size < 2500
     assert rows_from(coarse, 0.6).times[0] > 1.6
+
+
+def test_what_the_spool_gives_is_no_rise(monkeypatch):
+    """Friction that the law does not know holds the spool back, and the chamber stores what that leaves over: no rise,
+    though nothing is put down to an estimate. The other way round it would be one at thousands of samples."""
+    monkeypatch.setattr(axial_numbers, "EXPLAINED", 0.0)
+    text = change(sample_text(TRAPEZOID, 0.2), "axial_friction", viscous_friction="20 N*s/m")
+    found = axial_numbers.storage_numbers(rows_from(text, 0.2), loop_of(run_of(text)[0]))
+    assert found["storage_rises"] == 0.0
+    assert found["storage_largest_J"] == pytest.approx(1.23e-5, rel=0.05)
