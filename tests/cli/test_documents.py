@@ -30,6 +30,7 @@ ENDINGS = {
     "Hz": "_Hz",
     "dB": "_dB",
     "W": "_W",
+    "J": "_J",
     "s": "_s",
     "K": "_K",
     "N": "_N",
@@ -60,7 +61,7 @@ def verbs(command=None, name=""):
         yield from verbs(inner, f"{name} {word}".strip())
 
 
-@pytest.mark.parametrize(("verb", "options"), [("valve", ()), ("run", ("--until", "0.52 s", "--no-report"))])
+@pytest.mark.parametrize(("verb", "options"), [("valve", ()), ("run", ("--until", "1.5 s", "--no-report"))])
 def test_keys_are_those_described(vvdp, here, keys_as_described, verb, options):
     systems = [name for name in shipped_systems() if verb == "run" or isinstance(load_system(name).extras, RotaryBench)]
     found = [json.loads(vvdp(verb, name, "--json", *options).out) for name in systems]
