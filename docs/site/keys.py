@@ -45,6 +45,7 @@ LONG_COMMANDS: Mapping[str, tuple[str, ...]] = {
     "rig claims": ("rig claims prototype",),
     "design optimum": ("design optimum prototype --starts 1",),
     "design pareto": ("design pareto prototype --points 8 --generations 2",),
+    "compare controllers": ("compare controllers --seeds 2 --scenario nominal --scenario noise-free",),
     "cfd rail": ("cfd rail prototype",),
     "cfd turbine": ("cfd turbine prototype",),
     "cfd sweep": ('cfd sweep prototype --flow "20 lpm" "60 lpm" 3',),
