@@ -32,7 +32,8 @@ DEFINITIONS = (
     "Errors count from a second after the start of control on. Tracking: position less reference, rms over all runs, "
     "worst of all. Estimate: what the observer believes less the position; with the raw sensor nobody hears "
     "it. Effort: rms of the valve's command, and of its change from sample to sample. Storage rises: "
-    "samples of a run in which the oil stored more against its desired pressure than the spool gave it, on average. "
+    "samples of a run in which what the oil stores against its desired pressure rose beyond what the spool gave it, by "
+    "more than a thousandth of the largest, on average. "
     "Failed: share of runs that broke off, or were off by more than 2.5 mm."
 )
 FIGURES: Mapping[str, tuple[Kind, str]] = {
