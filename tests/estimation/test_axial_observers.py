@@ -16,7 +16,6 @@ from vvdp.estimation.axial_filter import (
     Phase,
     PollutionModel,
     duty_sight,
-    refuse_other_period,
 )
 from vvdp.estimation.chamber_observer import (
     ChamberObserver,
@@ -530,12 +529,6 @@ def test_unknown_angle_teaches_nothing(drive, observers):
 
 
 # What is refused
-
-
-def test_another_sample_period_is_refused_with_both():
-    refuse_other_period(1e-3, 1e-3)
-    with pytest.raises(ParameterError, match=r"every 0\.001 s, its program samples every 0\.002 s"):
-        refuse_other_period(1e-3, 2e-3)
 
 
 @pytest.mark.parametrize("name", ["sensor_deviation", "coefficient_drift", "duty_deviation"])

@@ -144,15 +144,6 @@ class PollutionModel(Params):
                 )
 
 
-def refuse_other_period(observer: float, program: float) -> None:
-    """Raises ParameterError where an observer was made for another sample period than its program's, both [s]."""
-    if abs(observer - program) > 1e-9 * program:
-        raise ParameterError(
-            f"the observer is made for a sample every {observer:g} s, its program samples every {program:g} s; "
-            "expected the same"
-        )
-
-
 def axial_start(plant_mean: Array, plant_deviations: Array, pollution: PollutionModel) -> AxialMemory:
     """The memory before the first sample: states of the drive and their deviations as given, no pollution."""
     n = function_count(pollution.basis)
