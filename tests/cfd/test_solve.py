@@ -92,7 +92,7 @@ def test_a_killed_solver_is_told_and_its_run_goes_on(patient, openfoam, tmp_path
 
     with pytest.raises(KeyboardInterrupt):
         solve(patient, tmp_path, openfoam, 1, stop)
-    assert seen[0] >= reached
+    assert seen[0] >= reached - 1  # a state may be written before the line of its table
 
 
 def test_another_case_is_not_mixed_in(pipe, openfoam, tmp_path):

@@ -245,8 +245,8 @@ def test_oil_in_the_tube_costs_what_the_page_says():
     tube = ("type=pipe", "hose_compliance=0 1/Pa", "start=100 bar")
     _, efficiency = converter(0.3, *(f"components.tube.{setting}" for setting in tube))
     assert f"the {1.5 * 0.25 * math.pi * 0.6**2 * 100.0:.0f} cc of oil" in section("buck-converter")
-    # Its waves never repeat: another tolerance moves the mean by 0.01.
-    assert efficiency == pytest.approx(0.75, abs=0.02)
+    # Its waves never repeat: six tolerances from 1e-6 to 3e-8 give 0.737 to 0.770.
+    assert efficiency == pytest.approx(0.755, abs=0.03)
     assert f"0.75 in place of {converter(0.3)[1]:.3f}" in section("buck-converter")
 
 

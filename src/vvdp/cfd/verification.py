@@ -42,7 +42,7 @@ class Cylinders(NamedTuple):
 def pipe_force(pipe: Pipe, fluid: Fluid) -> float:
     """Force of a developed laminar flow on the wall of a pipe [N], 8 pi mu v L.
 
-    Source  Hagen and Poiseuille
+    Source  merritt1967, laminar flow in pipes
     """
     return float(8.0 * np.pi * fluid.viscosity * pipe.velocity * pipe.length)
 

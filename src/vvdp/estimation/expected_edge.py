@@ -69,7 +69,7 @@ def arrival_density(expected: Expected, silence: Silence) -> float:
     instant, S = expected.instant, expected.instant.angle_variance + expected.variance
     off, width = silence.next_edge - instant.angle, silence.next_edge - silence.last_edge
     seen = np.exp(-0.5 * off * off / S)
-    missed = np.round(-off / width)
+    missed = np.floor(0.5 - off / width)
     if missed >= 1.0:
         off += missed * width
         seen += missed_in_a_row(silence.irregular, silence.watched, missed) * np.exp(-0.5 * off * off / S)
