@@ -50,7 +50,7 @@ def pipe_force(pipe: Pipe, fluid: Fluid) -> float:
 def cylinders_torque(pair: Cylinders, fluid: Fluid) -> float:
     """Torque of the oil on the turning inner cylinder [N m], -4 pi mu omega l R1^2 R2^2 / (R2^2 - R1^2).
 
-    Source  Couette
+    Source  merritt1967, flow between surfaces that move
     """
     inner, outer = pair.inner**2, pair.outer**2
     return float(-4.0 * np.pi * fluid.viscosity * pair.speed * pair.length * inner * outer / (outer - inner))
