@@ -37,7 +37,7 @@ warns."""
 
 @cache
 def outcomes(name: str, records: int) -> tuple[Outcome, ...]:
-    """Records of a class; of wheels that turn back only those without an index, which would come the wrong way round."""
+    """Records of a class; of wheels that turn back those without an index, which would come the wrong way round."""
     cases = (case(name, seed) for seed in range(4 * records))
     chosen = (each for each in cases if each.told or name not in NEEDS_POLARITY)
     chosen = (each for each in chosen if name != "reversal" or not each.indexed)
