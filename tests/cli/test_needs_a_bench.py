@@ -30,6 +30,15 @@ def test_a_verb_says_what_it_needs(vvdp, here, verb):
     assert [path.name for path in here.iterdir()] == ["drain.toml"]
 
 
+@pytest.mark.parametrize("verb", ["map", "rig step", "rig ripple"])
+@pytest.mark.parametrize("name", ["vvdp-duty-control", "vvdp-duty-control-gerotor"])
+def test_set_points_need_a_duty_ratio_that_is_prescribed(vvdp, here, verb, name):
+    refused = vvdp(*verb.split(), name)
+    assert refused.code == 2
+    assert "held by a control and cannot be prescribed at set points" in " ".join(refused.err.split())
+    assert list(here.iterdir()) == []
+
+
 def test_geometry_needs_one_rotary_valve(vvdp, here):
     (here / "drain.toml").write_text(DRAWN)
     refused = vvdp("geometry", "drain.toml")

@@ -6,8 +6,8 @@ nothing in the compiled loop, and the instants at which a signal has a corner ar
 
 import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +42,14 @@ class Signal:
     def is_constant(self) -> bool:
         """Whether the value never changes."""
         return not any(self.change) and not any(self.amplitude)
+
+
+def map_signal(signal: Signal, function: Callable[[float], float]) -> Signal:
+    """The signal with a linear `function` of its values, which is 0 at 0."""
+    s = signal
+    return replace(
+        s, base=function(s.base), change=tuple(map(function, s.change)), amplitude=tuple(map(function, s.amplitude))
+    )
 
 
 def constant(value: float) -> Signal:

@@ -6,6 +6,7 @@ The functions that return a `Network` are what a system file names as its circui
 from typing import TypeVar
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.signal import map_signal
 from vvdp.components.axial_drive import (
     ChamberDrive,
     PilotJoints,
@@ -31,7 +32,6 @@ from vvdp.systems.axial_control import (
     add_drive,
     chamber_loop,
     chosen_law,
-    scale_signal,
 )
 from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
 from vvdp.systems.axial_numbers import AxialLoop, ChamberReach
@@ -114,7 +114,7 @@ def axial_chamber(
         reference=_require("axial_reference", axial_reference),
         sequence=_require("axial_sequence", axial_sequence),
         helix_length=stroke.helix_length,
-        wanted=scale_signal(operation.duty_ratio, stroke.helix_length),
+        wanted=map_signal(operation.duty_ratio, lambda d: d * stroke.helix_length),
         feedback=_feedback(raw_feedback, true_feedback),
         oil=believed_oil,
     )
@@ -166,7 +166,7 @@ def axial_gerotor(
         reference=_require("axial_reference", axial_reference),
         sequence=_require("axial_sequence", axial_sequence),
         helix_length=stroke.helix_length,
-        wanted=scale_signal(operation.duty_ratio, stroke.helix_length),
+        wanted=map_signal(operation.duty_ratio, lambda d: d * stroke.helix_length),
     )
     add_gerotor_control(net, tables, gerotor, "spool")
     return net

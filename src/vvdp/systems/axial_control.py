@@ -111,16 +111,6 @@ class AxialControl:
     oil: Oil | None = None
 
 
-def scale_signal(signal: Signal, factor: float) -> Signal:
-    """The signal with all its values multiplied by a factor."""
-    return replace(
-        signal,
-        base=factor * signal.base,
-        change=tuple(factor * each for each in signal.change),
-        amplitude=tuple(factor * each for each in signal.amplitude),
-    )
-
-
 def known_drive(parts: DriveParts, pilot: PilotSupply) -> ChamberDrive:
     """The drive as its controller knows it: all values are those of the drive itself, the supply at its lowest."""
     valve = ChamberValve(

@@ -10,7 +10,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import PRESSURE_DIFFERENCE, TIME
-from vvdp.base.signal import Signal, constant, signal_value
+from vvdp.base.signal import Signal, constant, map_signal, signal_value
 from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.pump import Pump, pump_friction_power
 from vvdp.hydraulics.relief_valve import ReliefValve
@@ -124,13 +124,13 @@ class RotaryBench(Extras):
         """The duty ratio, or the axial position over the helix length."""
         if isinstance(self.operation, DutyOperation):
             return self.operation.duty_ratio
-        return _map_signal(self.operation.axial_position, lambda x: x / self.valve.helix_length)
+        return map_signal(self.operation.axial_position, lambda x: x / self.valve.helix_length)
 
     @property
     def axial_position(self) -> Signal:
         """The axial position of the spool [m]."""
         if isinstance(self.operation, DutyOperation):
-            return _map_signal(self.operation.duty_ratio, lambda d: d * self.valve.helix_length)
+            return map_signal(self.operation.duty_ratio, lambda d: d * self.valve.helix_length)
         return self.operation.axial_position
 
     @property
@@ -408,12 +408,6 @@ def rotary_bench(system: "System", verb: str) -> RotaryBench:
 def _hold_table(table: Any) -> Any:
     signals = {f.name: value for f in fields(table) if isinstance(value := getattr(table, f.name), Signal)}
     return replace(table, **{name: constant(signal_value(0.0, value)) for name, value in signals.items()})
-
-
-def _map_signal(x: Signal, scaled: Callable[[float], float]) -> Signal:
-    return replace(
-        x, base=scaled(x.base), change=tuple(map(scaled, x.change)), amplitude=tuple(map(scaled, x.amplitude))
-    )
 
 
 def _ratio(a: float, b: float) -> float:

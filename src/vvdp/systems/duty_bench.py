@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import Kind
 from vvdp.results.chart import Chart
 from vvdp.results.result import Table
@@ -41,6 +42,14 @@ class HeldDuty(RotaryBench):
     def is_watched(self) -> bool:
         """The encoder belongs to the axial control, which shows what it believes."""
         return False
+
+    def hold(self) -> "RotaryBench":
+        """Refused with a ConfigError: set points prescribe a duty ratio, and this one is what its control makes it."""
+        message = (
+            "its duty ratio is held by a control and cannot be prescribed at set points; take a bench without one, "
+            "such as prototype"
+        )
+        raise ConfigError([Fault(self.system.name, 0, "", message)])
 
 
 class DutyControl(HeldDuty):

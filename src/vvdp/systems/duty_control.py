@@ -5,10 +5,9 @@ The functions that return a `Network` are what a system file names as its circui
 
 from dataclasses import replace
 
+from vvdp.base.signal import map_signal
 from vvdp.components.axial_drive import ChamberDrive, add_gerotor_drive
 from vvdp.components.directional_valves import ThreeWayProportionalValve
-from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
-from vvdp.components.resistances import ORIFICE
 from vvdp.control.passivity import PassivityGains
 from vvdp.control.reference import ReferenceFilter
 from vvdp.estimation.event_settings import EventFilterValues
@@ -30,7 +29,6 @@ from vvdp.systems.axial_control import (
     add_watched_control,
     chamber_loop,
     chosen_law,
-    scale_signal,
 )
 from vvdp.systems.axial_loop import PROGRAM, AxialObserverTable, AxialSequence
 from vvdp.systems.axial_sensor import AxialSensorTable
@@ -40,7 +38,7 @@ from vvdp.systems.chamber_feedback import RawFeedback
 from vvdp.systems.duty_bench import DutyControl, GerotorDutyControl
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, add_watched_gerotor
 from vvdp.systems.gerotor_loop import DriveBelief, GerotorSequence
-from vvdp.systems.rotary_bench import joints, new_bench, pump_unit
+from vvdp.systems.rotary_bench import join_load, joints, new_bench, pump_unit
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
 from vvdp.valve.rotary import RotaryValve
 
@@ -115,7 +113,7 @@ def duty_control(
         reference=axial_reference,
         sequence=axial_sequence,
         helix_length=valve.helix_length,
-        wanted=scale_signal(operation.duty_ratio, valve.helix_length),
+        wanted=map_signal(operation.duty_ratio, lambda d: d * valve.helix_length),
         feedback=raw_feedback,
     )
     add_drive(net, parts, pilot)
@@ -170,14 +168,7 @@ def duty_control_gerotor(
         reference=axial_reference,
         sequence=axial_sequence,
         helix_length=valve.helix_length,
-        wanted=scale_signal(operation.duty_ratio, valve.helix_length),
+        wanted=map_signal(operation.duty_ratio, lambda d: d * valve.helix_length),
     )
     add_watched_gerotor(net, tables, gerotor, "spool", watch_settings(encoder, spool_filter, initial.spool_angle))
     return net
-
-
-def join_load(net: Network, unit: PumpUnit, joined: UnitJoints, load_line: Vessel, load: OrificeLoad) -> None:
-    """Add the pump unit, the line it delivers into, and the orifice from there to the tank."""
-    net.volume("load_line", load_line, start="initial.load_pressure")
-    add_pump_unit(net, unit, joined)
-    net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)

@@ -61,9 +61,7 @@ def orifice_load(
         check_valve=check_valve,
     )
     net = new_bench(oil, unit, operation, load, initial, limits)
-    net.volume("load_line", load_line, start="initial.load_pressure")
-    add_pump_unit(net, unit, joints(operation, valve, limits))
-    net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
+    join_load(net, unit, joints(operation, valve, limits), load_line, load)
     _watch(net, encoder, spool_filter, initial)
     return net
 
@@ -148,6 +146,13 @@ def joints(operation: DutyOperation | AxialOperation, valve: RotaryValve, limits
         spool_motor_speed=operation.spool_motor_speed,
         cavitation_pressure=Connection(cavitation_limit, (limits,)),
     )
+
+
+def join_load(net: Network, unit: PumpUnit, joined: UnitJoints, load_line: Vessel, load: OrificeLoad) -> None:
+    """Add the pump unit, the line it delivers into, and the orifice from there to the tank."""
+    net.volume("load_line", load_line, start="initial.load_pressure")
+    add_pump_unit(net, unit, joined)
+    net.add("load", ORIFICE, load, a="load_line", b="tank", area=load.area)
 
 
 def cavitation_limit(limits: Limits) -> float:
