@@ -3,6 +3,7 @@
 Source  ours, docs/models/displacement-control.md
 """
 
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -59,7 +60,7 @@ def refuse_bad_points(times: tuple[float, ...], positions: tuple[float, ...]) ->
         raise ParameterError(f"{len(times)} times and {len(positions)} positions; expected as many, two at least")
     if times[0] != 0.0:
         raise ParameterError(f"row 1: the time is {times[0]:g} s; expected 0 s, where control begins")
-    for row, (before, after) in enumerate(zip(times, times[1:], strict=False), 2):
+    for row, (before, after) in enumerate(pairwise(times), 2):
         if not after > before:
             raise ParameterError(f"row {row}: the time is {after:g} s after {before:g} s; expected times that rise")
 

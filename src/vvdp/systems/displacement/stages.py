@@ -130,4 +130,4 @@ def orders_of(number: float) -> Orders:
     """
     pump = 1.0 if SPIN <= number <= RETURN else 0.0
     energised = 0.0 if number == EMERGENCY else 1.0
-    return Orders(pump, energised, 1.0 if number == CONTROL or number == HOLD else 0.0)
+    return Orders(pump, energised, 1.0 if number in (CONTROL, HOLD) else 0.0)
