@@ -1,0 +1,171 @@
+"""What keeps both chambers of a cylinder within bounds of pressure: two laws that guard one each, and their blend.
+
+Where no bound acts, flow and opening are those of the split. Near a bound of the supply chamber the flow is pushed to
+one that moves it away, and the opening makes up for it; near one of the return chamber it is the other way round. The
+blend has no jump anywhere for a fixed direction.
+
+Source  ours, docs/models/displacement-control.md, where a function names no other.
+"""
+
+from typing import Annotated, NamedTuple
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Flow, Fraction, Kind, Number, Pressure, PressureDifference, Ratio
+from vvdp.base.params import Params
+from vvdp.base.select import clip, maximum, select
+from vvdp.control.capacities import Sides
+from vvdp.control.flow_split import Authority
+
+PRESSURE_MODE = Kind("pressure mode", "1", 0.0, 5.5, "1")
+
+PressureMode = Annotated[float, PRESSURE_MODE]
+
+
+class PressureBounds(Params):
+    """Chambers stay between `lowest_pressure` and `highest_pressure`, absolute; guards act from `transition_band` on.
+
+    `low_margin` is xi of modes 2 and 3, `supply_margin` zeta_Q of mode 4, `return_margin` zeta_u of mode 5.
+    """
+
+    lowest_pressure: Pressure
+    highest_pressure: Pressure
+    transition_band: PressureDifference
+    low_margin: Ratio
+    supply_margin: Ratio
+    return_margin: Ratio
+    boost_flow: Flow
+
+    def check(self) -> None:
+        if not self.transition_band > 0.0:
+            raise ParameterError("PressureBounds.transition_band: 0 Pa; expected above 0: flows would jump at a bound")
+        if not self.highest_pressure - self.lowest_pressure > 2.0 * self.transition_band:
+            raise ParameterError(
+                f"PressureBounds.highest_pressure: {self.highest_pressure:g} Pa leaves nothing between the bands of "
+                f"{self.transition_band:g} Pa above {self.lowest_pressure:g} Pa and below it"
+            )
+
+
+class Guards(NamedTuple):
+    """How far each guard acts, 0 to 1."""
+
+    supply_low: Fraction
+    supply_high: Fraction
+    return_low: Fraction
+    return_high: Fraction
+
+
+class Actuation(NamedTuple):
+    """Flow of the pump and opening of the return valve; not limited, the opening may be any number."""
+
+    flow: Flow
+    opening: Number
+
+
+def guards(sides: Sides, bounds: PressureBounds) -> Guards:
+    """How far each guard acts.
+
+    Source  wang2017, eqs. 6.35, 6.37, 6.39 and 6.41
+    """
+    low, high, band = bounds.lowest_pressure, bounds.highest_pressure, bounds.transition_band
+    Ps, Pr = sides.supply_pressure, sides.return_pressure
+    return Guards(
+        clip((low + band - Ps) / band, 0.0, 1.0),
+        clip((Ps - high + band) / band, 0.0, 1.0),
+        clip((low + band - Pr) / band, 0.0, 1.0),
+        clip((Pr - high + band) / band, 0.0, 1.0),
+    )
+
+
+def acting_mode(acting: Guards) -> float:
+    """The mode by the pressures [1]: 1 none, 2 supply low, 3 return low, 4 supply high, 5 return high; half a mode more
+    within the band. Of two that act, the one that acts more, and the supply's where both act alike."""
+    most = maximum(maximum(acting.supply_low, acting.supply_high), maximum(acting.return_low, acting.return_high))
+    if most == 0.0:
+        return 1.0
+    mode = 5.0
+    if acting.supply_low == most:
+        mode = 2.0
+    elif acting.supply_high == most:
+        mode = 4.0
+    elif acting.return_low == most:
+        mode = 3.0
+    return mode if most == 1.0 else mode + 0.5
+
+
+class Swept(NamedTuple):
+    """What the moving piston takes from the supply and gives to the return [m^3/s]."""
+
+    supply: Flow
+    returned: Flow
+
+
+def swept_flows(direction: float, velocity: float, sides: Sides) -> Swept:
+    """q_s = u_d A_s x' and q_r = u_d A_r x' [m^3/s].  direction: 1 or -1 [1]; velocity: [m/s]."""
+    return Swept(direction * sides.supply_area * velocity, direction * sides.return_area * velocity)
+
+
+def guarded_actuation(
+    effort: float, flow: float, swept: Swept, acting: Guards, authority: Authority, bounds: PressureBounds
+) -> Actuation:
+    """Flow and opening as the guards blend them, before the limits of pump and valve; together they give the effort.
+
+    effort  U* [N/s]
+    flow    what the split asks of the pump [m^3/s]
+
+    Source  wang2017, eqs. 6.33 to 6.41, made continuous: docs/errata.md
+    """
+    H, K, Psi = authority.per_flow, authority.per_opening, authority.full_return
+    qs, qr = abs(swept.supply), abs(swept.returned)
+    filling = swept.supply + bounds.low_margin * qs + bounds.boost_flow
+    draining = swept.supply - bounds.supply_margin * qs
+    flow_a = (
+        flow + acting.supply_low * maximum(filling - flow, 0.0) - acting.supply_high * maximum(flow - draining, 0.0)
+    )
+    opening = (effort - H * flow) / K
+    holding = (swept.returned - bounds.low_margin * qr) / Psi
+    letting = (swept.returned + bounds.return_margin * qr) / Psi
+    opening_b = (
+        opening
+        - acting.return_low * maximum(opening - holding, 0.0)
+        + acting.return_high * maximum(letting - opening, 0.0)
+    )
+    w = supply_weight(acting)
+    opening_a, flow_b = (effort - H * flow_a) / K, (effort - K * opening_b) / H
+    return Actuation(w * flow_a + (1.0 - w) * flow_b, w * opening_a + (1.0 - w) * opening_b)
+
+
+def supply_weight(acting: Guards) -> float:
+    """What the guards of the supply count for against those of the return [1]; 1 where none acts."""
+    supply, returned = maximum(acting.supply_low, acting.supply_high), maximum(acting.return_low, acting.return_high)
+    both = supply + returned
+    idle = both == 0.0
+    return select(idle, 1.0, supply / select(idle, 1.0, both))
+
+
+def limit_actuation(effort: float, wanted: Actuation, authority: Authority, largest_flow: float) -> Actuation:
+    """Flow within 0 to `largest_flow` [m^3/s] and opening within 0 to 1; where one ends the other takes over.
+
+    effort  U* [N/s]
+
+    Source  ours, docs/models/displacement-control.md
+    """
+    H, K = authority.per_flow, authority.per_opening
+    opening = clip(wanted.opening, 0.0, 1.0)
+    flow = select(opening == wanted.opening, wanted.flow, (effort - K * opening) / H)
+    within = clip(flow, 0.0, largest_flow)
+    return Actuation(within, clip(select(within == flow, opening, (effort - H * within) / K), 0.0, 1.0))
+
+
+def make_up(limited: Actuation, delivered: float, acting: Guards, authority: Authority) -> float:
+    """The opening [1] with which the return valve makes up for what the pump does not deliver as it is asked to.
+
+    A guard of the return holds the opening where it is, by as much as it acts.
+
+    delivered  the pump's flow as it is [m^3/s]
+
+    Source  ours, docs/models/displacement-control.md
+    """
+    returned = maximum(acting.return_low, acting.return_high)
+    share = 1.0 - (1.0 - supply_weight(acting)) * returned
+    missing = limited.flow - delivered
+    return clip(limited.opening + share * missing * authority.per_flow / authority.per_opening, 0.0, 1.0)
