@@ -104,7 +104,8 @@ class AxialCommand(NamedTuple):
     """The `drive`'s command, and what is believed and wanted, to be shown.
 
     `measured` is what the optical sensor shows, `pollution` what that is believed to be off by. Deviations are those of
-    the observer; `margin` is the observability margin at the spool's speed. Of a chamber drive `desired_pressure` is
+    the observer; `margin` is the observability margin at the spool's speed; `known` is 1 while the spool's angle is
+    known. Of a chamber drive `desired_pressure` is
     the pressure that would move it as wanted, absolute, and `storage` W of the closed loop; else both are 0.
     """
 
@@ -123,6 +124,7 @@ class AxialCommand(NamedTuple):
     storage: Energy
     spool_angle: Angle
     spool_speed: Speed
+    known: Fraction
     frozen: Fraction
 
 
@@ -142,6 +144,7 @@ UNKNOWN = AxialCommand(
     storage=0.0,
     spool_angle=0.0,
     spool_speed=0.0,
+    known=0.0,
     frozen=0.0,
 )
 """The command before the first sample."""
@@ -161,8 +164,13 @@ def pollution_model(table: AxialObserverTable, helix_length: float) -> Pollution
 
 def known_phase(estimate: Estimate) -> Phase:
     """The phase of the pollution as an encoder's estimate has it; unknown while its speed is, or the spool stands."""
-    is_known = estimate.speed > SLOWEST and estimate.speed_deviation < LARGEST_DEVIATION
-    return Phase(estimate.angle, estimate.speed, estimate.angle_deviation if is_known else np.nan)
+    turns = estimate.speed > SLOWEST and estimate.speed_deviation < LARGEST_DEVIATION
+    return Phase(estimate.angle, estimate.speed, estimate.angle_deviation if turns else np.nan)
+
+
+def is_known(phase: Phase) -> bool:
+    """Whether the spool's angle is known."""
+    return phase.angle_deviation == phase.angle_deviation
 
 
 def turned_phase(place: Turned) -> Phase:
@@ -260,5 +268,6 @@ def show(
         storage=storage,
         spool_angle=phase.angle,
         spool_speed=phase.speed,
+        known=1.0 if is_known(phase) else 0.0,
         frozen=estimate.frozen,
     )

@@ -32,6 +32,7 @@ from vvdp.systems.axial_loop import (
     AxialPlace,
     AxialSequence,
     Stage,
+    is_known,
     known_phase,
     next_reference,
     next_stage,
@@ -146,10 +147,9 @@ def chamber_view(
     )
     near = memory.stage.held > 0.0 or memory.stage.number == HOME or memory.observer.mean[0] < stop + AT_STOP
     held = 1.0 if near and is_pressed(place.pressure, settings) else 0.0
-    is_known = phase.angle_deviation == phase.angle_deviation
-    stage = next_stage(memory.stage, place.time, held, is_known, settings.sequence)
+    stage = next_stage(memory.stage, place.time, held, is_known(phase), settings.sequence)
     margin = 1.0
-    if is_known:
+    if is_known(phase):
         frequency = np.sqrt(observer.drive.stiffness / observer.drive.moving_mass)
         margin = observability_margin(frequency, phase.speed, int(observer.pollution.basis.harmonics))
     flow = valve_flow(memory.command, place.pressure, settings.drive.valve)

@@ -29,6 +29,7 @@ from vvdp.systems.axial_loop import (
     AxialCommand,
     AxialSequence,
     Stage,
+    is_known,
     known_phase,
     next_reference,
     next_stage,
@@ -163,7 +164,7 @@ def gerotor_view(
         memory.sensor, SpoolPlace(place.time, place.position, place.angle), settings.sensor
     )
     period = settings.sample_period
-    stage = next_stage(memory.stage, place.time, 1.0, phase.angle_deviation == phase.angle_deviation, settings.sequence)
+    stage = next_stage(memory.stage, place.time, 1.0, is_known(phase), settings.sequence)
     stage = Stage(stage.number, stage.since, 1.0 if stage.number == HOME or stage.number == LEARN else 0.0)
     flow = memory.settled + (memory.flow - memory.settled) * np.exp(-period / settings.calibration.lag)
     positions = (wanted, settings.stop_position)

@@ -1,0 +1,143 @@
+"""The cycle that a cylinder is to follow: there and back in straight lines, or one of a person's own, point by point.
+
+Source  ours, docs/models/displacement-control.md
+"""
+
+from itertools import pairwise
+from typing import Annotated
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import POSITION, TIME, Fraction, Position, Time
+from vvdp.base.params import Params
+
+
+class Triangle(Params):
+    """The [cycle] table: from `lower_end` over a `stroke` and back, each way in `stroke_time`, again and again.
+
+    What is known ahead is read `preview` earlier, which makes up for the delay of the reference filter.
+    """
+
+    lower_end: Position
+    stroke: Position
+    stroke_time: Time
+    preview: Time = 0.0
+
+    def check(self) -> None:
+        if not (self.stroke > 0.0 and self.stroke_time > 0.0):
+            raise ParameterError(
+                f"stroke = {self.stroke:g} m, stroke_time = {self.stroke_time:g} s; expected both above 0"
+            )
+
+
+class OwnCycle(Params):
+    """The [cycle] table: straight lines through points, the first at time 0; over and over where it `repeats`, else the
+    last is held."""
+
+    times: Annotated[tuple[float, ...], TIME]
+    positions: Annotated[tuple[float, ...], POSITION]
+    repeats: Fraction = 0.0
+    preview: Time = 0.0
+
+    def check(self) -> None:
+        refuse_bad_points(self.times, self.positions)
+        if self.repeats not in (0.0, 1.0) or (self.repeats and self.positions[0] != self.positions[-1]):
+            raise ParameterError(
+                f"repeats = {self.repeats:g}; expected 0, or 1 where the last position, {self.positions[-1]:g} m, is "
+                f"the first, {self.positions[0]:g} m"
+            )
+
+
+def refuse_bad_points(times: tuple[float, ...], positions: tuple[float, ...]) -> None:
+    """Raises ParameterError, with its row from 1 on, where points make no cycle: times that do not rise from 0.
+
+    times      [s]
+    positions  [m]
+    """
+    if len(times) != len(positions) or len(times) < 2:
+        raise ParameterError(f"{len(times)} times and {len(positions)} positions; expected as many, two at least")
+    if times[0] != 0.0:
+        raise ParameterError(f"row 1: the time is {times[0]:g} s; expected 0 s, where control begins")
+    for row, (before, after) in enumerate(pairwise(times), 2):
+        if not after > before:
+            raise ParameterError(f"row {row}: the time is {after:g} s after {before:g} s; expected times that rise")
+
+
+def refuse_fast_points(cycle: Triangle | OwnCycle, fastest: float, longest_gap: float = 1.0) -> None:
+    """Raises ParameterError, with its row, where a cycle goes faster than the machine can, or where rows are missing.
+
+    A row is taken to be missing where the time to it is above `longest_gap` [s] and above ten times the usual one.
+
+    fastest  speed that the machine can reach [m/s]
+    """
+    points = points_of(cycle)
+    intervals = np.diff(points.times)
+    speeds = np.abs(np.diff(points.positions)) / intervals
+    if np.any(speeds > fastest):
+        row = int(np.argmax(speeds > fastest)) + 2
+        raise ParameterError(
+            f"cycle: row {row}: {1e3 * speeds[row - 2]:.4g} mm/s are asked for; pump and cylinder reach "
+            f"{1e3 * fastest:.4g} mm/s"
+        )
+    usual = float(np.median(intervals))
+    gaps = intervals > max(longest_gap, 10.0 * usual)
+    if np.any(gaps):
+        row = int(np.argmax(gaps)) + 2
+        raise ParameterError(
+            f"cycle: row {row}: {intervals[row - 2]:.4g} s after the row before, where {usual:.4g} s are usual; "
+            "expected no gap"
+        )
+
+
+class Points(Params):
+    """A cycle as the program reads it."""
+
+    times: Annotated[tuple[float, ...], TIME]
+    positions: Annotated[tuple[float, ...], POSITION]
+    repeats: Fraction
+    preview: Time
+
+
+def points_of(cycle: Triangle | OwnCycle) -> Points:
+    """The points of a cycle."""
+    if isinstance(cycle, OwnCycle):
+        return Points(times=cycle.times, positions=cycle.positions, repeats=cycle.repeats, preview=cycle.preview)
+    ends = (cycle.lower_end, cycle.lower_end + cycle.stroke, cycle.lower_end)
+    return Points(
+        times=(0.0, cycle.stroke_time, 2.0 * cycle.stroke_time), positions=ends, repeats=1.0, preview=cycle.preview
+    )
+
+
+def cycle_position(time: float, points: Points) -> float:
+    """The position that a cycle asks for [m], before any filter.
+
+    time  since control began [s]
+    """
+    last = len(points.times) - 1
+    ahead = time + points.preview
+    if points.repeats > 0.0:
+        ahead = ahead % points.times[last]
+    if ahead >= points.times[last]:
+        return points.positions[last]
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if points.times[middle] <= ahead:
+            low = middle
+        else:
+            high = middle
+    share = (ahead - points.times[low]) / (points.times[high] - points.times[low])
+    return points.positions[low] + share * (points.positions[high] - points.positions[low])
+
+
+def reference_period(cycle: Triangle | OwnCycle) -> float:
+    """After which time a cycle comes back [s]; its length where it does not."""
+    return points_of(cycle).times[-1]
+
+
+def sampled(cycle: Triangle | OwnCycle, times: Array) -> Array:
+    """The positions that a cycle asks for at `times` since control began [s], shape (n,) [m]."""
+    points = points_of(cycle)
+    return np.array([cycle_position(float(t), points) for t in times])

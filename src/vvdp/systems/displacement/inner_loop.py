@@ -1,0 +1,86 @@
+"""The axial drives as the machine's inner loop: another program tells the position and whether they are energised.
+
+Source  ours, docs/models/displacement-control.md
+"""
+
+from typing import NamedTuple
+
+from vvdp.base.kinds import Angle, Fraction, Position, Pressure, Speed, Time
+from vvdp.sensing.encoder import Shaft
+from vvdp.systems.axial_loop import STOP, AxialCommand, AxialPlace, Stage, known_phase
+from vvdp.systems.chamber_loop import LoopMemory, WatchedLoop, WatchedMemory, passive_axial_step
+from vvdp.systems.gerotor_loop import (
+    DriveMemory,
+    GerotorMemory,
+    GerotorPlace,
+    WatchedGerotor,
+    WatchedGerotorMemory,
+    gerotor_axial_step,
+)
+from vvdp.systems.spool_encoder import watch_step
+
+
+class LedPlace(NamedTuple):
+    """What stands before the sensors of a chamber drive, the position that is wanted, and whether it is energised."""
+
+    time: Time
+    angle: Angle
+    speed: Speed
+    position: Position
+    pressure: Pressure
+    wanted: Position
+    energised: Fraction
+
+
+class LedGerotorPlace(NamedTuple):
+    """The same of a gerotor drive."""
+
+    time: Time
+    angle: Angle
+    speed: Speed
+    position: Position
+    wanted: Position
+    energised: Fraction
+
+
+def led_step(
+    t: float, memory: WatchedMemory, place: LedPlace, settings: WatchedLoop
+) -> tuple[WatchedMemory, AxialCommand]:
+    """Program: the passivity law holds the position that another program wants, until it takes the energy away."""
+    watch, estimate = watch_step(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
+    before = memory.loop
+    loop = LoopMemory(
+        sensor=before.sensor,
+        observer=before.observer,
+        reference=before.reference,
+        stage=_stage(before.stage, place.energised, place.time),
+        command=before.command,
+        reading=before.reading,
+    )
+    seen = AxialPlace(place.time, place.angle, place.speed, place.position, place.pressure)
+    loop, command = passive_axial_step(loop, seen, known_phase(estimate), place.wanted, settings.loop)
+    return WatchedMemory(watch, loop), command
+
+
+def led_gerotor_step(
+    t: float, memory: WatchedGerotorMemory, place: LedGerotorPlace, settings: WatchedGerotor
+) -> tuple[WatchedGerotorMemory, AxialCommand]:
+    """Program: the same of a gerotor drive."""
+    watch, estimate = watch_step(t, memory.watch, Shaft(place.time, place.angle, place.speed), settings.watch)
+    before = memory.loop.drive
+    drive = DriveMemory(
+        sensor=before.sensor,
+        reference=before.reference,
+        stage=_stage(before.stage, place.energised, place.time),
+        integral=before.integral,
+        settled=before.settled,
+        flow=before.flow,
+    )
+    seen = GerotorPlace(place.time, place.angle, place.speed, place.position)
+    memory_then = GerotorMemory(drive, memory.loop.observer)
+    loop, command = gerotor_axial_step(memory_then, seen, known_phase(estimate), place.wanted, settings.loop)
+    return WatchedGerotorMemory(watch, loop), command
+
+
+def _stage(stage: Stage, energised: float, time: float) -> Stage:
+    return stage if energised > 0.0 or stage.number == STOP else Stage(STOP, time, stage.held)
