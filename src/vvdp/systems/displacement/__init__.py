@@ -1,0 +1,1 @@
+"""Displacement control of a cylinder: chapter 6 as written, and the whole machine."""
