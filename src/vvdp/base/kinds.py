@@ -104,6 +104,7 @@ EXCHANGED_ENERGY = Kind("energy handed on", "J", -1e12, 1e12, "10 J", scale=1.0,
 EXCHANGED_POWER = Kind("power handed on", "W", -1e9, 1e9, "10 W")
 TANK_VOLUME = Kind("volume at tank conditions", "m^3", -1e6, 1e6, "1 l", scale=1e-6, accumulates=True)
 TORQUE = Kind("torque", "N*m", -1e6, 1e6, "1.5 N*m")
+FRICTION_FORCE = Kind("friction force", "N", 0.0, 1e9, "50 N")
 FRICTION_TORQUE = Kind("friction torque", "N*m", 0.0, 1e6, "1.5 N*m")
 FLOW_COEFFICIENT = Kind("flow coefficient", "m^3/(s*Pa^0.5)", 0.0, 1e-2, "1.2e-7 m^3/(s*Pa^0.5)")
 ENERGY_DENSITY = Kind("energy per volume", "J/m^3", -1e12, 1e12, "10 MJ/m^3", scale=1e5)
@@ -195,6 +196,7 @@ ExchangedEnergy = Annotated[float, EXCHANGED_ENERGY]
 ExchangedPower = Annotated[float, EXCHANGED_POWER]
 TankVolume = Annotated[float, TANK_VOLUME]
 Torque = Annotated[float, TORQUE]
+FrictionForce = Annotated[float, FRICTION_FORCE]
 FrictionTorque = Annotated[float, FRICTION_TORQUE]
 FlowCoefficient = Annotated[float, FLOW_COEFFICIENT]
 EnergyDensity = Annotated[float, ENERGY_DENSITY]

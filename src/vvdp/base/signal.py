@@ -67,6 +67,12 @@ def ramp(before: float, after: float, begin: float, end: float) -> Signal:
     return Signal(float(before), (float(begin),), (float(end) - float(begin),), (float(after) - float(before),))
 
 
+def pulse(before: float, during: float, begin: float, end: float) -> Signal:
+    """A signal that is `during` from `begin` to `end` [s], and `before` else."""
+    rise = float(during) - float(before)
+    return Signal(float(before), (float(begin), float(end)), (0.0, 0.0), (rise, -rise))
+
+
 def sine(mean: float, amplitude: float, frequency: float, phase: float = 0.0) -> Signal:
     """A signal `mean + amplitude sin(2 pi frequency t + phase)`, `frequency` in Hz and `phase` in rad."""
     return Signal(float(mean), amplitude=(float(amplitude),), frequency=(float(frequency),), phase=(float(phase),))

@@ -30,7 +30,7 @@ from vvdp.components.lines import COLUMN, LINE
 from vvdp.components.machines import MOTOR, PUMP
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
-from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_FRICTION, SPRING, WEIGHT
+from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_BRAKE, ROD_FRICTION, SPRING, WEIGHT
 from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.components.self_acting_valves import (
     CHECK_VALVE,
@@ -40,7 +40,7 @@ from vvdp.components.self_acting_valves import (
     RELIEF_VALVE,
     SHOCK_VALVE,
 )
-from vvdp.components.shafts import LOAD_TORQUE, ROTOR, SHAFT_FRICTION, TORSION_SPRING
+from vvdp.components.shafts import LOAD_TORQUE, ROTOR, SHAFT_BRAKE, SHAFT_FRICTION, TORSION_SPRING
 from vvdp.components.switching_valves import (
     MODULATED_SWITCHING_VALVE,
     MODULATED_TWO_WAY_VALVE,
@@ -107,10 +107,12 @@ COMPONENTS = _by_name(
     PUMP,
     REDUCING_VALVE,
     RELIEF_VALVE,
+    ROD_BRAKE,
     ROD_FRICTION,
     ROTARY_VALVE,
     ROTOR,
     SERIES_THROTTLES,
+    SHAFT_BRAKE,
     SHAFT_FRICTION,
     SHOCK_VALVE,
     SPRING,

@@ -3,12 +3,12 @@
 from typing import NamedTuple
 
 from vvdp.base.conservation import Stored
-from vvdp.base.kinds import Flow, Force, Kink, Power
+from vvdp.base.kinds import Flow, Force, FrictionForce, Kink, Power
 from vvdp.fluid.mixture import FluidState
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.cylinder import Cylinder, Plunger, cylinder_force, plunger_force, wall_a, wall_b
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.friction import RodFriction, rod_friction_force
+from vvdp.hydraulics.friction import RodFriction, rod_friction_force, smooth_sign
 from vvdp.hydraulics.ports import ExchangedPower, RodState, Wall
 from vvdp.hydraulics.rod import (
     EndStop,
@@ -163,6 +163,16 @@ def load_force(rod: RodState, force: Force) -> LoadEffect:
     return LoadEffect(force, force * rod.velocity)
 
 
+CREEP = 1e-4
+"""Velocity at which a brake has 71 % of its force [m/s]."""
+
+
+def rod_brake(rod: RodState, force: FrictionForce) -> RodLoss:
+    """Dry friction on a rod as large as something outside prescribes: a brake, or a rod that jams [N]."""
+    held = force * smooth_sign(rod.velocity, CREEP)
+    return RodLoss(-held, held * rod.velocity)
+
+
 CYLINDER = Component(cylinder, symbol="cylinder", walls=cylinder_walls, inertia=piston_mass)
 PLUNGER = Component(plunger, symbol="spring_cylinder", walls=plunger_walls, inertia=plunger_mass)
 END_STOP = Component(end_stop, symbol="end_stop", stored=end_stop_stored)
@@ -170,3 +180,4 @@ ROD_FRICTION = Component(rod_friction, symbol="friction")
 SPRING = Component(spring, symbol="spring", stored=spring_stored)
 WEIGHT = Component(weight, symbol="mass", stored=weight_stored, inertia=weight_mass)
 LOAD_FORCE = Component(load_force, symbol="force")
+ROD_BRAKE = Component(rod_brake, symbol="friction")

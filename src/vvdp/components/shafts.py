@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from vvdp.base.conservation import Stored
-from vvdp.base.kinds import Power, Torque
-from vvdp.hydraulics.friction import ShaftFriction, shaft_friction_torque
+from vvdp.base.kinds import FrictionTorque, Power, Torque
+from vvdp.hydraulics.friction import ShaftFriction, shaft_friction_torque, smooth_sign
 from vvdp.hydraulics.ports import ExchangedPower, ShaftSpeed, ShaftState
 from vvdp.hydraulics.shaft import Rotor, TorsionSpring, torsion_energy, torsion_torque
 from vvdp.network.component import Component
@@ -62,7 +62,18 @@ def load_torque(shaft: ShaftSpeed, torque: Torque) -> ShaftLoad:
     return ShaftLoad(torque, torque * shaft.speed)
 
 
+CREEP = 0.02
+"""Speed at which a brake has 71 % of its torque [rad/s]."""
+
+
+def shaft_brake(shaft: ShaftSpeed, torque: FrictionTorque) -> ShaftLoss:
+    """Dry friction on a shaft as large as something outside prescribes: a brake, or a shaft that jams [N m]."""
+    held = torque * smooth_sign(shaft.speed, CREEP)
+    return ShaftLoss(-held, held * shaft.speed)
+
+
 SHAFT_FRICTION = Component(shaft_friction, symbol="friction")
 ROTOR = Component(rotor, symbol="inertia", inertia=rotor_inertia)
 TORSION_SPRING = Component(torsion_spring, symbol="spring", stored=torsion_spring_stored)
 LOAD_TORQUE = Component(load_torque, symbol="torque")
+SHAFT_BRAKE = Component(shaft_brake, symbol="friction")

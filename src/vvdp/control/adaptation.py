@@ -1,19 +1,23 @@
 """Load force, moving mass and compressibility of the oil, learned from the errors that they cause.
 
+Each follows the gradient that takes its own term out of the rate of the storage, is held within bounds, and stands
+still while the valve is at an end or the direction has just changed.
+
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """
 
 from typing import Annotated, NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Compliance, Force, Kind, Mass, Time
+from vvdp.base.kinds import Compliance, Force, Kind, Length, Mass, Time, Velocity
 from vvdp.base.params import Params
-from vvdp.control.cylinder_force import DesiredForce, ForceGains
-from vvdp.control.reference import Reference
+from vvdp.base.select import clip
+from vvdp.control.cylinder_force import ForceRate
+from vvdp.control.reference import SignedAcceleration
 
 LOAD_GAIN = Kind("adaptation gain of a load force", "N/m", 0.0, 1e12, "4e4 N/m")
 MASS_GAIN = Kind("adaptation gain of a mass", "kg*s^2/m^2", 0.0, 1e12, "2e4 kg*s^2/m^2")
-COMPLIANCE_GAIN = Kind("adaptation gain of a compressibility", "1/(N*Pa)", 0.0, 1.0, "1e-19 1/(N*Pa)")
+COMPLIANCE_GAIN = Kind("adaptation gain of a compressibility", "m/(N^2*Pa)", 0.0, 1.0, "1e-19 m/(N^2*Pa)")
 
 LoadGain = Annotated[float, LOAD_GAIN]
 MassGain = Annotated[float, MASS_GAIN]
@@ -21,7 +25,10 @@ ComplianceGain = Annotated[float, COMPLIANCE_GAIN]
 
 
 class Adaptation(Params):
-    """Gains, 0 for what is not to be learned, and the bounds of what is; after a switch of direction it pauses."""
+    """Gains, 0 for what is not to be learned, the bounds of what is, and the `pause` after a change of direction.
+
+    Raises `ParameterError` for bounds that leave nothing between them.
+    """
 
     load_gain: LoadGain = 0.0
     mass_gain: MassGain = 0.0
@@ -37,10 +44,8 @@ class Adaptation(Params):
     def check(self) -> None:
         for name in ("load", "mass", "compliance"):
             low, high = getattr(self, f"lowest_{name}"), getattr(self, f"highest_{name}")
-            if not low <= high:
-                raise ParameterError(
-                    f"Adaptation.lowest_{name}: {low:g} is above highest_{name} {high:g}; expected it below"
-                )
+            if not low < high:
+                raise ParameterError(f"Adaptation.lowest_{name}: {low:g} is not below the highest_{name} of {high:g}")
 
 
 class AdaptationMemory(NamedTuple):
@@ -51,13 +56,40 @@ class AdaptationMemory(NamedTuple):
     compliance: Compliance
 
 
+class Excitation(NamedTuple):
+    """What the parameters are learned from: the load as otherwise believed, e_v, r', F_H - F_v, F_v' and L = S/beta."""
+
+    load_force: Force
+    velocity_error: Velocity
+    reference_acceleration: SignedAcceleration
+    force_error: Force
+    force_rate: ForceRate
+    slenderness: Length
+
+
+def adaptation_start(moving_mass: float, bulk_modulus: float) -> AdaptationMemory:
+    """What is believed before the first sample.  moving_mass: [kg]; bulk_modulus: [Pa]."""
+    return AdaptationMemory(0.0, moving_mass, 1.0 / bulk_modulus)
+
+
 def adaptation_step(
-    memory: AdaptationMemory,
-    reference: Reference,
-    errors: tuple[DesiredForce, float, float, float],
-    interval: float,
-    gains: ForceGains,
-    settings: Adaptation,
+    memory: AdaptationMemory, seen: Excitation, interval: float, settings: Adaptation
 ) -> AdaptationMemory:
-    """What has been learned a sample later."""
-    return memory
+    """What is believed a sample later: F_L' = g_F e_v, m' = -g_m e_v r', (1/beta)' = -g_b (F_H - F_v) F_v'/L, held
+    within their bounds. What has no gain stays as it is, within bounds or not.
+
+    interval  since the last sample [s]
+
+    Source  wang2017, section 7.3, which asks for it; the law is ours, docs/models/displacement-control.md
+    """
+    s, load, mass, compliance = settings, memory.load_correction, memory.moving_mass, memory.compliance
+    if s.load_gain > 0.0:
+        moved = seen.load_force + load + interval * s.load_gain * seen.velocity_error
+        load = clip(moved, s.lowest_load, s.highest_load) - seen.load_force
+    if s.mass_gain > 0.0:
+        moved = mass - interval * s.mass_gain * seen.velocity_error * seen.reference_acceleration
+        mass = clip(moved, s.lowest_mass, s.highest_mass)
+    if s.compliance_gain > 0.0:
+        moved = compliance - interval * s.compliance_gain * seen.force_error * seen.force_rate / seen.slenderness
+        compliance = clip(moved, s.lowest_compliance, s.highest_compliance)
+    return AdaptationMemory(load, mass, compliance)

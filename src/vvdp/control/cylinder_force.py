@@ -9,7 +9,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Force, Kind, Mass, Position, Stiffness, Velocity, ViscousFriction
 from vvdp.base.params import Params
 from vvdp.control.capacities import CylinderModel
-from vvdp.control.reference import Rate, Reference
+from vvdp.control.reference import Rate, Reference, SignedAcceleration
 
 FORCE_RATE = Kind("rate of a force", "N/s", -1e12, 1e12, "1e4 N/s")
 
@@ -46,7 +46,7 @@ class Motion(NamedTuple):
 class DesiredForce(NamedTuple):
     """The force F_v that makes the errors fade, its rate, and the errors.
 
-    `reference_velocity` is r = x_d' - lambda e, `velocity_error` e_v = x' - r.
+    `reference_velocity` is r = x_d' - lambda e, `reference_acceleration` its rate, `velocity_error` e_v = x' - r.
     """
 
     force: Force
@@ -54,6 +54,7 @@ class DesiredForce(NamedTuple):
     position_error: Position
     velocity_error: Velocity
     reference_velocity: Velocity
+    reference_acceleration: SignedAcceleration
 
 
 def desired_force(
@@ -72,13 +73,14 @@ def desired_force(
     acceleration = (force - b * motion.velocity + motion.load_force) / m
     e, de = motion.position - reference.position, motion.velocity - reference.velocity
     dde = acceleration - reference.acceleration
-    ev, dev = de + l * e, dde + l * de
+    ev, dev, dr = de + l * e, dde + l * de, reference.acceleration - l * de
     return DesiredForce(
-        force=m * (reference.acceleration - l * de) + b * motion.velocity - motion.load_force - Kv * ev - Kp * e,
+        force=m * dr + b * motion.velocity - motion.load_force - Kv * ev - Kp * e,
         rate=m * (reference.jerk - l * dde) + b * acceleration - Kv * dev - Kp * de,
         position_error=e,
         velocity_error=ev,
         reference_velocity=reference.velocity - l * e,
+        reference_acceleration=dr,
     )
 
 

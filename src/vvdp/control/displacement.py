@@ -9,15 +9,25 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Conductance, Flow, Force, Fraction, Position, Pressure, SignedFraction, Time, Velocity
 from vvdp.base.params import Params
 from vvdp.base.select import maximum
-from vvdp.control.adaptation import Adaptation, AdaptationMemory
-from vvdp.control.capacities import CircuitPressures, CylinderModel, capacities, oil_force, return_flow, sides
-from vvdp.control.cylinder_force import DesiredForce, ForceGains, ForceRate, Motion, desired_force, total_effort
+from vvdp.control.adaptation import Adaptation, AdaptationMemory, Excitation, adaptation_start, adaptation_step
+from vvdp.control.capacities import (
+    Capacities,
+    CircuitPressures,
+    CylinderModel,
+    capacities,
+    oil_force,
+    return_flow,
+    sides,
+)
+from vvdp.control.cylinder_force import ForceGains, ForceRate, Motion, desired_force, total_effort
 from vvdp.control.direction import DirectionMemory, DirectionSettings, direction_start, direction_step
-from vvdp.control.flow_split import FlowSplit, SplitMemory, authority, split_start, split_step
+from vvdp.control.flow_split import Authority, FlowSplit, SplitMemory, authority, split_start, split_step
 from vvdp.control.pressure_modes import (
+    Actuation,
     Guards,
     PressureBounds,
     PressureMode,
+    Swept,
     acting_mode,
     guarded_actuation,
     guards,
@@ -25,6 +35,7 @@ from vvdp.control.pressure_modes import (
     make_up,
     swept_flows,
 )
+from vvdp.control.printed_modes import printed_actuation
 from vvdp.control.reference import Reference
 
 
@@ -77,7 +88,7 @@ class DisplacementDemand(NamedTuple):
     """What is asked of the drives: `direction` of the directional valve (1 extends, 0 is closed), `opening` of the
     return valve, `flow` of the pump. The rest tells how it came about.
 
-    `effort` is U*, `force_error` F_H - F_v, `saturated` 1 where flow and opening do not give the effort.
+    `effort` is U*, `force_error` F_H - F_v, `saturated` 1 where the opening is at an end.
     """
 
     direction: SignedFraction
@@ -97,7 +108,7 @@ def displacement_start(settings: DisplacementSettings) -> DisplacementMemory:
     return DisplacementMemory(
         direction=direction_start(),
         split=split_start(),
-        adaptation=AdaptationMemory(0.0, cylinder.moving_mass, 1.0 / cylinder.bulk_modulus),
+        adaptation=adaptation_start(cylinder.moving_mass, cylinder.bulk_modulus),
         saturated=0.0,
     )
 
@@ -118,12 +129,12 @@ def idle_demand() -> DisplacementDemand:
 
 
 class Effort(NamedTuple):
-    """The direction, and what the force law asks for in it."""
+    """The direction, what the force law asks for in it, and what both are learned and found from."""
 
     direction: DirectionMemory
     effort: ForceRate
-    force_error: Force
-    desired: DesiredForce
+    excitation: Excitation
+    capacity: Capacities
 
 
 def wanted_effort(
@@ -131,20 +142,101 @@ def wanted_effort(
 ) -> Effort:
     """Direction and U*. The stiffness in U* depends on which chamber the line is joined to: it is that of the direction
     held so far, and after a switch that of the new one."""
-    cylinder, adapted = settings.cylinder, memory.adaptation
+    cylinder, adapted, gains, line = settings.cylinder, memory.adaptation, settings.gains, seen.slow.line_pressure
     force = oil_force(seen.fast, cylinder)
-    load = seen.load_force + adapted.load_correction
-    motion = Motion(seen.position, seen.velocity, load, adapted.moving_mass)
-    desired = desired_force(reference, motion, force, settings.gains, cylinder)
+    motion = Motion(seen.position, seen.velocity, seen.load_force + adapted.load_correction, adapted.moving_mass)
+    desired = desired_force(reference, motion, force, gains, cylinder)
     share = cylinder.bulk_modulus * adapted.compliance
     before = memory.direction.direction if memory.direction.direction != 0.0 else 1.0
-    S = capacities(before, seen.position, seen.slow.line_pressure, cylinder).stiffness
-    effort = total_effort(S, desired, force, share, settings.gains)
-    direction = direction_step(memory.direction, effort, S, settings.sample_period, settings.direction)
+    capacity = capacities(before, seen.position, line, cylinder)
+    effort = total_effort(capacity.stiffness, desired, force, share, gains)
+    direction = direction_step(memory.direction, effort, capacity.stiffness, settings.sample_period, settings.direction)
     if direction.direction != before:
-        S = capacities(direction.direction, seen.position, seen.slow.line_pressure, cylinder).stiffness
-        effort = total_effort(S, desired, force, share, settings.gains)
-    return Effort(direction, effort, force - desired.force, desired)
+        capacity = capacities(direction.direction, seen.position, line, cylinder)
+        effort = total_effort(capacity.stiffness, desired, force, share, gains)
+    excitation = Excitation(
+        load_force=seen.load_force,
+        velocity_error=desired.velocity_error,
+        reference_acceleration=desired.reference_acceleration,
+        force_error=force - desired.force,
+        force_rate=desired.rate,
+        slenderness=capacity.stiffness / cylinder.bulk_modulus,
+    )
+    return Effort(direction, effort, excitation, capacity)
+
+
+class Shared(NamedTuple):
+    """What is known of a sample before the modes are asked: effort, split, what the drives can do, and the chambers.
+
+    `flow` is that of the split with the support of the supply.
+    """
+
+    wanted: Effort
+    split: SplitMemory
+    flow: Flow
+    authority: Authority
+    swept: Swept
+    acting: Guards
+
+
+def share_effort(
+    memory: DisplacementMemory, seen: CylinderSeen, reference: Reference, settings: DisplacementSettings
+) -> Shared:
+    """The effort and how the split shares it.
+
+    Raw pressures act in the force law, averaged ones in split, modes and capacities.
+    """
+    split, support = settings.split, settings.support
+    wanted = wanted_effort(memory, seen, reference, settings)
+    u_d = wanted.direction.direction
+    at = sides(u_d, seen.slow, settings.cylinder)
+    full_return = return_flow(at.return_pressure, split.least_return_flow, settings.cylinder)
+    means = authority(wanted.capacity, full_return)
+    needed = maximum(u_d * at.supply_area * reference.velocity, 0.0)
+    expected = split.expected_flow + split.feeds_forward * (needed - split.expected_flow)
+    shared = split_step(memory.split, wanted.effort, expected, means, settings.sample_period, split)
+    lack = maximum(support.support_pressure - seen.slow.line_pressure, 0.0)
+    return Shared(
+        wanted=wanted,
+        split=shared,
+        flow=shared.flow + support.support_conductance * lack,
+        authority=means,
+        swept=swept_flows(u_d, seen.velocity, at),
+        acting=guards(at, settings.bounds),
+    )
+
+
+def learn(memory: DisplacementMemory, wanted: Effort, settings: DisplacementSettings) -> AdaptationMemory:
+    """What has been learned with this sample; nothing while the opening is at an end or just after a switch."""
+    if memory.saturated > 0.0 or wanted.direction.held_for < settings.adaptation.pause:
+        return memory.adaptation
+    return adaptation_step(memory.adaptation, wanted.excitation, settings.sample_period, settings.adaptation)
+
+
+def meet_limits(
+    memory: DisplacementMemory, delivered: float, shared: Shared, asked: Actuation, settings: DisplacementSettings
+) -> tuple[DisplacementMemory, DisplacementDemand]:
+    """Memory and demand: what is asked, within the limits of pump and valve.
+
+    delivered  flow of the pump, as far as is known [m^3/s]
+    """
+    wanted, split = shared.wanted, settings.split
+    limited = limit_actuation(wanted.effort, asked, shared.authority, split.largest_flow)
+    missing = split.uses_delivered_flow * (limited.flow - delivered)
+    opening = make_up(limited.opening, missing, shared.acting, shared.authority)
+    saturated = 1.0 if opening <= 0.0 or opening >= 1.0 else 0.0
+    after = DisplacementMemory(wanted.direction, shared.split, learn(memory, wanted, settings), saturated)
+    return after, DisplacementDemand(
+        direction=wanted.direction.direction,
+        opening=opening,
+        flow=limited.flow,
+        effort=wanted.effort,
+        force_error=wanted.excitation.force_error,
+        mode=acting_mode(shared.acting),
+        guards=shared.acting,
+        saturated=saturated,
+        split_flow=shared.split.flow,
+    )
 
 
 def displacement_step(
@@ -152,36 +244,20 @@ def displacement_step(
 ) -> tuple[DisplacementMemory, DisplacementDemand]:
     """One sample: memory and demand; the direction is 1 or -1.
 
-    Raw pressures act in the force law, averaged ones in split, modes and capacities.
-
     Source  wang2017, eqs. 6.19 to 6.41, corrected: docs/errata.md
     """
-    cylinder, split, bounds = settings.cylinder, settings.split, settings.bounds
-    wanted = wanted_effort(memory, seen, reference, settings)
-    u_d, effort = wanted.direction.direction, wanted.effort
-    at = sides(u_d, seen.slow, cylinder)
-    capacity = capacities(u_d, seen.position, seen.slow.line_pressure, cylinder)
-    means = authority(capacity, return_flow(at.return_pressure, split.least_return_flow, cylinder))
-    needed = maximum(u_d * at.supply_area * reference.velocity, 0.0)
-    expected = split.expected_flow + split.feeds_forward * (needed - split.expected_flow)
-    shared = split_step(memory.split, effort, expected, means, settings.sample_period, split)
-    lack = maximum(settings.support.support_pressure - seen.slow.line_pressure, 0.0)
-    flow = shared.flow + settings.support.support_conductance * lack
-    acting = guards(at, bounds)
-    asked = guarded_actuation(effort, flow, swept_flows(u_d, seen.velocity, at), acting, means, bounds)
-    limited = limit_actuation(effort, asked, means, split.largest_flow)
-    delivered = limited.flow + split.uses_delivered_flow * (seen.delivered_flow - limited.flow)
-    opening = make_up(limited, delivered, acting, means)
-    saturated = 1.0 if opening <= 0.0 or opening >= 1.0 else 0.0
-    after = DisplacementMemory(wanted.direction, shared, memory.adaptation, saturated)
-    return after, DisplacementDemand(
-        direction=u_d,
-        opening=opening,
-        flow=limited.flow,
-        effort=effort,
-        force_error=wanted.force_error,
-        mode=acting_mode(acting),
-        guards=acting,
-        saturated=saturated,
-        split_flow=shared.flow,
-    )
+    s = share_effort(memory, seen, reference, settings)
+    asked = guarded_actuation(s.wanted.effort, s.flow, s.swept, s.acting, s.authority, settings.bounds)
+    return meet_limits(memory, seen.delivered_flow, s, asked, settings)
+
+
+def printed_displacement_step(
+    memory: DisplacementMemory, seen: CylinderSeen, reference: Reference, settings: DisplacementSettings
+) -> tuple[DisplacementMemory, DisplacementDemand]:
+    """The same with the pressure modes as published, for comparison.
+
+    Source  wang2017, eqs. 6.19 to 6.41
+    """
+    s = share_effort(memory, seen, reference, settings)
+    asked = printed_actuation(s.wanted.effort, s.flow, s.swept, s.acting, s.authority, settings.bounds)
+    return meet_limits(memory, seen.delivered_flow, s, asked, settings)

@@ -104,6 +104,32 @@ def swept_flows(direction: float, velocity: float, sides: Sides) -> Swept:
     return Swept(direction * sides.supply_area * velocity, direction * sides.return_area * velocity)
 
 
+class ModeEnds(NamedTuple):
+    """What modes 2 and 4 ask of the pump, and modes 3 and 5 of the return valve."""
+
+    filling: Flow
+    draining: Flow
+    holding: Number
+    letting: Number
+
+
+def mode_ends(swept: Swept, full_return: float, boost_flow: float, bounds: PressureBounds) -> ModeEnds:
+    """Flows and openings that move a pressure away from its bound.
+
+    full_return  Psi [m^3/s]
+    boost_flow   by which mode 2 fills a chamber whose piston stands [m^3/s]
+
+    Source  wang2017, eqs. 6.34, 6.36, 6.38 and 6.40; the boost is ours, docs/models/displacement-control.md
+    """
+    qs, qr = abs(swept.supply), abs(swept.returned)
+    return ModeEnds(
+        filling=swept.supply + bounds.low_margin * qs + boost_flow,
+        draining=swept.supply - bounds.supply_margin * qs,
+        holding=(swept.returned - bounds.low_margin * qr) / full_return,
+        letting=(swept.returned + bounds.return_margin * qr) / full_return,
+    )
+
+
 def guarded_actuation(
     effort: float, flow: float, swept: Swept, acting: Guards, authority: Authority, bounds: PressureBounds
 ) -> Actuation:
@@ -114,24 +140,18 @@ def guarded_actuation(
 
     Source  wang2017, eqs. 6.33 to 6.41, made continuous: docs/errata.md
     """
-    H, K, Psi = authority.per_flow, authority.per_opening, authority.full_return
-    qs, qr = abs(swept.supply), abs(swept.returned)
-    filling = swept.supply + bounds.low_margin * qs + bounds.boost_flow
-    draining = swept.supply - bounds.supply_margin * qs
-    flow_a = (
-        flow + acting.supply_low * maximum(filling - flow, 0.0) - acting.supply_high * maximum(flow - draining, 0.0)
-    )
+    H, K = authority.per_flow, authority.per_opening
+    ends = mode_ends(swept, authority.full_return, bounds.boost_flow, bounds)
+    more, less = maximum(ends.filling - flow, 0.0), maximum(flow - ends.draining, 0.0)
+    supply_flow = flow + acting.supply_low * more - acting.supply_high * less
     opening = (effort - H * flow) / K
-    holding = (swept.returned - bounds.low_margin * qr) / Psi
-    letting = (swept.returned + bounds.return_margin * qr) / Psi
-    opening_b = (
-        opening
-        - acting.return_low * maximum(opening - holding, 0.0)
-        + acting.return_high * maximum(letting - opening, 0.0)
-    )
+    closing, widening = maximum(opening - ends.holding, 0.0), maximum(ends.letting - opening, 0.0)
+    return_opening = opening - acting.return_low * closing + acting.return_high * widening
     w = supply_weight(acting)
-    opening_a, flow_b = (effort - H * flow_a) / K, (effort - K * opening_b) / H
-    return Actuation(w * flow_a + (1.0 - w) * flow_b, w * opening_a + (1.0 - w) * opening_b)
+    return Actuation(
+        flow=w * supply_flow + (1.0 - w) * (effort - K * return_opening) / H,
+        opening=w * (effort - H * supply_flow) / K + (1.0 - w) * return_opening,
+    )
 
 
 def supply_weight(acting: Guards) -> float:
@@ -156,16 +176,16 @@ def limit_actuation(effort: float, wanted: Actuation, authority: Authority, larg
     return Actuation(within, clip(select(within == flow, opening, (effort - H * within) / K), 0.0, 1.0))
 
 
-def make_up(limited: Actuation, delivered: float, acting: Guards, authority: Authority) -> float:
-    """The opening [1] with which the return valve makes up for what the pump does not deliver as it is asked to.
+def make_up(opening: float, missing: float, acting: Guards, authority: Authority) -> float:
+    """The opening [1] with which the return valve makes up for flow that the pump does not deliver.
 
     A guard of the return holds the opening where it is, by as much as it acts.
 
-    delivered  the pump's flow as it is [m^3/s]
+    opening  without that [1]
+    missing  asked less delivered [m^3/s]
 
     Source  ours, docs/models/displacement-control.md
     """
     returned = maximum(acting.return_low, acting.return_high)
     share = 1.0 - (1.0 - supply_weight(acting)) * returned
-    missing = limited.flow - delivered
-    return clip(limited.opening + share * missing * authority.per_flow / authority.per_opening, 0.0, 1.0)
+    return clip(opening + share * missing * authority.per_flow / authority.per_opening, 0.0, 1.0)

@@ -3,7 +3,7 @@
 import keyword
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import NoneType
 from typing import Any
 
@@ -71,7 +71,10 @@ class Part:
 
 @dataclass(frozen=True)
 class ProgramPart:
-    """A program in its place: what it reads, its values, the sensors before it, and when it is called [s]."""
+    """A program in its place: what it reads, its values, the sensors before it, and when it is called [s].
+
+    `actuators` stand behind it: what becomes of fields of its command on their way to the circuit.
+    """
 
     name: str
     type: ProgramType
@@ -81,6 +84,7 @@ class ProgramPart:
     period: float | None
     phase: float
     latency: float
+    actuators: Mapping[str, Instrument] = field(default_factory=dict)
 
 
 class Network:

@@ -84,6 +84,7 @@ class Text:
         for name, program in net.programs.items():
             found |= {f"{word}_{name}" for word in ("measure", "trigger", "step", "begin")}
             found |= {field for read in program.sensors for field in (read, f"{read}_sensor")}
+            found |= {field for acts in program.actuators for field in (f"{acts}_act", f"{acts}_actuator")}
         return frozenset({*WRITTEN, *own, *derived, *found})
 
     def source(self, source: Source, where: str, kind: Kind | None = None) -> str:

@@ -13,6 +13,7 @@ from vvdp.network.paths import check_unit
 from vvdp.network.text import Text
 from vvdp.sensing.instrument import Instrument, InstrumentMemory, instrument_start, instrument_step
 from vvdp.simulation.model import Program
+from vvdp.simulation.values import names
 
 
 class WrittenProgram:
@@ -32,46 +33,66 @@ class WrittenProgram:
                 raise NetworkError(
                     f"{self.name} is called by events, which can read states alone; {reading} reads more"
                 )
-            level, settings = self.text.use(self.part.type.level), "z.program" if self.part.sensors else "z"
+            level, settings = self.text.use(self.part.type.level), "z.program" if self._has_instruments else "z"
             found.append([f"def trigger_{self.name}(t, s, u, p, z):", f"    return {level}({reading}, {settings})"])
-        return [*found, *(self._with_instruments() if self.part.sensors else [])]
+        return [*found, *(self._with_instruments() if self._has_instruments else [])]
+
+    @property
+    def _has_instruments(self) -> bool:
+        return bool(self.part.sensors or self.part.actuators)
+
+    @property
+    def _instruments(self) -> dict[str, Instrument]:
+        """All instruments, before the step and behind it, by what they are called in its memory."""
+        sensors = {f"{name}_sensor": sensor for name, sensor in self.part.sensors.items()}
+        return sensors | {f"{name}_actuator": actuator for name, actuator in self.part.actuators.items()}
 
     @cached_property
     def memory(self) -> type:
         """The NamedTuple of what instruments and step remember."""
         kept = type(self.part.type.start(self.part.settings))
-        sensors = {f"{name}_sensor": InstrumentMemory for name in self.part.sensors}
-        return named_tuple(f"{self.name.title().replace('_', '')}Memory", {**sensors, "program": kept})
+        hints = {**dict.fromkeys(self._instruments, InstrumentMemory), "program": kept}
+        return named_tuple(f"{self.name.title().replace('_', '')}Memory", hints)
 
     @cached_property
     def settings(self) -> Any:
         """What its step works with: its settings, beside those of the instruments where there are any."""
         own = NOTHING if self.part.settings is None else self.part.settings
-        if not self.part.sensors:
+        if not self._has_instruments:
             return own
-        sensors = {f"{name}_sensor": sensor for name, sensor in self.part.sensors.items()}
-        hints = {**dict.fromkeys(sensors, Instrument), "program": type(own)}
-        values: dict[str, Any] = {**sensors, "program": own}
+        hints = {**dict.fromkeys(self._instruments, Instrument), "program": type(own)}
+        values: dict[str, Any] = {**self._instruments, "program": own}
         return params_class("ProgramSettings", hints)(**values)
 
     def _with_instruments(self) -> list[list[str]]:
-        """A step that takes each reading through its instrument first, and where it begins."""
+        """A step that takes readings through their instruments first and its command last, and where it begins."""
         step, start = self.text.use(self.part.type.step), self.text.use(self.part.type.start)
         instrument, begin = self.text.use(instrument_step), self.text.use(instrument_start)
         memory, reading = self.text.use(self.memory), self.text.use(self.part.type.reading)
         lines = [f"{n}_sensor, {n} = {instrument}(m.{n}_sensor, t, r.{n}, z.{n}_sensor)" for n in self.part.sensors]
         fields = ", ".join(n if n in self.part.sensors else f"r.{n}" for n in self.part.reads)
         lines.append(f"program, command = {step}(t, m.program, {reading}({fields}), z.program)")
-        lines.append(f"return {memory}({', '.join(f'{n}_sensor' for n in self.part.sensors)}, program), command")
-        starts = ", ".join(f"{begin}(z.{n}_sensor)" for n in self.part.sensors)
+        if self.part.actuators:
+            lines += self._acting_lines(instrument)
+        lines.append(f"return {memory}({', '.join(self._instruments)}, program), command")
+        starts = ", ".join(f"{begin}(z.{name})" for name in self._instruments)
         return [
             [f"def step_{self.name}(t, m, r, z):", *(f"    {line}" for line in lines)],
             [f"def begin_{self.name}(z):", f"    return {memory}({starts}, {start}(z.program))"],
         ]
 
+    def _acting_lines(self, instrument: str) -> list[str]:
+        """Lines that take fields of the command through what stands behind the program."""
+        acting, kind = self.part.actuators, type(self.part.type.command)
+        calls = [
+            f"{n}_actuator, {n}_act = {instrument}(m.{n}_actuator, t, command.{n}, z.{n}_actuator)" for n in acting
+        ]
+        fields = {n: f"{n}_act" if n in acting else f"command.{n}" for n in names(kind)}
+        return [*calls, f"command = {self.text.use(kind)}(", *(f"    {n}={text}," for n, text in fields.items()), ")"]
+
     def assemble(self, module: types.ModuleType) -> Program:
         """The program as the model takes it, from the module that its text has become."""
-        kind, through = self.part.type, bool(self.part.sensors)
+        kind, through = self.part.type, self._has_instruments
         return Program(
             measure=getattr(module, f"measure_{self.name}"),
             step=getattr(module, f"step_{self.name}") if through else kind.step,

@@ -5,9 +5,11 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from vvdp.base.kinds import FLOW, GAUGE_PRESSURE
-from vvdp.results.chart import Bars, Chart, Level, Line, Lines, Stroke
+from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines, Panel, Stroke
 from vvdp.results.result import Table
 from vvdp.runs.run import Detail, RecordedRun
+from vvdp.sensing.encoder import FOR_GOOD
+from vvdp.systems.faults import NamedFault
 
 Groups: TypeAlias = Iterable[tuple[str, list[str]]]
 """Labels of panels and the columns that they show."""
@@ -84,6 +86,24 @@ def _panels(series: Table, groups: Groups) -> Iterator[Lines]:
         lines = (Line(x="time_s", y=key, label=series.columns[key].label) for key in keys[:MOST_LINES])
         if keys:
             yield Lines(lines=tuple(lines), label=label)
+
+
+def with_faults(chart: Chart, faults: Iterable[NamedFault]) -> Chart:
+    """The chart with upright lines where faults begin and end, in its panels over time."""
+    times = [(t, each.name.replace("_", " ")) for each in faults for t in (each.window.begin, each.window.end)]
+    return replace(chart, panels=tuple(_with_times(panel, times) for panel in chart.panels))
+
+
+def _with_times(panel: Panel, times: Iterable[tuple[float, str]]) -> Panel:
+    if not isinstance(panel, Lines) or not any(line.x == "time_s" for line in panel.lines):
+        return panel
+    low, high = panel.left or 0.0, FOR_GOOD if panel.right is None else panel.right
+    seen = [
+        Level(value=t, label=name, upright=True, colour=Colour.RED, stroke=Stroke.DOTTED)
+        for t, name in times
+        if low < t < high
+    ]
+    return replace(panel, levels=(*panel.levels, *seen))
 
 
 def upright(values: Iterable[float]) -> tuple[Level, ...]:

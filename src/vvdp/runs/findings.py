@@ -77,6 +77,13 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             remedy="Do not use these numbers. Look for a value with the wrong sign or unit.",
         )
     yield from _range_warnings(run)
+    for fault in run.system.faults:
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Fault",
+            text=f"{fault.sentence[:1].upper()}{fault.sentence[1:]}.",
+            remedy="The file says so in its table [faults]; the numbers are those of the machine with it.",
+        )
     for sentence in travel_warnings(run.system):
         yield Finding(
             grade=Grade.WARNING,

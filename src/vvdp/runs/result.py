@@ -15,7 +15,7 @@ from vvdp.runs.bench import (
     spectrum_table,
 )
 from vvdp.runs.bench_charts import CYCLE, SPECTRUM, bench_charts
-from vvdp.runs.charts import SERIES, loss_chart, run_charts
+from vvdp.runs.charts import SERIES, loss_chart, run_charts, with_faults
 from vvdp.runs.findings import badges, bench_in_words, bench_warnings, in_words, warnings
 from vvdp.runs.ranges import kept_ranges
 from vvdp.runs.run import RecordedRun
@@ -45,6 +45,7 @@ def run_result(run: RecordedRun) -> Result:
     for place, (chart, table) in enumerate(() if extras is None else extras.charts(run.record)):
         tables[chart.table or f"own-{place}"] = table
         course.append(chart)
+    course = [with_faults(chart, run.system.faults) for chart in course]
     listings = key_listings(run) | {"nodes": node_listing(run), "components": component_listing(run)}
     listings |= {"computation": computation(run)}
     losses = _losses(run, tables) if bench is None else _bench_losses(run, tables)

@@ -26,6 +26,9 @@ MOST_EDGES = 1000
 
 BISECTIONS = 48
 
+FOR_GOOD = 1e6
+"""The end of what does not end [s]."""
+
 
 class Shaft(NamedTuple):
     """How the shaft truly stands at a sample."""
@@ -58,13 +61,16 @@ def capture_unit(resolution: float) -> Acquisition:
 class Faults(Params):
     """What goes wrong; 0 switches each off.
 
-    An edge is missed, or bounces and counts three times, with these probabilities. Nothing is reported from
-    `dropout_begin` to `dropout_end`. An eccentric wheel shows theta + e sin(theta - direction). Dirt takes the share
-    `dirt_depth` of the light over `dirt_width` from `dirt_angle` on. The encoder's clock gains `clock_drift` on the
-    true one; a sample shows the shaft up to `clock_jitter` before the time it bears.
+    An edge is missed, from `missed_begin` to `missed_end`, or bounces and counts three times, with these
+    probabilities. Nothing is reported from `dropout_begin` to `dropout_end`. An eccentric wheel shows
+    theta + e sin(theta - direction). Dirt takes the share `dirt_depth` of the light over `dirt_width` from
+    `dirt_angle` on. The encoder's clock gains `clock_drift` on the true one; a sample shows the shaft up to
+    `clock_jitter` before the time it bears.
     """
 
     missed_edges: Fraction
+    missed_begin: Time = 0.0
+    missed_end: Time = FOR_GOOD
     double_edges: Fraction
     dropout_begin: Time
     dropout_end: Time
@@ -295,7 +301,7 @@ def encoder_reading(
             else:
                 last = encoder.noise * z
         lost = 0.0
-        if faults.missed_edges > 0.0:
+        if faults.missed_edges > 0.0 and shaft.time >= faults.missed_begin and shaft.time < faults.missed_end:
             random, u = uniform(random)
             lost = 1.0 if u < faults.missed_edges else 0.0
         if shaft.time >= faults.dropout_begin and shaft.time < faults.dropout_end:

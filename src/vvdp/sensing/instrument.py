@@ -1,6 +1,6 @@
 """An instrument for any quantity: from a value at a sample to the number that a program reads.
 
-Lag, offset, noise, resolution and range, in this order, and two faults. Derived in docs/models/instrument.md.
+Lag, offset, noise, resolution and range, in this order, and three faults. Derived in docs/models/instrument.md.
 
 Source  ours, docs/models/instrument.md, where a function names no other.
 """
@@ -23,8 +23,9 @@ class Instrument(Params):
     """What an instrument makes of a value; each part is switched off by 0, and all values are in its SI unit.
 
     It follows the value with the time constant `lag`, adds `offset` and a noise of deviation `noise`, drawn anew for
-    each sample, rounds to a multiple of `resolution` and shows no more than `range_low` to `range_high`. Its reading
-    stays as it is from `freeze_begin` to `freeze_end`, and lies at `range_low` from `dropout_begin` to `dropout_end`.
+    each sample, rounds to a multiple of `resolution` and shows no more than `range_low` to `range_high`. From
+    `bias_begin` to `bias_end` it adds `bias` as well; its reading stays as it is from `freeze_begin` to `freeze_end`,
+    and is `dropout_reading` from `dropout_begin` to `dropout_end`.
     """
 
     range_low: Measured
@@ -37,6 +38,10 @@ class Instrument(Params):
     freeze_end: Time
     dropout_begin: Time
     dropout_end: Time
+    dropout_reading: Measured
+    bias_begin: Time
+    bias_end: Time
+    bias: Measured
     seed: Count
 
     def check(self) -> None:
@@ -51,7 +56,7 @@ class Instrument(Params):
             )
         if self.noise < 0.0:
             raise ParameterError(f"Instrument.noise: {self.noise:g}; expected a deviation from 0 on")
-        for fault in ("freeze", "dropout"):
+        for fault in ("freeze", "dropout", "bias"):
             begin, end = getattr(self, f"{fault}_begin"), getattr(self, f"{fault}_end")
             if end < begin:
                 raise ParameterError(f"Instrument.{fault}_end: {end:g} s lies before its begin, {begin:g} s")
@@ -73,7 +78,8 @@ def ideal_instrument(low: float, high: float) -> Instrument:
     """An instrument that shows what is there, from `low` to `high`; the others are made from it by a change."""
     return Instrument(
         range_low=low, range_high=high, resolution=0.0, lag=0.0, offset=0.0, noise=0.0,
-        freeze_begin=0.0, freeze_end=0.0, dropout_begin=0.0, dropout_end=0.0, seed=0.0,
+        freeze_begin=0.0, freeze_end=0.0, dropout_begin=0.0, dropout_end=0.0,
+        dropout_reading=low, bias_begin=0.0, bias_end=0.0, bias=0.0, seed=0.0,
     )  # fmt: skip
 
 
@@ -102,6 +108,8 @@ def instrument_step(
     if memory.started > 0.0:
         followed = lagged_value(memory.followed, memory.value, value, t - memory.time, settings.lag)
     random, reading, saturated = memory.random, followed + settings.offset, memory.saturated
+    if t >= settings.bias_begin and t < settings.bias_end:
+        reading += settings.bias
     if settings.noise > 0.0:
         random, z = normal(random)
         reading += settings.noise * z
@@ -114,7 +122,7 @@ def instrument_step(
     if t >= settings.freeze_begin and t < settings.freeze_end and memory.started > 0.0:
         reading, saturated = memory.shown, memory.saturated
     if t >= settings.dropout_begin and t < settings.dropout_end:
-        reading, saturated = settings.range_low, memory.saturated
+        reading, saturated = settings.dropout_reading, memory.saturated
     return InstrumentMemory(
         started=1.0, time=t, value=value, followed=followed, shown=reading, saturated=saturated, random=random
     ), reading

@@ -39,7 +39,7 @@ from vvdp.network.program import ProgramType
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.bench_tables import Limits
 
-TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits")
+TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits", "faults")
 DRAWING_WORDS = ("type", "at", "oil")
 
 
@@ -388,8 +388,9 @@ class Drawer:
                     values[key] = _instrument_value(key, entry, measured)
                 except ParameterError as problem:
                     self._fault(f"{path}.{name}.{key}", str(problem))
+            ideal = ideal_instrument(values.get("range_low", measured.low), measured.high)
             try:
-                found[name] = dataclasses.replace(ideal_instrument(measured.low, measured.high), **values)
+                found[name] = dataclasses.replace(ideal, **values)
             except ParameterError as problem:
                 self._fault(f"{path}.{name}", str(problem))
         return found
@@ -400,9 +401,9 @@ def _instrument_value(key: str, entry: object, measured: Kind) -> float:
     own = field_kinds(Instrument)
     if key not in own:
         raise ParameterError(f"unknown key{nearest(key, list(own))}")
-    if key in ("range_low", "range_high"):
+    if key in ("range_low", "range_high", "dropout_reading"):
         return parse(entry, measured)
-    if key in ("resolution", "offset", "noise"):
+    if key in ("resolution", "offset", "noise", "bias"):
         return parsed_difference(entry, measured)
     kind = own[key]
     assert kind is not None

@@ -31,8 +31,10 @@ from vvdp.systems.circuits import (
     network_function,
     table_slots,
 )
-from vvdp.systems.drawing import draw_network
+from vvdp.systems.drawing import Drawing, draw_network
 from vvdp.systems.extras import Extras
+from vvdp.systems.fault_tables import FAULTS, FaultReader
+from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
@@ -83,7 +85,7 @@ class System:
 
     `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
     tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says of the
-    valve as a solid.
+    valve as a solid, `faults` what fails in the circuit.
     """
 
     name: str
@@ -98,6 +100,7 @@ class System:
     function: NetworkFunction | None = None
     redrawn: bool = False
     lengths: Mapping[str, Any] | None = None
+    faults: tuple[NamedFault, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -157,9 +160,13 @@ class System:
 
     def with_tables(self, tables: Mapping[str, Any]) -> "System":
         """The same system drawn from other tables."""
-        assert self.function is not None
-        names = table_slots(self.function)
-        network = self.function(**{name: table for name, table in tables.items() if name in names})
+        function = self.function
+        assert function is not None
+        given = {name: table for name, table in tables.items() if name in table_slots(function)}
+        network = faulty_network(
+            function(**given), given, self.faults, lambda others: function(**change_tables(given, others))
+        )
+        assert network is not None
         return replace(self, circuit=build_circuit(network), tables=tables, redrawn=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -237,15 +244,10 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     content = dict(table.content)
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)
-    values: dict[str, Any] = {}
-    rows: list[Sourced] = []
-    network: Network | None = None
+    content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
-    if function is not None:
-        values, rows = _tables(function, content, table, faults)
-        network = None if faults else _drawn_by(function, values, table, faults)
-    elif not set(DRAWN).isdisjoint(content):
-        network, rows, values = draw_network(content, table, faults)
+    drawing, failing = _fail(_draw(function, content, table, faults), function, table, faults)
+    network, rows, values = drawing
     if run is not None:
         rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
     if network is not None and lengths is not None:
@@ -271,7 +273,42 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         folder=folder,
         function=function,
         lengths=lengths,
+        faults=failing,
     )
+
+
+def _draw(function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
+    """What a file draws, through its function or by itself."""
+    if function is not None:
+        values, rows = _tables(function, content, table, faults)
+        return Drawing(None if faults else _drawn_by(function, values, table, faults), rows, values)
+    if set(DRAWN).isdisjoint(content):
+        return Drawing(None, [], {})
+    return draw_network(content, table, faults)
+
+
+def _fail(
+    drawing: Drawing, function: NetworkFunction | None, table: Table, faults: list[Fault]
+) -> tuple[Drawing, tuple[NamedFault, ...]]:
+    """What a file draws with what it says that fails in it."""
+    if drawing.network is None or FAULTS not in table.content or faults:
+        return drawing, ()
+    reader = FaultReader(drawing.network, None if function is None else drawing.tables, table, faults)
+    failing, wrong = reader.faults(), list[Fault]()
+
+    def redraw(others: Sequence[OtherValue]) -> Network | None:
+        if function is None:
+            return draw_network(change_entries(table.content, others), table, wrong).network
+        return _drawn_by(function, change_tables(drawing.tables, others), table, wrong)
+
+    network = None
+    try:
+        network = None if faults else faulty_network(drawing.network, drawing.tables, failing, redraw)
+    except (NetworkError, ParameterError) as problem:
+        wrong.append(fault_at(table, FAULTS, str(problem)))
+    where = next((f"{FAULTS}.{each.name}" for each in failing if isinstance(each.fault, OtherValue)), FAULTS)
+    faults += [fault_at(table, where, f"the circuit cannot be drawn with it: {each.message}") for each in wrong]
+    return Drawing(network, [*drawing.rows, *reader.rows], drawing.tables), failing
 
 
 def _shape_rows(lengths: Any, valves: Sequence[RotaryValve], table: Table, faults: list[Fault]) -> Iterator[Sourced]:

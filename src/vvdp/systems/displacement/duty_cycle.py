@@ -1,0 +1,110 @@
+"""A duty cycle of a cylinder: where its rod is to be and what pulls on it, point by point, over and over.
+
+Source  ours, docs/circuits-compared.md
+"""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import FORCE, POSITION, TIME, Force, Position
+from vvdp.base.params import Params
+
+SAME_PLACE = 1e-6
+"""A cycle ends where it began when it does so within this [m]."""
+
+
+class DutyCycle(Params):
+    """Straight lines through points; the last one is the first one of the next round.
+
+    `forces` are on the rod, in the direction in which its position grows: a load that resists extending is below 0.
+    """
+
+    times: Annotated[tuple[float, ...], TIME]
+    positions: Annotated[tuple[float, ...], POSITION]
+    forces: Annotated[tuple[float, ...], FORCE]
+
+    def check(self) -> None:
+        counts = len(self.times), len(self.positions), len(self.forces)
+        if len(set(counts)) > 1 or counts[0] < 2:
+            raise ParameterError(
+                f"DutyCycle.times: {counts[0]} times, {counts[1]} positions and {counts[2]} forces; expected as many "
+                "of each, two at least"
+            )
+        if self.times[0] != 0.0:
+            raise ParameterError(f"DutyCycle.times: row 1 is at {self.times[0]:g} s; expected 0 s")
+        for row, (before, after) in enumerate(zip(self.times, self.times[1:], strict=False), 2):
+            if not after > before:
+                raise ParameterError(
+                    f"DutyCycle.times: row {row} is at {after:g} s after {before:g} s; expected times that rise"
+                )
+        if abs(self.positions[-1] - self.positions[0]) > SAME_PLACE:
+            raise ParameterError(
+                f"DutyCycle.positions: row {len(self.positions)} is at {self.positions[-1]:g} m and row 1 at "
+                f"{self.positions[0]:g} m; expected a cycle that ends where it begins"
+            )
+
+
+class CyclePoint(NamedTuple):
+    """What a cycle asks for at an instant, and what pulls."""
+
+    position: Position
+    force: Force
+
+
+def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
+    """What a cycle asks for at `time` [s], and the force then.
+
+    Source  ours, docs/circuits-compared.md
+    """
+    last = len(cycle.times) - 1
+    within = time % cycle.times[last]
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if cycle.times[middle] <= within:
+            low = middle
+        else:
+            high = middle
+    share = (within - cycle.times[low]) / (cycle.times[high] - cycle.times[low])
+    return CyclePoint(
+        cycle.positions[low] + share * (cycle.positions[high] - cycle.positions[low]),
+        cycle.forces[low] + share * (cycle.forces[high] - cycle.forces[low]),
+    )
+
+
+def cycle_period(cycle: DutyCycle) -> float:
+    """After which time a cycle comes back [s]."""
+    return cycle.times[-1]
+
+
+def cycle_speeds(cycle: DutyCycle) -> tuple[float, ...]:
+    """The velocity that a cycle asks for from each point to the next [m/s]."""
+    return tuple(float(v) for v in np.diff(cycle.positions) / np.diff(cycle.times))
+
+
+def refuse_fast_cycle(cycle: DutyCycle, fastest: float) -> None:
+    """Raises ParameterError, with its row, where a cycle goes faster than a machine can.
+
+    fastest  speed that the machine can reach [m/s]
+    """
+    for row, speed in enumerate(cycle_speeds(cycle), 2):
+        if abs(speed) > fastest:
+            raise ParameterError(
+                f"duty_cycle.positions: row {row} asks for {1e3 * abs(speed):.4g} mm/s; pump and cylinder reach "
+                f"{1e3 * fastest:.4g} mm/s"
+            )
+
+
+def refuse_long_cycle(cycle: DutyCycle, lowest: float, highest: float) -> None:
+    """Raises ParameterError, with its row, where a cycle leaves the cylinder's travel.
+
+    lowest, highest  ends of the travel [m]
+    """
+    for row, position in enumerate(cycle.positions, 1):
+        if not lowest <= position <= highest:
+            raise ParameterError(
+                f"duty_cycle.positions: row {row} is at {1e3 * position:.4g} mm; the rod travels from "
+                f"{1e3 * lowest:.4g} to {1e3 * highest:.4g} mm"
+            )

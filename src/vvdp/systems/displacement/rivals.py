@@ -1,0 +1,329 @@
+"""Rival circuits that move the same cylinder through the same duty cycle, each with its own position loop.
+
+The functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
+
+Source  wang2017, section 1.3
+"""
+
+from dataclasses import dataclass
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Conductance, Flow, FlowSignal, PressureSignal, SpeedSignal
+from vvdp.base.params import Params
+from vvdp.base.select import clip
+from vvdp.components.controlled_valves import PROPORTIONAL_VALVE
+from vvdp.components.directional_valves import (
+    DIRECTIONAL_VALVE,
+    THREE_WAY_PROPORTIONAL_VALVE,
+    THROTTLED_DIRECTIONAL_VALVE,
+    ThreeWayProportionalValve,
+    ThrottledDirectionalValve,
+)
+from vvdp.components.flow_sources import FLOW_SOURCE
+from vvdp.components.machines import PUMP
+from vvdp.components.resistances import LAMINAR_GAP, LaminarGap
+from vvdp.components.self_acting_valves import CHECK_VALVE, PILOT_CHECK_VALVE, RELIEF_VALVE, SHOCK_VALVE
+from vvdp.control.reference import ReferenceFilter
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.check_valve import CheckValve
+from vvdp.hydraulics.cylinder import Cylinder
+from vvdp.hydraulics.directional_valve import DirectionalValve
+from vvdp.hydraulics.flow_source import FlowSource
+from vvdp.hydraulics.friction import RodFriction
+from vvdp.hydraulics.pilot_check_valve import PilotCheckValve
+from vvdp.hydraulics.proportional_valve import ProportionalValve
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import ReliefValve, ShockValve
+from vvdp.hydraulics.rod import EndStop
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.network import Network
+from vvdp.network.nodes import Connection, Load
+from vvdp.network.program import ProgramType
+from vvdp.systems.displacement.cylinder_load import InitialCylinder, LoadedCylinder, add_cylinder
+from vvdp.systems.displacement.duty_cycle import DutyCycle, refuse_fast_cycle, refuse_long_cycle
+from vvdp.systems.displacement.rival_loop import (
+    CLOSED_LOOP,
+    FEWEST,
+    ONE_WAY_LOOP,
+    OPEN_LOOP,
+    THROTTLE_LOOP,
+    LoopTable,
+    RivalLoop,
+    loop_gain,
+)
+
+LOOP = "loop"
+"""Name of the program of a position loop."""
+
+
+class PumpDrive(Params):
+    """What turns a fixed pump."""
+
+    speed: SpeedSignal
+
+
+class VariablePump(Params):
+    """An ideal variable pump but for what leaks back: it gives any flow up to `largest_flow`."""
+
+    largest_flow: Flow
+    leakage_conductance: Conductance
+
+    def check(self) -> None:
+        if not self.largest_flow > 0.0:
+            raise ParameterError("VariablePump.largest_flow: 0 m^3/s; the rod would never move, expected above 0")
+
+
+class ChargeSupply(Params):
+    """A charge pump's constant `flow`; what is not needed goes over the charge relief valve."""
+
+    flow: FlowSignal
+
+
+class Reservoir(Params):
+    """The tank of an open circuit, under `pressure` so that the low side fills."""
+
+    pressure: PressureSignal
+
+
+@dataclass(frozen=True)
+class Rival:
+    """What all rival circuits share: oil, cylinder with its load, duty cycle, reference, loop, and where they start."""
+
+    oil: Oil
+    moved: LoadedCylinder
+    duty_cycle: DutyCycle
+    reference: ReferenceFilter
+    loop: LoopTable
+    initial: InitialCylinder
+
+    def settings(self, largest_flow: float, valve_conductance: float = FEWEST) -> RivalLoop:
+        """The values of the position loop. Raises ParameterError for a cycle that pump or cylinder cannot follow."""
+        cylinder, stops = self.moved.cylinder, self.moved.end_stops
+        refuse_long_cycle(self.duty_cycle, stops.lower_end, stops.upper_end)
+        refuse_fast_cycle(self.duty_cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
+        mass = self.moved.load.mass + cylinder.moving_mass
+        return RivalLoop(
+            cycle=self.duty_cycle,
+            reference=self.reference,
+            table=self.loop,
+            position_gain=loop_gain(self.moved.friction.viscous_friction, mass, self.loop.gain_margin),
+            area_a=cylinder.area_a,
+            area_b=cylinder.area_b,
+            reference_pressure=self.oil.reference_pressure,
+            largest_flow=largest_flow,
+            valve_conductance=valve_conductance,
+        )
+
+    def network(self, program: ProgramType, settings: RivalLoop, supply: str, **values: Params) -> Network:
+        """A network with the cylinder and the loop that moves it; `supply` is the volume that feeds it."""
+        net = Network(self.oil, initial=self.initial, **values)
+        reservoir = values.get("reservoir")
+        net.tank("tank", reservoir.pressure if isinstance(reservoir, Reservoir) else None)
+        add_cylinder(net, self.moved, f"{LOOP}.force")
+        reads = {
+            "position": "rod.position",
+            "pressure_a": "chamber_a.pressure",
+            "pressure_b": "chamber_b.pressure",
+            "supply_pressure": f"{supply}.pressure",
+        }
+        net.program(LOOP, program, settings, reads=reads, period=self.loop.sample_period)
+        return net
+
+
+def throttle_control(
+    oil: Oil,
+    pump: Pump,
+    pump_drive: PumpDrive,
+    supply_line: Vessel,
+    relief_valve: ReliefValve,
+    directional_valve: DirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    load: Load,
+    friction: RodFriction,
+    end_stops: EndStop,
+    duty_cycle: DutyCycle,
+    reference: ReferenceFilter,
+    loop: LoopTable,
+    initial: InitialCylinder,
+) -> Network:
+    """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve."""
+    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
+    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance)
+    net = rival.network(THROTTLE_LOOP, settings, "supply", pump_drive=pump_drive)
+    net.volume("supply", supply_line, start="initial.supply_pressure")
+    net.driven_shaft("pump_shaft", pump_drive.speed)
+    net.add("pump", PUMP, pump, inlet="tank", outlet="supply", shaft="pump_shaft")
+    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
+    net.add("directional_valve", DIRECTIONAL_VALVE, directional_valve, command=f"{LOOP}.valve", **VALVE_PORTS)
+    return net
+
+
+def ideal_pump_control(
+    oil: Oil,
+    variable_pump: VariablePump,
+    supply_line: Vessel,
+    relief_valve: ReliefValve,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    load: Load,
+    friction: RodFriction,
+    end_stops: EndStop,
+    duty_cycle: DutyCycle,
+    reference: ReferenceFilter,
+    loop: LoopTable,
+    initial: InitialCylinder,
+) -> Network:
+    """An ideal variable pump that gives flow one way, a directional valve for the sign, a throttle in the return."""
+    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
+    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    settings = rival.settings(variable_pump.largest_flow, directional_valve.return_conductance)
+    net = rival.network(ONE_WAY_LOOP, settings, "supply")
+    net.volume("supply", supply_line, start="initial.supply_pressure")
+    _add_variable_pump(net, variable_pump, "tank", "supply")
+    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
+    commands = {"command": f"{LOOP}.valve", "return_command": f"{LOOP}.opening"}
+    net.add("directional_valve", THROTTLED_DIRECTIONAL_VALVE, directional_valve, **commands, **VALVE_PORTS)
+    return net
+
+
+def shuttle_circuit(
+    oil: Oil,
+    variable_pump: VariablePump,
+    charge: ChargeSupply,
+    charge_line: Vessel,
+    charge_relief_valve: ReliefValve,
+    charge_check_valves: CheckValve,
+    relief_valves: ShockValve,
+    shuttle_valve: ThreeWayProportionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    load: Load,
+    friction: RodFriction,
+    end_stops: EndStop,
+    duty_cycle: DutyCycle,
+    reference: ReferenceFilter,
+    loop: LoopTable,
+    initial: InitialCylinder,
+) -> Network:
+    """A closed circuit whose low side a commanded 3/2 valve joins to a charge line, after wang2017, fig. 1.6."""
+    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
+    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line", charge=charge)
+    _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
+    for side in "ab":
+        net.add(f"charge_check_{side}", CHECK_VALVE, charge_check_valves, a="charge_line", b=f"chamber_{side}")
+    net.add(
+        "shuttle_valve",
+        THREE_WAY_PROPORTIONAL_VALVE,
+        shuttle_valve,
+        pressure="chamber_b",
+        tank="chamber_a",
+        a="charge_line",
+        command=f"{LOOP}.side",
+    )
+    return net
+
+
+def pilot_check_circuit(
+    oil: Oil,
+    variable_pump: VariablePump,
+    charge: ChargeSupply,
+    charge_line: Vessel,
+    charge_relief_valve: ReliefValve,
+    pilot_check_valves: PilotCheckValve,
+    relief_valves: ShockValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    load: Load,
+    friction: RodFriction,
+    end_stops: EndStop,
+    duty_cycle: DutyCycle,
+    reference: ReferenceFilter,
+    loop: LoopTable,
+    initial: InitialCylinder,
+) -> Network:
+    """A closed circuit whose low side pilot-operated check valves join to a charge line, after wang2017, fig. 1.7."""
+    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
+    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line", charge=charge)
+    _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
+    for side, other in ("ab", "ba"):
+        joints = {"a": "charge_line", "b": f"chamber_{side}", "pilot": f"chamber_{other}"}
+        net.add(f"pilot_check_{side}", PILOT_CHECK_VALVE, pilot_check_valves, **joints)
+    return net
+
+
+def four_valve_circuit(
+    oil: Oil,
+    variable_pump: VariablePump,
+    reservoir: Reservoir,
+    supply_line: Vessel,
+    relief_valve: ReliefValve,
+    two_way_valves: ProportionalValve,
+    anti_cavitation_valves: CheckValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    load: Load,
+    friction: RodFriction,
+    end_stops: EndStop,
+    duty_cycle: DutyCycle,
+    reference: ReferenceFilter,
+    loop: LoopTable,
+    initial: InitialCylinder,
+) -> Network:
+    """An open circuit: a pump that also motors, and four 2-way valves about the cylinder, after wang2017, fig. 1.8."""
+    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
+    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    net = rival.network(OPEN_LOOP, rival.settings(variable_pump.largest_flow), "supply", reservoir=reservoir)
+    net.volume("supply", supply_line, start="initial.supply_pressure")
+    _add_variable_pump(net, variable_pump, "tank", "supply")
+    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
+    net.add("anti_cavitation_supply", CHECK_VALVE, anti_cavitation_valves, a="tank", b="supply")
+    for side, loaded, other in (("a", load_side, far_side), ("b", far_side, load_side)):
+        chamber = f"chamber_{side}"
+        to_pump, to_tank = Connection(loaded, (f"{LOOP}.side",)), Connection(other, (f"{LOOP}.side",))
+        net.add(f"supply_valve_{side}", PROPORTIONAL_VALVE, two_way_valves, a="supply", b=chamber, command=to_pump)
+        net.add(f"return_valve_{side}", PROPORTIONAL_VALVE, two_way_valves, a=chamber, b="tank", command=to_tank)
+        net.add(f"anti_cavitation_{side}", CHECK_VALVE, anti_cavitation_valves, a="tank", b=chamber)
+    return net
+
+
+VALVE_PORTS = {"pressure": "supply", "tank": "tank", "a": "chamber_a", "b": "chamber_b"}
+"""Where the ports of a 4/3 valve lead."""
+
+
+def load_side(side: float) -> float:
+    """How far the valves that belong to chamber A's carrying the load are open [1], for a `side` from -1 to 1."""
+    return clip(side, 0.0, 1.0)
+
+
+def far_side(side: float) -> float:
+    """How far the valves that belong to chamber B's carrying the load are open [1], for a `side` from -1 to 1."""
+    return clip(-side, 0.0, 1.0)
+
+
+def _add_variable_pump(net: Network, pump: VariablePump, inlet: str, outlet: str) -> None:
+    """A pump between two nodes whose flow the loop commands, and what leaks back through it."""
+    net.add("pump", FLOW_SOURCE, FlowSource(), a=inlet, b=outlet, flow=f"{LOOP}.flow")
+    net.add("pump_leakage", LAMINAR_GAP, LaminarGap(conductance=pump.leakage_conductance), a=outlet, b=inlet)
+
+
+def _add_closed_pump(
+    net: Network, pump: VariablePump, charge: ChargeSupply, line: tuple[Vessel, ReliefValve, ShockValve]
+) -> None:
+    """A pump between both chambers, and the charge line: its pump, its relief valve, and those of both chambers."""
+    vessel, charge_relief, relief = line
+    net.volume("charge_line", vessel, start="initial.supply_pressure")
+    _add_variable_pump(net, pump, "chamber_b", "chamber_a")
+    net.add("charge_pump", FLOW_SOURCE, FlowSource(), a="tank", b="charge_line", flow=charge.flow)
+    net.add("charge_relief_valve", RELIEF_VALVE, charge_relief, a="charge_line", b="tank")
+    for side in "ab":
+        net.add(f"relief_valve_{side}", SHOCK_VALVE, relief, a=f"chamber_{side}", b="charge_line")

@@ -1,0 +1,259 @@
+"""The tables [faults.NAME] of a system file.
+
+[faults.blind]
+sensor = "axial.loop.sensor"              # an instrument or encoder of a program, or a field that it reads
+lost = true                               # the lower end of its range; or what it shows then: lost = "0 bar"
+begin = "6 s"                             # from the start unless it is given
+end = "8 s"                               # for good unless it is given
+
+Beside `lost`, a sensor may be `frozen = true`, have a `bias = "5 mm"`, and an encoder `missed = "20 %"` of its edges.
+An `actuator = "axial.drive"`, a field that a program commands, may be `stuck = true`, `lost = "0"`, or have a bias. A
+shaft or rod that `jams = "spool"` needs the `torque` or `force` of the friction. A `value = "oil.air_fraction"`
+`becomes = "30 %"` for the circuit, and for no program.
+
+Source  ours, docs/models/faults.md, where a function names no other.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, get_type_hints
+
+from vvdp.base.display import value_text
+from vvdp.base.errors import Fault, ParameterError
+from vvdp.base.kinds import FRACTION, FRICTION_FORCE, FRICTION_TORQUE, TIME, Kind
+from vvdp.base.params import Params, field_kinds, field_types
+from vvdp.base.signal import Signal
+from vvdp.base.tables import Sourced, Table, build, fault_at, nearest
+from vvdp.base.units import parse, parsed_difference
+from vvdp.network.network import Network
+from vvdp.network.nodes import Rod, Shaft
+from vvdp.network.program import ProgramType
+from vvdp.sensing.encoder import FOR_GOOD, Encoder
+from vvdp.systems.faults import (
+    AnyFault,
+    Biased,
+    CommandFault,
+    Disturbance,
+    Disturbed,
+    Frozen,
+    InstrumentFault,
+    Jam,
+    Lost,
+    MissedEdges,
+    NamedFault,
+    OtherSignal,
+    OtherValue,
+    ReadingFault,
+    Window,
+    devices,
+)
+
+FAULTS = "faults"
+"""Name of the table."""
+WHAT = ("sensor", "actuator", "jams", "value")
+"""Keys of which a fault has one."""
+VALUES = ("oil", "oils", "operation", "nodes", "components")
+"""Tables of a file that draws its network whose values can be others."""
+
+
+class FaultReader:
+    """Reads the faults of a file: the network they befall, its tables where a function drew it, and what is wrong."""
+
+    def __init__(self, network: Network, tables: Mapping[str, Any] | None, origin: Table, wrong: list[Fault]) -> None:
+        self.network, self.tables, self.origin, self.wrong = network, tables, origin, wrong
+        self.rows: list[Sourced] = []
+
+    def faults(self) -> tuple[NamedFault, ...]:
+        """The faults of the file; what is wrong with them is appended to what was wrong before."""
+        given = self.origin.content.get(FAULTS, {})
+        if not isinstance(given, Mapping):
+            self._tell(FAULTS, f"{given!r} is not a table")
+            return ()
+        found = ((name, self._fault(name, part)) for name, part in given.items())
+        return tuple(NamedFault(name, fault) for name, fault in found if fault is not None)
+
+    def _tell(self, path: str, message: str) -> None:
+        self.wrong.append(fault_at(self.origin, path, message))
+
+    def _fault(self, name: str, part: Any) -> AnyFault | None:
+        path = f"{FAULTS}.{name}"
+        if not isinstance(part, Mapping):
+            self._tell(path, f"{part!r} is not a table; expected one of {', '.join(WHAT)}, and what happens to it")
+            return None
+        window = self._window(path, part)
+        rest = {key: value for key, value in part.items() if key not in ("begin", "end")}
+        if window is None:
+            return None
+        try:
+            return self._read(name, rest, window)
+        except _Unreadable as problem:
+            self._tell(f"{path}.{problem.key}" if problem.key else path, str(problem))
+        except ParameterError as problem:
+            self._tell(path, str(problem))
+        return None
+
+    def _window(self, path: str, part: Mapping[str, Any]) -> Window | None:
+        times: dict[str, float] = {}
+        for key in ("begin", "end"):
+            if key not in part:
+                continue
+            try:
+                times[key] = parse(part[key]["value"] if isinstance(part[key], Mapping) else part[key], TIME)
+                self.rows.append(Sourced(path, key, times[key], TIME, "given"))
+            except (ParameterError, KeyError) as problem:
+                self._tell(f"{path}.{key}", str(problem))
+                return None
+        window = Window(**times)
+        if not 0.0 <= window.begin < window.end:
+            self._tell(f"{path}.{'end' if 'end' in times else 'begin'}",
+                       f"from {window.begin:g} s to {window.end:g} s; expected an end after the begin")  # fmt: skip
+            return None
+        return window
+
+    def _read(self, name: str, part: Mapping[str, Any], window: Window) -> AnyFault | None:
+        match part:
+            case {"sensor": str(where), **rest}:
+                return self._sensor(where, rest, window)
+            case {"actuator": str(where), **rest}:
+                return self._actuator(where, rest, window)
+            case {"jams": str(node), **rest}:
+                return self._jam(name, node, rest, window)
+            case {"value": str(where), "becomes": entry, **rest} if not rest:
+                return self._value(name, where, entry, window)
+        raise _Unreadable("", f"{', '.join(part) or 'nothing'} given; expected one of {', '.join(WHAT)} in quotes, and "
+                          "what happens to it (a value: becomes)")  # fmt: skip
+
+    def _program(self, key: str, where: str) -> tuple[str, str, ProgramType]:
+        """Program, rest of the path, and type."""
+        name, _, rest = where.partition(".")
+        programs = self.network.programs
+        if name not in programs:
+            raise _Unreadable(key, f"{where!r}: no program {name!r}{_expected(name, list(programs), 'program')}")
+        return name, rest, programs[name].type
+
+    def _sensor(self, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+        name, path, kind = self._program("sensor", where)
+        measured = field_kinds(kind.reading)
+        if path in measured:
+            return ReadingFault(name, path, _disturbance(rest, measured[path], "frozen"), window)
+        found = list(devices(self.network.programs[name].settings))
+        met = [each for each in found if not path or each[0] == path or each[0].startswith(f"{path}.")]
+        if len(met) != 1:
+            several = f"; it has {', '.join(each[0] for each in met)}" if met else ""
+            known = [*measured, *(each[0] for each in found)]
+            raise _Unreadable("sensor", f"{where!r} is no sensor of {name}{several or nearest(path, known)}")
+        place, device, unit = met[0]
+        if isinstance(device, Encoder):
+            return MissedEdges(name, place, _missed_share(rest), window)
+        return InstrumentFault(name, place, _disturbance(rest, unit, "frozen", has_range=True), window)
+
+    def _actuator(self, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+        name, path, kind = self._program("actuator", where)
+        commanded = field_kinds(type(kind.command))
+        if path not in commanded:
+            raise _Unreadable("actuator", f"{name} commands no {path!r}{nearest(path, list(commanded))}")
+        return CommandFault(name, path, _disturbance(rest, commanded[path], "stuck"), window)
+
+    def _jam(self, name: str, node: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+        movers = [each for each, held in self.network.nodes.items() if isinstance(held, Shaft | Rod)]
+        if node not in movers:
+            raise _Unreadable("jams", f"{node!r}{_expected(node, movers, 'shaft or rod that moves freely')}")
+        turns = isinstance(self.network.nodes[node], Shaft)
+        key, kind = ("torque", FRICTION_TORQUE) if turns else ("force", FRICTION_FORCE)
+        if set(rest) != {key}:
+            given = ", ".join(rest) or "nothing"
+            raise _Unreadable("", f"{given} given beside jams; expected the friction: {key} = {kind.example!r}")
+        friction = _parse(key, rest[key], kind)
+        words = f"{value_text(friction, kind)} of dry friction hold {node}"
+        return Jam(name, node, friction, words, window)
+
+    def _value(self, name: str, where: str, entry: Any, window: Window) -> OtherSignal | OtherValue | None:
+        table, _, key = where.rpartition(".")
+        words = f"{where} is {entry}"
+        if self.tables is None:
+            return OtherValue(where, 0.0, self._entry(where, entry, window), words, window)
+        if table not in self.tables:
+            raise _Unreadable("value", f"{where!r}: no table {table!r}{nearest(table, list(self.tables))}")
+        values = self.tables[table]
+        kinds = field_kinds(type(values))
+        kind = kinds.get(key)
+        if kind is None:
+            raise _Unreadable("value", f"[{table}] has no {key!r}{nearest(key, list(kinds))}")
+        changes = field_types(type(values))[key] is Signal
+        hint = Annotated[float, kind] if changes else get_type_hints(type(values), include_extras=True)[key]
+        becomes = type("Becomes", (Params,), {"__annotations__": {"becomes": hint}})
+        found, rows = build(becomes, {"becomes": entry}, f"{FAULTS}.{name}", self.origin, self.wrong)
+        self.rows += rows
+        if found is None:
+            return None
+        value = getattr(found, "becomes")  # noqa: B009
+        if not changes and window != Window():
+            raise _Unreadable("value", f"{where} cannot change during a run; leave out begin and end, so that it is "
+                              "another one all the time")  # fmt: skip
+        if changes and not getattr(values, key).is_constant:
+            raise _Unreadable("value", f"{where} changes already; expected a constant")
+        return OtherSignal(where, value, words, window) if changes else OtherValue(where, value, entry, words, window)
+
+    def _entry(self, where: str, entry: Any, window: Window) -> Any:
+        """What stands in the place of a value in a file that draws its network."""
+        before: Any = self.origin.content
+        for word in where.split("."):
+            before = before.get(word) if isinstance(before, Mapping) else None
+        if before is None or where.partition(".")[0] not in VALUES:
+            known = [key for key in self.origin.lines if key.partition(".")[0] in VALUES and "." in key]
+            raise _Unreadable("value", f"{where!r} does not stand in the file{nearest(where, known)}")
+        if window == Window():
+            return entry
+        plain = before.get("value") if isinstance(before, Mapping) else before
+        if not isinstance(plain, str) or not isinstance(entry, str):
+            raise _Unreadable("value", f"{where} changes already; expected a constant for a fault that begins and ends")
+        times = [f"{t!r} s" for t in (window.begin, window.begin, window.end, window.end)]
+        points = zip(times, (plain, entry, entry, plain), strict=True)
+        return {"table": [list(point) for point in points][: 4 if window.end < FOR_GOOD else 3]}
+
+
+class _Unreadable(ParameterError):
+    """A fault that cannot be, and which key of its table says so."""
+
+    def __init__(self, key: str, message: str) -> None:
+        super().__init__(message)
+        self.key = key
+
+
+def _disturbance(given: Mapping[str, Any], kind: Kind | None, still: str, *, has_range: bool = False) -> Disturbance:
+    """What is wrong with a signal of a kind; `still` is the word for one that does not change any more."""
+    match given:
+        case {"frozen": True, **rest} if still == "frozen" and not rest:
+            return Frozen()
+        case {"stuck": True, **rest} if still == "stuck" and not rest:
+            return Frozen()
+        case {"lost": True, **rest} if has_range and not rest:
+            return Lost(None, "is lost")
+        case {"lost": str(text), **rest} if kind is not None and not rest:
+            return Lost(_parse("lost", text, kind), f"is lost and reads {text}")
+        case {"bias": str(text), **rest} if kind is not None and not rest:
+            return Biased(_parse("bias", text, kind, difference=True), f"is off by {text}")
+    example = "0" if kind is None else kind.example
+    lost = 'true, or "..."' if has_range else f'"{example}" (what it is then)'
+    raise _Unreadable("", f"{', '.join(given) or 'nothing'} given as what happens; expected one of {still} = true, "
+                      f'lost = {lost}, bias = "{example}"')  # fmt: skip
+
+
+def _missed_share(given: Mapping[str, Any]) -> float:
+    match given:
+        case {"lost": True, **rest} if not rest:
+            return 1.0
+        case {"missed": entry, **rest} if not rest:
+            return _parse("missed", entry, FRACTION)
+    raise _Unreadable("", f"{', '.join(given) or 'nothing'} given as what happens to an encoder; expected lost = true, "
+                      'or missed = "20 %"')  # fmt: skip
+
+
+def _parse(key: str, entry: Any, kind: Kind, *, difference: bool = False) -> float:
+    try:
+        return parsed_difference(entry, kind) if difference else parse(entry, kind)
+    except ParameterError as problem:
+        raise _Unreadable(key, str(problem)) from None
+
+
+def _expected(word: str, known: Sequence[str], what: str) -> str:
+    return nearest(word, known) if known else f"; the circuit has no {what}"
