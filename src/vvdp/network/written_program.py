@@ -2,7 +2,7 @@
 
 import types
 from functools import cached_property
-from typing import Any
+from typing import Any, get_type_hints
 
 from vvdp.base.conservation import NOTHING
 from vvdp.base.errors import NetworkError
@@ -49,10 +49,17 @@ class WrittenProgram:
 
     @cached_property
     def memory(self) -> type:
-        """The NamedTuple of what instruments and step remember."""
-        kept = type(self.part.type.start(self.part.settings))
-        hints = {**dict.fromkeys(self._instruments, InstrumentMemory), "program": kept}
+        """The NamedTuple of what step and instruments remember: the step's own fields first."""
+        if twice := self._instruments.keys() & set(names(self._kept)):
+            raise NetworkError(f"{self.name}: its memory has a field {min(twice)!r}, as that of an instrument")
+        own = get_type_hints(self._kept, include_extras=True)
+        hints = {**own, **dict.fromkeys(self._instruments, InstrumentMemory)}
         return named_tuple(f"{self.name.title().replace('_', '')}Memory", hints)
+
+    @cached_property
+    def _kept(self) -> type:
+        """The NamedTuple of what the step itself remembers."""
+        return type(self.part.type.start(self.part.settings))
 
     @cached_property
     def settings(self) -> Any:
@@ -71,15 +78,25 @@ class WrittenProgram:
         memory, reading = self.text.use(self.memory), self.text.use(self.part.type.reading)
         lines = [f"{n}_sensor, {n} = {instrument}(m.{n}_sensor, t, r.{n}, z.{n}_sensor)" for n in self.part.sensors]
         fields = ", ".join(n if n in self.part.sensors else f"r.{n}" for n in self.part.reads)
-        lines.append(f"program, command = {step}(t, m.program, {reading}({fields}), z.program)")
+        own = self._kept_text("m")
+        lines.append(f"program, command = {step}(t, {own}, {reading}({fields}), z.program)")
         if self.part.actuators:
             lines += self._acting_lines(instrument)
-        lines.append(f"return {memory}({', '.join(self._instruments)}, program), command")
-        starts = ", ".join(f"{begin}(z.{name})" for name in self._instruments)
+        after = [*(f"program.{n}" for n in names(self._kept)), *self._instruments]
+        lines.append(f"return {memory}({', '.join(after)}), command")
+        starts = [*(f"program.{n}" for n in names(self._kept)), *(f"{begin}(z.{n})" for n in self._instruments)]
         return [
             [f"def step_{self.name}(t, m, r, z):", *(f"    {line}" for line in lines)],
-            [f"def begin_{self.name}(z):", f"    return {memory}({starts}, {start}(z.program))"],
+            [
+                f"def begin_{self.name}(z):",
+                f"    program = {start}(z.program)",
+                f"    return {memory}({', '.join(starts)})",
+            ],
         ]
+
+    def _kept_text(self, memory: str) -> str:
+        """What the step itself remembers, out of a memory."""
+        return f"{self.text.use(self._kept)}({', '.join(f'{memory}.{n}' for n in names(self._kept))})"
 
     def _acting_lines(self, instrument: str) -> list[str]:
         """Lines that take fields of the command through what stands behind the program."""

@@ -168,7 +168,8 @@ class FaultReader:
 
     def _value(self, name: str, where: str, entry: Any, window: Window) -> OtherSignal | OtherValue | None:
         table, _, key = where.rpartition(".")
-        words = f"{where} is {entry}"
+        plain = entry["value"] if isinstance(entry, Mapping) and "value" in entry else entry
+        words = f"{where} is {plain}"
         if self.tables is None:
             return OtherValue(where, 0.0, self._entry(where, entry, window), words, window)
         if table not in self.tables:
@@ -191,7 +192,7 @@ class FaultReader:
                               "another one all the time")  # fmt: skip
         if changes and not getattr(values, key).is_constant:
             raise _Unreadable("value", f"{where} changes already; expected a constant")
-        return OtherSignal(where, value, words, window) if changes else OtherValue(where, value, entry, words, window)
+        return OtherSignal(where, value, words, window) if changes else OtherValue(where, value, plain, words, window)
 
     def _entry(self, where: str, entry: Any, window: Window) -> Any:
         """What stands in the place of a value in a file that draws its network."""

@@ -246,7 +246,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     function = _function(table, folder, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
-    drawing, failing = _fail(_draw(function, content, table, faults), function, table, faults)
+    drawing, failing = _fail(_draw(function, content, table, faults), function, content, table, faults)
     network, rows, values = drawing
     if run is not None:
         rows += [row for row in run[1] if (row.key, row.note) != ("longest_step", "default")]  # none
@@ -288,7 +288,11 @@ def _draw(function: NetworkFunction | None, content: Mapping[str, Any], table: T
 
 
 def _fail(
-    drawing: Drawing, function: NetworkFunction | None, table: Table, faults: list[Fault]
+    drawing: Drawing,
+    function: NetworkFunction | None,
+    content: Mapping[str, Any],
+    table: Table,
+    faults: list[Fault],
 ) -> tuple[Drawing, tuple[NamedFault, ...]]:
     """What a file draws with what it says that fails in it."""
     if drawing.network is None or FAULTS not in table.content or faults:
@@ -298,7 +302,7 @@ def _fail(
 
     def redraw(others: Sequence[OtherValue]) -> Network | None:
         if function is None:
-            return draw_network(change_entries(table.content, others), table, wrong).network
+            return draw_network(change_entries(content, others), table, wrong).network
         return _drawn_by(function, change_tables(drawing.tables, others), table, wrong)
 
     network = None
