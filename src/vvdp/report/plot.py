@@ -124,6 +124,8 @@ def _is_beside(panel: Panel) -> bool:
 def _draw_panel(axes: "Axes", panel: Panel, table: Table, tables: Mapping[str, Table]) -> None:
     if isinstance(panel, Lines):
         _draw_lines(axes, panel, table, tables)
+    elif isinstance(panel, Bars) and panel.stacked:
+        _draw_stacked_bars(axes, panel, table)
     elif isinstance(panel, Bars):
         _draw_bars(axes, panel, table)
     elif isinstance(panel, Dots):
@@ -299,6 +301,10 @@ def _draw_level(axes: "Axes", level: Level, unit: DisplayUnit) -> None:
     )
 
 
+ROOM = 0.05
+"""Share of the longest bar from which on a part of it has room for its value."""
+
+
 def _set_ends(set_ends: Any, ends: Iterable[float | None], unit: DisplayUnit) -> None:
     given = [None if end is None else unit.from_si(end) for end in ends]
     if given != [None, None]:
@@ -337,6 +343,32 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
     if over:
         axes.axvline(base, color=Colour.INK, linewidth=0.9)
     _finish_bars(axes, panel, names, axis_label([table.columns[key] for key in panel.values], panel.label))
+
+
+def _draw_stacked_bars(axes: "Axes", panel: Bars, table: Table) -> None:
+    """Bars that follow one another, each told its value where it has room for it."""
+    rows = list(panel.rows) or list(range(table.rows))
+    names = [str(table[panel.names][row]) for row in rows][::-1]
+    parts = [np.clip(np.nan_to_num(shown_values(table, key)[rows][::-1]), 0.0, None) for key in panel.values]
+    ends = np.sum(parts, axis=0)
+    done = np.zeros(len(rows))
+    for place, (key, values) in enumerate(zip(panel.values, parts, strict=True)):
+        label = panel.labels[place] if panel.labels else table.columns[key].label
+        colour = panel.colours[place] if panel.colours else ORDER[place % len(ORDER)]
+        bars = axes.barh(np.arange(len(rows)), values, 0.65, done, color=colour, label=label)
+        texts = [plain(value, 3) if value > ROOM * np.max(ends) else "" for value in values]
+        axes.bar_label(bars, texts, label_type="center", fontsize=6.5, color=_ink_on(colour))
+        done = done + values
+    for place, (end, row) in enumerate(zip(ends, rows[::-1], strict=True)):
+        words = str(table[panel.texts][row]) if panel.texts else plain(end, 3)
+        axes.annotate(words, (end, place), (3, 0), textcoords="offset points", va="center", fontsize=7.0)
+    _finish_bars(axes, panel, names, axis_label([table.columns[key] for key in panel.values], panel.label))
+
+
+def _ink_on(colour: str) -> str:
+    """Black or white, whichever is easier to read on a colour."""
+    red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    return Colour.INK if 0.3 * red + 0.59 * green + 0.11 * blue > 130.0 else "#ffffff"
 
 
 def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) -> None:
