@@ -10,13 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 import vvdp
-from vvdp.base.arrays import Array
+from vvdp.base.arrays import Array, Rows
 from vvdp.base.errors import ParameterError, RunError
 from vvdp.comparison.circuits import SINKS, RivalCircuit
 from vvdp.comparison.contest import carry_out
 from vvdp.comparison.duties import Duty
 from vvdp.simulation.link import quiet
 from vvdp.simulation.outcome import outcome
+from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, compiled_loop, simulate
 from vvdp.studies.engine import HERE, Engine
 from vvdp.studies.run import silent
@@ -141,9 +142,7 @@ def compare_circuits(
     compare, and for a duty that a circuit cannot follow, before any run.
     """
     if not duties or not circuits:
-        raise ParameterError(
-            f"{len(duties)} duty cycles and {len(circuits)} circuits; expected at least one of each"
-        )
+        raise ParameterError(f"{len(duties)} duty cycles and {len(circuits)} circuits; expected at least one of each")
     began = time.perf_counter()
     plan = _Plan({each.name: each for each in duties}, {each.name: each for each in circuits}, cache, say)
     pairs = [Pair(duty, circuit) for duty in plan.duties for circuit in plan.circuits]
@@ -185,7 +184,7 @@ def circuit_score(circuit: RivalCircuit, system: System, run: Run) -> CircuitSco
     found = simulated_summary(outcome(run, system.average_from), system)
     t, command, state = run.times, run.command, run.state
     error = np.abs(state.rod.position - command.loop.reference)
-    late, last = t >= SETTLED, t >= system.average_from - 0.5 * RECORD
+    late, last = t >= SETTLED, np.flatnonzero(t >= system.average_from - 0.5 * RECORD)
     drawn, returned = _drive_powers(run, last)
     delivered, received = _rod_powers(system, run, last)
     reference = system.tables["oil"].reference_pressure
@@ -213,24 +212,22 @@ def _sinks(circuit: RivalCircuit, found: Summary) -> tuple[float, ...]:
     return tuple(float(sum(found[key] for key in circuit.sinks.get(sink, ()))) for sink in SINKS)
 
 
-def _drive_powers(run: Run, rows: Array) -> tuple[float, float]:
+def _drive_powers(run: Run, rows: Rows) -> tuple[float, float]:
     """Mean power that the drives of all pumps give, and that they are given back [W], over `rows`."""
-    from vvdp.simulation.record import record_of
-
     times, states = run.times[rows], record_of(run).states
     paths = [path for path in states if path.startswith("books.supplied.") and path not in OUTSIDE]
     steps = np.concatenate([np.diff(states[path].values[rows]) for path in paths])
     lasts = float(times[-1] - times[0])
-    return float(np.sum(np.maximum(steps, 0.0))) / lasts, float(np.sum(np.maximum(-steps, 0.0))) / lasts
+    return float(np.sum(steps[steps > 0.0])) / lasts, float(-np.sum(steps[steps < 0.0])) / lasts
 
 
-def _rod_powers(system: System, run: Run, rows: Array) -> tuple[float, float]:
+def _rod_powers(system: System, run: Run, rows: Rows) -> tuple[float, float]:
     """Mean power of the oil on the rod while it pushes, and of the rod on the oil while the load overruns [W]."""
     cylinder, reference, state = system.tables["cylinder"], system.tables["oil"].reference_pressure, run.state
     force = (state.chamber_a - reference) * cylinder.area_a - (state.chamber_b - reference) * cylinder.area_b
     times, power = run.times[rows], (force * state.rod.velocity)[rows]
     lasts = float(times[-1] - times[0])
-    pushing, driven = (float(np.trapezoid(np.maximum(sign * power, 0.0), times)) for sign in (1.0, -1.0))
+    pushing, driven = (float(np.trapezoid(np.clip(sign * power, 0.0, None), times)) for sign in (1.0, -1.0))
     return pushing / lasts, driven / lasts
 
 
@@ -247,7 +244,7 @@ def _trace(system: System, run: Run) -> CircuitTrace:
     )
 
 
-def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[CircuitRun]:  # noqa: ARG001
+def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[CircuitRun]:
     """What comes of some pairs, where they are run."""
     check_same(vvdp.__version__, version)
     return [run_pair(plan.circuits[pair.circuit], plan.duties[pair.duty], plan.cache) for pair in pairs]

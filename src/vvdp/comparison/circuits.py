@@ -24,7 +24,7 @@ METERING = Sink("loss_valves_W", "valves at the cylinder")
 RETURN = Sink("loss_return_W", "throttle in the return")
 SWITCHING = Sink("loss_rotary_W", "rotary valve")
 LEAKAGE = Sink("loss_leakage_W", "leakage")
-CHARGE = Sink("loss_charge_W", "charge relief valve")
+CHARGE = Sink("loss_charge_W", "charge relief")
 SINKS = (RELIEF, METERING, RETURN, SWITCHING, LEAKAGE, CHARGE)
 """Where power is lost before the rod, in the order in which it is shown."""
 
@@ -146,7 +146,7 @@ CIRCUITS = (
         title="closed circuit, pump over centre, commanded shuttle valve (fig. 1.6)",
         system="shuttle-circuit",
         size=_size_closed,
-        sinks=CLOSED_SINKS | {METERING: ("loss_shuttle_valve_W", "loss_charge_check_a_W", "loss_charge_check_b_W")},
+        sinks={**CLOSED_SINKS, METERING: ("loss_shuttle_valve_W", "loss_charge_check_a_W", "loss_charge_check_b_W")},
         charge=charge_pressure,
     ),
     RivalCircuit(
@@ -154,7 +154,7 @@ CIRCUITS = (
         title="closed circuit, pump over centre, pilot-operated checks (fig. 1.7)",
         system="pilot-check-circuit",
         size=_size_closed,
-        sinks=CLOSED_SINKS | {METERING: ("loss_pilot_check_a_W", "loss_pilot_check_b_W")},
+        sinks={**CLOSED_SINKS, METERING: ("loss_pilot_check_a_W", "loss_pilot_check_b_W")},
         charge=charge_pressure,
     ),
     RivalCircuit(

@@ -2,7 +2,7 @@
 
 import csv
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +11,14 @@ from vvdp.base.errors import ConfigError, Fault, ParameterError
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
 from vvdp.systems.displacement.duty_cycle import DutyCycle, cycle_period, cycle_speeds
+from vvdp.systems.system import load_system
 
 LEAST_RELIEF, RELIEF_STEP, RELIEF_OVER_LOAD = 60e5, 10e5, 2.0
-"""Pressure to which a relief valve is set at least, the steps in which, and over the pressure that the load needs [Pa]."""
+"""Setting of a relief valve at least, its steps [Pa], and its ratio to the pressure that the load needs [1]."""
 RETURN_DROP, RETURN_OPENING = 13e5, 0.8
 """Drop of the throttle in a return at the largest flow and the largest opening [Pa, 1]."""
+MOST_FAULTS = 10
+"""Lines of a file that are told to be wrong."""
 COLUMNS = ("time", "position", "force")
 """Columns of a file with a cycle [s, m, N]."""
 
@@ -38,6 +41,17 @@ class Duty:
         return cycle_period(self.cycle)
 
 
+def known_cylinder() -> tuple[Cylinder, RodFriction]:
+    """The cylinder that all circuits move, and its friction."""
+    tables = load_system("throttle-control").tables
+    return tables["cylinder"], tables["friction"]
+
+
+def shipped_duties() -> tuple[Duty, ...]:
+    """The shipped duty cycles."""
+    return duties(*known_cylinder())
+
+
 def duties(cylinder: Cylinder, friction: RodFriction) -> tuple[Duty, ...]:
     """The shipped duty cycles for a cylinder."""
     triangle = DutyCycle(times=(0.0, 4.0, 8.0), positions=(0.05, 0.266, 0.05), forces=(-1000.0,) * 3)
@@ -47,17 +61,16 @@ def duties(cylinder: Cylinder, friction: RodFriction) -> tuple[Duty, ...]:
         positions=(0.05, 0.24, 0.25, 0.25, 0.10, 0.09, 0.09, 0.20, 0.21, 0.21, 0.06, 0.05),
         forces=(-2e3, -2e3, -2e3, 1e3, 5e3, 5e3, 3e3, 3e3, 1e3, -4e3, -4e3, -2e3),
     )
-    # The pressures and throttles of the first two are those of spec'd machines rather than of the rule for others.
     return (
         Duty("triangle", "21.6 cm in 4 s and back, the source's", "1000 N against extending", triangle, 60e5, 1.2e-7),
         Duty("heavy", "21.6 cm in 1.25 s and back", "10 kN against extending", heavy, 110e5, 3e-7),
-        sized_duty("digging", "reach, dig, dump and return", "5 kN either way, all four quadrants", digging, cylinder, friction),
+        sized_duty(
+            "digging", "reach, dig, dump and return", "5 kN either way, all four quadrants", digging, cylinder, friction
+        ),
     )
 
 
-def sized_duty(
-    name: str, title: str, load: str, cycle: DutyCycle, cylinder: Cylinder, friction: RodFriction
-) -> Duty:
+def sized_duty(name: str, title: str, load: str, cycle: DutyCycle, cylinder: Cylinder, friction: RodFriction) -> Duty:
     """A duty cycle for which circuits are sized by one rule.
 
     Relief valves are set to twice the pressure that force and friction need on the side that they are on, in whole
@@ -127,12 +140,3 @@ def _row(
         return time, position, force
     faults.append(Fault(str(path), number, "", f"{','.join(cells)!r} are not three finite numbers"))
     return None
-
-
-MOST_FAULTS = 10
-"""Lines of a file that are told to be wrong."""
-
-
-def rename(duty: Duty, name: str) -> Duty:
-    """The same duty under another name."""
-    return replace(duty, name=name)

@@ -24,6 +24,8 @@ MOST_ABOVE = 6
 """Names of lines that stand above a panel; more stand beside it."""
 MOST_POINTS = 2000
 """Points of a printed line; of more, the lowest and highest of each part are drawn."""
+BESIDE = 4
+"""Names of bars that stand beside each other above a panel."""
 LEFT, RIGHT, BELOW, ABOVE, GAP, LETTER = 0.72, 0.12, 0.42, 0.2, 0.08, 0.062
 """Room beside, below and above stacked panels, between them, and for a letter of a bar's name [inch]."""
 EDGE = 0.07
@@ -97,9 +99,7 @@ def _fill_rows(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> N
 def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mapping[str, Table]) -> None:
     """Places panels one above the other by known sizes [inch]; measuring each text would take half of the time."""
     width, height = figure.get_size_inches()
-    named = [
-        -(-len(_names(p, tables[p.table or chart.table])) // 4) if isinstance(p, Lines) else 1 for p in chart.panels
-    ]
+    named = [_named_rows(p, tables[p.table or chart.table]) for p in chart.panels]
     longest = max(
         (len(str(n)) for p in chart.panels if isinstance(p, Bars) for n in tables[p.table or chart.table][p.names]),
         default=0,
@@ -114,6 +114,18 @@ def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mappi
         top -= room + tall
         axes.set_position((left / width, top / height, (width - left - RIGHT) / width, tall / height))
         axes.yaxis.set_label_coords(-0.8 * left / (width - left - RIGHT), 0.5)
+
+
+def _named_rows(panel: Panel, table: Table) -> int:
+    """Rows that the names of lines and bars take above a panel."""
+    if isinstance(panel, Lines):
+        return -(-len(_names(panel, table)) // 4)
+    return -(-len(panel.values) // BESIDE) if isinstance(panel, Bars) and panel.stacked and _is_named(panel) else 1
+
+
+def _is_named(panel: Bars) -> bool:
+    """Whether the bars of a panel are named above it."""
+    return len(panel.values) > 1 and (any(panel.labels) or not panel.labels)
 
 
 def _is_beside(panel: Panel) -> bool:
@@ -380,18 +392,20 @@ def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) ->
     spans = [each.dataLim for each in axes.get_shared_x_axes().get_siblings(axes)]
     low, high = min(span.x0 for span in spans), max(span.x1 for span in spans)
     if panel.base is None:
-        axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
+        room = 1.5 if panel.stacked else 1.3
+        axes.set_xlim(room * min(low, 0.0), room * max(high, 1e-12))
     else:
         room = 0.6 * (high - low)
         axes.set_xlim(low - room, high + room)
         axes.locator_params(axis="x", nbins=3)
     spec = axes.get_subplotspec()
     is_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
-    if len(panel.values) > 1 and is_shared and (spec is None or spec.is_first_col()):
+    if _is_named(panel) and is_shared and (spec is None or spec.is_first_col()):
         axes.figure.legend(loc="outside upper right", ncols=2, handlelength=1.0)
-    elif len(panel.values) > 1 and not is_shared:
+    elif _is_named(panel) and not is_shared:
         above = 1.12 if panel.title else 1.0
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
+        columns = BESIDE if panel.stacked else 2
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=columns, handlelength=1.0)
 
 
 def _draw_dots(axes: "Axes", panel: Dots, table: Table) -> None:
