@@ -53,7 +53,7 @@ class LoopTable(Params):
     sample_period: Time
     pressure_rate: Rate
     change_time: Time = 0.02
-    hysteresis: PressureDifference = 1e5
+    hysteresis: PressureDifference = 1e4
     largest_opening: Fraction = 0.8
     supply_level: PressureDifference = 6e5
 
@@ -193,9 +193,7 @@ def return_opening(velocity: float, force: float, loop: RivalLoop) -> float:
 def loop_start(settings: RivalLoop) -> LoopMemory:
     """The memory before the first sample: at rest at the beginning of the cycle."""
     level = settings.reference_pressure
-    return LoopMemory(
-        reference_at_rest(settings.cycle.positions[0]), Pressures(level, level, level), Joint(1.0, 1.0)
-    )
+    return LoopMemory(reference_at_rest(settings.cycle.positions[0]), Pressures(level, level, level), Joint(1.0, 1.0))
 
 
 def next_memory(t: float, memory: LoopMemory, seen: CylinderReading, loop: RivalLoop) -> LoopMemory:
@@ -226,9 +224,9 @@ def wanted_motion(memory: LoopMemory, position: float, loop: RivalLoop) -> Wante
     )
 
 
-def change_side(joint: Joint, wanted: float, loop: RivalLoop) -> Joint:
-    """The circuit on its way to be joined as `wanted`, from one side to the other in the change time."""
-    most = 2.0 * loop.table.sample_period / loop.table.change_time
+def change_side(t: float, joint: Joint, wanted: float, loop: RivalLoop) -> Joint:
+    """The circuit on its way to be joined as `wanted`, from one side to the other in the change time; so from t = 0."""
+    most = 2.0 * loop.table.sample_period / loop.table.change_time if t > 0.0 else 2.0
     return Joint(wanted, joint.side + float(clip(wanted - joint.side, -most, most)))
 
 
@@ -264,22 +262,23 @@ def closed_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
     """Program: a pump that goes over centre between both chambers; the side with more pressure counts its flow."""
-    kept = next_memory(t, memory, seen, settings)
-    side = fuller_side(kept.pressures.a - kept.pressures.b, kept.joint.wanted, settings.table)
-    joint = change_side(kept.joint, side, settings)
-    area = settings.area_a if joint.side > 0.0 else settings.area_b
-    return _pumped(t, LoopMemory(kept.reference, kept.pressures, joint), area, seen, settings)
+    kept = fuller_joined(t, memory, seen, settings)
+    return _pumped(t, kept, settings.area_a if kept.joint.side > 0.0 else settings.area_b, seen, settings)
 
 
 def open_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
     """Program: a pump that goes over centre at the chamber that carries the load, the other one joined to the tank."""
+    kept = fuller_joined(t, memory, seen, settings)
+    return _pumped(t, kept, settings.area_a if kept.joint.side > 0.0 else -settings.area_b, seen, settings)
+
+
+def fuller_joined(t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop) -> LoopMemory:
+    """The memory a sample further, the circuit on its way to the side with more pressure."""
     kept = next_memory(t, memory, seen, settings)
-    more = wanted_motion(kept, seen.position, settings).force / settings.area_a
-    joint = change_side(kept.joint, fuller_side(more, kept.joint.wanted, settings.table), settings)
-    area = settings.area_a if joint.side > 0.0 else -settings.area_b
-    return _pumped(t, LoopMemory(kept.reference, kept.pressures, joint), area, seen, settings)
+    side = fuller_side(kept.pressures.a - kept.pressures.b, kept.joint.wanted, settings.table)
+    return LoopMemory(kept.reference, kept.pressures, change_side(t, kept.joint, side, settings))
 
 
 def _pumped(
@@ -295,7 +294,7 @@ def _pumped(
 def fuller_side(more: float, side: float, table: LoopTable) -> float:
     """The side that carries the load: 1 for chamber A, -1 for B; as before within the hysteresis.
 
-    more  by how much the pressure at A exceeds that which would belong to B [Pa]
+    more  by how much the pressure at A exceeds that at B [Pa]
     side  before
     """
     return 1.0 if more > table.hysteresis else -1.0 if more < -table.hysteresis else side
