@@ -159,8 +159,6 @@ ALLOWED = {
     "geometry.solids.nozzle": "the measures of a nozzle, each its own",
     "hydraulics.volume.pressure_rate": LAW,
     "logs.config_text._config_lines": READERS_APART,
-    "logs.decimals._number": READERS_APART,
-    "logs.decimals._read": READERS_APART,
     "logs.diagnostics.summary": READERS_APART,
     "logs.edges.WaveEdges._place": READERS_APART,
     "logs.estimate": READERS_APART,
