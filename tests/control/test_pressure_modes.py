@@ -132,13 +132,19 @@ def repaired(effort, flow, swept, acting, authority, bounds):
 
 
 def test_printed_mode_3_5_jumps_to_mode_3():
-    """By lpm and by the whole stroke of the valve; with the opening of mode 3 cited instead, not at all."""
+    """By the whole stroke of the valve, in flow that is Psi G/H: retracting at 5 cm 2.97 lpm, and 4.46 lpm with K_v of
+    1.2e-7. With the opening of mode 3 cited instead, not at all."""
     rng = np.random.default_rng(11)
     flow, opening = printed_jumps(printed_actuation, rng, 3000, at_return_bound)
-    assert flow > 1.0
+    capacity = capacities(-1.0, 0.05, ATMOSPHERE, CYLINDER)
+    stroke = return_flow(LOW, 1e-5, CYLINDER) * capacity.return_gain / capacity.supply_gain / LPM
+    assert stroke == pytest.approx(2.97, abs=0.01)
+    assert 1.5 * stroke == pytest.approx(4.46, abs=0.01)
+    assert flow == pytest.approx(stroke, rel=0.02)
     assert opening == pytest.approx(1.0, abs=0.01)
     flow, opening = printed_jumps(repaired, rng, 3000, at_return_bound)
-    assert flow < 1e-3 and opening < 1e-3
+    assert flow < 1e-3
+    assert opening < 1e-3
 
 
 def test_printed_modes_jump_where_both_chambers_leave_their_range():
