@@ -6,9 +6,7 @@ import pytest
 from vvdp.base.errors import ParameterError
 from vvdp.control.flow_gain import FlowBalance, FlowGain, FlowGainMemory, flow_gain_start, flow_gain_step
 
-SETTINGS = FlowGain(
-    filter_rate=10.0, gain_rate=2.0, lowest=0.4, highest=1.3, least_flow=1e-5, settling_time=0.2
-)
+SETTINGS = FlowGain(filter_rate=10.0, gain_rate=2.0, lowest=0.4, highest=1.3, least_flow=1e-5, settling_time=0.2)
 CAPACITY = 3e-11
 H = 1e-3
 

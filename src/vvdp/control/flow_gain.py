@@ -71,9 +71,7 @@ def flow_gain_start() -> FlowGainMemory:
     return FlowGainMemory(gain=1.0, mapped=0.0, swept=0.0, pressure=0.0, rested=0.0, started=0.0)
 
 
-def flow_gain_step(
-    memory: FlowGainMemory, seen: FlowBalance, interval: float, settings: FlowGain
-) -> FlowGainMemory:
+def flow_gain_step(memory: FlowGainMemory, seen: FlowBalance, interval: float, settings: FlowGain) -> FlowGainMemory:
     """The gain a sample later.
 
     g Q = q + C P' holds of means; through a/(s + a) it is g Q_f = q_f + a C (P - P_f), without a derivative. The gain

@@ -193,9 +193,7 @@ def return_opening(velocity: float, force: float, loop: RivalLoop) -> float:
 def loop_start(settings: RivalLoop) -> LoopMemory:
     """The memory before the first sample: at rest at the beginning of the cycle."""
     level = settings.reference_pressure
-    return LoopMemory(
-        reference_at_rest(settings.cycle.positions[0]), Pressures(level, level, level), Joint(1.0, 1.0)
-    )
+    return LoopMemory(reference_at_rest(settings.cycle.positions[0]), Pressures(level, level, level), Joint(1.0, 1.0))
 
 
 def next_memory(t: float, memory: LoopMemory, seen: CylinderReading, loop: RivalLoop) -> LoopMemory:
