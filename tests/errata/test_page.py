@@ -5,9 +5,9 @@ import re
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
-NOTHING_TO_WORK_OUT = {"abstract"}
+NOTHING_TO_WORK_OUT = {"abstract", "[95], [96]"}
 """Places whose misprint is one of the text alone."""
-ROWS, PARAGRAPHS = 97, 18
+ROWS, PARAGRAPHS = 114, 18
 
 
 def functions_of_the_tests() -> dict[str, list[str]]:

@@ -71,6 +71,7 @@ STIFFNESS = Kind("stiffness", "N/m", 0.0, 1e12, "2.6 kN/m")
 VISCOUS_FRICTION = Kind("viscous friction coefficient", "N*s/m", 0.0, 1e8, "2000 N*s/m")
 ANGLE = Kind("angle", "rad", -1e9, 1e9, "90 deg", accumulates=True, units=("rad", "deg", "rev"))
 SPEED = Kind("rotational speed", "rad/s", -1e5, 1e5, "1800 rpm", units=SPEED_UNITS)
+RATE = Kind("rate", "1/s", 0.0, 1e6, "150 1/s", units=("1/s",))
 FREQUENCY = Kind("frequency", "Hz", 0.0, 1e6, "72 Hz", units=("Hz", "kHz", "1/s"))
 TIME = Kind("time", "s", 0.0, 1e6, "10 ms")
 TEMPERATURE = Kind("temperature", "K", 223.15, 423.15, "40 degC", units=("degC", "K", "degF"))
@@ -167,6 +168,7 @@ Stiffness = Annotated[float, STIFFNESS]
 ViscousFriction = Annotated[float, VISCOUS_FRICTION]
 Angle = Annotated[float, ANGLE]
 Speed = Annotated[float, SPEED]
+Rate = Annotated[float, RATE]
 Frequency = Annotated[float, FREQUENCY]
 Time = Annotated[float, TIME]
 Temperature = Annotated[float, TEMPERATURE]

@@ -18,6 +18,7 @@ from vvdp.components.controlled_valves import (
     SERIES_THROTTLES,
     UNLOADING_VALVE,
 )
+from vvdp.components.directed_flows import DIRECTED_RETURN, DIRECTED_SOURCE
 from vvdp.components.directional_valves import (
     DIRECTIONAL_VALVE,
     THREE_WAY_PROPORTIONAL_VALVE,
@@ -81,6 +82,8 @@ COMPONENTS = _by_name(
     CHECK_VALVE,
     COLUMN,
     CYLINDER,
+    DIRECTED_RETURN,
+    DIRECTED_SOURCE,
     DIRECTIONAL_VALVE,
     DRIVE_COUPLING,
     DUMP_VALVE,

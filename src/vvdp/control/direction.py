@@ -12,7 +12,7 @@ from vvdp.control.cylinder_force import ForceRate
 
 
 class DirectionSettings(Params):
-    """A direction is left where the effort exceeds `hysteresis` + `hysteresis_velocity` S the other way, and after a
+    """A direction is left where the effort reaches `hysteresis` + `hysteresis_velocity` S the other way, and after a
     `dwell` at the earliest; all three 0 give the bare sign."""
 
     hysteresis: ForceRate = 0.0
@@ -52,6 +52,6 @@ def direction_step(
     if memory.direction == 0.0:
         return DirectionMemory(wanted, LONG)
     threshold = settings.hysteresis + settings.hysteresis_velocity * stiffness
-    if wanted != memory.direction and abs(effort) > threshold and held_for >= settings.dwell:
+    if wanted != memory.direction and abs(effort) >= threshold and held_for >= settings.dwell:
         return DirectionMemory(wanted, 0.0)
     return DirectionMemory(memory.direction, held_for)

@@ -9,12 +9,11 @@ from itertools import accumulate
 from typing import Annotated, NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Kind, Position, Velocity
+from vvdp.base.kinds import RATE, Kind, Position, Velocity
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
 from vvdp.base.signal import Signal, table
 
-RATE = Kind("rate", "1/s", 0.0, 1e6, "150 1/s", units=("1/s",))
 SIGNED_ACCELERATION = Kind("acceleration in either direction", "m/s^2", -1e6, 1e6, "9.81 m/s^2")
 JERK = Kind("jerk", "m/s^3", -1e12, 1e12, "10 m/s^3")
 

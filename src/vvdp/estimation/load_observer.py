@@ -10,7 +10,7 @@ Source  ours, docs/models/displacement-control.md, where a function names no oth
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Force, Frequency, Mass, Position, Time, Velocity, ViscousFriction
+from vvdp.base.kinds import Force, Mass, Position, Rate, Time, Velocity, ViscousFriction
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
 
@@ -26,8 +26,8 @@ class LoadObserver(Params):
 
     moving_mass: Mass
     viscous_friction: ViscousFriction
-    observer_rate: Frequency
-    load_rate: Frequency
+    observer_rate: Rate
+    load_rate: Rate
     sample_period: Time
 
     def check(self) -> None:

@@ -6,12 +6,12 @@ window late. The samples lie in a ring of bounded length.
 Source  ours, docs/models/displacement-control.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import Count
+from vvdp.base.kinds import NUMBER, Count
 from vvdp.base.select import clip, maximum, minimum
 
 LONGEST = 64
@@ -22,7 +22,7 @@ ROWS = LONGEST + 2
 class AverageMemory(NamedTuple):
     """The last samples, a row each (`ROWS`, signals), where the newest lies, and how many are filled."""
 
-    samples: Array
+    samples: Annotated[Array, NUMBER]
     newest: Count
     filled: Count
 

@@ -1,7 +1,9 @@
-"""Ideal source of flow: gives what it is told to, whatever the pressures."""
+"""Sources of flow that give what they are told to, whatever the pressures: at once, or with a lag."""
+
+from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Fraction
+from vvdp.base.kinds import Flow, Fraction, Time
 from vvdp.base.params import Params
 from vvdp.base.select import select
 
@@ -17,6 +19,34 @@ class FlowSource(Params):
                 f"FlowSource.counted_at_outlet: {self.counted_at_outlet:g}; expected 0 (tank volumes) "
                 "or 1 (volume at the outlet's pressure)"
             )
+
+
+class LaggingSource(FlowSource):
+    """A source whose flow follows what it is told to give with the time constant `lag`, as a pump with its stroking."""
+
+    lag: Time
+
+    def check(self) -> None:
+        super().check()
+        if self.lag <= 0.0:
+            raise ParameterError("LaggingSource.lag: 0 s; expected a time above zero")
+
+
+class SourceState(NamedTuple):
+    """What a source with a lag gives now."""
+
+    flow: Flow
+
+
+def source_rate(command: float, flow: float, source: LaggingSource) -> float:
+    """Rate of the flow of a source with a lag [m^3/s^2]: (command - Q)/lag.
+
+    command  wanted flow [m^3/s]
+    flow     Q, now [m^3/s]
+
+    Source  wang2017, ch. 6 (the pump as a first-order lag)
+    """
+    return (command - flow) / source.lag
 
 
 def source_flow(flow: float, outlet_volume_ratio: float, source: FlowSource) -> float:

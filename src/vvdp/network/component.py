@@ -78,7 +78,8 @@ class Component:
     inertia  inertia(...) -> moment of inertia or mass that it adds to its one mechanical port, of Params
     stop     stop(t, ...) -> next time at which its law jumps, of Params and inputs
     mark     mark(...) -> a period ends wherever its floor changes, of t, state, angles, positions and Params
-    averages names of outputs that are averaged over a run beside the flows
+    averages names of outputs that are averaged over a run beside the flows; a component that has some may be a meter,
+             which gives nothing to its ports
     suited   suited(values) -> the component of the same ports and values that stands in its place, where most values
              need less than all
     """
@@ -248,7 +249,7 @@ def check_component(component: Component) -> None:
         raise NetworkError(
             f"{name} returns both 'flow' and {min(twice)!r}; the one or the other, else oil counts twice"
         )
-    if ports and not component.is_passage and not fields & set(ports):
+    if ports and not (component.is_passage or component.averages or fields & set(ports)):
         raise NetworkError(
             f"{name} gives nothing to a port; its result needs a field named as one of {', '.join(ports)}"
         )

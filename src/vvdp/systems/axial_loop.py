@@ -252,6 +252,7 @@ def show(
     """
     phase, measured, margin = seen
     flow, pressure, storage = wanted
+    known = 1.0 if is_known(phase) else 0.0
     return AxialCommand(
         drive=drive_command,
         stage=stage.number,
@@ -268,6 +269,6 @@ def show(
         storage=storage,
         spool_angle=phase.angle,
         spool_speed=phase.speed,
-        known=1.0 if is_known(phase) else 0.0,
+        known=known,
         frozen=estimate.frozen,
     )

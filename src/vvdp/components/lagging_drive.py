@@ -1,0 +1,38 @@
+"""An ideal axial drive: the spool follows the position that is asked for with a lag, whatever that takes."""
+
+from typing import NamedTuple
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Position, Time
+from vvdp.base.params import Params
+from vvdp.network.component import Component
+
+
+class LaggingDrive(Params):
+    """`lag` is the time constant with which the position follows."""
+
+    lag: Time
+
+    def check(self) -> None:
+        if self.lag <= 0.0:
+            raise ParameterError("LaggingDrive.lag: 0 s; expected a time above zero")
+
+
+class LaggingState(NamedTuple):
+    """The spool's position."""
+
+    position: Position
+
+
+class LaggingMotion(NamedTuple):
+    """The rate of the position."""
+
+    rates: LaggingState
+
+
+def lagging_drive(wanted: Position, state: LaggingState, values: LaggingDrive) -> LaggingMotion:
+    """A drive whose position follows the `wanted` one: x' = (x_w - x)/tau."""
+    return LaggingMotion(LaggingState((wanted - state.position) / values.lag))
+
+
+LAGGING_DRIVE = Component(lagging_drive, symbol="electric_motor")

@@ -1,0 +1,81 @@
+"""The flow map of a pump unit: what its valve delivers, worked out once for each relief setting and pump speed.
+
+Source  ours, docs/models/whole-machine.md, where a function names no other.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from vvdp.components.pump_unit import PumpUnit
+from vvdp.control.flow_map import FlowMap
+from vvdp.fluid.oil import Oil, density
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.valve.condition import Condition
+from vvdp.valve.flow_map import delivered_flows
+from vvdp.valve.geometry import transition_fraction
+from vvdp.valve.rotary import RotaryValve
+
+FINE, MIDDLING, COARSE = 0.01, 0.02, 0.06
+"""Steps of the duty ratio where the load port never opens fully, where the tank port does not, and elsewhere."""
+
+PRESSURES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+"""Pressures behind the valve, over that of the relief valve."""
+
+
+def unit_flow_map(unit: PumpUnit, oil: Oil, pump_speed: float, temperature: float, tank_pressure: float) -> FlowMap:
+    """The flow map of a pump unit.
+
+    pump_speed     [rad/s]
+    temperature    of the oil [K]
+    tank_pressure  absolute [Pa]
+    """
+    flow = unit.pump.displacement * pump_speed
+    at = valve_condition(flow, density(temperature, oil), tank_pressure, unit.pump, unit.relief_valve)
+    return flow_map_of(unit.valve, at)
+
+
+def valve_condition(
+    flow: float, oil_density: float, tank_pressure: float, pump: Pump, relief_valve: ReliefValve
+) -> Condition:
+    """Between what the valve of a pump unit works, the line as empty as the tank.
+
+    flow           that the pump displaces [m^3/s]
+    oil_density    [kg/m^3]
+    tank_pressure  absolute [Pa]
+    """
+    return Condition(
+        flow=flow,
+        load_pressure=tank_pressure,
+        relief_pressure=relief_valve.cracking_pressure,
+        tank_pressure=tank_pressure,
+        density=oil_density,
+        relief_override=relief_valve.override_pressure,
+        relief_rated_flow=relief_valve.rated_flow,
+        pump_leakage=pump.leakage_conductance,
+    )
+
+
+@lru_cache(maxsize=64)
+def flow_map_of(valve: RotaryValve, at: Condition) -> FlowMap:
+    """The flow map of a valve from where it delivers nothing to where it delivers all, up to the relief pressure."""
+    duties = duty_ratios(transition_fraction(valve))
+    rise = at.relief_pressure - at.tank_pressure
+    pressures = [at.tank_pressure + share * rise for share in PRESSURES]
+    rows = [delivered_flows(duties, at._replace(load_pressure=p), valve) for p in pressures]
+    flows = np.maximum.accumulate(np.array(rows), axis=1)
+    return FlowMap(
+        duty_ratios=tuple(map(float, duties)), line_pressures=tuple(pressures), flows=tuple(map(float, flows.ravel()))
+    )
+
+
+def duty_ratios(kappa: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The duty ratios of a map, from -kappa to 1 + kappa.
+
+    kappa  transition fraction [1]
+    """
+    low = np.arange(0.0, kappa + FINE, FINE)
+    middle = np.arange(kappa + COARSE, 1.0 - 0.5 * kappa, COARSE)
+    high = np.arange(1.0 - 0.5 * kappa, 1.0 + 0.5 * kappa, MIDDLING)
+    return np.unique(np.concatenate([[-kappa], low, middle, high, [1.0 + 0.5 * kappa, 1.0 + kappa]]))

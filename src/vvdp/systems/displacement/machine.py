@@ -1,0 +1,344 @@
+"""The whole machine: fixed pump, spinning rotary valve, line, directional valve, cylinder and throttled return.
+
+The functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
+"""
+
+from dataclasses import dataclass
+
+from vvdp.components.axial_drive import ChamberDrive, PilotJoints, add_chamber_drive, add_gerotor_drive
+from vvdp.components.controlled_valves import DUMP_VALVE
+from vvdp.components.directional_valves import (
+    THROTTLED_DIRECTIONAL_VALVE,
+    ThreeWayProportionalValve,
+    ThrottledDirectionalValve,
+)
+from vvdp.components.lagging_drive import LAGGING_DRIVE, LaggingDrive, LaggingState
+from vvdp.components.meters import ACTUATOR_METER, SUPPLY_METER
+from vvdp.components.pump_motors import PUMP_MOTOR
+from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
+from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, ROD_FRICTION, WEIGHT
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.check_valve import CheckPoppet
+from vvdp.hydraulics.cylinder import Cylinder, Plunger
+from vvdp.hydraulics.friction import RodFriction
+from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.pump_motor import PumpMotor
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.rod import EndStop, Spring, Weight
+from vvdp.hydraulics.seat_valve import SeatValve
+from vvdp.hydraulics.spool_drive import SpoolDrive
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.network import Network
+from vvdp.network.nodes import Chamber, Connection, Source
+from vvdp.systems.axial_loop import PROGRAM as AXIAL
+from vvdp.systems.axial_tables import PilotSupply
+from vvdp.systems.bench_tables import Limits
+from vvdp.systems.displacement.machine_tables import (
+    InitialGerotorMachine,
+    InitialMachine,
+    InitialSpringMachine,
+    MachineOperation,
+    PrescribedCommands,
+)
+from vvdp.systems.rotary_bench import cavitation_limit, pump_unit
+from vvdp.valve.rotary import RotaryValve
+
+OUTER = "displacement"
+"""Name of the program that leads all drives."""
+
+
+@dataclass(frozen=True)
+class ActuatorParts:
+    """What lies between the rotary valve and the load: line, valves, cylinder; a weight and a dump valve if any."""
+
+    line: Vessel
+    directional_valve: ThrottledDirectionalValve
+    cylinder: Cylinder
+    chamber_a: Vessel
+    chamber_b: Vessel
+    friction: RodFriction
+    stops: EndStop
+    weight: Weight | None = None
+    dump_valve: SeatValve | None = None
+
+
+@dataclass(frozen=True)
+class MachineCommands:
+    """Where each drive gets its command: a signal, or the path of a program's command."""
+
+    direction: Source
+    opening: Source
+    pump: Source
+    dump: Source
+    drive: Source
+    spool_position: Source
+
+
+def led_commands(program: str) -> MachineCommands:
+    """The commands of the outer loop's program, and that of the axial drive."""
+    return MachineCommands(
+        direction=f"{program}.direction",
+        opening=f"{program}.opening",
+        pump=f"{program}.pump",
+        dump=f"{program}.dump",
+        drive=f"{AXIAL}.drive",
+        spool_position=f"{program}.spool_position",
+    )
+
+
+def prescribed_commands(table: PrescribedCommands) -> MachineCommands:
+    """The commands that a table prescribes."""
+    return MachineCommands(
+        direction=table.direction,
+        opening=table.opening,
+        pump=table.pump,
+        dump=table.dump,
+        drive=table.drive,
+        spool_position=table.spool_position,
+    )
+
+
+def add_machine(
+    net: Network, unit: PumpUnit, parts: ActuatorParts, motor: PumpMotor, commands: MachineCommands, spool: Source
+) -> None:
+    """Add everything but the axial drive; `spool` is the path of the position that it gives the spool.
+
+    The nodes are `line`, `chamber_a`, `chamber_b` and `rod` beside those of a pump unit, the components `pump_motor`,
+    `directional_valve`, `cylinder`, `friction`, `end_stops`, `load` and what is fitted of `weight` and `dump_valve`.
+    """
+    values = net.values
+    operation: MachineOperation = values["operation"]  # type: ignore[assignment]
+    net.volume("line", parts.line, start="initial.line_pressure")
+    net.add("pump_motor", PUMP_MOTOR, motor, command=commands.pump, rated_speed=operation.pump_speed)
+    joints = UnitJoints(
+        tank="tank",
+        load="line",
+        pump_speed="pump_motor.speed",
+        axial_position=spool,
+        spool_motor_speed=operation.spool_motor_speed,
+        cavitation_pressure=Connection(cavitation_limit, (values["limits"],)),
+    )
+    add_pump_unit(net, unit, joints)
+    add_actuator(net, parts, commands, operation)
+    if parts.dump_valve is not None:
+        net.add("dump_valve", DUMP_VALVE, parts.dump_valve, a="line", b="tank", command=commands.dump)
+
+
+def add_actuator(
+    net: Network, parts: ActuatorParts, commands: MachineCommands, operation: MachineOperation, supply: str = "line"
+) -> None:
+    """Add directional valve, cylinder and load between a `supply` and the tank, with the meters of their powers."""
+    net.volume("chamber_a", parts.chamber_a, start="initial.pressure_a")
+    net.volume("chamber_b", parts.chamber_b, start="initial.pressure_b")
+    net.rod("rod", position="initial.cylinder_position")
+    net.add(
+        "directional_valve",
+        THROTTLED_DIRECTIONAL_VALVE,
+        parts.directional_valve,
+        pressure=supply,
+        tank="tank",
+        a="chamber_a",
+        b="chamber_b",
+        command=commands.direction,
+        return_command=commands.opening,
+    )
+    net.add("cylinder", CYLINDER, parts.cylinder, a="chamber_a", b="chamber_b", rod="rod")
+    net.add("friction", ROD_FRICTION, parts.friction, rod="rod")
+    net.add("end_stops", END_STOP, parts.stops, rod="rod")
+    net.add("load", LOAD_FORCE, rod="rod", force=operation.load_force)
+    if parts.weight is not None:
+        net.add("weight", WEIGHT, parts.weight, rod="rod")
+    to_a, to_b = "directional_valve.a_flow", "directional_valve.b_flow"
+    net.add("supply_meter", SUPPLY_METER, a="chamber_a", b="chamber_b", to_a=to_a, to_b=to_b)
+    net.add("actuator_meter", ACTUATOR_METER, rod="rod", force="cylinder.rod")
+
+
+def new_machine(
+    oil: Oil, operation: MachineOperation, initial: InitialMachine, limits: Limits, pilot: PilotSupply | None = None
+) -> Network:
+    """The network of a machine with its tank, before anything else is drawn."""
+    shared = {} if pilot is None else {"pilot": pilot}
+    net = Network(
+        oil,
+        temperature=operation.oil_temperature,
+        operation=operation,
+        initial=initial,
+        limits=limits,
+        **shared,
+    )
+    net.tank("tank", operation.tank_pressure)
+    return net
+
+
+def displacement_control(
+    oil: Oil,
+    pump: Pump,
+    motor: PumpMotor,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    valve: RotaryValve,
+    spool_drive: SpoolDrive,
+    check_valve: CheckPoppet,
+    line: Vessel,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    cylinder_friction: RodFriction,
+    cylinder_stops: EndStop,
+    pilot_oil: Oil,
+    axial_piston: Plunger,
+    axial_spring: Spring,
+    axial_friction: RodFriction,
+    axial_stops: EndStop,
+    pilot_valve: ThreeWayProportionalValve,
+    pilot_chamber: Chamber,
+    pilot: PilotSupply,
+    operation: MachineOperation,
+    initial: InitialSpringMachine,
+    limits: Limits,
+    weight: Weight | None = None,
+    dump_valve: SeatValve | None = None,
+    prescribed: PrescribedCommands | None = None,
+) -> Network:
+    """The machine whose spool a chamber moves against a spring."""
+    unit = pump_unit(
+        pump=pump,
+        inlet=inlet,
+        relief_valve=relief_valve,
+        valve=valve,
+        spool_drive=spool_drive,
+        check_valve=check_valve,
+    )
+    actuator = ActuatorParts(
+        line=line,
+        directional_valve=directional_valve,
+        cylinder=cylinder,
+        chamber_a=chamber_a,
+        chamber_b=chamber_b,
+        friction=cylinder_friction,
+        stops=cylinder_stops,
+        weight=weight,
+        dump_valve=dump_valve,
+    )
+    axial = ChamberDrive(
+        piston=axial_piston,
+        spring=axial_spring,
+        friction=axial_friction,
+        stops=axial_stops,
+        valve=pilot_valve,
+        chamber=pilot_chamber,
+        oil=pilot_oil,
+        pressure="initial.chamber_pressure",
+        position="initial.axial_position",
+    )
+    net = new_machine(oil, operation, initial, limits, pilot)
+    commands = prescribed_commands(prescribed) if prescribed is not None else led_commands(OUTER)
+    spool = add_chamber_drive(net, axial, PilotJoints(pilot.supply_pressure, pilot.tank_pressure, commands.drive))
+    add_machine(net, unit, actuator, motor, commands, spool)
+    return net
+
+
+def displacement_control_gerotor(
+    oil: Oil,
+    pump: Pump,
+    motor: PumpMotor,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    valve: RotaryValve,
+    spool_drive: SpoolDrive,
+    check_valve: CheckPoppet,
+    line: Vessel,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    cylinder_friction: RodFriction,
+    cylinder_stops: EndStop,
+    gerotor: GerotorDrive,
+    characteristic: GerotorMap | GerotorCalibration,
+    operation: MachineOperation,
+    initial: InitialGerotorMachine,
+    limits: Limits,
+    weight: Weight | None = None,
+    dump_valve: SeatValve | None = None,
+    prescribed: PrescribedCommands | None = None,
+) -> Network:
+    """The same with a gerotor pump that moves the spool, and a dump valve that empties the line when all is off."""
+    unit = pump_unit(
+        pump=pump,
+        inlet=inlet,
+        relief_valve=relief_valve,
+        valve=valve,
+        spool_drive=spool_drive,
+        check_valve=check_valve,
+    )
+    actuator = ActuatorParts(
+        line=line,
+        directional_valve=directional_valve,
+        cylinder=cylinder,
+        chamber_a=chamber_a,
+        chamber_b=chamber_b,
+        friction=cylinder_friction,
+        stops=cylinder_stops,
+        weight=weight,
+        dump_valve=dump_valve,
+    )
+    net = new_machine(oil, operation, initial, limits)
+    commands = prescribed_commands(prescribed) if prescribed is not None else led_commands(OUTER)
+    spool = add_gerotor_drive(net, gerotor, characteristic, commands.drive, initial.axial_position)
+    add_machine(net, unit, actuator, motor, commands, spool)
+    return net
+
+
+def displacement_control_ideal(
+    oil: Oil,
+    pump: Pump,
+    motor: PumpMotor,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    valve: RotaryValve,
+    spool_drive: SpoolDrive,
+    check_valve: CheckPoppet,
+    line: Vessel,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    cylinder_friction: RodFriction,
+    cylinder_stops: EndStop,
+    axial_drive: LaggingDrive,
+    operation: MachineOperation,
+    initial: InitialGerotorMachine,
+    limits: Limits,
+    weight: Weight | None = None,
+    dump_valve: SeatValve | None = None,
+    prescribed: PrescribedCommands | None = None,
+) -> Network:
+    """The same with a spool that follows the wanted position with a lag, to tell what an axial drive costs."""
+    unit = pump_unit(
+        pump=pump,
+        inlet=inlet,
+        relief_valve=relief_valve,
+        valve=valve,
+        spool_drive=spool_drive,
+        check_valve=check_valve,
+    )
+    actuator = ActuatorParts(
+        line=line,
+        directional_valve=directional_valve,
+        cylinder=cylinder,
+        chamber_a=chamber_a,
+        chamber_b=chamber_b,
+        friction=cylinder_friction,
+        stops=cylinder_stops,
+        weight=weight,
+        dump_valve=dump_valve,
+    )
+    net = new_machine(oil, operation, initial, limits)
+    commands = prescribed_commands(prescribed) if prescribed is not None else led_commands(OUTER)
+    state = LaggingState(initial.axial_position)
+    net.add("spool_drive", LAGGING_DRIVE, axial_drive, start=state, wanted=commands.spool_position)
+    add_machine(net, unit, actuator, motor, commands, "spool_drive.position")
+    return net

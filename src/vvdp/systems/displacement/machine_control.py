@@ -1,0 +1,275 @@
+"""The control of the whole machine as a part of a network: both programs with their values, from a system's tables."""
+
+from dataclasses import dataclass, replace
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import (
+    BulkModulus,
+    Compliance,
+    Count,
+    FlowCoefficient,
+    Force,
+    Frequency,
+    Length,
+    Mass,
+    Polytropic,
+    Pressure,
+    PressureDifference,
+    Time,
+    ViscousFriction,
+    Volume,
+)
+from vvdp.base.params import Params
+from vvdp.control.adaptation import Adaptation
+from vvdp.control.capacities import CylinderModel, SupplyLine
+from vvdp.control.cylinder_force import ForceGains
+from vvdp.control.direction import DirectionSettings
+from vvdp.control.displacement import DisplacementSettings, SupplySupport
+from vvdp.control.flow_gain import FlowGain
+from vvdp.control.flow_map import FlowMap
+from vvdp.control.flow_split import FlowSplit
+from vvdp.control.pressure_modes import PressureBounds
+from vvdp.control.reference import ReferenceFilter
+from vvdp.estimation.load_observer import LoadObserver
+from vvdp.network.network import Network
+from vvdp.network.program import ProgramType
+from vvdp.sensing.instrument import Instrument, ideal_instrument
+from vvdp.systems.axial_loop import PROGRAM as AXIAL
+from vvdp.systems.axial_loop import UNKNOWN
+from vvdp.systems.chamber_loop import PassiveLoop, WatchedLoop, watched_start
+from vvdp.systems.displacement.cycle import OwnCycle, Triangle, points_of, refuse_fast_points
+from vvdp.systems.displacement.inner_loop import LedGerotorPlace, LedPlace, led_gerotor_step, led_step
+from vvdp.systems.displacement.machine_loop import (
+    IDLE,
+    PROGRAM,
+    MachineLoop,
+    MachinePlace,
+    SpoolRange,
+    machine_start,
+    machine_step,
+)
+from vvdp.systems.displacement.stages import MachineSequence
+from vvdp.systems.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
+from vvdp.systems.spool_encoder import WatchSettings
+
+SAMPLE_PERIOD = 1e-3
+"""Of the outer loop [s]."""
+
+
+class MachineBelief(Params):
+    """The [belief] table: what the control takes cylinder, line, load and relief valve to be, right or wrong.
+
+    Oil volumes are those of the chambers with their hoses at position 0; `return_conductance` is K_v of the return
+    valve, fully open; `relief_pressure` is where the flow map takes the relief valve to crack.
+    """
+
+    oil_volume_a: Volume
+    oil_volume_b: Volume
+    moving_mass: Mass
+    viscous_friction: ViscousFriction
+    bulk_modulus: BulkModulus
+    line_volume: Volume
+    hose_compliance: Compliance
+    gas_volume: Volume
+    precharge_pressure: Pressure
+    gas_exponent: Polytropic
+    return_conductance: FlowCoefficient
+    load_force: Force
+    relief_pressure: Pressure
+
+
+class LoadObserverTable(Params):
+    """The [load_observer] table: how fast its three errors fade, and the load that is told follows."""
+
+    observer_rate: Frequency
+    load_rate: Frequency
+
+
+class CylinderSensors(Params):
+    """The [cylinder_sensors] table: noise, as a deviation, its first seed, and how late a command acts."""
+
+    position_noise: Length
+    pressure_noise: PressureDifference
+    latency: Time
+    seed: Count
+
+
+@dataclass(frozen=True)
+class CylinderGeometry:
+    """What is known of a cylinder: areas of both sides [m^2], and its ends [m]."""
+
+    area_a: float
+    area_b: float
+    lower_end: float
+    upper_end: float
+
+
+@dataclass(frozen=True)
+class MachineTables:
+    """The tables of the machine's outer loop, by their names in a system file."""
+
+    belief: MachineBelief
+    gains: ForceGains
+    direction: DirectionSettings
+    flow_split: FlowSplit
+    pressure_bounds: PressureBounds
+    supply_support: SupplySupport
+    load_observer: LoadObserverTable
+    reference: ReferenceFilter
+    cycle: Triangle | OwnCycle
+    machine_sequence: MachineSequence
+    flow_gain: FlowGain
+    adaptation: Adaptation
+
+
+@dataclass(frozen=True)
+class MachinePaths:
+    """Paths of what is measured: position of the cylinder, pressures, shaft and position of the spool."""
+
+    position: str
+    pressure_a: str
+    pressure_b: str
+    line_pressure: str
+    spool: str
+    spool_position: str
+    chamber_pressure: str = ""
+
+
+def cylinder_model(belief: MachineBelief, cylinder: CylinderGeometry, tank_pressure: float) -> CylinderModel:
+    """What the control works with.  tank_pressure: absolute [Pa]."""
+    b = belief
+    return CylinderModel(
+        area_a=cylinder.area_a,
+        area_b=cylinder.area_b,
+        oil_volume_a=b.oil_volume_a,
+        oil_volume_b=b.oil_volume_b,
+        lowest_position=cylinder.lower_end,
+        highest_position=cylinder.upper_end,
+        moving_mass=b.moving_mass,
+        viscous_friction=b.viscous_friction,
+        bulk_modulus=b.bulk_modulus,
+        line=SupplyLine(
+            oil_volume=b.line_volume,
+            hose_compliance=b.hose_compliance,
+            gas_volume=b.gas_volume,
+            precharge_pressure=b.precharge_pressure,
+            gas_exponent=b.gas_exponent,
+        ),
+        return_conductance=b.return_conductance,
+        tank_pressure=tank_pressure,
+    )
+
+
+def machine_loop(
+    tables: MachineTables, cylinder: CylinderGeometry, spool: SpoolRange, flow_map: FlowMap, tank_pressure: float
+) -> MachineLoop:
+    """The values of the outer loop. Raises ParameterError where the cycle leaves the cylinder or is too fast.
+
+    flow_map       as it is believed
+    tank_pressure  absolute [Pa]
+    """
+    model = cylinder_model(tables.belief, cylinder, tank_pressure)
+    refuse_cycle(tables.cycle, cylinder, tables.flow_split.largest_flow)
+    law = DisplacementSettings(
+        cylinder=model,
+        gains=tables.gains,
+        direction=tables.direction,
+        split=tables.flow_split,
+        bounds=tables.pressure_bounds,
+        support=tables.supply_support,
+        adaptation=tables.adaptation,
+        sample_period=SAMPLE_PERIOD,
+    )
+    observer = LoadObserver(
+        moving_mass=model.moving_mass,
+        viscous_friction=model.viscous_friction,
+        observer_rate=tables.load_observer.observer_rate,
+        load_rate=tables.load_observer.load_rate,
+        sample_period=SAMPLE_PERIOD,
+    )
+    return MachineLoop(
+        law=law,
+        observer=observer,
+        reference=tables.reference,
+        points=points_of(tables.cycle),
+        sequence=tables.machine_sequence,
+        flow_map=flow_map,
+        gain=tables.flow_gain,
+        spool=spool,
+        load_force=tables.belief.load_force,
+    )
+
+
+def refuse_cycle(cycle: Triangle | OwnCycle, cylinder: CylinderGeometry, largest_flow: float) -> None:
+    """Raises ParameterError where a cycle leaves the cylinder's stroke or is faster than the pump, with its row.
+
+    largest_flow  of the pump [m^3/s]
+    """
+    positions = points_of(cycle).positions
+    low, high = min(positions), max(positions)
+    if low < cylinder.lower_end or high > cylinder.upper_end:
+        raise ParameterError(
+            f"cycle: {1e3 * low:.4g} to {1e3 * high:.4g} mm are asked for; the cylinder goes from "
+            f"{1e3 * cylinder.lower_end:.4g} to {1e3 * cylinder.upper_end:.4g} mm"
+        )
+    refuse_fast_points(cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
+
+
+def instruments(table: CylinderSensors) -> dict[str, Instrument]:
+    """What stands between the cylinder and the program, by the field of its reading."""
+    position, pressure = ideal_instrument(-10.0, 10.0), ideal_instrument(0.0, 1e8)
+    found = {"position": replace(position, noise=table.position_noise, seed=table.seed)}
+    for number, name in enumerate(("pressure_a", "pressure_b", "line_pressure"), 1):
+        found[name] = replace(pressure, noise=table.pressure_noise, seed=table.seed + number)
+    return found
+
+
+def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, paths: MachinePaths) -> None:
+    """Add the program that controls the cylinder. It comes before the axial one, which thus follows it at once; it is
+    told itself what that one said a sample before."""
+    reads = {
+        "time": "t",
+        "position": paths.position,
+        "pressure_a": paths.pressure_a,
+        "pressure_b": paths.pressure_b,
+        "line_pressure": paths.line_pressure,
+        "spool_stage": f"{AXIAL}.stage",
+        "spool_known": f"{AXIAL}.known",
+        "spool_position": f"{AXIAL}.position",
+        "spool_speed": f"{AXIAL}.spool_speed",
+    }
+    kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)
+    net.program(
+        PROGRAM,
+        kind,
+        loop,
+        reads=reads,
+        sensors=instruments(sensors),
+        period=loop.law.sample_period,
+        latency=sensors.latency,
+    )
+
+
+def add_led_drive(net: Network, loop: PassiveLoop | GerotorLoop, watch: WatchSettings, paths: MachinePaths) -> None:
+    """Add the program that moves the spool to where the outer loop wants it."""
+    reads = {
+        "time": "t",
+        "angle": f"{paths.spool}.angle",
+        "speed": f"{paths.spool}.speed",
+        "position": paths.spool_position,
+        "wanted": f"{PROGRAM}.spool_position",
+        "energised": f"{PROGRAM}.energised",
+    }
+    if isinstance(loop, GerotorLoop):
+        kind = ProgramType(led_gerotor_step, LedGerotorPlace, UNKNOWN, WatchedGerotor, watched_gerotor_start)
+        settings = WatchedGerotor(watch=watch, loop=loop)
+        net.program(AXIAL, kind, settings, reads=reads, period=loop.sample_period)
+        return
+    kind = ProgramType(led_step, LedPlace, UNKNOWN, WatchedLoop, watched_start)
+    net.program(
+        AXIAL,
+        kind,
+        WatchedLoop(watch=watch, loop=loop),
+        reads=reads | {"pressure": paths.chamber_pressure},
+        period=loop.observer.sample_period,
+    )

@@ -1,0 +1,368 @@
+"""The outer loop of the whole machine: what stands before the cylinder's sensors, to what every drive is asked to do.
+
+Fast signals act in the force law and in the load observer; slow ones are averages over one PWM period.
+
+Source  ours, docs/models/displacement-control.md, where a function names no other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.kinds import (
+    Count,
+    Flow,
+    Force,
+    Fraction,
+    Length,
+    Number,
+    Position,
+    Pressure,
+    Ratio,
+    SignedFraction,
+    Speed,
+    Time,
+    Velocity,
+)
+from vvdp.base.params import Params
+from vvdp.base.select import clip
+from vvdp.control.capacities import CircuitPressures, capacities, oil_force
+from vvdp.control.cylinder_force import ForceRate
+from vvdp.control.displacement import (
+    CylinderSeen,
+    DisplacementDemand,
+    DisplacementMemory,
+    DisplacementSettings,
+    displacement_start,
+    displacement_step,
+    idle_demand,
+)
+from vvdp.control.flow_gain import FlowBalance, FlowGain, FlowGainMemory, flow_gain_start, flow_gain_step
+from vvdp.control.flow_map import FlowMap, duty_for_flow, flow_for_duty
+from vvdp.control.pressure_modes import PressureMode
+from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
+from vvdp.estimation.load_observer import LoadMemory, LoadObserver, load_observer_start, load_observer_step
+from vvdp.estimation.period_average import AverageMemory, average_start, average_step, pwm_window
+from vvdp.systems.axial_loop import HOME as AT_HOME
+from vvdp.systems.axial_loop import RUN as FOLLOWS
+from vvdp.systems.displacement.cycle import Points, cycle_position
+from vvdp.systems.displacement.stages import (
+    CONTROL,
+    PRECHARGE,
+    MachineSequence,
+    Phase,
+    Progress,
+    first_phase,
+    next_phase,
+    orders_of,
+)
+
+PROGRAM = "displacement"
+"""Name of the program that controls the cylinder."""
+
+
+class MachinePlace(NamedTuple):
+    """What the cylinder's sensors show, and what the axial control said at the last sample."""
+
+    time: Time
+    position: Position
+    pressure_a: Pressure
+    pressure_b: Pressure
+    line_pressure: Pressure
+    spool_stage: Count
+    spool_known: Fraction
+    spool_position: Position
+    spool_speed: Speed
+
+
+class SpoolRange(Params):
+    """How the spool's position makes a duty ratio, between which it moves, and how many PWM periods a turn has."""
+
+    helix_length: Length
+    rest_position: Position
+    highest_position: Position
+    sections: Count
+
+
+class MachineLoop(Params):
+    """What the program works with: laws, beliefs, what is followed, and how it starts and stops.
+
+    `load_force` is the load as expected before it is estimated.
+    """
+
+    law: DisplacementSettings
+    observer: LoadObserver
+    reference: ReferenceFilter
+    points: Points
+    sequence: MachineSequence
+    flow_map: FlowMap
+    gain: FlowGain
+    spool: SpoolRange
+    load_force: Force
+
+
+class MachineMemory(NamedTuple):
+    """What is carried from sample to sample; `wanted` is the raw position, held once a stop is asked for."""
+
+    phase: Phase
+    reference: Reference
+    wanted: Position
+    observer: LoadMemory
+    averages: AverageMemory
+    law: DisplacementMemory
+    gain: FlowGainMemory
+    direction: SignedFraction
+
+
+class MachineCommand(NamedTuple):
+    """What the drives are asked to do, and what is believed and wanted, to be shown.
+
+    `direction` 1 extends the cylinder, `opening` is that of the return valve; `pump` and `energised` are 1 where motor
+    and axial drive are switched on, `dump` 1 holds the dump valve shut. Pressures are averages over a PWM period.
+    """
+
+    direction: SignedFraction
+    opening: Fraction
+    pump: Fraction
+    dump: Fraction
+    energised: Fraction
+    spool_position: Position
+    phase: Count
+    wanted: Position
+    reference: Position
+    reference_velocity: Velocity
+    position: Position
+    velocity: Velocity
+    load_force: Force
+    pressure_a: Pressure
+    pressure_b: Pressure
+    line_pressure: Pressure
+    effort: ForceRate
+    force_error: Force
+    mode: PressureMode
+    saturated: Fraction
+    flow: Flow
+    split_flow: Flow
+    duty_ratio: Number
+    map_gain: Ratio
+
+
+IDLE = MachineCommand(
+    direction=0.0,
+    opening=0.0,
+    pump=0.0,
+    dump=1.0,
+    energised=1.0,
+    spool_position=0.0,
+    phase=first_phase().number,
+    wanted=0.0,
+    reference=0.0,
+    reference_velocity=0.0,
+    position=0.0,
+    velocity=0.0,
+    load_force=0.0,
+    pressure_a=101325.0,
+    pressure_b=101325.0,
+    line_pressure=101325.0,
+    effort=0.0,
+    force_error=0.0,
+    mode=0.0,
+    saturated=0.0,
+    flow=0.0,
+    split_flow=0.0,
+    duty_ratio=0.0,
+    map_gain=1.0,
+)
+"""The command before the first sample."""
+
+
+def machine_start(settings: MachineLoop) -> MachineMemory:
+    """The memory before the first sample: homing, all valves closed."""
+    lowest = settings.law.cylinder.lowest_position
+    return MachineMemory(
+        phase=first_phase(),
+        reference=reference_at_rest(lowest),
+        wanted=lowest,
+        observer=load_observer_start(lowest, settings.load_force),
+        averages=average_start(3),
+        law=displacement_start(settings.law),
+        gain=flow_gain_start(),
+        direction=0.0,
+    )
+
+
+def progress_of(place: MachinePlace, spool: SpoolRange) -> Progress:
+    """What the sequence is told."""
+    return Progress(
+        homed=1.0 if place.spool_stage > AT_HOME else 0.0,
+        known=place.spool_known,
+        learned=1.0 if place.spool_stage >= FOLLOWS else 0.0,
+        line_pressure=place.line_pressure,
+        supply=place.pressure_a,
+        above_stop=place.spool_position - spool.rest_position,
+    )
+
+
+def next_followed(
+    memory: MachineMemory, phase: Phase, place: MachinePlace, settings: MachineLoop
+) -> tuple[float, Reference]:
+    """The raw position and the reference at a sample: the cycle's while it is followed, the last one when it is held,
+    and where the cylinder is in all other phases."""
+    if phase.number == CONTROL:
+        wanted = cycle_position(place.time - phase.since, settings.points)
+    elif orders_of(phase.number).controlled > 0.0:
+        wanted = memory.wanted
+    else:
+        return place.position, reference_at_rest(place.position)
+    period = settings.law.sample_period
+    return wanted, reference_step(memory.reference, wanted, period, settings.reference)
+
+
+class MachineView(NamedTuple):
+    """What is known at a sample, before the laws are asked."""
+
+    phase: Phase
+    wanted: Position
+    reference: Reference
+    observer: LoadMemory
+    averages: AverageMemory
+    seen: CylinderSeen
+
+
+def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLoop) -> MachineView:
+    """What is known after a sample: phase, reference, motion and load, raw and averaged pressures."""
+    phase = next_phase(memory.phase, place.time, progress_of(place, settings.spool), settings.sequence)
+    wanted, reference = next_followed(memory, phase, place, settings)
+    fast = CircuitPressures(place.pressure_a, place.pressure_b, place.line_pressure)
+    observer = load_observer_step(
+        memory.observer, place.position, oil_force(fast, settings.law.cylinder), settings.observer
+    )
+    window = pwm_window(place.spool_speed, settings.spool.sections, settings.law.sample_period)
+    averages, means = average_step(memory.averages, np.array(fast), window)
+    slow = CircuitPressures(means[0], means[1], means[2])
+    opened = flow_for_duty(place.spool_position / settings.spool.helix_length, slow.line_pressure, settings.flow_map)
+    return MachineView(
+        phase=phase,
+        wanted=wanted,
+        reference=reference,
+        observer=observer,
+        averages=averages,
+        seen=CylinderSeen(
+            position=observer.position,
+            velocity=observer.velocity,
+            load_force=observer.load_force,
+            fast=fast,
+            slow=slow,
+            delivered_flow=memory.gain.gain * opened,
+        ),
+    )
+
+
+def controlled_demand(
+    memory: MachineMemory, view: MachineView, settings: MachineLoop
+) -> tuple[DisplacementMemory, DisplacementDemand]:
+    """What the laws ask for while the cylinder is controlled; else valves closed, and no flow."""
+    if orders_of(view.phase.number).controlled > 0.0:
+        return displacement_step(memory.law, view.seen, view.reference, settings.law)
+    return displacement_start(settings.law), idle_demand()
+
+
+def learned_gain(memory: MachineMemory, view: MachineView, direction: float, settings: MachineLoop) -> FlowGainMemory:
+    """The gain of the flow map a sample later; it rests while the cylinder is not controlled or its valve moves.
+
+    direction  that is asked for now [1]
+    """
+    cylinder, seen = settings.law.cylinder, view.seen
+    is_fed = direction != 0.0 and direction == memory.direction
+    side = direction if is_fed else 1.0
+    area = cylinder.area_a if side > 0.0 else cylinder.area_b
+    H = capacities(side, seen.position, seen.slow.line_pressure, cylinder).supply_gain
+    balance = FlowBalance(
+        mapped=seen.delivered_flow / memory.gain.gain,
+        swept=side * area * seen.velocity,
+        pressure=seen.slow.line_pressure,
+        capacity=area / abs(H),
+        rests=1.0 if is_fed else 0.0,
+    )
+    return flow_gain_step(memory.gain, balance, settings.law.sample_period, settings.gain)
+
+
+class SpoolDemand(NamedTuple):
+    """The mean flow that is asked for, and what lets it through: duty ratio, position of the spool, gain of the map."""
+
+    flow: Flow
+    duty_ratio: Number
+    position: Position
+    map_gain: Ratio
+
+
+def spool_demand(flow: float, view: MachineView, gain: float, settings: MachineLoop) -> SpoolDemand:
+    """Where the spool should be: at rest while no flow may come, else as map and gain have it.
+
+    flow  that the laws ask for [m^3/s]
+    gain  of the flow map [1]
+    """
+    spool, number = settings.spool, view.phase.number
+    if number == PRECHARGE:
+        flow = settings.sequence.precharge_flow
+    elif orders_of(number).controlled == 0.0:
+        return SpoolDemand(0.0, spool.rest_position / spool.helix_length, spool.rest_position, gain)
+    duty = duty_for_flow(flow / gain, view.seen.slow.line_pressure, settings.flow_map)
+    position = clip(duty * spool.helix_length, spool.rest_position, spool.highest_position)
+    return SpoolDemand(flow, duty, position, gain)
+
+
+def machine_step(
+    t: float,
+    memory: MachineMemory,
+    place: MachinePlace,
+    settings: MachineLoop,
+) -> tuple[MachineMemory, MachineCommand]:
+    """Program: one sample of the whole machine's outer loop."""
+    view = machine_view(memory, place, settings)
+    law, demand = controlled_demand(memory, view, settings)
+    gain = learned_gain(memory, view, demand.direction, settings)
+    spool = spool_demand(demand.flow, view, gain.gain, settings)
+    after = MachineMemory(
+        phase=view.phase,
+        reference=view.reference,
+        wanted=view.wanted,
+        observer=view.observer,
+        averages=view.averages,
+        law=law,
+        gain=gain,
+        direction=demand.direction,
+    )
+    return after, shown_command(view, demand, spool)
+
+
+def shown_command(view: MachineView, demand: DisplacementDemand, spool: SpoolDemand) -> MachineCommand:
+    """The command of a sample, with what is believed and wanted."""
+    orders = orders_of(view.phase.number)
+    seen, slow, reference = view.seen, view.seen.slow, view.reference
+    return MachineCommand(
+        direction=demand.direction,
+        opening=demand.opening,
+        pump=orders.pump,
+        dump=orders.energised,
+        energised=orders.energised,
+        spool_position=spool.position,
+        phase=view.phase.number,
+        wanted=view.wanted,
+        reference=reference.position,
+        reference_velocity=reference.velocity,
+        position=seen.position,
+        velocity=seen.velocity,
+        load_force=seen.load_force,
+        pressure_a=slow.pressure_a,
+        pressure_b=slow.pressure_b,
+        line_pressure=slow.line_pressure,
+        effort=demand.effort,
+        force_error=demand.force_error,
+        mode=demand.mode,
+        saturated=demand.saturated,
+        flow=spool.flow,
+        split_flow=demand.split_flow,
+        duty_ratio=spool.duty_ratio,
+        map_gain=spool.map_gain,
+    )

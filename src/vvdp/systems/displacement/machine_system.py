@@ -1,0 +1,278 @@
+"""The whole machine with its control: what system files name as their circuit; their tables are the arguments."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from inspect import signature
+from typing import Any
+
+from vvdp.base.signal import constant
+from vvdp.components.axial_drive import ChamberDrive
+from vvdp.components.directional_valves import ThreeWayProportionalValve, ThrottledDirectionalValve
+from vvdp.control.adaptation import Adaptation
+from vvdp.control.cylinder_force import ForceGains
+from vvdp.control.direction import DirectionSettings
+from vvdp.control.displacement import SupplySupport
+from vvdp.control.flow_gain import FlowGain
+from vvdp.control.flow_map import FlowMap
+from vvdp.control.flow_split import FlowSplit
+from vvdp.control.passivity import PassivityGains
+from vvdp.control.pressure_modes import PressureBounds
+from vvdp.control.reference import ReferenceFilter
+from vvdp.estimation.event_settings import EventFilterValues
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.check_valve import CheckPoppet
+from vvdp.hydraulics.cylinder import Cylinder, Plunger
+from vvdp.hydraulics.friction import RodFriction
+from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, GerotorMap
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.pump_motor import PumpMotor
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.rod import EndStop, Spring, Weight
+from vvdp.hydraulics.seat_valve import SeatValve
+from vvdp.hydraulics.spool_drive import SpoolDrive
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.network import Network
+from vvdp.network.nodes import Chamber
+from vvdp.systems.axial_control import AxialControl, chamber_loop, chosen_law
+from vvdp.systems.axial_loop import AxialObserverTable, AxialSequence
+from vvdp.systems.axial_sensor import AxialSensorTable
+from vvdp.systems.axial_tables import PilotSupply
+from vvdp.systems.bench_tables import Limits
+from vvdp.systems.chamber_loop import PassiveLoop
+from vvdp.systems.displacement.cycle import OwnCycle, Triangle
+from vvdp.systems.displacement.machine import displacement_control, displacement_control_gerotor
+from vvdp.systems.displacement.machine_control import (
+    CylinderGeometry,
+    CylinderSensors,
+    LoadObserverTable,
+    MachineBelief,
+    MachinePaths,
+    MachineTables,
+    add_led_drive,
+    add_outer_loop,
+    machine_loop,
+)
+from vvdp.systems.displacement.machine_loop import SpoolRange
+from vvdp.systems.displacement.machine_tables import InitialGerotorMachine, InitialSpringMachine, MachineOperation
+from vvdp.systems.displacement.stages import MachineSequence
+from vvdp.systems.gerotor_control import GerotorTables, PIGains, control_values, periodic_observer
+from vvdp.systems.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
+from vvdp.systems.spool_encoder import EncoderTable, watch_settings
+from vvdp.valve.rotary import RotaryValve
+
+HIGHEST_DUTY = 1.3
+"""Duty ratio at which the spool's stroke ends: all flow goes to the line, free of transitions."""
+
+
+def spring_machine(
+    oil: Oil,
+    pump: Pump,
+    motor: PumpMotor,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    valve: RotaryValve,
+    spool_drive: SpoolDrive,
+    check_valve: CheckPoppet,
+    line: Vessel,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    cylinder_friction: RodFriction,
+    cylinder_stops: EndStop,
+    pilot_oil: Oil,
+    axial_piston: Plunger,
+    axial_spring: Spring,
+    axial_friction: RodFriction,
+    axial_stops: EndStop,
+    pilot_valve: ThreeWayProportionalValve,
+    pilot_chamber: Chamber,
+    pilot: PilotSupply,
+    axial_sensor: AxialSensorTable,
+    axial_observer: AxialObserverTable,
+    axial_reference: ReferenceFilter,
+    axial_sequence: AxialSequence,
+    passivity: PassivityGains,
+    encoder: EncoderTable,
+    spool_filter: EventFilterValues,
+    cycle: Triangle | OwnCycle,
+    reference: ReferenceFilter,
+    gains: ForceGains,
+    direction: DirectionSettings,
+    flow_split: FlowSplit,
+    pressure_bounds: PressureBounds,
+    supply_support: SupplySupport,
+    flow_gain: FlowGain,
+    belief: MachineBelief,
+    load_observer: LoadObserverTable,
+    cylinder_sensors: CylinderSensors,
+    machine_sequence: MachineSequence,
+    operation: MachineOperation,
+    initial: InitialSpringMachine,
+    limits: Limits,
+    adaptation: Adaptation | None = None,
+    weight: Weight | None = None,
+    dump_valve: SeatValve | None = None,
+) -> Network:
+    """The machine under displacement control, its spool moved by a chamber against a spring."""
+    tables = locals()
+    net = displacement_control(**_of(tables, displacement_control))
+    drive = ChamberDrive(
+        piston=axial_piston,
+        spring=axial_spring,
+        friction=axial_friction,
+        stops=axial_stops,
+        valve=pilot_valve,
+        chamber=pilot_chamber,
+        oil=pilot_oil,
+        pressure="initial.chamber_pressure",
+        position="initial.axial_position",
+    )
+    spool = SpoolRange(
+        helix_length=valve.helix_length,
+        rest_position=axial_stops.lower_end,
+        highest_position=HIGHEST_DUTY * valve.helix_length,
+        sections=valve.sections,
+    )
+    control = AxialControl(
+        sensor=axial_sensor,
+        observer=axial_observer,
+        law=chosen_law(passivity),
+        reference=axial_reference,
+        sequence=axial_sequence,
+        helix_length=valve.helix_length,
+        wanted=constant(spool.highest_position),
+    )
+    inner = chamber_loop(control, drive, pilot)
+    assert isinstance(inner, PassiveLoop)
+    paths = _paths("slide.position", "pilot_chamber.pressure")
+    _add_outer(net, tables, spool, paths)
+    add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    return net
+
+
+def gerotor_machine(
+    oil: Oil,
+    pump: Pump,
+    motor: PumpMotor,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    valve: RotaryValve,
+    spool_drive: SpoolDrive,
+    check_valve: CheckPoppet,
+    line: Vessel,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    cylinder_friction: RodFriction,
+    cylinder_stops: EndStop,
+    gerotor: GerotorDrive,
+    characteristic: GerotorMap | GerotorCalibration,
+    calibration: DriveBelief,
+    axial_sensor: AxialSensorTable,
+    axial_observer: AxialObserverTable,
+    position_control: PIGains,
+    axial_reference: ReferenceFilter,
+    axial_sequence: GerotorSequence,
+    encoder: EncoderTable,
+    spool_filter: EventFilterValues,
+    cycle: Triangle | OwnCycle,
+    reference: ReferenceFilter,
+    gains: ForceGains,
+    direction: DirectionSettings,
+    flow_split: FlowSplit,
+    pressure_bounds: PressureBounds,
+    supply_support: SupplySupport,
+    flow_gain: FlowGain,
+    belief: MachineBelief,
+    load_observer: LoadObserverTable,
+    cylinder_sensors: CylinderSensors,
+    machine_sequence: MachineSequence,
+    operation: MachineOperation,
+    initial: InitialGerotorMachine,
+    limits: Limits,
+    adaptation: Adaptation | None = None,
+    weight: Weight | None = None,
+    dump_valve: SeatValve | None = None,
+) -> Network:
+    """The same with a gerotor pump that moves the spool, and a dump valve that empties the line when all is off."""
+    tables = locals()
+    net = displacement_control_gerotor(**_of(tables, displacement_control_gerotor))
+    spool = SpoolRange(
+        helix_length=valve.helix_length,
+        rest_position=gerotor.lower_end,
+        highest_position=min(HIGHEST_DUTY * valve.helix_length, gerotor.upper_end),
+        sections=valve.sections,
+    )
+    parts = GerotorTables(
+        sensor=axial_sensor,
+        observer=axial_observer,
+        gains=position_control,
+        calibration=calibration,
+        reference=axial_reference,
+        sequence=axial_sequence,
+        helix_length=valve.helix_length,
+        wanted=constant(spool.highest_position),
+    )
+    observer = periodic_observer(axial_observer, gerotor, valve.helix_length)
+    inner = GerotorLoop(observer=observer, **control_values(parts, gerotor))
+    paths = _paths("gerotor.position")
+    _add_outer(net, tables, spool, paths)
+    add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    return net
+
+
+def _of(tables: Mapping[str, Any], function: Callable[..., Network]) -> dict[str, Any]:
+    """Those tables that a function takes."""
+    return {name: tables[name] for name in signature(function).parameters if name in tables}
+
+
+def _paths(spool_position: str, chamber_pressure: str = "") -> MachinePaths:
+    return MachinePaths(
+        position="rod.position",
+        pressure_a="chamber_a.pressure",
+        pressure_b="chamber_b.pressure",
+        line_pressure="line.pressure",
+        spool="spool",
+        spool_position=spool_position,
+        chamber_pressure=chamber_pressure,
+    )
+
+
+def _add_outer(net: Network, tables: Mapping[str, Any], spool: SpoolRange, paths: MachinePaths) -> None:
+    """Add the program of the outer loop, with what its tables say and believe."""
+    given = {**tables, "adaptation": tables["adaptation"] or Adaptation()}
+    cylinder, stops = tables["cylinder"], tables["cylinder_stops"]
+    geometry = CylinderGeometry(cylinder.area_a, cylinder.area_b, stops.lower_end, stops.upper_end)
+    outer = MachineTables(**{field.name: given[field.name] for field in fields(MachineTables)})
+    tank = tables["operation"].tank_pressure.extremes[1]
+    loop = machine_loop(outer, geometry, spool, believed_map(tables), tank)
+    add_outer_loop(net, loop, tables["cylinder_sensors"], paths)
+
+
+def believed_map(tables: Mapping[str, Any]) -> FlowMap:
+    """The flow map of the valve, with the relief valve as it is believed to be set."""
+    import numpy as np
+
+    from vvdp.valve.condition import Condition
+    from vvdp.valve.flow_map import quasi_steady_mean
+
+    pump, relief = tables["pump"], tables["relief_valve"]
+    duties = [-0.3, 0.0, 0.03, 0.05, 0.075, 0.1, 0.12, 0.15, 0.175, 0.2, 0.25, 0.3, 0.5, 0.7, 0.9, 1.0, 1.1, 1.3]
+    pressures = np.array([0.0, 5.0, 10.0, 20.0, 45.0]) * 1e5 + 101325.0
+    flows = []
+    for P in pressures:
+        for d in duties:
+            at = Condition(
+                flow=pump.displacement * tables["operation"].pump_speed.base,
+                load_pressure=float(P),
+                relief_pressure=tables["belief"].relief_pressure,
+                tank_pressure=101325.0,
+                density=862.0,
+                relief_override=relief.override_pressure,
+                relief_rated_flow=relief.rated_flow,
+                pump_leakage=pump.leakage_conductance,
+            )
+            flows.append(quasi_steady_mean(d, at, tables["valve"]).load_flow)
+    return FlowMap(duties=tuple(duties), pressures=tuple(pressures), flows=tuple(flows))
