@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from vvdp.comparison.duties import Duty
 from vvdp.systems.displacement.cylinder_load import InitialCylinder
+from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.system import System, load_system
 
 LOW_SIDE = 5e5
@@ -46,7 +46,7 @@ class RivalCircuit:
     sinks: Mapping[Sink, tuple[str, ...]]
     charge: Callable[[Tables], float] | None = None
 
-    def sized(self, duty: Duty) -> System:
+    def system_for(self, duty: Duty) -> System:
         """The system for a duty, its cylinder at rest under the first force."""
         system = load_system(self.system)
         tables = {**system.tables, "duty_cycle": duty.cycle, **self.size(system.tables, duty)}

@@ -62,8 +62,22 @@ def duties(cylinder: Cylinder, friction: RodFriction) -> tuple[Duty, ...]:
         forces=(-2e3, -2e3, -2e3, 1e3, 5e3, 5e3, 3e3, 3e3, 1e3, -4e3, -4e3, -2e3),
     )
     return (
-        Duty("triangle", "21.6 cm in 4 s and back, the source's", "1000 N against extending", triangle, 60e5, 1.2e-7),
-        Duty("heavy", "21.6 cm in 1.25 s and back", "10 kN against extending", heavy, 110e5, 3e-7),
+        Duty(
+            name="triangle",
+            title="21.6 cm in 4 s and back, the source's",
+            load="1000 N against extending",
+            cycle=triangle,
+            relief_pressure=60e5,
+            return_conductance=1.2e-7,
+        ),
+        Duty(
+            name="heavy",
+            title="21.6 cm in 1.25 s and back",
+            load="10 kN against extending",
+            cycle=heavy,
+            relief_pressure=110e5,
+            return_conductance=3e-7,
+        ),
         sized_duty(
             "digging", "reach, dig, dump and return", "5 kN either way, all four quadrants", digging, cylinder, friction
         ),
@@ -86,7 +100,14 @@ def sized_duty(name: str, title: str, load: str, cycle: DutyCycle, cylinder: Cyl
     relief = max(LEAST_RELIEF, RELIEF_STEP * math.ceil(RELIEF_OVER_LOAD * needed / RELIEF_STEP))
     largest = max(np.max(-speeds) * cylinder.area_a, np.max(speeds) * cylinder.area_b)
     conductance = float(largest / (RETURN_OPENING * math.sqrt(RETURN_DROP)))
-    return Duty(name, title, load, cycle, float(relief), conductance)
+    return Duty(
+        name=name,
+        title=title,
+        load=load,
+        cycle=cycle,
+        relief_pressure=float(relief),
+        return_conductance=conductance,
+    )
 
 
 def read_duty(path: Path, cylinder: Cylinder, friction: RodFriction) -> Duty:
