@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import unusable
+from vvdp.base.errors import ConfigError, unusable
+from vvdp.logs.budget import Budget, damage
 from vvdp.logs.channel import Log, unique
 from vvdp.logs.channel_readers import Leaf, Tree
 from vvdp.logs.clock import ClockChoice
@@ -34,11 +35,17 @@ def mdf_log(path: Path, choice: ClockChoice) -> Log:
             for index, channel in enumerate(group.channels):
                 if index != master:
                     _add(tree, records, index, (labels[number], names[index]), channel)
-    except MemoryError:
+    except (ConfigError, MemoryError):
         raise
     except Exception as problem:  # asammdf raises many unrelated types on damaged files
-        raise unusable(path, f"cannot be read as MDF, the file is damaged or cut off ({problem})") from None
-    return tree.log(file)
+        raise damage(path, "the MDF file", problem, _library()) from None
+    return tree.log(file, _library())
+
+
+def _library() -> str:
+    import asammdf
+
+    return f"asammdf ({asammdf.__version__})"
 
 
 def _open_mdf(path: Path) -> Any:
@@ -74,16 +81,28 @@ class _Records:
     def __init__(self, file: Any, number: int) -> None:
         self.file, self.number = file, number
         self._span = (0, 0)
+        self._sound = False
         self._read: list[Any] = []
 
     def between(self, begin: int, end: int) -> list[Any]:
         """Records from number `begin` up to `end`, in the form that `get` takes."""
         if self._span != (begin, end):
             group = self.file.groups[self.number]
+            self._check_blocks(group)
             found = self.file._mdf._load_data(group, record_offset=begin, record_count=end - begin)
             self._read = [_copy(fragment) for fragment in found]
             self._span = (begin, end)
         return self._read
+
+    def _check_blocks(self, group: Any) -> None:
+        """Raises ConfigError where a compressed block claims more than can be read at once."""
+        if self._sound:
+            return
+        path = Path(self.file.name)
+        sizes = [block.original_size or 0 for block in group.data_blocks if getattr(block, "block_type", 0)]
+        if fault := Budget(path).chunk_fault(max(sizes, default=0)):
+            raise unusable(path, f"group {self.number} {fault}")
+        self._sound = True
 
 
 def _copy(fragment: Any) -> Any:

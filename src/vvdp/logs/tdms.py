@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import unusable
+from vvdp.base.errors import ConfigError
+from vvdp.logs.budget import damage
 from vvdp.logs.channel import Log
 from vvdp.logs.channel_readers import Leaf, Reader, Tree, evenly
 from vvdp.logs.clock import ClockChoice
@@ -34,13 +35,13 @@ def tdms_log(path: Path, choice: ClockChoice) -> Log:
             for channel in group.channels():
                 _add(tree, file, channel, _seconds(starts[channel.path], first) if channel.path in starts else 0.0)
         cut_off = file.file_status.incomplete_final_segment
-    except MemoryError:
+    except (ConfigError, MemoryError):
         raise
     except Exception as problem:  # npTDMS raises many unrelated types on damaged files
-        raise unusable(path, f"cannot be read as TDMS, the file is damaged ({problem})") from None
+        raise damage(path, "the TDMS file", problem, "npTDMS") from None
     if cut_off:
         tree.remarks.append("the last segment is incomplete; what it holds is read")
-    return tree.log(file)
+    return tree.log(file, "npTDMS")
 
 
 def _add(tree: Tree, file: Any, channel: Any, shift: float) -> None:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import WriteError
-from vvdp.logs import estimate_result
-from vvdp.logs.estimate_result import Store
+from vvdp.offline import estimate_result
+from vvdp.offline.estimate_result import Store
 
 NAMED = {"time": ("s", "time"), "speed": ("rad/s", "spool speed")}
 ROWS = 40_000

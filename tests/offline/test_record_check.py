@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vvdp.logs import record_check
 from vvdp.logs.channel import Portion
-from vvdp.logs.record_check import Inspection, findings, pieces
 from vvdp.logs.source import open_log
+from vvdp.offline import record_check
+from vvdp.offline.record_check import Inspection, findings, pieces
 
 
 def inspected(times, values, cuts=()):

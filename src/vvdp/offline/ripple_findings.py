@@ -6,9 +6,9 @@ import numpy as np
 
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import SPEED
-from vvdp.logs.config import Estimation
-from vvdp.logs.noise_fit import Explained, fitted_filter
-from vvdp.logs.turn_pattern import SpeedRipple, is_whole
+from vvdp.offline.config import Estimation
+from vvdp.offline.noise_fit import Explained, fitted_filter
+from vvdp.offline.turn_pattern import SpeedRipple, is_whole
 from vvdp.results.result import Finding, Grade
 
 SURE = 3.0

@@ -6,8 +6,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.logs.edges import rank_filter
 from vvdp.numerics.kalman import AngleSpeed, predict
+from vvdp.offline.edges import rank_filter
 from vvdp.sensing.wheel import TURN
 
 BRIDGED_EDGES = 3.0

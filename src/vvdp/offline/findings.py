@@ -9,11 +9,11 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import ANGLE, SPEED
 from vvdp.estimation.commensurate import commensurate_warning, hidden_angle
-from vvdp.logs.bridging import bridged_time
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import is_time_name
-from vvdp.logs.config import Estimation, Stamps
-from vvdp.logs.diagnostics import (
+from vvdp.offline.bridging import bridged_time
+from vvdp.offline.config import Estimation, Stamps
+from vvdp.offline.diagnostics import (
     beside_alternation,
     in_step,
     numbers_in_doubt,
@@ -22,12 +22,12 @@ from vvdp.logs.diagnostics import (
     threshold_is_off,
     worst_edge,
 )
-from vvdp.logs.edges import GAP, CountEdges, WaveEdges
-from vvdp.logs.guess import channels_of_edges
-from vvdp.logs.noise_fit import CLEAR, Explained
-from vvdp.logs.ripple_findings import ripple_findings
-from vvdp.logs.sums import Sums
-from vvdp.logs.wheel_findings import grave, motion_findings, warning, wheel_findings
+from vvdp.offline.edges import GAP, CountEdges, WaveEdges
+from vvdp.offline.guess import channels_of_edges
+from vvdp.offline.noise_fit import CLEAR, Explained
+from vvdp.offline.ripple_findings import ripple_findings
+from vvdp.offline.sums import Sums
+from vvdp.offline.wheel_findings import grave, motion_findings, warning, wheel_findings
 from vvdp.results.result import Finding, Grade
 from vvdp.sensing.wheel import TURN
 

@@ -9,7 +9,7 @@ from vvdp.base.kinds import PRESSURE_DIFFERENCE
 from vvdp.base.units import in_unit
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.channel import ChannelInfo
-from vvdp.logs.config import DEFAULT_SECTORS, FILTER_KINDS, Counts, Estimation, InletPressure, Stamps, Wave
+from vvdp.offline.config import DEFAULT_SECTORS, FILTER_KINDS, Counts, Estimation, InletPressure, Stamps, Wave
 from vvdp.sensing.wheel import CodeWheel, equal_wheel, sector_widths
 
 

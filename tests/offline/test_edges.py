@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vvdp.logs.config import Comparator
-from vvdp.logs.edges import CountEdges, Debounce, Edges, StampEdges, WaveEdges, join, no_edges, part, plateaus
+from vvdp.offline.config import Comparator
+from vvdp.offline.edges import CountEdges, Debounce, Edges, StampEdges, WaveEdges, join, no_edges, part, plateaus
 
 AUTOMATIC = Comparator(None, 0.25, True, False)
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import chi2, multivariate_normal
-from tests.logs.rippling import passing_times
+from tests.offline.rippling import passing_times
 
 from vvdp.estimation.event_settings import event_filter
-from vvdp.logs.noise_fit import (
+from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.offline.noise_fit import (
     Likelihood,
     LongestPieces,
     Noise,
@@ -23,8 +24,7 @@ from vvdp.logs.noise_fit import (
     speed_errors,
     time_resolution,
 )
-from vvdp.logs.turn_pattern import SpeedRipple
-from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.offline.turn_pattern import SpeedRipple
 from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
 

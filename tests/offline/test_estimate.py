@@ -7,21 +7,21 @@ import h5py
 import numpy as np
 import pytest
 from scipy.stats import chi2
-from tests.logs.records import titles
+from tests.offline.records import titles
 
-import vvdp.logs.estimate as estimating
+import vvdp.offline.estimate as estimating
 from vvdp.base.errors import ConfigError
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges
-from vvdp.logs.bridging import bridged_time
-from vvdp.logs.config import load_estimation
-from vvdp.logs.edges import Edges
-from vvdp.logs.estimate_result import ROWS_IN_CHUNK, Store
-from vvdp.logs.filter_steps import fused_step, tracked_step
-from vvdp.logs.offline_filter import OfflineFilter, Waves
 from vvdp.numerics.kalman import AngleSpeed, predict
+from vvdp.offline.bridging import bridged_time
+from vvdp.offline.config import load_estimation
+from vvdp.offline.edges import Edges
+from vvdp.offline.estimate_result import ROWS_IN_CHUNK, Store
+from vvdp.offline.filter_steps import fused_step, tracked_step
+from vvdp.offline.offline_filter import OfflineFilter, Waves
 from vvdp.results.result import Grade
 from vvdp.results.store import read_meta, read_result
 from vvdp.sensing.reading import Reading

@@ -24,11 +24,11 @@ from vvdp.base.kinds import (
     SPEED,
     Kind,
 )
-from vvdp.logs.charts import Excerpt, Figure, pressure_figure, pressure_fold, wave_figure
-from vvdp.logs.config import Counts, Estimation, Stamps, Wave, source_channels
-from vvdp.logs.speed_charts import innovation_figure, seen_stretch, speed_detail, speed_figure
-from vvdp.logs.sums import Sums
-from vvdp.logs.wheel_charts import TABLE, wheel_figure, wheel_table
+from vvdp.offline.charts import Excerpt, Figure, pressure_figure, pressure_fold, wave_figure
+from vvdp.offline.config import Counts, Estimation, Stamps, Wave, source_channels
+from vvdp.offline.speed_charts import innovation_figure, seen_stretch, speed_detail, speed_figure
+from vvdp.offline.sums import Sums
+from vvdp.offline.wheel_charts import TABLE, wheel_figure, wheel_table
 from vvdp.results.result import Badge, Finding, Grade, Listing, Number, Result, Row, Section, numbers_of
 
 SOURCES: Mapping[type, tuple[str, str]] = {

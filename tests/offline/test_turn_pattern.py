@@ -8,7 +8,7 @@ from scipy.stats import f
 
 from vvdp.estimation.ripple import displacement, place_of, ripple_start
 from vvdp.estimation.smoother import Beliefs
-from vvdp.logs.turn_pattern import EXPECTED, SpeedRipple, is_likely, is_whole, ripple_in
+from vvdp.offline.turn_pattern import EXPECTED, SpeedRipple, is_likely, is_whole, ripple_in
 from vvdp.sensing.wheel import TURN
 
 

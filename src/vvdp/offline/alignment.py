@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.logs.edges import NEIGHBOURS, Chosen, Edges, rank_filter
+from vvdp.offline.edges import NEIGHBOURS, Chosen, Edges, rank_filter
 from vvdp.sensing.wheel import TURN, CodeWheel, mirror_wheel
 
 CLEAR = 10.0

@@ -5,9 +5,9 @@ from typing import Any
 
 from vvdp.base.display import with_unit
 from vvdp.base.kinds import SPEED
-from vvdp.logs.config import Estimation, Stamps, Wave
-from vvdp.logs.hypotheses import Sectors, Verdict
-from vvdp.logs.sums import Sums
+from vvdp.offline.config import Estimation, Stamps, Wave
+from vvdp.offline.hypotheses import Sectors, Verdict
+from vvdp.offline.sums import Sums
 from vvdp.results.result import Finding, Grade
 from vvdp.sensing.wheel import TURN
 

@@ -11,8 +11,8 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import number, plain
 from vvdp.base.kinds import ANGLE, DURATION, NUMBER, PRESSURE_LEVEL, TIME, Kind
 from vvdp.logs.channel import Portion
-from vvdp.logs.edges import Edges
-from vvdp.logs.sums import ANGLES, Sums
+from vvdp.offline.edges import Edges
+from vvdp.offline.sums import ANGLES, Sums
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.sensing.wheel import TURN

@@ -6,12 +6,12 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.commensurate import Commensurate, commensurate_clock
-from vvdp.logs.config import Counts, Estimation, Stamps, Wave
-from vvdp.logs.edges import WaveEdges
-from vvdp.logs.noise_fit import CLEAR, Explained, Noise
-from vvdp.logs.ripple_findings import ripple_numbers
-from vvdp.logs.sums import Moments, Sums
 from vvdp.numerics.kalman import chance_band
+from vvdp.offline.config import Counts, Estimation, Stamps, Wave
+from vvdp.offline.edges import WaveEdges
+from vvdp.offline.noise_fit import CLEAR, Explained, Noise
+from vvdp.offline.ripple_findings import ripple_numbers
+from vvdp.offline.sums import Moments, Sums
 from vvdp.sensing.wheel import TURN, equal_wheel
 
 SURE = 4.0

@@ -16,11 +16,11 @@ from vvdp.estimation.event_memory import EventFilterMemory, event_filter_start
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.estimation.expected_edge import edge_angle_variance
 from vvdp.estimation.fusion import Fusion, FusionMemory, fusion_start
-from vvdp.logs.alignment import Alignment, edges_needed, start, wheel_as_met
-from vvdp.logs.bridging import RECENT, longest_bridged, usual_before
-from vvdp.logs.edges import Chosen, Edges, join, known_times, no_edges, part
-from vvdp.logs.filter_steps import EDGE, SPEED, STANDSTILL, replay_of
-from vvdp.logs.passages import SEEN_AFTER, SEEN_BEFORE, slow_passages
+from vvdp.offline.alignment import Alignment, edges_needed, start, wheel_as_met
+from vvdp.offline.bridging import RECENT, longest_bridged, usual_before
+from vvdp.offline.edges import Chosen, Edges, join, known_times, no_edges, part
+from vvdp.offline.filter_steps import EDGE, SPEED, STANDSTILL, replay_of
+from vvdp.offline.passages import SEEN_AFTER, SEEN_BEFORE, slow_passages
 from vvdp.sensing.wheel import TURN, edge_angle
 from vvdp.simulation.link import quiet
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
-from vvdp.logs.turn_pattern import SpeedRipple, is_likely, is_whole, ripple_in, ripple_patterns
 from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.offline.turn_pattern import SpeedRipple, is_likely, is_whole, ripple_in, ripple_patterns
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
 from vvdp.simulation.replay import Replay

@@ -10,9 +10,9 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import display_unit, number, plain, with_unit
 from vvdp.base.kinds import ANGLE, COUNT, DURATION, FREQUENCY, RATIO, SPEED, Kind
-from vvdp.logs.charts import Excerpt, Figure, data_table, short_clock
-from vvdp.logs.sums import Sums
 from vvdp.numerics.kalman import chance_band
+from vvdp.offline.charts import Excerpt, Figure, data_table, short_clock
+from vvdp.offline.sums import Sums
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Table
 from vvdp.sensing.wheel import TURN

@@ -26,15 +26,18 @@ from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.estimation.fusion import fusion
 from vvdp.estimation.pressure_edges import PressureSample, pressure_edges_start, pressure_edges_step
 from vvdp.estimation.smoother import Run, Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
-from vvdp.logs.beginning import Beginning, apply_verdict, beginning, edges_looked_at
-from vvdp.logs.bridging import LONGEST_BRIDGED
 from vvdp.logs.channel import Log, Portion
-from vvdp.logs.charts import Excerpt
 from vvdp.logs.clock import ClockChoice, seconds
-from vvdp.logs.config import Counts, Estimation, InletPressure, Stamps, Wave, source_channels
-from vvdp.logs.config_text import config_text
-from vvdp.logs.diagnostics import numbers_in_doubt, settings_of, summary
-from vvdp.logs.edges import (
+from vvdp.logs.quantity import Conversion, to_si
+from vvdp.logs.source import open_log
+from vvdp.numerics.kalman import AngleSpeed
+from vvdp.offline.beginning import Beginning, apply_verdict, beginning, edges_looked_at
+from vvdp.offline.bridging import LONGEST_BRIDGED
+from vvdp.offline.charts import Excerpt
+from vvdp.offline.config import Counts, Estimation, InletPressure, Stamps, Wave, source_channels
+from vvdp.offline.config_text import config_text
+from vvdp.offline.diagnostics import numbers_in_doubt, settings_of, summary
+from vvdp.offline.edges import (
     GAP,
     JUMPING,
     Chosen,
@@ -47,17 +50,14 @@ from vvdp.logs.edges import (
     no_edges,
     part,
 )
-from vvdp.logs.estimate_result import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Store
-from vvdp.logs.findings import findings
-from vvdp.logs.noise_fit import fitted_filter
-from vvdp.logs.offline_filter import FEWEST_EDGES, FilteredRows, OfflineFilter, Waves, no_waves
-from vvdp.logs.quantity import Conversion, to_si
-from vvdp.logs.result import Outcome, estimate_result
-from vvdp.logs.ripple_findings import ripple_words
-from vvdp.logs.source import open_log
-from vvdp.logs.sums import Sums
-from vvdp.logs.turn_pattern import SpeedRipple
-from vvdp.numerics.kalman import AngleSpeed
+from vvdp.offline.estimate_result import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, SMOOTHED, Store
+from vvdp.offline.findings import findings
+from vvdp.offline.noise_fit import fitted_filter
+from vvdp.offline.offline_filter import FEWEST_EDGES, FilteredRows, OfflineFilter, Waves, no_waves
+from vvdp.offline.result import Outcome, estimate_result
+from vvdp.offline.ripple_findings import ripple_words
+from vvdp.offline.sums import Sums
+from vvdp.offline.turn_pattern import SpeedRipple
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
 from vvdp.sensing.wheel import TURN, sector_widths

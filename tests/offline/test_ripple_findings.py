@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from tests.logs.rippling import passing_times
+from tests.offline.rippling import passing_times
 
-from vvdp.logs.config import Option, load_estimation
-from vvdp.logs.noise_fit import Noise, Passed, fit_noise
-from vvdp.logs.ripple_findings import ripple_findings, ripple_numbers, ripple_words
-from vvdp.logs.turn_pattern import SpeedRipple
+from vvdp.offline.config import Option, load_estimation
+from vvdp.offline.noise_fit import Noise, Passed, fit_noise
+from vvdp.offline.ripple_findings import ripple_findings, ripple_numbers, ripple_words
+from vvdp.offline.turn_pattern import SpeedRipple
 
 TURN = 2.0 * np.pi
 SPEED = 155.0

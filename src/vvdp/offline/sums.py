@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.logs.alignment import Alignment
-from vvdp.logs.edges import Chosen, CountEdges, StampEdges, WaveEdges
-from vvdp.logs.hypotheses import Verdict
-from vvdp.logs.noise_fit import Explained, LongestPieces, Noise, fit_noise
-from vvdp.logs.offline_filter import FilteredRows, OfflineFilter
+from vvdp.offline.alignment import Alignment
+from vvdp.offline.edges import Chosen, CountEdges, StampEdges, WaveEdges
+from vvdp.offline.hypotheses import Verdict
+from vvdp.offline.noise_fit import Explained, LongestPieces, Noise, fit_noise
+from vvdp.offline.offline_filter import FilteredRows, OfflineFilter
 from vvdp.sensing.wheel import TURN
 
 PATTERN = 4096

@@ -5,9 +5,9 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import number
 from vvdp.base.kinds import ANGLE, COUNT, EFFICIENCY, RATIO
-from vvdp.logs.charts import Figure, data_table
-from vvdp.logs.speed_charts import PALE
-from vvdp.logs.sums import Sums
+from vvdp.offline.charts import Figure, data_table
+from vvdp.offline.speed_charts import PALE
+from vvdp.offline.sums import Sums
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.sensing.wheel import TURN, CodeWheel

@@ -12,7 +12,7 @@ from vvdp.base.tables import write_new
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.logs.channel import ChannelInfo
-from vvdp.logs.config import (
+from vvdp.offline.config import (
     Comparator,
     Counts,
     Estimation,
@@ -22,7 +22,7 @@ from vvdp.logs.config import (
     Wave,
     load_estimation,
 )
-from vvdp.logs.config_text import config_text
+from vvdp.offline.config_text import config_text
 from vvdp.sensing.wheel import equal_wheel, wheel_of_widths
 
 USUAL = Comparator(None, 0.25, True, False)

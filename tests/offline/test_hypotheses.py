@@ -4,14 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.logs.records import TURN, Motion, crossings, even_edges, titles, wave_of
+from tests.offline.records import TURN, Motion, crossings, even_edges, titles, wave_of
 
-from vvdp.logs.alignment import CLEARLY, RATHER, sectors_passed
-from vvdp.logs.edges import Edges
-from vvdp.logs.hypotheses import LOOKED_AT, TURNS, Sectors, hypotheses, judge
-from vvdp.logs.noise_fit import CLEAR
-from vvdp.logs.passages import AROUND, WINDOWS, slow_passages
-from vvdp.logs.wheel_findings import ALIAS_SAMPLES
+from vvdp.offline.alignment import CLEARLY, RATHER, sectors_passed
+from vvdp.offline.edges import Edges
+from vvdp.offline.hypotheses import LOOKED_AT, TURNS, Sectors, hypotheses, judge
+from vvdp.offline.noise_fit import CLEAR
+from vvdp.offline.passages import AROUND, WINDOWS, slow_passages
+from vvdp.offline.wheel_findings import ALIAS_SAMPLES
 from vvdp.results.result import Grade
 from vvdp.sensing.wheel import equal_wheel
 
@@ -263,7 +263,7 @@ def test_edge_times_in_ticks_are_taken_for_what_they_are(estimated):
 
 @pytest.mark.parametrize(("tick", "seen"), [(1e-3, 1e-3), (5e-4, 5e-4), (2e-3, 2e-3), (1e-9, 0.0)])
 def test_the_tick_is_the_common_measure_of_the_times(tick, seen):
-    from vvdp.logs.beginning import clock_tick
+    from vvdp.offline.beginning import clock_tick
 
     times, _ = crossings(steady(151.3, 2.0), even_edges(8))
     assert clock_tick(np.round(times / tick) * tick, 5e-3) == pytest.approx(seen, rel=1e-9)
@@ -305,7 +305,7 @@ def test_without_an_index_a_slow_passage_is_said(estimated):
 
 @pytest.mark.parametrize("portion", [1_000_000, 700])
 def test_a_reversal_does_not_depend_on_the_portions(estimated, monkeypatch, portion):
-    import vvdp.logs.estimate as estimating
+    import vvdp.offline.estimate as estimating
 
     monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
     motion, edges = reversing(index=True)

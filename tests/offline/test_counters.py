@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from tests.logs.records import TURN, Motion, counted, even_edges
+from tests.offline.records import TURN, Motion, counted, even_edges
 
 from vvdp.base.errors import ConfigError
-from vvdp.logs.alignment import first_speed
-from vvdp.logs.edges import CountEdges
+from vvdp.offline.alignment import first_speed
+from vvdp.offline.edges import CountEdges
 
 
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

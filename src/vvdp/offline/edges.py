@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vvdp.base.arrays import Array
-from vvdp.logs.config import Comparator
+from vvdp.offline.config import Comparator
 
 GAP = 3.5
 """A sampling interval of so many usual ones is a gap: an edge in it is not placed."""

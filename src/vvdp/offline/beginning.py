@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.logs.alignment import VAGUE, usual_steps
-from vvdp.logs.config import Estimation, Stamps, Wave
-from vvdp.logs.edges import Edges, no_edges
-from vvdp.logs.hypotheses import LOOKED_AT, TURNS, Verdict, judge
-from vvdp.logs.noise_fit import time_resolution
+from vvdp.offline.alignment import VAGUE, usual_steps
+from vvdp.offline.config import Estimation, Stamps, Wave
+from vvdp.offline.edges import Edges, no_edges
+from vvdp.offline.hypotheses import LOOKED_AT, TURNS, Verdict, judge
+from vvdp.offline.noise_fit import time_resolution
 from vvdp.sensing.wheel import CodeWheel
 
 STRETCHES = 3

@@ -11,9 +11,9 @@ from vvdp.base.kinds import PRESSURE_LEVEL
 from vvdp.base.units import line_to_si
 from vvdp.logs.channel import ChannelInfo, Log
 from vvdp.logs.clock import is_time_name, is_time_unit
-from vvdp.logs.config import Option
-from vvdp.logs.edges import plateaus
 from vvdp.logs.source import open_log
+from vvdp.offline.config import Option
+from vvdp.offline.edges import plateaus
 
 LOOKED_AT = 100_000
 """Samples of each channel that are looked at."""

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.logs.alignment import CLEARLY, sectors_passed, usual_steps
-from vvdp.logs.edges import Edges, part
-from vvdp.logs.noise_fit import CLEAR, MOST_PLACES, Likelihood, Noise, Passed, fit
+from vvdp.offline.alignment import CLEARLY, sectors_passed, usual_steps
+from vvdp.offline.edges import Edges, part
+from vvdp.offline.noise_fit import CLEAR, MOST_PLACES, Likelihood, Noise, Passed, fit
 from vvdp.sensing.wheel import TURN, CodeWheel, equal_wheel
 
 TURNS = 16
