@@ -11,7 +11,7 @@ from pathlib import Path
 
 from vvdp.base.errors import ConfigError, unusable
 
-MOST_NODES = 20_000
+MOST_NODES = 10_000
 """Channels, groups and structs."""
 DEEPEST = 30
 LARGEST_CHUNK = 256 << 20

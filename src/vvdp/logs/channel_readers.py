@@ -134,12 +134,10 @@ class Tree:
         if fault := self.budget.content_fault(8.0 * leaf.samples):
             self.refuse(leaf.path, fault)
             return
-        self.budget.count()
         self.leaves[leaf.path] = leaf
 
     def refuse(self, path: tuple[str, ...], why: str) -> None:
         """Notes what cannot be a channel."""
-        self.budget.count()
         self.unreadable[path] = why
 
     def name(self, path: tuple[str, ...]) -> str:

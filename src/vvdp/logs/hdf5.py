@@ -49,10 +49,10 @@ def _walk(tree: Tree, path: tuple[str, ...], group: Any) -> None:
     if fault := tree.budget.enter(group.id):
         tree.refuse(path, fault)
         return
+    tree.budget.count(len(group))
     for name in group:
         own, item = (*path, name), own_item(group, name)
         if isinstance(item, h5py.Group):
-            tree.budget.count()
             _walk(tree, own, item)
         elif isinstance(item, h5py.Dataset):
             _add(tree, own, item)

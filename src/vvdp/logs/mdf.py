@@ -4,6 +4,7 @@ Samples that the file marks as invalid are NaN.
 """
 
 import gc
+import logging
 import sys
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ def mdf_log(path: Path, choice: ClockChoice) -> Log:
         labels = unique([_label(number, group) for number, group in enumerate(file.groups)])
         for number, group in enumerate(file.groups):
             master, records = file.masters_db.get(number), _Records(file, number)
+            tree.budget.count(len(group.channels))
             names = unique([channel.name for channel in group.channels])
             for index, channel in enumerate(group.channels):
                 if index != master:
@@ -51,6 +53,7 @@ def _library() -> str:
 def _open_mdf(path: Path) -> Any:
     import asammdf
 
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # what matters of it is raised as well
     # An object of asammdf that failed to open a file fails again when it is disposed of, and says so on the terminal.
     usual, sys.unraisablehook = sys.unraisablehook, _unheard
     said = ""

@@ -78,6 +78,8 @@ FITTED_AT_ONCE = 100_000
 EXCERPT_TURNS = 3
 LARGEST_EXCERPT = 20_000
 SMOOTHED_EDGES = 50_000
+MOST_BACKWARD = 1000
+"""A clock that goes back more often is none."""
 FORGOTTEN = 1e-4
 """Edges count for a smoothed instant until their share has fallen to this."""
 
@@ -469,12 +471,21 @@ class _Run:
             return
         steps = np.diff(np.concatenate([[self.sums.end if np.isfinite(self.sums.end) else times[0]], times]))
         back = np.flatnonzero(steps < 0.0)
+        self._refuse_backward(back.size)
         for i, (first, last) in enumerate(zip([0, *back], [*back, times.size], strict=True)):
             if i:
                 self.sums.backward += 1
                 self._close_clock()
             if last > first:
                 self._take_stretch(times[first:last], values[first:last])
+
+    def _refuse_backward(self, more: int) -> None:
+        """Raises ConfigError where the time goes back so often that it is no clock."""
+        if self.sums.backward + more > MOST_BACKWARD:
+            channel = self.wanted.source.channel
+            named = f"edge times {channel!r} do" if isinstance(self.wanted.source, Stamps) else "clock does"
+            problem = f"the {named} not run forward, more than {MOST_BACKWARD} times; is it the right column?"
+            raise unusable(self.log.path, problem)
 
     def _watch_clock(self, times: Array) -> None:
         """Gaps between samples, whatever their values."""
@@ -521,6 +532,7 @@ class _Run:
         """Times of edges cut where they go back: a column of several records, one below the other."""
         before = self.sums.end if np.isfinite(self.sums.end) else -np.inf
         back = np.flatnonzero(np.diff(np.concatenate([[before], found.times])) < 0.0)
+        self._refuse_backward(back.size)
         self.sums.backward += back.size
         for first, last in zip([0, *back], [*back, found.times.size], strict=True):
             yield Edges(*(column[first:last] for column in found))
