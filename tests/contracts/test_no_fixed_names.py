@@ -26,6 +26,7 @@ PACKAGES = (
     "export",
     "geometry",
     "logs",
+    "offline",
     "report",
     "cli",
 )
