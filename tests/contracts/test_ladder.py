@@ -18,7 +18,7 @@ RUNGS = [
     {"systems"},
     {"runs", "studies"},
     {"steady"},
-    {"rigs", "design", "cfd", "logs", "comparison", "export"},
+    {"rigs", "design", "cfd", "logs", "comparison", "export", "fitting"},
     {"report", "reproduction"},
     {"api"},
     {"cli"},
