@@ -18,7 +18,7 @@ RUNGS = [
     {"systems"},
     {"runs", "studies"},
     {"steady"},
-    {"rigs", "design", "cfd", "offline", "comparison", "export"},
+    {"rigs", "design", "cfd", "offline", "comparison", "export", "fitting"},
     {"report", "reproduction"},
     {"api"},
     {"cli"},

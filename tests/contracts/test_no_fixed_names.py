@@ -24,6 +24,7 @@ PACKAGES = (
     "cfd",
     "comparison",
     "export",
+    "fitting",
     "geometry",
     "logs",
     "offline",

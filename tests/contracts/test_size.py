@@ -125,6 +125,7 @@ ALLOWED = {
     "cli.design.temperature": VERB,
     "cli.design.tolerance": VERB,
     "cli.estimate.estimate": VERB,
+    "cli.fit.fit": VERB,
     "cli.geometry.geometry": VERB,
     "cli.observability.observability": VERB,
     "cli.map.map": VERB,

@@ -19,10 +19,10 @@ from vvdp.base.kinds import (
     SIGNED_PRESSURE,
     Kind,
 )
-from vvdp.cfd.fits import DropLaws, drop_laws
 from vvdp.cfd.rail import RailOrder, outlets
 from vvdp.cfd.rail_result import LEFT_OUT, LENGTHS, MANNER, Told, rail_lengths
 from vvdp.cfd.rail_study import RailRun
+from vvdp.numerics.power_laws import DropLaws, drop_laws
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.branch import turbulent_drops
