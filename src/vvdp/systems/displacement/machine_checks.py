@@ -77,8 +77,8 @@ def refuse_precharge(working_pressure: float, line: Vessel, tank_pressure: float
     precharge = line.precharge_pressure - tank_pressure
     if line.gas_volume > 0.0 and precharge >= working_pressure:
         raise ParameterError(
-            f"line.precharge_pressure: {precharge / 1e5:.4g} bar; the line works at {working_pressure / 1e5:.4g} bar at "
-            "most, at which no oil would enter the accumulator"
+            f"line.precharge_pressure: {precharge / 1e5:.4g} bar; the line works at {working_pressure / 1e5:.4g} bar "
+            "at most, at which no oil would enter the accumulator"
         )
 
 
