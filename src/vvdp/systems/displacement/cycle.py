@@ -110,6 +110,12 @@ def points_of(cycle: Triangle | OwnCycle) -> Points:
     )
 
 
+def fastest(cycle: Triangle | OwnCycle) -> float:
+    """The highest speed that a cycle asks for, before any filter [m/s]."""
+    points = points_of(cycle)
+    return float(np.max(np.abs(np.diff(points.positions) / np.diff(points.times))))
+
+
 def cycle_position(time: float, points: Points) -> float:
     """The position that a cycle asks for [m], before any filter.
 

@@ -27,7 +27,7 @@ from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, Gero
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.pump_motor import PumpMotor
 from vvdp.hydraulics.relief_valve import ReliefValve
-from vvdp.hydraulics.rod import EndStop, Spring, Weight
+from vvdp.hydraulics.rod import EndStop, Spring, Weight, weight_force
 from vvdp.hydraulics.seat_valve import SeatValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
@@ -39,9 +39,16 @@ from vvdp.systems.axial_sensor import AxialSensorTable
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.chamber_loop import PassiveLoop
-from vvdp.systems.displacement.cycle import OwnCycle, Triangle
+from vvdp.systems.displacement.cycle import OwnCycle, Triangle, fastest, refuse_fast_points
 from vvdp.systems.displacement.flow_table import flow_map_of, valve_condition
 from vvdp.systems.displacement.machine import displacement_control, displacement_control_gerotor
+from vvdp.systems.displacement.machine_checks import (
+    CylinderDuty,
+    WorkingPressures,
+    refuse_load,
+    refuse_precharge,
+    working_pressures,
+)
 from vvdp.systems.displacement.machine_control import (
     CylinderGeometry,
     CylinderSensors,
@@ -143,6 +150,7 @@ def spring_machine(
         sequence=axial_sequence,
         helix_length=valve.helix_length,
         wanted=constant(spool.highest_position),
+        asked_by="pilot.supply_pressure",
     )
     inner = chamber_loop(control, drive, pilot)
     assert isinstance(inner, PassiveLoop)
@@ -248,8 +256,34 @@ def _add_outer(net: Network, tables: Mapping[str, Any], spool: SpoolRange, paths
     geometry = CylinderGeometry(cylinder.area_a, cylinder.area_b, stops.lower_end, stops.upper_end)
     outer = MachineTables(**{field.name: given[field.name] for field in fields(MachineTables)})
     tank = tables["operation"].tank_pressure.extremes[1]
+    check_demands(tables, tank)
     loop = machine_loop(outer, geometry, spool, believed_map(tables), tank)
     add_outer_loop(net, loop, tables["cylinder_sensors"], paths)
+
+
+def check_demands(tables: Mapping[str, Any], tank_pressure: float) -> None:
+    """Raises ParameterError where the cycle is faster than the pump, the load takes more than the relief valve allows
+    with the return fully open, or the accumulator is charged above all pressures at which the line is to work.
+
+    tank_pressure  absolute [Pa]
+    """
+    cylinder = tables["cylinder"]
+    flow = tables["pump"].displacement * tables["operation"].pump_speed.extremes[1]
+    refuse_fast_points(tables["cycle"], flow / max(cylinder.area_a, cylinder.area_b))
+    least, greatest = tables["operation"].load_force.extremes
+    if tables["weight"] is not None:
+        pull = weight_force(tables["weight"])
+        least, greatest = least + pull, greatest + pull
+    speed = fastest(tables["cycle"])
+
+    def pressures(opening: float) -> WorkingPressures:
+        duty = CylinderDuty(least, greatest, speed, opening)
+        return working_pressures(duty, cylinder, tables["cylinder_friction"], tables["directional_valve"])
+
+    refuse_load(pressures(1.0), tables["relief_valve"], tank_pressure)
+    support = tables["supply_support"]
+    supported = support.support_pressure - tank_pressure if support.support_conductance > 0.0 else 0.0
+    refuse_precharge(max(*pressures(tables["flow_split"].mean_opening), supported), tables["line"], tank_pressure)
 
 
 def believed_map(tables: Mapping[str, Any]) -> FlowMap:
