@@ -186,8 +186,8 @@ def circuits(
     """
     from vvdp.comparison.circuit_result import circuit_result, screen_tables
     from vvdp.comparison.circuit_trials import compare_circuits
-    from vvdp.comparison.circuits import CIRCUITS
-    from vvdp.comparison.duties import known_cylinder, read_duty, shipped_duties
+    from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
+    from vvdp.systems.displacement.rival_circuits import CIRCUITS
 
     moved = known_cylinder()
     given = [read_duty(path, *moved) for path in own or ()]
@@ -238,7 +238,7 @@ def _carry_out(contest: _Contest, directory: Path, *, force: bool, json: bool, n
         shown = result
     show_result(shown, directory, json=json, reported=reported, names=(contest.contenders,))
     if not found.finished:
-        say(f"interrupted after {found.runs} of {found.asked} runs; these were written")
+        say(f"interrupted after {found.runs} of {found.all_runs} runs; these were written")
         raise typer.Exit(INTERRUPTED)
 
 

@@ -17,12 +17,13 @@ from vvdp.base.kinds import (
     POSITION,
     Kind,
 )
-from vvdp.comparison.circuit_trials import CircuitComparison, CircuitScore
-from vvdp.comparison.circuits import SINKS
-from vvdp.comparison.duties import Duty
+from vvdp.comparison.circuit_trials import CircuitComparison
 from vvdp.results.chart import Bars, Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Number, Result, Section, Table
 from vvdp.simulation.balance import LIMIT
+from vvdp.systems.displacement.duties import Duty
+from vvdp.systems.displacement.rival_account import CircuitScore
+from vvdp.systems.displacement.rival_circuits import SINKS
 
 MARGIN = 2e5
 """By how much a low side may fall below what holds it [Pa]."""
@@ -191,38 +192,32 @@ def _charts(found: CircuitComparison, scores: Table) -> Iterator[Chart]:
     for name, duty in found.duties.items():
         rows = tuple(np.flatnonzero((scores["cycle"] == name) & np.isfinite(scores["power_drawn_W"])).tolist())
         if rows:
-            yield _power_chart(name, duty, scores, rows)
+            yield from _power_charts(name, duty, scores, rows)
             yield _error_chart(name, duty, [str(scores["circuit"][row]) for row in rows])
 
 
-def _power_chart(name: str, duty: Duty, scores: Table, rows: tuple[int, ...]) -> Chart:
+def _power_charts(name: str, duty: Duty, scores: Table, rows: tuple[int, ...]) -> Iterator[Chart]:
     """Where the power went, a bar for each circuit: what is useful first, then every loss; in watts, and in shares."""
     used = [key for key in PARTS if np.any(np.asarray(scores[key], float)[list(rows)] > 0.0)]
-    colours = tuple(colour for key, colour in zip(PARTS, COLOURS, strict=True) if key in used)
     watts = Bars(
         names="circuit",
         values=tuple(used),
         labels=tuple(PARTS[key] for key in used),
-        colours=colours,
+        colours=tuple(colour for key, colour in zip(PARTS, COLOURS, strict=True) if key in used),
         texts="account",
         label="mean power",
         rows=rows,
         stacked=True,
     )
-    shares = replace(
-        watts,
-        values=tuple(map(_share_key, used)),
-        labels=("",) * len(used),
-        table="shares",
-        label="share",
-        texts="total",
-    )
+    shares = replace(watts, values=tuple(map(_share_key, used)), label="share of what came in", texts="sum")
+    height = 1.3 + 0.26 * len(rows)
     caption = (
-        f"Where the power goes on {name} ({duty.load}), means over a round, in watts and as shares of what came in. "
-        "Behind a bar stands where what it holds came from: the drives of the pumps, and the load while it overruns."
+        f"Where the power goes on {name} ({duty.load}), means over a round. Behind a bar stands where what it holds "
+        "came from: the drives of the pumps, and the load while it overruns."
     )
-    height = 1.6 + 0.5 * len(rows)
-    return Chart(name=f"powers-{name}", caption=caption, table="comparison", panels=(watts, shares), height=height)
+    yield Chart(name=f"powers-{name}", caption=caption, table="comparison", panels=(watts,), height=height)
+    caption = f"The same on {name} ({duty.load}) as shares of all that came in."
+    yield Chart(name=f"shares-{name}", caption=caption, table="shares", panels=(shares,), height=height)
 
 
 def _share_key(key: str) -> str:
@@ -268,7 +263,7 @@ def _error_chart(name: str, duty: Duty, circuits: list[str]) -> Chart:
 
 def _findings(found: CircuitComparison) -> Iterator[Finding]:
     if not found.finished:
-        text = f"{found.runs} of {found.asked} runs were made."
+        text = f"{found.runs} of {found.all_runs} runs were made."
         yield Finding(text=text, grade=Grade.WARNING, title="Not all runs were made")
     for run in found.found:
         yield from _warnings(f"{run.circuit} on {run.duty}", run.score, run.failure)

@@ -72,7 +72,7 @@ class Contest:
         return sum(played.runs for played in self.scenarios.values())
 
     @property
-    def asked(self) -> int:
+    def all_runs(self) -> int:
         """How many were asked for."""
         return self.seeds * len(self.scenarios)
 

@@ -120,12 +120,7 @@ def _named_rows(panel: Panel, table: Table) -> int:
     """Rows that the names of lines and bars take above a panel."""
     if isinstance(panel, Lines):
         return -(-len(_names(panel, table)) // 4)
-    return -(-len(panel.values) // BESIDE) if isinstance(panel, Bars) and panel.stacked and _is_named(panel) else 1
-
-
-def _is_named(panel: Bars) -> bool:
-    """Whether the bars of a panel are named above it."""
-    return len(panel.values) > 1 and (any(panel.labels) or not panel.labels)
+    return -(-len(panel.values) // BESIDE) if isinstance(panel, Bars) and panel.stacked else 1
 
 
 def _is_beside(panel: Panel) -> bool:
@@ -400,9 +395,9 @@ def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) ->
         axes.locator_params(axis="x", nbins=3)
     spec = axes.get_subplotspec()
     is_shared = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
-    if _is_named(panel) and is_shared and (spec is None or spec.is_first_col()):
+    if len(panel.values) > 1 and is_shared and (spec is None or spec.is_first_col()):
         axes.figure.legend(loc="outside upper right", ncols=2, handlelength=1.0)
-    elif _is_named(panel) and not is_shared:
+    elif len(panel.values) > 1 and not is_shared:
         above = 1.12 if panel.title else 1.0
         columns = BESIDE if panel.stacked else 2
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=columns, handlelength=1.0)

@@ -153,8 +153,8 @@ def throttle_control(
     initial: InitialCylinder,
 ) -> Network:
     """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance)
     net = rival.network(THROTTLE_LOOP, settings, "supply")
     net.values["pump_drive"] = pump_drive
@@ -184,8 +184,8 @@ def ideal_pump_control(
     initial: InitialCylinder,
 ) -> Network:
     """An ideal variable pump that gives flow one way, a directional valve for the sign, a throttle in the return."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(variable_pump.largest_flow, directional_valve.return_conductance)
     net = rival.network(ONE_WAY_LOOP, settings, "supply")
     net.volume("supply", supply_line, start="initial.supply_pressure")
@@ -217,8 +217,8 @@ def shuttle_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side a commanded 3/2 valve joins to a charge line, after wang2017, fig. 1.6."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
     for side in "ab":
@@ -255,8 +255,8 @@ def pilot_check_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side pilot-operated check valves join to a charge line, after wang2017, fig. 1.7."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
     for side, other in ("ab", "ba"):
@@ -285,8 +285,8 @@ def four_valve_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """An open circuit: a pump that also motors, and four 2-way valves about the cylinder, after wang2017, fig. 1.8."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(OPEN_LOOP, rival.settings(variable_pump.largest_flow), "supply", reservoir.pressure)
     net.values["reservoir"] = reservoir
     net.volume("supply", supply_line, start="initial.supply_pressure")
@@ -314,6 +314,20 @@ def load_side(side: float) -> float:
 def far_side(side: float) -> float:
     """How far the valves that belong to chamber B's carrying the load are open [1], for a `side` from -1 to 1."""
     return clip(-side, 0.0, 1.0)
+
+
+def _loaded(
+    cylinder: Cylinder, chambers: tuple[Vessel, Vessel], load: Load, friction: RodFriction, stops: EndStop
+) -> LoadedCylinder:
+    """A cylinder between its two chambers, with what it moves."""
+    return LoadedCylinder(
+        cylinder=cylinder,
+        chamber_a=chambers[0],
+        chamber_b=chambers[1],
+        load=load,
+        friction=friction,
+        end_stops=stops,
+    )
 
 
 def _add_variable_pump(net: Network, pump: VariablePump, inlet: str, outlet: str) -> None:
