@@ -40,6 +40,7 @@ from vvdp.control.displacement import (
 )
 from vvdp.control.flow_gain import FlowBalance, FlowGain, FlowGainMemory, flow_gain_start, flow_gain_step
 from vvdp.control.flow_map import FlowMap, duty_for_flow, flow_for_duty
+from vvdp.control.flow_split import SplitMemory
 from vvdp.control.pressure_modes import PressureMode
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.estimation.load_observer import LoadMemory, LoadObserver, load_observer_start, load_observer_step
@@ -194,11 +195,12 @@ def machine_start(settings: MachineLoop) -> MachineMemory:
 
 
 def law_start(settings: MachineLoop) -> DisplacementMemory:
-    """The memory of the laws before control, the directional valve about to open the way of the cycle's first move."""
+    """The memory of the laws before control, the directional valve about to open the way of the cycle's first move,
+    and the pump giving what the line was charged with."""
     start = displacement_start(settings.law)
     return DisplacementMemory(
         direction=DirectionMemory(settings.first_direction, LONG),
-        split=start.split,
+        split=SplitMemory(settings.sequence.precharge_flow, start.split.variance),
         adaptation=start.adaptation,
         saturated=start.saturated,
     )

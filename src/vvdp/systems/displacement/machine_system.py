@@ -60,8 +60,10 @@ from vvdp.systems.displacement.machine_control import (
     add_outer_loop,
     machine_loop,
 )
+from vvdp.systems.displacement.machine_extras import GerotorMachine, SpringMachine
 from vvdp.systems.displacement.machine_loop import SpoolRange
 from vvdp.systems.displacement.machine_tables import InitialGerotorMachine, InitialSpringMachine, MachineOperation
+from vvdp.systems.displacement.machine_tally import add_machine_tally
 from vvdp.systems.displacement.stages import MachineSequence
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, control_values, periodic_observer
 from vvdp.systems.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
@@ -157,6 +159,8 @@ def spring_machine(
     paths = _paths("slide.position", "pilot_chamber.pressure")
     _add_outer(net, tables, spool, paths)
     add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    add_machine_tally(net, paths, operation.tank_pressure.extremes[1])
+    net.extras = SpringMachine
     return net
 
 
@@ -229,6 +233,8 @@ def gerotor_machine(
     paths = _paths("gerotor.position")
     _add_outer(net, tables, spool, paths)
     add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    add_machine_tally(net, paths, operation.tank_pressure.extremes[1])
+    net.extras = GerotorMachine
     return net
 
 
