@@ -206,7 +206,10 @@ def _fields(line: str, delimiter: str) -> list[str]:
     if not delimiter:
         return line.split()
     if '"' in line:
-        return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+        try:
+            return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+        except csv.Error:  # a field that is too long, or a NUL
+            return [line]
     return [field.strip() for field in line.split(delimiter)]
 
 

@@ -37,7 +37,7 @@ from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.axial_loop import PROGRAM as AXIAL
 from vvdp.systems.axial_loop import UNKNOWN
 from vvdp.systems.chamber_loop import PassiveLoop, WatchedLoop, watched_start
-from vvdp.systems.displacement.cycle import OwnCycle, Triangle, points_of, refuse_fast_points
+from vvdp.systems.displacement.cycle import OwnCycle, Triangle, first_direction, points_of, refuse_fast_points
 from vvdp.systems.displacement.inner_loop import LedGerotorPlace, LedPlace, led_gerotor_step, led_step
 from vvdp.systems.displacement.machine_loop import (
     IDLE,
@@ -197,6 +197,7 @@ def machine_loop(
         gain=tables.flow_gain,
         spool=spool,
         load_force=tables.belief.load_force,
+        first_direction=first_direction(tables.cycle),
     )
 
 

@@ -28,6 +28,7 @@ from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.control.capacities import CircuitPressures, capacities, oil_force
 from vvdp.control.cylinder_force import ForceRate
+from vvdp.control.direction import LONG, DirectionMemory
 from vvdp.control.displacement import (
     CylinderSeen,
     DisplacementDemand,
@@ -87,7 +88,7 @@ class SpoolRange(Params):
 class MachineLoop(Params):
     """What the program works with: laws, beliefs, what is followed, and how it starts and stops.
 
-    `load_force` is the load as expected before it is estimated.
+    `load_force` is the load as expected before it is estimated, `first_direction` that of the cycle's first move.
     """
 
     law: DisplacementSettings
@@ -99,6 +100,7 @@ class MachineLoop(Params):
     gain: FlowGain
     spool: SpoolRange
     load_force: Force
+    first_direction: SignedFraction
 
 
 class MachineMemory(NamedTuple):
@@ -185,21 +187,33 @@ def machine_start(settings: MachineLoop) -> MachineMemory:
         wanted=lowest,
         observer=load_observer_start(lowest, settings.load_force),
         averages=average_start(3),
-        law=displacement_start(settings.law),
+        law=law_start(settings),
         gain=flow_gain_start(),
         direction=0.0,
     )
 
 
-def progress_of(place: MachinePlace, spool: SpoolRange) -> Progress:
-    """What the sequence is told."""
+def law_start(settings: MachineLoop) -> DisplacementMemory:
+    """The memory of the laws before control, the directional valve about to open the way of the cycle's first move."""
+    start = displacement_start(settings.law)
+    return DisplacementMemory(
+        direction=DirectionMemory(settings.first_direction, LONG),
+        split=start.split,
+        adaptation=start.adaptation,
+        saturated=start.saturated,
+    )
+
+
+def progress_of(place: MachinePlace, settings: MachineLoop) -> Progress:
+    """What the sequence is told; the chamber that is filled first is that of the cycle's first move."""
+    supply = place.pressure_a if settings.first_direction > 0.0 else place.pressure_b
     return Progress(
         homed=1.0 if place.spool_stage > AT_HOME else 0.0,
         known=place.spool_known,
         learned=1.0 if place.spool_stage >= FOLLOWS else 0.0,
         line_pressure=place.line_pressure,
-        supply=place.pressure_a,
-        above_stop=place.spool_position - spool.rest_position,
+        supply=supply,
+        above_stop=place.spool_position - settings.spool.rest_position,
     )
 
 
@@ -231,7 +245,7 @@ class MachineView(NamedTuple):
 
 def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLoop) -> MachineView:
     """What is known after a sample: phase, reference, motion and load, raw and averaged pressures."""
-    phase = next_phase(memory.phase, place.time, progress_of(place, settings.spool), settings.sequence)
+    phase = next_phase(memory.phase, place.time, progress_of(place, settings), settings.sequence)
     wanted, reference = next_followed(memory, phase, place, settings)
     fast = CircuitPressures(place.pressure_a, place.pressure_b, place.line_pressure)
     observer = load_observer_step(
@@ -264,7 +278,7 @@ def controlled_demand(
     """What the laws ask for while the cylinder is controlled; else valves closed, and no flow."""
     if orders_of(view.phase.number).controlled > 0.0:
         return displacement_step(memory.law, view.seen, view.reference, settings.law)
-    return displacement_start(settings.law), idle_demand()
+    return law_start(settings), idle_demand()
 
 
 def learned_gain(memory: MachineMemory, view: MachineView, direction: float, settings: MachineLoop) -> FlowGainMemory:

@@ -1,7 +1,7 @@
 """The whole machine with its control: what system files name as their circuit; their tables are the arguments."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from inspect import signature
 from typing import Any
 
@@ -19,7 +19,7 @@ from vvdp.control.passivity import PassivityGains
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.control.reference import ReferenceFilter
 from vvdp.estimation.event_settings import EventFilterValues
-from vvdp.fluid.oil import Oil
+from vvdp.fluid.oil import Oil, density
 from vvdp.hydraulics.check_valve import CheckPoppet
 from vvdp.hydraulics.cylinder import Cylinder, Plunger
 from vvdp.hydraulics.friction import RodFriction
@@ -40,6 +40,7 @@ from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.chamber_loop import PassiveLoop
 from vvdp.systems.displacement.cycle import OwnCycle, Triangle
+from vvdp.systems.displacement.flow_table import flow_map_of, valve_condition
 from vvdp.systems.displacement.machine import displacement_control, displacement_control_gerotor
 from vvdp.systems.displacement.machine_control import (
     CylinderGeometry,
@@ -253,26 +254,13 @@ def _add_outer(net: Network, tables: Mapping[str, Any], spool: SpoolRange, paths
 
 def believed_map(tables: Mapping[str, Any]) -> FlowMap:
     """The flow map of the valve, with the relief valve as it is believed to be set."""
-    import numpy as np
-
-    from vvdp.valve.condition import Condition
-    from vvdp.valve.flow_map import quasi_steady_mean
-
-    pump, relief = tables["pump"], tables["relief_valve"]
-    duties = [-0.3, 0.0, 0.03, 0.05, 0.075, 0.1, 0.12, 0.15, 0.175, 0.2, 0.25, 0.3, 0.5, 0.7, 0.9, 1.0, 1.1, 1.3]
-    pressures = np.array([0.0, 5.0, 10.0, 20.0, 45.0]) * 1e5 + 101325.0
-    flows = []
-    for P in pressures:
-        for d in duties:
-            at = Condition(
-                flow=pump.displacement * tables["operation"].pump_speed.base,
-                load_pressure=float(P),
-                relief_pressure=tables["belief"].relief_pressure,
-                tank_pressure=101325.0,
-                density=862.0,
-                relief_override=relief.override_pressure,
-                relief_rated_flow=relief.rated_flow,
-                pump_leakage=pump.leakage_conductance,
-            )
-            flows.append(quasi_steady_mean(d, at, tables["valve"]).load_flow)
-    return FlowMap(duties=tuple(duties), pressures=tuple(pressures), flows=tuple(flows))
+    pump, operation = tables["pump"], tables["operation"]
+    relief = replace(tables["relief_valve"], cracking_pressure=tables["belief"].relief_pressure)
+    at = valve_condition(
+        pump.displacement * operation.pump_speed.base,
+        density(operation.oil_temperature.base, tables["oil"]),
+        operation.tank_pressure.base,
+        pump,
+        relief,
+    )
+    return flow_map_of(tables["valve"], at)

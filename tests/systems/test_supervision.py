@@ -1,0 +1,143 @@
+"""What watches the whole machine, on signals made by hand: nothing is told of a healthy one, each fault by its name."""
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.signal import constant
+from vvdp.control.capacities import CircuitPressures, CylinderModel, SupplyLine
+from vvdp.control.supervision import alarm_start, alarm_step, repeat_start, repeat_step
+from vvdp.systems.displacement.supervision import (
+    WATCHED,
+    MachineSight,
+    Supervised,
+    Supervision,
+    pressure_differences,
+    supervise,
+    supervision_start,
+)
+
+ATM, H = 101325.0, 1e-3
+LIMITS = Supervision(
+    position_margin=5e-3, lowest_pressure=0.5e5, highest_pressure=150e5, repeats=20.0, position_jump=1e-3,
+    line_difference=2e5, return_difference=3e5, return_share=0.3, settle_time=0.2, averaging_time=0.03,
+    optical_difference=0.5e-3, spool_error=3e-3, lowest_spool_speed=40.0, lowest_pump_share=0.95,
+    brief_time=2.5e-3, patience=0.03,
+)  # fmt: skip
+LINE = SupplyLine(oil_volume=4e-4, hose_compliance=3e-10, gas_volume=5e-5, precharge_pressure=5e5, gas_exponent=1.3)
+CYLINDER = CylinderModel(
+    area_a=20.26e-4, area_b=10.77e-4, oil_volume_a=6e-4, oil_volume_b=8e-4, lowest_position=0.0, highest_position=0.3,
+    moving_mass=100.0, viscous_friction=2000.0, bulk_modulus=7e8, line=LINE, return_conductance=1.2e-7,
+    tank_pressure=ATM,
+)  # fmt: skip
+SETTINGS = Supervised(limits=LIMITS, cylinder=CYLINDER, pump_speed=constant(188.5), sample_period=H)
+BACK = 3.67e5
+"""(10.77e-4 m2 * 0.054 m/s / (1.2e-7 * 0.8))^2 [Pa]."""
+
+
+def sight(t, rng, **changes):
+    """A healthy sample while the cylinder extends at 54 mm/s, its pressures with 0.2 bar of noise."""
+    x, (a, b, line) = 0.1 + 0.054 * (t % 2.0), ATM + np.array([9e5, BACK, 9.1e5])
+    noise = 0.2e5 * rng.standard_normal(3)
+    spool = 4.2e-3 + 20e-6 * rng.standard_normal()
+    values = {
+        "time": t, "watched": 1.0, "position": x + 1e-5 * rng.standard_normal(), "expected": x, "velocity": 0.054,
+        "fast": CircuitPressures(a + noise[0], b + noise[1], line + noise[2]),
+        "slow": CircuitPressures(a, b, line), "direction": 1.0, "opening": 0.8,
+        "spool_measured": spool + 1e-3 * np.sin(150.0 * t), "spool_seen": spool, "spool_position": 4.2e-3,
+        "spool_reference": 4.2e-3, "spool_speed": 155.0, "pump_speed": 188.5,
+    }  # fmt: skip
+    return MachineSight(**(values | changes))
+
+
+def told(fault, begin=1.0, until=1.3):
+    """Name of the alarm and after how long it is told [s], with `fault(t)` from `begin` on; None without."""
+    rng, memory = np.random.default_rng(7), supervision_start()
+    for k in range(round(until / H)):
+        t = k * H
+        memory = supervise(memory, sight(t, rng, **(fault(t) if t >= begin else {})), SETTINGS)
+        if memory.alarm.alarm:
+            return WATCHED[int(memory.alarm.alarm) - 1], memory.alarm.time - begin
+    return None
+
+
+def pressures(a=9e5, b=BACK, line=9.1e5):
+    p = CircuitPressures(ATM + a, ATM + b, ATM + line)
+    return {"slow": p, "fast": p._replace(pressure_a=p.pressure_a)}
+
+
+def noisy(**slow):
+    """Averages as given; the raw readings keep their noise."""
+    return lambda t: {"slow": pressures(**slow)["slow"]}
+
+
+def test_the_return_pressure_by_hand():
+    """Q = 10.77e-4 * 0.054 = 5.82e-5 m3/s; 5.82e-5/(1.2e-7 * 0.8) = 606; squared 3.67 bar."""
+    off = pressure_differences(sight(1.0, np.random.default_rng(1)), CYLINDER)
+    assert off.expected_back == pytest.approx((10.77e-4 * 0.054 / 0.96e-7) ** 2) == pytest.approx(BACK, rel=1e-3)
+    assert off.line == pytest.approx(0.1e5) and abs(off.back) < 1e3
+
+
+def test_nothing_is_told_of_a_healthy_machine():
+    assert told(lambda t: {}, until=20.0) is None
+
+
+FAULTS = {
+    "lost position": (lambda t: {"position": -0.06}, WATCHED[0], 0.005),
+    "lost pressure": (lambda t: {"fast": CircuitPressures(0.0, 5e5 + t, 10e5 + t)}, WATCHED[1], 0.005),
+    "frozen position": (lambda t: {"position": 0.1541, "expected": 0.1541}, WATCHED[2], 0.03),
+    "frozen pressure": (lambda t: {"fast": CircuitPressures(1e6, 5e5 + t, 10e5 + t)}, WATCHED[3], 0.03),
+    "frozen light": (lambda t: {"spool_measured": 4e-3}, WATCHED[4], 0.03),
+    "biased position": (lambda t: {"expected": 0.1 + 0.054 * t - 5e-3}, WATCHED[5], 0.002),
+    "biased supply": (noisy(a=14e5), WATCHED[6], 0.1),
+    "biased return": (noisy(b=BACK + 8e5), WATCHED[7], 0.1),
+    "biased light": (lambda t: {"spool_seen": 5.2e-3}, WATCHED[8], 0.005),
+    "stuck pilot valve": (lambda t: {"spool_reference": 9e-3}, WATCHED[9], 0.04),
+    "stalled spool": (lambda t: {"spool_speed": 5.0}, WATCHED[10], 0.005),
+    "lost power": (lambda t: {"pump_speed": 188.5 * np.exp(-(t - 1.0) / 0.1)}, WATCHED[11], 0.02),
+    "no number": (lambda t: {"spool_speed": np.nan}, WATCHED[10], 0.005),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_each_fault_is_told_by_its_name_and_soon(name):
+    fault, expected, soon = FAULTS[name]
+    found, after = told(fault)
+    assert found == expected
+    assert 0.0 <= after <= soon
+
+
+def test_pressures_are_not_compared_about_a_change_of_direction():
+    """What disagrees for 0.2 s from the change on is not told; it is when it lasts."""
+    brief = told(lambda t: {"direction": -1.0, "velocity": 0.0, "slow": pressures(b=1e5)["slow"]}, until=1.19)
+    lasting = told(lambda t: {"direction": -1.0, "velocity": 0.0, "slow": pressures(b=1e5)["slow"]}, until=1.4)
+    assert brief is None and lasting is not None and lasting[0] == WATCHED[6] and 0.2 < lasting[1] < 0.26
+
+
+def test_nothing_is_watched_before_control():
+    assert told(lambda t: {"watched": 0.0, "spool_speed": 0.0, "pump_speed": 0.0, "position": np.nan}) is None
+
+
+def test_an_alarm_stays_and_keeps_its_name():
+    memory = alarm_start(2)
+    for k in range(10):
+        memory = alarm_step(memory, k * H, np.array([0.0, 2.0 if k < 5 else 0.0]), (0.0, 2.5e-3), H)
+    assert (memory.alarm, memory.time) == (2.0, 2.0 * H)  # the third sample in a row
+    memory = alarm_step(memory, 1.0, np.array([5.0, 0.0]), (0.0, 0.0), H)
+    assert (memory.alarm, memory.time) == (2.0, 2.0 * H)
+
+
+def test_repeats_by_hand():
+    memory = repeat_start(1)
+    for value, count in ((1.0, 0.0), (1.0, 1.0), (1.0, 2.0), (2.0, 0.0), (2.0, 1.0)):
+        memory = repeat_step(memory, np.array([value]))
+        assert memory.repeats[0] == count
+
+
+def test_limits_are_refused():
+    from dataclasses import replace
+
+    with pytest.raises(ParameterError, match=r"Supervision\.repeats"):
+        replace(LIMITS, repeats=0.0)
+    with pytest.raises(ParameterError, match="lowest_pressure"):
+        replace(LIMITS, lowest_pressure=2e7)
