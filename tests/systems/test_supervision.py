@@ -30,7 +30,7 @@ CYLINDER = CylinderModel(
     moving_mass=100.0, viscous_friction=2000.0, bulk_modulus=7e8, line=LINE, return_conductance=1.2e-7,
     tank_pressure=ATM,
 )  # fmt: skip
-SETTINGS = Supervised(limits=LIMITS, cylinder=CYLINDER, pump_speed=constant(188.5), sample_period=H)
+SETTINGS = Supervised(watches=1.0, limits=LIMITS, cylinder=CYLINDER, pump_speed=constant(188.5), sample_period=H)
 BACK = 3.67e5
 """(10.77e-4 m2 * 0.054 m/s / (1.2e-7 * 0.8))^2 [Pa]."""
 

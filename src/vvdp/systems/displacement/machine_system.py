@@ -56,6 +56,7 @@ from vvdp.systems.displacement.machine_control import (
 from vvdp.systems.displacement.machine_loop import SpoolRange
 from vvdp.systems.displacement.machine_tables import InitialGerotorMachine, InitialSpringMachine, MachineOperation
 from vvdp.systems.displacement.stages import MachineSequence
+from vvdp.systems.displacement.supervision import Supervision
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, control_values, periodic_observer
 from vvdp.systems.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
@@ -112,6 +113,7 @@ def spring_machine(
     initial: InitialSpringMachine,
     limits: Limits,
     adaptation: Adaptation | None = None,
+    supervision: Supervision | None = None,
     weight: Weight | None = None,
     dump_valve: SeatValve | None = None,
 ) -> Network:
@@ -194,6 +196,7 @@ def gerotor_machine(
     initial: InitialGerotorMachine,
     limits: Limits,
     adaptation: Adaptation | None = None,
+    supervision: Supervision | None = None,
     weight: Weight | None = None,
     dump_valve: SeatValve | None = None,
 ) -> Network:

@@ -67,22 +67,22 @@ class Supervision(Params):
     or jumps is told at once, light, spool speed and pump after the `brief_time`, disagreements after the `patience`.
     """
 
-    position_margin: Length
-    lowest_pressure: Pressure
-    highest_pressure: Pressure
-    repeats: Count
-    position_jump: Length
-    line_difference: PressureDifference
-    return_difference: PressureDifference
-    return_share: Fraction
-    settle_time: Time
-    averaging_time: Time
-    optical_difference: Length
-    spool_error: Length
-    lowest_spool_speed: Speed
-    lowest_pump_share: Fraction
-    brief_time: Time
-    patience: Time
+    position_margin: Length = 5e-3
+    lowest_pressure: Pressure = 0.5e5
+    highest_pressure: Pressure = 150e5
+    repeats: Count = 20.0
+    position_jump: Length = 1e-3
+    line_difference: PressureDifference = 2e5
+    return_difference: PressureDifference = 3e5
+    return_share: Fraction = 0.3
+    settle_time: Time = 0.2
+    averaging_time: Time = 0.03
+    optical_difference: Length = 0.5e-3
+    spool_error: Length = 3e-3
+    lowest_spool_speed: Speed = 40.0
+    lowest_pump_share: Fraction = 0.95
+    brief_time: Time = 2.5e-3
+    patience: Time = 0.03
 
     def check(self) -> None:
         limits = ("repeats", "position_jump", "line_difference", "return_difference", "averaging_time",
@@ -98,8 +98,10 @@ class Supervision(Params):
 
 
 class Supervised(Params):
-    """What is watched, and what the machine is: its cylinder, the speed of its pump, the period of the samples."""
+    """What is watched, if it `watches`, and what the machine is: its cylinder, the speed of its pump, the period of the
+    samples."""
 
+    watches: Fraction
     limits: Supervision
     cylinder: CylinderModel
     pump_speed: SpeedSignal
@@ -187,7 +189,7 @@ def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervis
     residuals = sensor_residuals(sight, repeated.repeats, settings)
     residuals[6] = abs(line_off) / limits.line_difference
     residuals[7] = abs(return_off) / allowed
-    if sight.watched == 0.0:
+    if sight.watched * settings.watches == 0.0:
         residuals[:] = 0.0
     brief, long = limits.brief_time, limits.patience
     patience = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, brief, long, brief, brief)
