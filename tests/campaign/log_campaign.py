@@ -16,8 +16,8 @@ from tests.campaign.filter_campaign import SETTLED, independent, settings_of, tr
 from tests.campaign.generator import TURN, rising, sampled
 from tests.campaign.scoring import Errors, Traces, errors, pool, wrong_by_a_factor
 
-from vvdp.logs.config import FILTER_KINDS, Option, load_estimation
-from vvdp.logs.estimate import estimate, open_for_estimate
+from vvdp.offline.config import FILTER_KINDS, Option, load_estimation
+from vvdp.offline.estimate import estimate, open_for_estimate
 from vvdp.results.result import Grade
 
 PIECE_ROWS = 250

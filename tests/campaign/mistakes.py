@@ -10,8 +10,8 @@ import numpy as np
 from tests.campaign.cases import DENSITY, INDEX_SHIFT
 from tests.campaign.generator import Passages, constant, course, disc, passages, rising, wandering
 
-from vvdp.logs.config import Option, load_estimation
-from vvdp.logs.estimate import estimate, open_for_estimate
+from vvdp.offline.config import Option, load_estimation
+from vvdp.offline.estimate import estimate, open_for_estimate
 from vvdp.results.result import Grade
 
 UNTIL = 3.0

@@ -1,18 +1,15 @@
-"""Laws that are fitted to drops, their confidence, and the result and file they end in."""
+"""The result and file in which laws that are fitted to computed drops end."""
 
 import json
-import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
 
-from vvdp.base.errors import ParameterError
 from vvdp.cfd import rail
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.convergence import History, Judgement
-from vvdp.cfd.fits import drop_laws, fit
 from vvdp.cfd.rail import RailOrder, outlets
 from vvdp.cfd.rail_result import Told
 from vvdp.cfd.rail_study import RailRun
@@ -22,40 +19,6 @@ from vvdp.geometry.shape_tables import given_shape
 from vvdp.systems.system import load_system
 
 FLOWS = np.array([10.0, 20.0, 40.0, 60.0]) / 60e3
-
-
-def test_a_straight_line_by_hand():
-    """Through (0, 1), (1, 3), (2, 4): 7/6 + 3/2 x; residuals -1/6, 1/3, -1/6; t(0.975, 1) = 12.706."""
-    found = fit([np.ones(3), np.arange(3.0)], np.array([1.0, 3.0, 4.0]))
-    assert found.coefficients == pytest.approx([7 / 6, 1.5])
-    assert found.residuals == pytest.approx([-1 / 6, 1 / 3, -1 / 6])
-    assert found.half_widths[1] == pytest.approx(12.7062 * math.sqrt(1 / 6 / 2), rel=1e-4)
-
-
-def test_an_exact_law_is_found_with_no_scatter():
-    laws = drop_laws(FLOWS, 1.3e8 * FLOWS + 9.1e11 * FLOWS**2)
-    assert laws.two_term.coefficients == pytest.approx([1.3e8, 9.1e11])
-    assert laws.two_term.half_widths == pytest.approx([0.0, 0.0], abs=1e3)
-    laws = drop_laws(FLOWS, 7e11 * FLOWS**2)
-    assert laws.orifice.coefficients == pytest.approx([7e11])
-    assert laws.power.coefficients == pytest.approx([math.log(7e11), 2.0])
-    assert laws.two_term.coefficients[0] == pytest.approx(0.0, abs=1e-3)
-
-
-def test_an_interval_holds_the_truth_as_often_as_it_says():
-    """Of 400 noisy straight lines; a binomial of 0.95 has a deviation of 1.1 % there."""
-    rng = np.random.default_rng(5)
-    x = np.linspace(0.0, 1.0, 6)
-    inside = 0
-    for _ in range(400):
-        found = fit([np.ones(6), x], 2.0 + 3.0 * x + rng.normal(0.0, 0.1, 6))
-        inside += abs(found.coefficients[1] - 3.0) < found.half_widths[1]
-    assert inside / 400 == pytest.approx(0.95, abs=0.035)
-
-
-def test_too_few_values_are_refused():
-    with pytest.raises(ParameterError, match="2 values; a law with 2 coefficients needs more"):
-        drop_laws(FLOWS[:2], FLOWS[:2] ** 2)
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import vvdp as package
-from vvdp.logs.config import load_estimation
+from vvdp.offline.config import load_estimation
 from vvdp.results.store import read_meta, read_result
 
 SPEED = 2.0 * np.pi * 24.7

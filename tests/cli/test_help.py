@@ -60,6 +60,6 @@ def test_no_summary_is_cut_at_80_columns(vvdp, words, monkeypatch):
 def test_verbs_come_in_the_order_of_their_use(vvdp):
     listed = re.findall(r"^  (\w+) {2,}", vvdp("--help").out.partition("Commands:\n")[2], re.MULTILINE)
     computing = ["run", "valve", "map", "rig", "study", "design", "compare", "plot", "export", "estimate"]
-    computing += ["observability", "geometry", "cfd"]
+    computing += ["observability", "geometry", "cfd", "fit"]
     assert [verb for verb in listed if verb in computing] == computing
     assert listed[: len(computing)] == computing

@@ -9,7 +9,7 @@ import pytest
 
 RUNGS = [
     {"base"},
-    {"fluid", "numerics", "results"},
+    {"fluid", "numerics", "results", "logs"},
     {"valve", "hydraulics", "sensing"},
     {"geometry", "estimation", "control"},
     {"simulation"},
@@ -18,7 +18,7 @@ RUNGS = [
     {"systems"},
     {"runs", "studies"},
     {"steady"},
-    {"rigs", "design", "cfd", "logs", "comparison", "export"},
+    {"rigs", "design", "cfd", "offline", "comparison", "export", "fitting"},
     {"report", "reproduction"},
     {"api"},
     {"cli"},
@@ -28,6 +28,8 @@ HEAVY = {"numba", "h5py", "matplotlib", "scipy", "pint", "casadi", "rich", "type
 # Modules that exist only for a library, and are themselves imported only where it is needed.
 MADE_FOR = {
     ("fluid/modulus.py", "scipy"),
+    ("logs/hdf5.py", "h5py"),
+    ("logs/mat.py", "h5py"),
     ("simulation/compiled.py", "numba"),
     ("simulation/landing.py", "numba"),
     ("simulation/lane_loop.py", "numba"),

@@ -24,8 +24,10 @@ PACKAGES = (
     "cfd",
     "comparison",
     "export",
+    "fitting",
     "geometry",
     "logs",
+    "offline",
     "report",
     "cli",
 )

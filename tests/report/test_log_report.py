@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
-from vvdp.logs.config import Option, load_estimation
-from vvdp.logs.estimate import estimate, open_for_estimate
-from vvdp.logs.wheel_charts import enlargement
+from vvdp.offline.config import Option, load_estimation
+from vvdp.offline.estimate import estimate, open_for_estimate
+from vvdp.offline.wheel_charts import enlargement
 from vvdp.report.result_page import write_result_report
 from vvdp.results.store import read_result, write_result
 

@@ -58,7 +58,6 @@ class Run(RecordedRun):
 
     def to_pandas(self) -> "pandas.DataFrame":
         """All recorded series of one number each, over the time [s]; the names end with the SI unit."""
-        require("pandas", "notebook", "a pandas table")
         import pandas
 
         columns = {

@@ -22,10 +22,10 @@ from vvdp.base.kinds import (
 )
 from vvdp.cfd.centre import CentreOrder
 from vvdp.cfd.centre_study import CentreRun
-from vvdp.cfd.fits import Fit, fit
 from vvdp.cfd.rail_result import METHOD, Told
 from vvdp.geometry.result import origin_rows
 from vvdp.geometry.shape import perpendicular_area
+from vvdp.numerics.least_squares import Fit, fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.branch import turbulent_drops

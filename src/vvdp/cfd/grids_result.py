@@ -6,8 +6,17 @@ import numpy as np
 
 from vvdp.base.display import number, percent, with_unit
 from vvdp.base.kinds import AREA, COUNT, DENSITY, EFFICIENCY, FLAG, LENGTH, NUMBER, PRESSURE_DIFFERENCE
-from vvdp.cfd.rail import RailOrder, outlets
-from vvdp.cfd.rail_result import LEFT_OUT, LENGTHS, MANNER, Told, rail_lengths
+from vvdp.cfd.rail import RailOrder
+from vvdp.cfd.rail_result import (
+    LEFT_OUT,
+    LENGTHS,
+    MANNER,
+    Told,
+    drop_columns,
+    rail_lengths,
+    restless_findings,
+    state_columns,
+)
 from vvdp.cfd.rail_study import RailRun
 from vvdp.cfd.refinement import grid_convergence
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
@@ -72,23 +81,14 @@ def grids_result(order: RailOrder, runs: Sequence[RailRun], told: Sequence[str],
 
 def _grids(order: RailOrder, runs: Sequence[RailRun], told: Sequence[str]) -> Table:
     """A row for each grid; the size of its cells is the cube root of their mean volume, up to a common factor."""
-    window, mouths = order.phases[-1].window, outlets(order.valve)
-    passed = np.array([[run.solved.history.flows[mouth][-window:].mean() for mouth in mouths] for run in runs])
     cells = np.array([float(run.solved.mesh.cells) for run in runs])
     columns = {
         "grid": Column(np.array(told, str), None, "grid"),
         "cells": Column(cells, COUNT, "cells"),
         "cell_size_m": Column(order.valve.spool_radius / np.cbrt(cells), LENGTH, "cell size"),
-        "pressure_drop_Pa": Column(
-            np.array([run.solved.judgement.value for run in runs]), PRESSURE_DIFFERENCE, "pressure drop"
-        ),
-        **{
-            f"split_{place + 1}": Column(passed[:, place] / passed.sum(1), EFFICIENCY, f"nozzle {place + 1}")
-            for place in range(len(mouths))
-        },
+        **drop_columns(runs),
         "mesh_area_m2": Column(np.array([sum(run.mesh_areas) for run in runs]), AREA, "openings in the mesh"),
-        "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
-        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+        **state_columns(runs),
     }
     note = "The cell size is the spool radius over the cube root of the number of cells."
     return Table(title="Grids", columns=columns, note=note)
@@ -123,9 +123,4 @@ def _findings(numbers: dict[str, float], runs: Sequence[RailRun]) -> Iterator[Fi
             + (" without moving one way." if not numbers["is_monotone"] else "."),
             remedy="Take its spread for its error.",
         )
-    if restless := [run for run in runs if not run.solved.settled]:
-        yield Finding(
-            title="Not settled",
-            grade=Grade.WARNING,
-            text=f"{len(restless)} of {len(runs)} runs still changed at their end.",
-        )
+    yield from restless_findings(runs)

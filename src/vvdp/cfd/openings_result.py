@@ -23,8 +23,8 @@ from vvdp.base.kinds import (
 from vvdp.cfd.centre import CentreOrder
 from vvdp.cfd.centre_result import LENGTHS, centre_lengths
 from vvdp.cfd.centre_study import CentreRun
-from vvdp.cfd.fits import fit
 from vvdp.cfd.rail_result import METHOD, Told
+from vvdp.numerics.least_squares import fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.geometry import jet_skews, port_openings, port_shape

@@ -1,7 +1,7 @@
 """What the flow through an inlet rail comes to: drop, split, areas, how well it has settled."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -100,7 +100,7 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
         left_out=LEFT_OUT,
         numbers=numbers_of(numbers, QUANTITIES),
         listings={"found": _main_numbers(numbers), "lengths": rail_lengths(told)},
-        tables={"flow": _split(order, run), "history": _history(order, run), "steps": _steps(run)},
+        tables={"flow": _split(run), "history": _history(order, run), "steps": _steps(run)},
         charts={"drop": _drop_chart(run), "split": _split_chart()},
         findings=tuple(_findings(numbers, order, run)),
         sections=(
@@ -138,6 +138,40 @@ def _numbers(order: RailOrder, run: RailRun) -> dict[str, float]:
     }
 
 
+def drop_columns(runs: Sequence[RailRun]) -> dict[str, Column]:
+    """Columns of a table with a row for each run: the drop, and the shares of the nozzles."""
+    passed = np.array([run.flows for run in runs])
+    drops = np.array([run.solved.judgement.value for run in runs])
+    shares = passed / passed.sum(1)[:, None]
+    return {
+        "pressure_drop_Pa": Column(drops, PRESSURE_DIFFERENCE, "pressure drop"),
+        **{
+            f"split_{place + 1}": Column(share, EFFICIENCY, f"nozzle {place + 1}")
+            for place, share in enumerate(shares.T)
+        },
+    }
+
+
+def state_columns(runs: Sequence[RailRun]) -> dict[str, Column]:
+    """Columns of the same table: how many iterations each run took, and whether it has settled."""
+    return {
+        "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
+        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+    }
+
+
+def restless_findings(runs: Sequence[RailRun]) -> Iterator[Finding]:
+    """A warning where some of several runs have not settled."""
+    if restless := [run for run in runs if not run.solved.settled]:
+        yield Finding(
+            title="Not settled",
+            grade=Grade.WARNING,
+            text=f"{len(restless)} of {len(runs)} runs still changed after all their iterations, by up to "
+            f"{percent(max(run.solved.judgement.change for run in restless), 2)}.",
+            remedy="Take a finer grid.",
+        )
+
+
 def _main_numbers(numbers: dict[str, float]) -> Listing:
     rows = (Row(label, kind, (numbers[key],)) for key, (kind, label) in QUANTITIES.items())
     return Listing(title="", heads=("value",), rows=tuple(rows))
@@ -149,9 +183,8 @@ def rail_lengths(told: Told) -> Listing:
     return Listing(title="", heads=("value",), rows=origin_rows(rows))
 
 
-def _split(order: RailOrder, run: RailRun) -> Table:
-    window = order.phases[-1].window
-    flows = np.array([run.solved.history.flows[mouth][-window:].mean() for mouth in outlets(order.valve)])
+def _split(run: RailRun) -> Table:
+    flows = np.array(run.flows)
     numbers = [f"nozzle {number + 1}" for number in range(len(flows))]
     return Table(
         title="Flow through the nozzles",

@@ -17,11 +17,14 @@ from vvdp.geometry.measure import Mouth, rail_mouths
 
 
 class RailRun(NamedTuple):
-    """A rail that was computed: the run, its mouths by the surface, their areas in the mesh [m^2], seconds in all."""
+    """A rail that was computed: the run, its mouths by the surface, their areas in the mesh [m^2], the mean flows
+    through them over the last window [m^3/s], the volume of oil [m^3], seconds in all."""
 
     solved: Solved
     mouths: tuple[Mouth, ...]
     mesh_areas: tuple[float, ...]
+    flows: tuple[float, ...]
+    volume: float
     seconds: float
 
 
@@ -44,6 +47,11 @@ def run_grids(
     return _run([NamedOrder(name, order._replace(grid=grid)) for name, grid in grids.items()], directory, cores, hear)
 
 
+def run_designs(orders: Mapping[str, RailOrder], directory: Path, cores: int, hear: Hear) -> tuple[RailRun, ...]:
+    """Computes orders whose shapes differ, by name, each on a mesh of its own, or goes on with them; see `solve`."""
+    return _run([NamedOrder(name, order) for name, order in orders.items()], directory, cores, hear)
+
+
 class NamedOrder(NamedTuple):
     """An order, and what it is called among others of a series."""
 
@@ -53,15 +61,22 @@ class NamedOrder(NamedTuple):
 
 def _run(orders: Sequence[NamedOrder], directory: Path, cores: int, hear: Hear) -> tuple[RailRun, ...]:
     first = orders[0].order
-    domain = turned_rail(first)
-    mouths = tuple(rail_mouths(domain.mesh, first.valve))
+    domains = {order.shape: turned_rail(order) for _, order in orders}
     # A hair off the middle, where the nozzles' corners lie.
     plane = Plane((0.0, 0.0, 1e-3 * first.valve.spool_radius), (0.0, 0.0, 1.0))
-    cases = [NamedCase(name, rail_case(order, domain)) for name, order in orders]
-    runs, began = [], time.perf_counter()
+    cases = [NamedCase(name, rail_case(order, domains[order.shape])) for name, order in orders]
+    runs, began, patches = [], time.perf_counter(), outlets(first.valve)
     for place, solved in enumerate(solve_series(cases, plane, directory, cores, hear)):
-        folder, now = case_folder(directory, place), time.perf_counter()
-        areas = tuple(read_monitor(folder, flow_name(mouth)).area for mouth in outlets(first.valve))
-        runs.append(RailRun(solved, mouths, areas, now - began))
+        folder, now, order = case_folder(directory, place), time.perf_counter(), orders[place].order
+        window, domain = order.phases[-1].window, domains[order.shape]
+        run = RailRun(
+            solved=solved,
+            mouths=tuple(rail_mouths(domain.mesh, order.valve)),
+            mesh_areas=tuple(read_monitor(folder, flow_name(patch)).area for patch in patches),
+            flows=tuple(float(solved.history.flows[patch][-window:].mean()) for patch in patches),
+            volume=domain.volume,
+            seconds=now - began,
+        )
+        runs.append(run)
         began = now
     return tuple(runs)

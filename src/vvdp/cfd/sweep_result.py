@@ -6,25 +6,33 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.display import number, percent, with_unit
+from vvdp.base.display import number, with_unit
 from vvdp.base.kinds import (
     AREA,
     COUNT,
     DENSITY,
     EFFICIENCY,
-    FLAG,
     FLOW,
     NUMBER,
     PRESSURE_DIFFERENCE,
     SIGNED_PRESSURE,
     Kind,
 )
-from vvdp.cfd.fits import DropLaws, drop_laws
-from vvdp.cfd.rail import RailOrder, outlets
-from vvdp.cfd.rail_result import LEFT_OUT, LENGTHS, MANNER, Told, rail_lengths
+from vvdp.cfd.rail import RailOrder
+from vvdp.cfd.rail_result import (
+    LEFT_OUT,
+    LENGTHS,
+    MANNER,
+    Told,
+    drop_columns,
+    rail_lengths,
+    restless_findings,
+    state_columns,
+)
 from vvdp.cfd.rail_study import RailRun
+from vvdp.numerics.power_laws import DropLaws, drop_laws
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
-from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
+from vvdp.results.result import Column, Finding, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.branch import turbulent_drops
 
 VERB = "cfd sweep"
@@ -89,26 +97,18 @@ def sweep_result(order: RailOrder, runs: Sequence[RailRun], told: Told) -> Resul
 
 def _sweep(order: RailOrder, runs: Sequence[RailRun]) -> Table:
     """A row for each flow; the law of the system, and whether the run has settled, beside the drop."""
-    mouths = outlets(order.valve)
-    window = order.phases[-1].window
-    passed = np.array([[run.solved.history.flows[mouth][-window:].mean() for mouth in mouths] for run in runs])
-    flows = passed.sum(1)
+    flows = np.array([sum(run.flows) for run in runs])
     opening = sum(mouth.opening for mouth in runs[0].mouths)
     drops = np.array([run.solved.judgement.value for run in runs])
     jets = np.sqrt(2.0 * drops / order.fluid.density)
     columns = {
         "flow_m3_s": Column(flows, FLOW, "flow"),
-        "pressure_drop_Pa": Column(drops, PRESSURE_DIFFERENCE, "pressure drop"),
+        **drop_columns(runs),
         "spread_Pa": Column(np.array([run.solved.judgement.spread for run in runs]), PRESSURE_DIFFERENCE, "its range"),
         "pressure_drop_law_Pa": Column(_law(order, flows), SIGNED_PRESSURE, "law of the system"),
         "point_coefficient": Column(flows / opening / jets, NUMBER, "discharge coefficient"),
-        **{
-            f"split_{place + 1}": Column(passed[:, place] / flows, EFFICIENCY, f"nozzle {place + 1}")
-            for place in range(len(mouths))
-        },
         "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
-        "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
-        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+        **state_columns(runs),
     }
     return Table(title="Runs", columns=columns, axes=("flow_m3_s",))
 
@@ -200,15 +200,7 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[RailRun]) -> 
     )
     exponent, error = numbers["flow_exponent"], numbers["flow_exponent_error"]
     yield Finding(text=f"The drop grows with the flow to the power {number(exponent, 3)} ± {number(error, 2)}.")
-    restless = [run for run in runs if not run.solved.settled]
-    if restless:
-        yield Finding(
-            title="Not settled",
-            grade=Grade.WARNING,
-            text=f"{len(restless)} of {len(runs)} runs still changed after all their iterations, by up to "
-            f"{percent(max(run.solved.judgement.change for run in restless), 2)}.",
-            remedy="Take a finer grid.",
-        )
+    yield from restless_findings(runs)
 
 
 def fitted_settings(result: Result) -> tuple[str]:

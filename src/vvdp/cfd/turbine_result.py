@@ -20,11 +20,11 @@ from vvdp.base.kinds import (
     TORQUE,
     Kind,
 )
-from vvdp.cfd.fits import Fit, fit
 from vvdp.cfd.rail_result import METHOD, Told
 from vvdp.cfd.turbine import TurbineOrder
 from vvdp.cfd.turbine_study import TurbineRun
 from vvdp.geometry.result import origin_rows
+from vvdp.numerics.least_squares import Fit, fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.torque import outlet_torque

@@ -155,6 +155,54 @@ def grids(
 
 
 @app.command(cls=Verb)
+def designs(
+    system: SystemName,
+    grid: Grid = "coarse",
+    flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
+    shape: Annotated[
+        list[str] | None,
+        typer.Option("--shape", metavar="NAME|FILE", help="Shapes, two or more (default: the five published)."),
+    ] = None,
+    model: Model = "k-epsilon",
+    settings: Settings = None,
+    cores: Cores = None,
+    out: Annotated[Path | None, out_option("results/cfd-designs-SYSTEM-GRID")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute several shapes of the inlet rail side by side.
+
+    Drop, flow split and radial force of each. Rerun the same command to resume; what is finished is not computed
+    again.
+    """
+    from vvdp.base.kinds import FLOW
+    from vvdp.cfd.designs_result import VERB, designs_result
+    from vvdp.cfd.rail_study import run_designs
+
+    names = _shapes(shape)
+    found = {name: _order(system, settings, name, grid, model) for name in names}
+    loaded, first, told = found[names[0]]
+    rate = parsed_option("--flow", flow, FLOW) if flow else first.flow
+    orders = {name: order._replace(flow=rate) for name, (_, order, _) in found.items()}
+    with _place(VERB, out, f"designs-{loaded.name}-{grid}", force=force) as (directory, hear):
+        runs = run_designs(orders, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, designs_result(orders, runs, told), no_report=no_report)
+    show_result(reported.result, directory, json=json, reported=reported.page, names=("designs",))
+
+
+def _shapes(given: list[str] | None) -> tuple[str, ...]:
+    """The shapes to be compared. Raises ConfigError where that is one alone."""
+    from vvdp.base.errors import ConfigError, Fault
+    from vvdp.geometry.shape_tables import shipped_shapes
+
+    names = tuple(dict.fromkeys(given or (name for name in shipped_shapes() if name.startswith("rail-"))))
+    if len(names) < 2:
+        raise ConfigError([Fault("--shape", 0, ", ".join(names), "expected two or more different shapes")])
+    return names
+
+
+@app.command(cls=Verb)
 def centre(
     system: SystemName,
     grid: Grid = "coarse",

@@ -25,7 +25,7 @@ OPENS = {
     "data": "estimate, of Parquet",
     "docs": "make docs, the documentation as a site",
     "geometry": "geometry",
-    "notebook": "Run.to_xarray, Run.to_pandas",
+    "notebook": "Run.to_xarray",
     "opt": "design, its pareto and tolerance",
     "scale": "--on dask, --on slurm",
 }

@@ -27,7 +27,7 @@ Scenarios = Annotated[
 
 @app.callback()
 def compare() -> None:
-    """Compare runs, estimators or controllers on simulated data."""
+    """Compare runs, estimators, controllers or circuits on simulated data."""
 
 
 @app.command(cls=Verb)
@@ -154,6 +154,60 @@ def controllers(
     _carry_out(contest, directory, force=force, json=json, no_report=no_report)
 
 
+@app.command(cls=Verb)
+def circuits(
+    cycle: Annotated[
+        list[str] | None, typer.Option("--cycle", metavar="NAME", help="Run this duty cycle only (repeatable).")
+    ] = None,
+    circuit: Annotated[
+        list[str] | None, typer.Option("--circuit", metavar="NAME", help="Run this circuit only (repeatable).")
+    ] = None,
+    own: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--own-cycle",
+            metavar="FILE",
+            help="Run a cycle of your own: CSV with the columns time, position, force in s, m, N (repeatable).",
+        ),
+    ] = None,
+    out: Annotated[Path | None, out_option("results/compare-circuits-DATE-TIME")] = None,
+    force: Force = False,
+    on: On = HERE,
+    workers: Workers = None,
+    cores: Cores = None,
+    sbatch: Sbatch = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+    show: Annotated[bool, typer.Option("--list", help="List duty cycles and circuits without running any.")] = False,
+) -> None:
+    """Run circuits that move the same cylinder through the same duty cycles: where the power goes, what comes back.
+
+    Ctrl-C stops the comparison early and keeps the completed runs.
+    """
+    from vvdp.comparison.circuit_result import circuit_result, screen_tables
+    from vvdp.comparison.circuit_trials import compare_circuits
+    from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
+    from vvdp.systems.displacement.rival_circuits import CIRCUITS
+
+    moved = known_cylinder()
+    given = [read_duty(path, *moved) for path in own or ()]
+    chosen = [*(_choose("--cycle", cycle, shipped_duties()) if cycle or not given else ()), *given]
+    rivals = _choose("--circuit", circuit, CIRCUITS)
+    if show:
+        _print_names(chosen, rivals, "circuit", "cycle")
+        return
+    directory = out if out is not None else default_directory("compare-circuits")
+    engine = chosen_engine(on, workers, cores, sbatch, directory.parent)
+    contest = _Contest(
+        compare=lambda **how: compare_circuits(chosen, rivals, engine=engine, **how),
+        result=circuit_result,
+        screen=screen_tables,
+        contenders="circuits",
+        note="powers are means over a round; delivered while the rod is pushed, received while the load overruns\n",
+    )
+    _carry_out(contest, directory, force=force, json=json, no_report=no_report)
+
+
 @dataclass(frozen=True)
 class _Contest:
     """A comparison of contenders: how it is run, its result, its tables on the screen, and a note below these."""
@@ -184,7 +238,7 @@ def _carry_out(contest: _Contest, directory: Path, *, force: bool, json: bool, n
         shown = result
     show_result(shown, directory, json=json, reported=reported, names=(contest.contenders,))
     if not found.finished:
-        say(f"interrupted after {found.runs} of {found.seeds * len(found.scenarios)} runs; these were written")
+        say(f"interrupted after {found.runs} of {found.all_runs} runs; these were written")
         raise typer.Exit(INTERRUPTED)
 
 
@@ -201,11 +255,13 @@ def _choose(option: str, names: list[str] | None, known: Sequence[Chosen]) -> li
     return [by_name[name] for name in dict.fromkeys(names or by_name)]
 
 
-def _print_names(scenarios: Sequence["Titled"], contenders: Sequence["Titled"], what: str) -> None:
+def _print_names(
+    scenarios: Sequence["Titled"], contenders: Sequence["Titled"], what: str, where: str = "scenario"
+) -> None:
     from vvdp.cli.screen import console, grid
 
     for head, meaning, title, found in (
-        ("scenario", "what happens", "Scenarios", scenarios),
+        (where, "what happens", f"{where.capitalize()}s", scenarios),
         (what, "what it is", f"{what.capitalize()}s", contenders),
     ):
         table = grid(head, meaning, title=title)

@@ -12,7 +12,7 @@ from vvdp.cli.options import AsJson, Force, NoReport, default_directory, out_opt
 if TYPE_CHECKING:
     from vvdp.base.errors import ConfigError
     from vvdp.logs.channel import Log
-    from vvdp.logs.config import Estimation, Option
+    from vvdp.offline.config import Estimation, Option
     from vvdp.results.result import Result
 
 INTERRUPTED = 130
@@ -77,9 +77,9 @@ def estimate(
     from vvdp.cli.progress import report_reach
     from vvdp.cli.report import RESULT, add_report
     from vvdp.cli.screen import print_json, say, tell
-    from vvdp.logs.config import SOURCES, Option, load_estimation
-    from vvdp.logs.estimate import estimate as estimated
-    from vvdp.logs.estimate import open_for_estimate
+    from vvdp.offline.config import SOURCES, Option, load_estimation
+    from vvdp.offline.estimate import estimate as estimated
+    from vvdp.offline.estimate import open_for_estimate
 
     named = {
         "sensor.edges": ("--edges", edges),
@@ -126,9 +126,9 @@ def estimate(
 
 def _write_config(log: Path, target: Path, config: Path | None, options: "list[Option]", force: bool) -> None:
     from vvdp.base.tables import write_new
-    from vvdp.logs.config import SOURCES, load_estimation
-    from vvdp.logs.config_text import config_text
-    from vvdp.logs.guess import guessed_options
+    from vvdp.offline.config import SOURCES, load_estimation
+    from vvdp.offline.config_text import config_text
+    from vvdp.offline.guess import guessed_options
 
     given = {option.key for option in options}
     with _looked_at(log, options) as source:
@@ -156,7 +156,7 @@ def _looked_at(log: Path, options: "list[Option]") -> "Log":
 def _nothing_named(log: Path, options: "list[Option]") -> "ConfigError":
     """What channels there are, and how to go on with those that are probably meant."""
     from vvdp.base.errors import ConfigError, Fault, unusable
-    from vvdp.logs.guess import guessed_options
+    from vvdp.offline.guess import guessed_options
 
     with _looked_at(log, options) as source:
         channels, guessed = source.channels(), guessed_options(source)
@@ -185,7 +185,7 @@ def _origin(config: Path | None, options: "list[Option]") -> dict[str, Any]:
 
 def _flat(found: "Result", wanted: "Estimation") -> dict[str, Any]:
     """The numbers of an estimation as one flat object."""
-    from vvdp.logs.result import SOURCES
+    from vvdp.offline.result import SOURCES
     from vvdp.results.result import Grade, json_value
 
     return {

@@ -24,6 +24,7 @@ from vvdp.cli import (
     docs,
     estimate,
     export,
+    fit,
     geometry,
     listing,
     new,
@@ -59,6 +60,7 @@ ORDER = (
     "observability",
     "geometry",
     "cfd",
+    "fit",
 )
 """Verbs that compute, in the order of their use; the others follow."""
 
@@ -94,6 +96,7 @@ app.command("estimate", cls=Verb)(estimate.estimate)
 app.command("observability", cls=Verb)(observability.observability)
 app.command("geometry", cls=Verb)(geometry.geometry)
 app.add_typer(cfd.app, name="cfd")
+app.command("fit", cls=Verb)(fit.fit)
 app.command("show", cls=Verb)(show.show)
 app.command("list", cls=Verb)(listing.systems)
 app.command("new", cls=Verb)(new.new)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -11,7 +11,10 @@ from vvdp.base.errors import ParameterError
 from vvdp.comparison.figures import Measured
 from vvdp.studies.engine import Engine
 from vvdp.studies.run import hold_interrupts
-from vvdp.studies.work import Task, batches
+from vvdp.studies.work import FOR_CASES, Batching, Task, batches
+
+Asked = TypeVar("Asked")
+Done = TypeVar("Done")
 
 
 class Titled(Protocol):
@@ -69,6 +72,11 @@ class Contest:
         return sum(played.runs for played in self.scenarios.values())
 
     @property
+    def all_runs(self) -> int:
+        """How many were asked for."""
+        return self.seeds * len(self.scenarios)
+
+    @property
     def scenarios_run(self) -> dict[str, Played]:
         """The scenarios that were run at least once."""
         return {name: played for name, played in self.scenarios.items() if played.runs}
@@ -94,19 +102,34 @@ def run_trials(
     Ctrl-C ends it after the current batches, at once the second time; raised again where no run was done by then.
     """
     trials = [Trial(scenario, seed) for seed in range(seeds) for scenario in scenarios]
-    done: list[Ran] = []
-    progress(0, len(trials))
+    done = carry_out(task, trials, engine, progress)
+    return sorted(done, key=lambda ran: ran.seed)  # sums then do not depend on which was done first
+
+
+def carry_out(
+    task: Task[Asked, Done],
+    asked: Sequence[Asked],
+    engine: Engine,
+    progress: Callable[[int, int], None],
+    batching: Batching = FOR_CASES,
+) -> list[Done]:
+    """What `task` makes of all that is `asked`, as far as it came to its end.
+
+    Ctrl-C ends it after the current batches, at once the second time; raised again where nothing was done by then.
+    """
+    done: list[Done] = []
+    progress(0, len(asked))
     try:
         with hold_interrupts() as interrupted:
-            for some in batches(task, trials, engine, interrupted):
+            for some in batches(task, asked, engine, interrupted, batching):
                 done += some
-                progress(len(done), len(trials))
+                progress(len(done), len(asked))
     except KeyboardInterrupt:
         if not done:
             raise
     if not done:
         raise KeyboardInterrupt  # nothing to keep
-    return sorted(done, key=lambda ran: ran.seed)  # sums then do not depend on which was done first
+    return done
 
 
 def contest_of(

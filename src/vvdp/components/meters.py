@@ -2,11 +2,13 @@
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Flow, Force, Power
+from vvdp.base.kinds import Flow, Force, Fraction, Power
 from vvdp.base.select import maximum
 from vvdp.fluid.mixture import FluidState
-from vvdp.hydraulics.ports import RodState
+from vvdp.hydraulics.ports import Medium, RodState
 from vvdp.network.component import Component
+from vvdp.valve.losses import throttling_power
+from vvdp.valve.rotary import RotaryValve
 
 
 class MeteredPower(NamedTuple):
@@ -25,5 +27,26 @@ def actuator_meter(rod: RodState, force: Force) -> MeteredPower:
     return MeteredPower(maximum(force * rod.velocity, 0.0))
 
 
+def transition_meter(
+    inlet: FluidState,
+    to_load: Flow,
+    to_tank: Flow,
+    leakage: Flow,
+    load_opening: Fraction,
+    tank_opening: Fraction,
+    medium: Medium,
+    valve: RotaryValve,
+) -> MeteredPower:
+    """What the nozzles of a rotary valve lose beyond what they would lose fully open; see `throttling_power`.
+
+    to_load, to_tank, leakage  as the valve shows them: the leakage goes from load to tank past the nozzles
+    """
+    nu = inlet.volume_ratio
+    load = throttling_power(nu * (to_load + leakage), load_opening, medium.density, valve)
+    tank = throttling_power(nu * (to_tank - leakage), tank_opening, medium.density, valve)
+    return MeteredPower(load + tank)
+
+
 SUPPLY_METER = Component(supply_meter, symbol="sensor", averages=("power",))
 ACTUATOR_METER = Component(actuator_meter, symbol="sensor", averages=("power",))
+TRANSITION_METER = Component(transition_meter, symbol="sensor", averages=("power",))

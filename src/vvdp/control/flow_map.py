@@ -1,4 +1,4 @@
-"""The mean flow that a rotary valve delivers over its duty ratio and the pressure behind it, as a table, and its inverse.
+"""The mean flow of a rotary valve over its duty ratio and the pressure behind it, as a table, and its inverse.
 
 Bilinear between its rows, so that at any pressure the inverse is exact; it knows nothing of what the table came from.
 

@@ -1,6 +1,6 @@
 """The motor that turns a pump at a speed of its own: it starts along a ramp and coasts down when it is switched off.
 
-Source  ours, docs/models/displacement-control.md, where a function names no other.
+Source  ours, docs/models/whole-machine.md, where a function names no other.
 """
 
 from typing import NamedTuple
@@ -16,7 +16,7 @@ NEAR = 0.02
 
 
 class PumpMotor(Params):
-    """A motor that takes `start_time` from rest to its rated speed, and loses it with the time constant `coast_time`."""
+    """A motor: `start_time` from rest to its rated speed; off, it slows down with the time constant `coast_time`."""
 
     start_time: Time
     coast_time: Time

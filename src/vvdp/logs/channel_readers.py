@@ -17,6 +17,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, unusable
+from vvdp.logs.budget import Budget, damage
 from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, list_names, no_such
 from vvdp.logs.clock import ClockChoice, is_time, is_time_name, no_clock, seconds
 
@@ -42,6 +43,8 @@ class ChannelLog(Log):
     ) -> None:
         super().__init__(path, held)
         self._tracks = {track.info.name: track for track in tracks}
+        self.library = ""
+        """What reads the file, where that is another's."""
         self.unreadable = unreadable
 
     def channels(self) -> tuple[ChannelInfo, ...]:
@@ -78,15 +81,11 @@ class ChannelLog(Log):
         except (ConfigError, MemoryError):
             raise
         except Exception as problem:  # the libraries raise many unrelated types on damaged files
-            raise unusable(self.path, f"{where}: cannot be read, the file is damaged ({_reason(problem)})") from None
+            raise damage(self.path, f"{where}:", problem, self.library) from None
         if not times.size == values.size == end - begin:
             found = f"{values.size} values at {times.size} times"
             raise unusable(self.path, f"{where}: the file is damaged or cut off: {found}; expected {end - begin}")
         return Portion(times, values)
-
-
-def _reason(problem: Exception) -> str:
-    return f"{type(problem).__name__}: {problem}" if str(problem) else type(problem).__name__
 
 
 def evenly(start: float, increment: float) -> Reader:
@@ -127,8 +126,14 @@ class Tree:
     unreadable: dict[tuple[str, ...], str] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
+    def __post_init__(self) -> None:
+        self.budget = Budget(self.path)
+
     def add(self, leaf: Leaf) -> None:
-        """Adds a leaf."""
+        """Adds a leaf; one that claims to be larger than its file can hold is refused."""
+        if fault := self.budget.content_fault(8.0 * leaf.samples):
+            self.refuse(leaf.path, fault)
+            return
         self.leaves[leaf.path] = leaf
 
     def refuse(self, path: tuple[str, ...], why: str) -> None:
@@ -149,8 +154,13 @@ class Tree:
     def _refusal(self) -> dict[str, str]:
         return {self.name(path): why for path, why in self.unreadable.items()}
 
-    def log(self, held: Any = None) -> ChannelLog:
-        """The log of all leaves. Raises ConfigError where the chosen time channel does not exist."""
+    @cached_property
+    def _all_names(self) -> str:
+        return list_names([self.name(path) for path in self.leaves])
+
+    def log(self, held: Any = None, library: str = "") -> ChannelLog:
+        """The log of all leaves, which a `library` reads. Raises ConfigError where the chosen time channel does not
+        exist."""
         chosen = self._choose()
         beside: dict[tuple[str, ...], list[Leaf]] = {}
         for leaf in self.leaves.values():
@@ -162,6 +172,7 @@ class Tree:
             info = ChannelInfo(self.name(leaf.path), leaf.unit, leaf.samples, group)
             tracks.append(ChannelReader(info, leaf.samples, leaf.values, self._clock(leaf, chosen, beside)))
         log = ChannelLog(self.path, tracks, self._refusal, held)
+        log.library = library
         log.remarks = tuple(dict.fromkeys(self.remarks))
         return log
 
@@ -184,29 +195,31 @@ class Tree:
                 self.choice.refuse_rate(self.path, f"of channel {name!r}")
                 return leaf.clock
             if (linked := self.leaves.get(leaf.clock_path or ())) and is_time(linked.path[-1], linked.unit):
-                return self._times(linked, leaf)
+                return _times(self, linked, leaf)
             if chosen is not None:
-                return self._times(chosen, leaf)
+                return _times(self, chosen, leaf)
             for depth in range(len(leaf.path) - 1, -1, -1):
                 if near := beside.get(leaf.path[:depth]):
                     fitting = [time for time in near if time.samples == leaf.samples] or near
                     if len(fitting) > 1 and leaf not in fitting:
                         names = list_names([self.name(time.path) for time in fitting])
                         raise unusable(self.path, f"channel {name!r} may have several clocks: {names}; name one")
-                    return self._times(leaf if leaf in fitting else fitting[0], leaf)
+                    return _times(self, leaf if leaf in fitting else fitting[0], leaf)
             if self.choice.rate is not None:
                 return at_rate(self.choice.rate)
-            raise no_clock(self.path, f"channel {name!r}", list_names([self.name(p) for p in self.leaves]))
+            raise no_clock(self.path, f"channel {name!r}", self._all_names)
         except ConfigError as problem:
             return problem
 
-    def _times(self, time: Leaf, leaf: Leaf) -> Reader:
-        name = self.name(time.path)
-        self.choice.refuse_rate(self.path, f"channel {name!r}")
-        if time.samples != leaf.samples:
-            lengths = f"{leaf.samples} samples, its time channel {name!r} {time.samples}"
-            raise unusable(self.path, f"channel {self.name(leaf.path)!r} has {lengths}")
-        unit, remark = self.choice.unit_of(self.path, name, time.unit)
-        if remark:
-            self.remarks.append(remark)
-        return lambda begin, end: seconds(time.values(begin, end), unit)
+
+def _times(tree: Tree, time: Leaf, leaf: Leaf) -> Reader:
+    """The clock of a leaf that another one holds. Raises ConfigError where it is of another length."""
+    name = tree.name(time.path)
+    tree.choice.refuse_rate(tree.path, f"channel {name!r}")
+    if time.samples != leaf.samples:
+        lengths = f"{leaf.samples} samples, its time channel {name!r} {time.samples}"
+        raise unusable(tree.path, f"channel {tree.name(leaf.path)!r} has {lengths}")
+    unit, remark = tree.choice.unit_of(tree.path, name, time.unit)
+    if remark:
+        tree.remarks.append(remark)
+    return lambda begin, end: seconds(time.values(begin, end), unit)

@@ -4,6 +4,7 @@ A dataset may carry its unit (attribute `units` or `unit`) and its clock (`dt` o
 scale, as netCDF writes it). Otherwise the dataset named as a time beside it or above it is the clock.
 """
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ import h5py
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import unusable
+from vvdp.base.errors import ConfigError, unusable
+from vvdp.logs.budget import Budget, damage
 from vvdp.logs.channel import Log
 from vvdp.logs.channel_readers import Leaf, Reader, Tree, evenly
 from vvdp.logs.clock import ClockChoice
@@ -24,8 +26,14 @@ def hdf5_log(path: Path, choice: ClockChoice) -> Log:
     """The log in an HDF5 file."""
     file = open_hdf5(path)
     tree = Tree(path, choice, "/")
-    for name in file:
-        _walk(tree, (name,), file.get(name))
+    try:
+        _walk(tree, (), file)
+    except ConfigError:
+        file.close()
+        raise
+    except Exception as problem:  # h5py raises many unrelated types on damaged files
+        file.close()
+        raise damage(path, "the HDF5 file", problem) from None
     return tree.log(file)
 
 
@@ -37,17 +45,46 @@ def open_hdf5(path: Path) -> Any:
         raise unusable(path, f"cannot be read as HDF5, the file is damaged or cut off ({problem})") from None
 
 
-def _walk(tree: Tree, path: tuple[str, ...], item: Any) -> None:
-    if isinstance(item, h5py.Group):
-        for name in item:
-            _walk(tree, (*path, name), item.get(name))
-    elif isinstance(item, h5py.Dataset):
-        _add(tree, path, item)
-    else:
-        tree.refuse(path, "is a broken link" if item is None else "is a named type")
+def _walk(tree: Tree, path: tuple[str, ...], group: Any) -> None:
+    if fault := tree.budget.enter(group.id):
+        tree.refuse(path, fault)
+        return
+    tree.budget.count(len(group))
+    for name in group:
+        own, item = (*path, name), own_item(group, name)
+        if isinstance(item, h5py.Group):
+            _walk(tree, own, item)
+        elif isinstance(item, h5py.Dataset):
+            _add(tree, own, item)
+        else:
+            tree.refuse(own, item if isinstance(item, str) else "is a named type")
+    tree.budget.leave()
+
+
+def own_item(group: Any, name: str) -> Any:
+    """What stands in a group under `name`, or why that is not read: only what lies in this file is."""
+    if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
+        return "lies in another file"
+    item = group.get(name)
+    if item is None:
+        return "is a broken link"
+    return item if item.file.filename == group.file.filename else "lies in another file"
+
+
+def storage_fault(dataset: Any, budget: Budget) -> str:
+    """Why a dataset is not read, as it is stored; empty where it is."""
+    if dataset.external or (dataset.is_virtual and any(each.file_name != "." for each in dataset.virtual_sources())):
+        return "lies in another file"
+    size = dataset.dtype.itemsize
+    return budget.chunk_fault(size * math.prod(dataset.chunks or ())) or budget.content_fault(
+        size * (dataset.size or 0)
+    )
 
 
 def _add(tree: Tree, path: tuple[str, ...], dataset: Any) -> None:
+    if fault := storage_fault(dataset, tree.budget):
+        tree.refuse(path, fault)
+        return
     if dataset.dtype.names:
         for name in dataset.dtype.names:
             if dataset.ndim == 1 and dataset.dtype[name].kind in "fiub" and not dataset.dtype[name].shape:

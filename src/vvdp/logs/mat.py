@@ -6,7 +6,9 @@ as clock, so Simulink's "structure with time" and a timeseries taken apart (`Tim
 signal of Simulink goes by its label. Versions up to 7 can only be read whole; of 7.3 only what is asked for is read.
 """
 
+import struct
 import warnings
+import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,14 +17,17 @@ from typing import Any
 import h5py
 import numpy as np
 
-from vvdp.base.errors import unusable
+from vvdp.base.errors import ConfigError
+from vvdp.logs.budget import Budget, damage
 from vvdp.logs.channel import Log
 from vvdp.logs.channel_readers import Leaf, Reader, Tree
 from vvdp.logs.clock import ClockChoice, heading, is_time_name
-from vvdp.logs.hdf5 import MOST_COLUMNS, open_hdf5, text
+from vvdp.logs.hdf5 import MOST_COLUMNS, open_hdf5, own_item, storage_fault, text
 
 MOST_STRUCTS = 1000
-DEEPEST = 30
+_COMPRESSED = 15
+"""The type of a compressed variable in a file of version 5 to 7."""
+_PIECE = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -62,29 +67,56 @@ def mat_log(path: Path, choice: ClockChoice) -> Log:
     """The log in a MATLAB file of version 4 to 7."""
     import scipy.io
 
+    budget = Budget(path)
     try:
+        _check_unpacked(budget)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             content = scipy.io.loadmat(path)
-    except MemoryError:
+        variables = {
+            _variable(name, value): _from_scipy(value, budget)
+            for name, value in content.items()
+            if not name.startswith("__")
+        }
+        tree = _tree(path, choice, variables)
+    except (ConfigError, MemoryError):
         raise
     except Exception as problem:  # SciPy raises many unrelated types on damaged files
-        raise unusable(path, f"cannot be read as a MATLAB file, the file is damaged ({problem})") from None
-    variables = {
-        _variable(name, value): _from_scipy(value, 0) for name, value in content.items() if not name.startswith("__")
-    }
-    return _tree(path, choice, variables).log()
+        raise damage(path, "the MATLAB file", problem) from None
+    return tree.log()
+
+
+def _check_unpacked(budget: Budget) -> None:
+    """Raises ConfigError where compressed variables hold more than the file may; they can only be read whole."""
+    unpacked = 0
+    with budget.path.open("rb") as file:
+        head = file.read(128)
+        order = ">" if head[126:128] == b"MI" else "<"
+        while head[:6] == b"MATLAB" and len(tag := file.read(8)) == 8:
+            kind, size = struct.unpack(f"{order}II", tag)
+            end = file.tell() + size
+            unpacker = zlib.decompressobj() if kind == _COMPRESSED else None
+            while unpacker is not None and file.tell() < end and (piece := file.read(min(_PIECE, end - file.tell()))):
+                while piece:
+                    unpacked += len(unpacker.decompress(piece, 16 * _PIECE))
+                    budget.check_content(unpacked)
+                    piece = unpacker.unconsumed_tail
+            file.seek(end)
 
 
 def mat73_log(path: Path, choice: ClockChoice) -> Log:
     """The log in a MATLAB file of version 7.3."""
     file = open_hdf5(path)
     try:
-        variables = {name: _from_hdf5(file[name], file, 0) for name in file if not name.startswith("#")}
-    except (OSError, KeyError, ValueError, RuntimeError) as problem:
+        reader = _Reader73(file, Budget(path))
+        tree = _tree(path, choice, {name: reader.node(own_item(file, name)) for name in file if name[:1] != "#"})
+    except ConfigError:
         file.close()
-        raise unusable(path, f"cannot be read as a MATLAB 7.3 file, the file is damaged ({problem})") from None
-    return _tree(path, choice, variables).log(file)
+        raise
+    except Exception as problem:  # h5py raises many unrelated types on damaged files
+        file.close()
+        raise damage(path, "the MATLAB 7.3 file", problem) from None
+    return tree.log(file)
 
 
 def _variable(name: str, value: Any) -> str:
@@ -99,10 +131,11 @@ def _opaque(value: Any, field: str) -> str:
     return text(value.ravel()[0][field])
 
 
-def _from_scipy(value: Any, depth: int) -> Node:
+def _from_scipy(value: Any, budget: Budget) -> Node:
     import scipy.io.matlab
     import scipy.sparse
 
+    budget.count()
     if scipy.sparse.issparse(value):
         return Other("is a sparse matrix")
     if isinstance(value, scipy.io.matlab.MatlabFunction):
@@ -112,10 +145,12 @@ def _from_scipy(value: Any, depth: int) -> Node:
     if not isinstance(value, np.ndarray):
         return Other("is not an array")
     if value.dtype.names is not None:
-        if fault := _struct_fault(value.size, depth):
+        if fault := _struct_fault(value.size) or budget.enter(id(value)):
             return Other(fault)
         rows = value.ravel(order="F")
-        return Structs([{name: _from_scipy(row[name], depth + 1) for name in value.dtype.names} for row in rows])
+        found = Structs([{name: _from_scipy(row[name], budget) for name in value.dtype.names} for row in rows])
+        budget.leave()
+        return found
     if value.dtype == object:
         return Other("is a cell array")
     if value.dtype.kind in "US":
@@ -134,34 +169,70 @@ def _object(kind: str) -> str:
     return f"is a MATLAB object{named}, which only MATLAB can read; save its data as a struct of vectors"
 
 
-def _struct_fault(number: int, depth: int) -> str:
+def _struct_fault(number: int) -> str:
     if not number:
         return "is empty"
-    if number > MOST_STRUCTS:
-        return f"is an array of {number} structs"
-    return "is nested too deeply" if depth > DEEPEST else ""
+    return f"is an array of {number} structs" if number > MOST_STRUCTS else ""
 
 
-def _from_hdf5(item: Any, file: Any, depth: int) -> Node:
-    kind = text(item.attrs.get("MATLAB_class"))
-    if "MATLAB_sparse" in item.attrs:
-        return Other("is a sparse matrix")
-    if "MATLAB_object_decode" in item.attrs and kind not in ("struct", "cell"):
-        return Other("is a function" if kind == "function_handle" else _object(kind))
-    if isinstance(item, h5py.Group):
-        if fault := _struct_fault(1, depth):
+class _Reader73:
+    """Reads the nodes of a file of version 7.3, within a budget."""
+
+    def __init__(self, file: Any, budget: Budget) -> None:
+        self._file, self._budget = file, budget
+
+    def node(self, item: Any) -> Node:
+        """The node of a group or dataset, or of the reason why there is none."""
+        self._budget.count()
+        if isinstance(item, str):
+            return Other(item)
+        kind = text(item.attrs.get("MATLAB_class"))
+        if "MATLAB_sparse" in item.attrs:
+            return Other("is a sparse matrix")
+        if "MATLAB_object_decode" in item.attrs and kind not in ("struct", "cell"):
+            return Other("is a function" if kind == "function_handle" else _object(kind))
+        if isinstance(item, h5py.Group):
+            if fault := self._budget.enter(item.id):
+                return Other(fault)
+            found = self._struct(item)
+            self._budget.leave()
+            return found
+        if fault := "" if isinstance(item, h5py.Dataset) else "is a named type":
             return Other(fault)
-        return _from_group(item, file, depth)
-    if kind == "cell":
-        return Other("is a cell array")
-    if "MATLAB_empty" in item.attrs:
-        return Text("") if kind == "char" else Other("is empty")
-    if kind == "char":
-        return Text(item[()].T.ravel(order="C").astype("<u2").tobytes().decode("utf-16-le", "replace"))
-    if item.dtype.names is not None or item.dtype.kind not in "fiub":
-        return Other("holds complex numbers" if item.dtype.names == ("real", "imag") else "holds no numbers")
-    # MATLAB counts down the columns, HDF5 along the rows: sizes are reversed.
-    return Numbers(item.shape[::-1], lambda k: _along(item, (k, None)), lambda k: _along(item, (None, k)))
+        return Other("is a cell array") if kind == "cell" else self._array(item, kind)
+
+    def _array(self, item: Any, kind: str) -> Node:
+        if fault := storage_fault(item, self._budget):
+            return Other(fault)
+        if "MATLAB_empty" in item.attrs:
+            return Text("") if kind == "char" else Other("is empty")
+        if kind == "char":
+            return Text(item[()].T.ravel(order="C").astype("<u2").tobytes().decode("utf-16-le", "replace"))
+        if item.dtype.names is not None or item.dtype.kind not in "fiub":
+            return Other("holds complex numbers" if item.dtype.names == ("real", "imag") else "holds no numbers")
+        # MATLAB counts down the columns, HDF5 along the rows: sizes are reversed.
+        return Numbers(item.shape[::-1], lambda k: _along(item, (k, None)), lambda k: _along(item, (None, k)))
+
+    def _struct(self, group: Any) -> Node:
+        """A struct: each field either holds its value, or for a struct array a reference for each element."""
+        fields = {name: own_item(group, name) for name in group}
+        references = {
+            name: item[()].T.ravel(order="F")
+            for name, item in fields.items()
+            if isinstance(item, h5py.Dataset) and item.dtype == h5py.ref_dtype and "MATLAB_class" not in item.attrs
+            if not storage_fault(item, self._budget)
+        }
+        if not references:
+            return Structs([{name: self.node(item) for name, item in fields.items()}])
+        number = max(found.size for found in references.values())
+        if fault := _struct_fault(number):
+            return Other(fault)
+        return Structs(
+            [
+                {name: self.node(self._file[found[k]]) for name, found in references.items() if k < found.size}
+                for k in range(number)
+            ]
+        )
 
 
 def _along(dataset: Any, fixed: tuple[int | None, int | None]) -> Reader:
@@ -170,27 +241,6 @@ def _along(dataset: Any, fixed: tuple[int | None, int | None]) -> Reader:
         return np.asarray(dataset[span], float)
 
     return read
-
-
-def _from_group(group: Any, file: Any, depth: int) -> Node:
-    """A struct: each field either holds its value, or for a struct array a reference for each element."""
-    fields = {name: group[name] for name in group}
-    references = {
-        name: item[()].T.ravel(order="F")
-        for name, item in fields.items()
-        if isinstance(item, h5py.Dataset) and item.dtype == h5py.ref_dtype and "MATLAB_class" not in item.attrs
-    }
-    if not references:
-        return Structs([{name: _from_hdf5(item, file, depth + 1) for name, item in fields.items()}])
-    number = max(found.size for found in references.values())
-    if fault := _struct_fault(number, depth):
-        return Other(fault)
-    return Structs(
-        [
-            {name: _from_hdf5(file[found[k]], file, depth + 1) for name, found in references.items() if k < found.size}
-            for k in range(number)
-        ]
-    )
 
 
 def _tree(path: Path, choice: ClockChoice, variables: Mapping[str, Node]) -> Tree:

@@ -4,6 +4,7 @@ Samples that the file marks as invalid are NaN.
 """
 
 import gc
+import logging
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import unusable
+from vvdp.base.errors import ConfigError, unusable
+from vvdp.logs.budget import Budget, damage
 from vvdp.logs.channel import Log, unique
 from vvdp.logs.channel_readers import Leaf, Tree
 from vvdp.logs.clock import ClockChoice
@@ -30,20 +32,28 @@ def mdf_log(path: Path, choice: ClockChoice) -> Log:
         labels = unique([_label(number, group) for number, group in enumerate(file.groups)])
         for number, group in enumerate(file.groups):
             master, records = file.masters_db.get(number), _Records(file, number)
+            tree.budget.count(len(group.channels))
             names = unique([channel.name for channel in group.channels])
             for index, channel in enumerate(group.channels):
                 if index != master:
                     _add(tree, records, index, (labels[number], names[index]), channel)
-    except MemoryError:
+    except (ConfigError, MemoryError):
         raise
     except Exception as problem:  # asammdf raises many unrelated types on damaged files
-        raise unusable(path, f"cannot be read as MDF, the file is damaged or cut off ({problem})") from None
-    return tree.log(file)
+        raise damage(path, "the MDF file", problem, _library()) from None
+    return tree.log(file, _library())
+
+
+def _library() -> str:
+    import asammdf
+
+    return f"asammdf ({asammdf.__version__})"
 
 
 def _open_mdf(path: Path) -> Any:
     import asammdf
 
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # what matters of it is raised as well
     # An object of asammdf that failed to open a file fails again when it is disposed of, and says so on the terminal.
     usual, sys.unraisablehook = sys.unraisablehook, _unheard
     said = ""
@@ -74,16 +84,28 @@ class _Records:
     def __init__(self, file: Any, number: int) -> None:
         self.file, self.number = file, number
         self._span = (0, 0)
+        self._sound = False
         self._read: list[Any] = []
 
     def between(self, begin: int, end: int) -> list[Any]:
         """Records from number `begin` up to `end`, in the form that `get` takes."""
         if self._span != (begin, end):
             group = self.file.groups[self.number]
+            self._check_blocks(group)
             found = self.file._mdf._load_data(group, record_offset=begin, record_count=end - begin)
             self._read = [_copy(fragment) for fragment in found]
             self._span = (begin, end)
         return self._read
+
+    def _check_blocks(self, group: Any) -> None:
+        """Raises ConfigError where a compressed block claims more than can be read at once."""
+        if self._sound:
+            return
+        path = Path(self.file.name)
+        sizes = [block.original_size or 0 for block in group.data_blocks if getattr(block, "block_type", 0)]
+        if fault := Budget(path).chunk_fault(max(sizes, default=0)):
+            raise unusable(path, f"group {self.number} {fault}")
+        self._sound = True
 
 
 def _copy(fragment: Any) -> Any:

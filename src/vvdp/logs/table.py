@@ -10,6 +10,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
+from vvdp.logs.budget import Budget
 from vvdp.logs.channel import ChannelInfo, Log, Portion, checked_size, list_names, no_such
 from vvdp.logs.clock import ClockChoice, is_time_name, no_clock, seconds
 
@@ -33,6 +34,9 @@ class TableLog(Log):
         self, path: Path, columns: Sequence[Column], choice: ClockChoice, rows: int | None, held: Any = None
     ) -> None:
         super().__init__(path, held)
+        budget = Budget(path)
+        budget.count(len(columns))
+        budget.check_content(8.0 * (rows or 0))
         self._columns = tuple(columns)
         self._choice = choice
         self._count = rows

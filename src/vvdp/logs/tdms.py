@@ -8,6 +8,7 @@ plainly in the file, one value after the other or one row after the other, they 
 """
 
 import bisect
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import unusable
+from vvdp.base.errors import ConfigError
+from vvdp.logs.budget import damage
 from vvdp.logs.channel import Log
 from vvdp.logs.channel_readers import Leaf, Reader, Tree, evenly
 from vvdp.logs.clock import ClockChoice
@@ -25,22 +27,27 @@ def tdms_log(path: Path, choice: ClockChoice) -> Log:
     """The log in a TDMS file."""
     import nptdms
 
+    logging.getLogger("nptdms").setLevel(logging.CRITICAL)  # what matters of it is a remark
+    raw = path.open("rb")
     try:
-        file = nptdms.TdmsFile.open(path, raw_timestamps=True)
+        file = nptdms.TdmsFile.open(raw, raw_timestamps=True)
         tree = Tree(path, choice, "/", short=True)
-        starts = {c.path: s for group in file.groups() for c in group.channels() if (s := _start(c)) is not None}
+        channels = [channel for group in file.groups() for channel in group.channels()]
+        tree.budget.count(len(channels))
+        starts = {c.path: s for c in channels if (s := _start(c)) is not None}
         first = min(starts.values(), default=None)
-        for group in file.groups():
-            for channel in group.channels():
-                _add(tree, file, channel, _seconds(starts[channel.path], first) if channel.path in starts else 0.0)
+        for channel in channels:
+            _add(tree, file, channel, _seconds(starts[channel.path], first) if channel.path in starts else 0.0)
         cut_off = file.file_status.incomplete_final_segment
-    except MemoryError:
+    except (ConfigError, MemoryError):
+        raw.close()
         raise
     except Exception as problem:  # npTDMS raises many unrelated types on damaged files
-        raise unusable(path, f"cannot be read as TDMS, the file is damaged ({problem})") from None
+        raw.close()
+        raise damage(path, "the TDMS file", problem, "npTDMS") from None
     if cut_off:
         tree.remarks.append("the last segment is incomplete; what it holds is read")
-    return tree.log(file)
+    return tree.log(raw, "npTDMS")
 
 
 def _add(tree: Tree, file: Any, channel: Any, shift: float) -> None:

@@ -1,12 +1,13 @@
 """Tables in text: CSV, TSV, semicolons, blanks; decimal point or comma; units in the headings or in a line below.
 
-How a file is written is found from its first lines. The bulk is then read by compiled code in blocks of whole lines.
-A block that is not plain (quotes, comments, a wrong number of fields, something that is no number) is read again line
-by line, which is slow but either understands it or says what is wrong in which line.
+How a file is written is found from its first lines. The bulk is then read by pandas in blocks of whole lines. A block
+that is not plain (quotes, comments, a wrong number of fields, something that is no number) is read again line by line,
+which is slow but either understands it or says what is wrong in which line.
 """
 
 import csv
 import dataclasses
+import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +20,6 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.logs.channel import Log, unique
 from vvdp.logs.clock import ClockChoice, heading, is_written_unit, seconds_between
-from vvdp.logs.decimals import decimals
 from vvdp.logs.table import Column, TableLog
 
 HEAD = 1 << 18
@@ -34,6 +34,8 @@ _NO_NUMBER = re.compile(
     r"[-+]?nan(?:\(.*\))?|#?n/?a|null|none|-?1[.,]#(?:qnan|ind|snan)0*|-{2,}|over(?:load|flow|range)?|err(?:or)?|invalid",
     re.IGNORECASE,
 )
+_NO_NUMBERS = ("", "nan", "NaN", "NAN", "n/a", "N/A", "NA", "#N/A", "null", "NULL", "--", "---", "over", "OVER")
+"""Those of them that are common, which pandas is told of."""
 _COMMENT = re.compile(r"(?:^\ufeff?| )#")
 _INSTANT = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:[.,]\d{1,9})?)?(Z|[-+]\d\d:?\d\d)?")
 
@@ -113,7 +115,7 @@ class _Table:
         return found
 
     def _plain(self, block: bytes) -> dict[int, Array] | None:
-        """The columns by the compiled parser; None where the block is not plain."""
+        """The columns by pandas; None where the block is not plain."""
         delimiter = self._dialect.delimiter.encode()
         if b'"' in block or b"#" in block:
             return None
@@ -126,20 +128,13 @@ class _Table:
                     return None
                 found[k] = self._elapsed_seconds(k, instants)
         decimal = self._decimal_sign(block)
-        if decimal is None:
-            return None
-        table = decimals(block, delimiter, decimal, len(self._dialect.columns), np.array(numbers, int))
-        if table is None:
-            return None
-        for row, i, begin, end in table.given_back.tolist():
-            text = block[begin:end].decode("utf-8", "replace")
-            table.values[row, i] = self._value(text, self._line + row, numbers[i])
-        return found | {k: np.ascontiguousarray(table.values[:, i]) for i, k in enumerate(numbers)}
+        table = None if decimal is None else _numbers(block, delimiter, decimal, len(self._dialect.columns), numbers)
+        return None if table is None else found | table
 
-    def _decimal_sign(self, block: bytes) -> bytes | None:
+    def _decimal_sign(self, block: bytes) -> str | None:
         """The decimal sign of a block; None where points and commas are mixed."""
         if self._dialect.delimiter == ",":
-            return b"."
+            return "."
         comma, point = b"," in block, b"." in block
         if comma and point:
             return None
@@ -148,7 +143,7 @@ class _Table:
             if self._decimal not in ("", sign):
                 return None
             self._decimal = sign
-        return b"," if comma else b"."
+        return "," if comma else "."
 
     def _careful(self, block: bytes, complete: bool) -> dict[int, Array]:
         texts: dict[int, list[str]] = {k: [] for k in self._columns if self._dialect.columns[k].holds != "number"}
@@ -211,7 +206,10 @@ def _fields(line: str, delimiter: str) -> list[str]:
     if not delimiter:
         return line.split()
     if '"' in line:
-        return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+        try:
+            return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+        except csv.Error:  # a field that is too long, or a NUL
+            return [line]
     return [field.strip() for field in line.split(delimiter)]
 
 
@@ -231,6 +229,39 @@ def _instants(texts: Sequence[str]) -> Any:
     if offsets <= {None, "Z"}:
         return local
     return local - np.array([_offset(match[1]) for match in matches if match], "timedelta64[m]")
+
+
+def _numbers(
+    block: bytes, delimiter: bytes, decimal: str, width: int, columns: Sequence[int]
+) -> dict[int, Array] | None:
+    """The numbers in some columns of lines that have `width` fields each, to the last bit as `float` reads them; None
+    where that is not so, or where a field is no number."""
+    import pandas
+
+    if b"\0" in block or not _is_regular(block, delimiter, width):
+        return None
+    last = [] if delimiter else [width - 1]  # between blanks, a line that is too short shows by what it lacks
+    try:
+        table = pandas.read_csv(
+            io.BytesIO(block), sep=delimiter.decode("latin-1") or r"\s+", decimal=decimal, header=None,
+            names=range(width), index_col=False, usecols=sorted({*columns, *last}), dtype=float, skipinitialspace=True,
+            keep_default_na=False, na_values=_NO_NUMBERS, quoting=csv.QUOTE_NONE, encoding_errors="replace",
+            low_memory=False,
+        )  # fmt: skip
+    except ValueError:
+        return None
+    found = {k: table[k].to_numpy() for k in {*columns, *last}}
+    if len(table) != block.count(b"\n") or (last and np.isnan(found[width - 1]).any()):
+        return None
+    return {k: found[k] for k in columns}
+
+
+def _is_regular(block: bytes, delimiter: bytes, width: int) -> bool:
+    """Whether each line has `width` fields; between blanks, whether that is so on average."""
+    if not delimiter:
+        return len(block.split()) == width * block.count(b"\n")
+    others = bytes(set(range(256)) - {delimiter[0], ord("\n")})
+    return block.translate(None, others) == (delimiter * (width - 1) + b"\n") * block.count(b"\n")
 
 
 def _column_of_instants(block: bytes, delimiter: bytes, k: int) -> Any:

@@ -24,6 +24,8 @@ MOST_ABOVE = 6
 """Names of lines that stand above a panel; more stand beside it."""
 MOST_POINTS = 2000
 """Points of a printed line; of more, the lowest and highest of each part are drawn."""
+BESIDE = 4
+"""Names of bars that stand beside each other above a panel."""
 LEFT, RIGHT, BELOW, ABOVE, GAP, LETTER = 0.72, 0.12, 0.42, 0.2, 0.08, 0.062
 """Room beside, below and above stacked panels, between them, and for a letter of a bar's name [inch]."""
 EDGE = 0.07
@@ -97,9 +99,7 @@ def _fill_rows(figure: "Figure", chart: Chart, tables: Mapping[str, Table]) -> N
 def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mapping[str, Table]) -> None:
     """Places panels one above the other by known sizes [inch]; measuring each text would take half of the time."""
     width, height = figure.get_size_inches()
-    named = [
-        -(-len(_names(p, tables[p.table or chart.table])) // 4) if isinstance(p, Lines) else 1 for p in chart.panels
-    ]
+    named = [_named_rows(p, tables[p.table or chart.table]) for p in chart.panels]
     longest = max(
         (len(str(n)) for p in chart.panels if isinstance(p, Bars) for n in tables[p.table or chart.table][p.names]),
         default=0,
@@ -116,6 +116,13 @@ def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mappi
         axes.yaxis.set_label_coords(-0.8 * left / (width - left - RIGHT), 0.5)
 
 
+def _named_rows(panel: Panel, table: Table) -> int:
+    """Rows that the names of lines and bars take above a panel."""
+    if isinstance(panel, Lines):
+        return -(-len(_names(panel, table)) // 4)
+    return -(-len(panel.values) // BESIDE) if isinstance(panel, Bars) and panel.stacked else 1
+
+
 def _is_beside(panel: Panel) -> bool:
     """Whether the names of the lines stand beside a panel."""
     return isinstance(panel, Lines) and (bool(panel.legend) or len(panel.lines) > MOST_ABOVE)
@@ -124,6 +131,8 @@ def _is_beside(panel: Panel) -> bool:
 def _draw_panel(axes: "Axes", panel: Panel, table: Table, tables: Mapping[str, Table]) -> None:
     if isinstance(panel, Lines):
         _draw_lines(axes, panel, table, tables)
+    elif isinstance(panel, Bars) and panel.stacked:
+        _draw_stacked_bars(axes, panel, table)
     elif isinstance(panel, Bars):
         _draw_bars(axes, panel, table)
     elif isinstance(panel, Dots):
@@ -299,6 +308,10 @@ def _draw_level(axes: "Axes", level: Level, unit: DisplayUnit) -> None:
     )
 
 
+ROOM = 0.05
+"""Share of the longest bar from which on a part of it has room for its value."""
+
+
 def _set_ends(set_ends: Any, ends: Iterable[float | None], unit: DisplayUnit) -> None:
     given = [None if end is None else unit.from_si(end) for end in ends]
     if given != [None, None]:
@@ -339,6 +352,32 @@ def _draw_bars(axes: "Axes", panel: Bars, table: Table) -> None:
     _finish_bars(axes, panel, names, axis_label([table.columns[key] for key in panel.values], panel.label))
 
 
+def _draw_stacked_bars(axes: "Axes", panel: Bars, table: Table) -> None:
+    """Bars that follow one another, each told its value where it has room for it."""
+    rows = list(panel.rows) or list(range(table.rows))
+    names = [str(table[panel.names][row]) for row in rows][::-1]
+    parts = [np.clip(np.nan_to_num(shown_values(table, key)[rows][::-1]), 0.0, None) for key in panel.values]
+    ends = np.sum(parts, axis=0)
+    done = np.zeros(len(rows))
+    for place, (key, values) in enumerate(zip(panel.values, parts, strict=True)):
+        label = panel.labels[place] if panel.labels else table.columns[key].label
+        colour = panel.colours[place] if panel.colours else ORDER[place % len(ORDER)]
+        bars = axes.barh(np.arange(len(rows)), values, 0.65, done, color=colour, label=label)
+        texts = [plain(value, 3) if value > ROOM * np.max(ends) else "" for value in values]
+        axes.bar_label(bars, texts, label_type="center", fontsize=6.5, color=_ink_on(colour))
+        done = done + values
+    for place, (end, row) in enumerate(zip(ends, rows[::-1], strict=True)):
+        words = str(table[panel.texts][row]) if panel.texts else plain(end, 3)
+        axes.annotate(words, (end, place), (3, 0), textcoords="offset points", va="center", fontsize=7.0)
+    _finish_bars(axes, panel, names, axis_label([table.columns[key] for key in panel.values], panel.label))
+
+
+def _ink_on(colour: str) -> str:
+    """Black or white, whichever is easier to read on a colour."""
+    red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    return Colour.INK if 0.3 * red + 0.59 * green + 0.11 * blue > 130.0 else "#ffffff"
+
+
 def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) -> None:
     """Names, ends and legend of a panel of bars."""
     axes.set_yticks(range(len(names)), names)
@@ -348,7 +387,8 @@ def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) ->
     spans = [each.dataLim for each in axes.get_shared_x_axes().get_siblings(axes)]
     low, high = min(span.x0 for span in spans), max(span.x1 for span in spans)
     if panel.base is None:
-        axes.set_xlim(1.3 * min(low, 0.0), 1.3 * max(high, 1e-12))
+        room = 1.5 if panel.stacked else 1.3
+        axes.set_xlim(room * min(low, 0.0), room * max(high, 1e-12))
     else:
         room = 0.6 * (high - low)
         axes.set_xlim(low - room, high + room)
@@ -359,7 +399,8 @@ def _finish_bars(axes: "Axes", panel: Bars, names: Sequence[str], label: str) ->
         axes.figure.legend(loc="outside upper right", ncols=2, handlelength=1.0)
     elif len(panel.values) > 1 and not is_shared:
         above = 1.12 if panel.title else 1.0
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=2, handlelength=1.0)
+        columns = BESIDE if panel.stacked else 2
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, above), ncols=columns, handlelength=1.0)
 
 
 def _draw_dots(axes: "Axes", panel: Dots, table: Table) -> None:

@@ -131,6 +131,8 @@ class Bars:
     rows: tuple[int, ...] = ()
     base: float | None = None
     """Where all bars of a name begin [SI], one over the other; else they begin at zero, side by side."""
+    stacked: bool = False
+    """Whether the bars of a name follow one another from zero on; what is below zero counts as none."""
     table: str = ""
     """The table of this panel, where it is not that of the chart."""
     height: float = 1.0

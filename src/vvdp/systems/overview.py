@@ -144,12 +144,13 @@ def impossible_part(system: System, found: Mapping[str, Any]) -> str:
 
 def _not_settled(system: System) -> Iterator[str]:
     """Whether a reader expects means of a steady state, which these are not."""
-    if not varies(system):
+    is_steady = system.extras is None or system.extras.STEADY
+    if is_steady and not varies(system):
         yield (
             f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
             "longer (run.until), or average later (run.average_from)"
         )
-    elif system.extras is not None and system.extras.STEADY:
+    elif system.extras is not None and is_steady:
         yield "what is prescribed changes over time: the means are those of the averaging window, no steady state"
 
 

@@ -14,7 +14,7 @@ from vvdp.base.kinds import Flow, Fraction, Power
 from vvdp.base.select import maximum, select
 from vvdp.fluid.mixture import NODES, WEIGHTS, compression_energy_per_volume
 from vvdp.fluid.oil import Oil
-from vvdp.valve.branch import BranchDrops, branch_law, choking_drop, turbulent_drops
+from vvdp.valve.branch import BranchDrops, branch_law, choking_drop, nozzle_resistance, turbulent_drops
 from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import barrier_width, nozzle_width, pitch, transition_fraction
 from vvdp.valve.leakage import leakage_conductance
@@ -69,6 +69,24 @@ def full_open_loss(flow: float, density: float, valve: RotaryValve) -> float:
     """
     drops = full_open_drop(flow, density, valve)
     return flow * (drops.nozzle + drops.centre_section + drops.outlet_turbine)
+
+
+def throttling_power(flow: float, opening: float, density: float, valve: RotaryValve) -> float:
+    """Power that the nozzles of a branch lose because their ports are not fully open [W]: R_n |Q|^3 (1/a^2 - 1).
+
+    Without the smoothing at zero drop, where the power is next to nothing.
+
+    flow     Q, at the inlet's pressure [m^3/s]
+    opening  a, open fraction of the branch's ports; nothing flows through shut ones [1]
+    density  [kg/m^3]
+
+    >>> print(round(throttling_power(3e-4, 0.5, 870.0, valve), 2))  # three times what they lose fully open
+    71.07
+    """
+    is_open = opening > 0.0
+    a = select(is_open, opening, 1.0)
+    power: float = nozzle_resistance(density, valve) * abs(flow) ** 3 * (1.0 / (a * a) - 1.0)
+    return select(is_open, power, 0.0)
 
 
 def relief_rise(at: Condition) -> float:

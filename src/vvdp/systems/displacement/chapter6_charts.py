@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, TIME, Kind
+from vvdp.base.kinds import DURATION, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.control.pressure_modes import PRESSURE_MODE, PressureBounds
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
@@ -29,7 +29,7 @@ def displacement_columns(record: "Record", period: float) -> dict[str, tuple[Arr
     position = record.states["rod.position"].values
     sampled = np.interp(period * (np.ceil(record.times / period - 1e-6) - 1.0), record.times, position)
     return {
-        "time_s": (record.times, TIME, "time"),
+        "time_s": (record.times, DURATION, "time"),
         "position_m": (position, POSITION, "position"),
         "reference_m": (shown["reference"], POSITION, "filtered reference"),
         "tracking_error_m": (sampled - shown["reference"], POSITION, "error against the reference"),
@@ -76,8 +76,8 @@ def motion_chart(rows: tuple[int, ...]) -> Chart:
 def pressure_chart(bounds: PressureBounds) -> Chart:
     """Pressures of both chambers, and the mode that they make."""
     pressures = (
-        Line(x="time_s", y="pressure_a_Pa", label="chamber a", colour=Colour.INLET),
-        Line(x="time_s", y="pressure_b_Pa", label="chamber b", colour=Colour.LOAD),
+        Line(x="time_s", y="pressure_a_Pa", label="chamber a"),
+        Line(x="time_s", y="pressure_b_Pa", label="chamber b"),
     )
     levels = (
         Level(value=bounds.highest_pressure, label="upper bound"),

@@ -12,7 +12,7 @@ from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
 from vvdp.systems.displacement.chapter6_charts import displacement_charts
 from vvdp.systems.displacement.chapter6_loop import PROGRAM
-from vvdp.systems.displacement.tracking import TRACKING, tracking_numbers
+from vvdp.systems.displacement.tracking import GROUP, TRACKING, TRACKING_LINES, tracking_numbers
 from vvdp.systems.extras import Extras, Line, Summary
 
 if TYPE_CHECKING:
@@ -21,23 +21,23 @@ if TYPE_CHECKING:
     from vvdp.simulation.run import Run
 
 CHAMBERS = ("chamber_a", "chamber_b")
-GROUP = "Displacement control"
+OTHERS: Mapping[str, tuple[Kind, str]] = MappingProxyType(
+    {
+        "pressure_min_Pa": (GAUGE_PRESSURE, "lowest pressure of a chamber"),
+        "pressure_max_Pa": (GAUGE_PRESSURE, "highest pressure of a chamber"),
+        "pump_flow_max_m3_s": (FLOW, "largest flow of the pump"),
+        "real_time_factor": (NUMBER, "simulated over computing time"),
+    }
+)
+"""Numbers beside those of the tracking."""
 
 
 class Chapter6Extras(Extras):
     """What the system of chapter 6 brings along."""
 
     STEADY = False
-    QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType(
-        {
-            **TRACKING,
-            "pressure_min_Pa": (GAUGE_PRESSURE, "lowest pressure of a chamber"),
-            "pressure_max_Pa": (GAUGE_PRESSURE, "highest pressure of a chamber"),
-            "pump_flow_max_m3_s": (FLOW, "largest flow of the pump"),
-            "real_time_factor": (NUMBER, "simulated over computing time"),
-        }
-    )
-    OVERVIEW = tuple(Line(label, (key,), kind, (), GROUP) for key, (kind, label) in QUANTITIES.items())
+    QUANTITIES: Mapping[str, tuple[Kind, str]] = MappingProxyType({**TRACKING, **OTHERS})
+    OVERVIEW = (*TRACKING_LINES, *(Line(label, (key,), kind, (), GROUP) for key, (kind, label) in OTHERS.items()))
     HEADLINE = ("tracking_error_max_m", "tracking_error_rms_m")
 
     def simulation_numbers(self, run: "Outcome", found: Summary) -> Summary:

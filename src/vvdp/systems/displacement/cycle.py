@@ -132,6 +132,12 @@ def cycle_position(time: float, points: Points) -> float:
     return points.positions[low] + share * (points.positions[high] - points.positions[low])
 
 
+def first_direction(cycle: Triangle | OwnCycle) -> float:
+    """Which way a cycle moves first: 1 outward, which is also said of one that never moves, -1 inward."""
+    moves = np.diff(points_of(cycle).positions)
+    return -1.0 if np.any(moves) and moves[np.flatnonzero(moves)[0]] < 0.0 else 1.0
+
+
 def reference_period(cycle: Triangle | OwnCycle) -> float:
     """After which time a cycle comes back [s]; its length where it does not."""
     return points_of(cycle).times[-1]

@@ -13,7 +13,7 @@ from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.rod import EndStop
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
-from vvdp.network.nodes import Load, Source
+from vvdp.network.nodes import Load, Source, Start
 
 CHAMBERS = ("chamber_a", "chamber_b")
 """Names of the volumes at both sides of the piston, with their hoses."""
@@ -30,27 +30,28 @@ class InitialCylinder(Params):
 
 @dataclass(frozen=True)
 class LoadedCylinder:
-    """A cylinder with its hoses, what it moves, and what hinders it."""
+    """A cylinder with its hoses, what it moves beside its own mass, and what hinders it."""
 
     cylinder: Cylinder
     chamber_a: Vessel
     chamber_b: Vessel
-    load: Load
+    load: Load | None
     friction: RodFriction
     end_stops: EndStop
 
 
-def add_cylinder(net: Network, parts: LoadedCylinder, force: Source) -> None:
-    """Add a cylinder with its load to a network that has values `initial` of class `InitialCylinder`.
+def add_cylinder(net: Network, parts: LoadedCylinder, force: Source, position: Start = "initial.position") -> None:
+    """Add a cylinder with its load to a network that has values `initial` with the fields of `InitialCylinder`.
 
     Its nodes are `chamber_a`, `chamber_b` and `rod`, its components `cylinder`, `friction`, `end_stops` and
     `load_force`.
 
-    force  on the rod from outside, in the direction of its position [N]
+    force     on the rod from outside, in the direction of its position [N]
+    position  at which the rod starts
     """
     net.volume("chamber_a", parts.chamber_a, start="initial.pressure_a")
     net.volume("chamber_b", parts.chamber_b, start="initial.pressure_b")
-    net.rod("rod", parts.load, position="initial.position")
+    net.rod("rod", parts.load, position=position)
     net.add("cylinder", CYLINDER, parts.cylinder, a="chamber_a", b="chamber_b", rod="rod")
     net.add("friction", ROD_FRICTION, parts.friction, rod="rod")
     net.add("end_stops", END_STOP, parts.end_stops, rod="rod")

@@ -13,10 +13,10 @@ from vvdp.components.directional_valves import (
     ThrottledDirectionalValve,
 )
 from vvdp.components.lagging_drive import LAGGING_DRIVE, LaggingDrive, LaggingState
-from vvdp.components.meters import ACTUATOR_METER, SUPPLY_METER
+from vvdp.components.meters import ACTUATOR_METER, SUPPLY_METER, TRANSITION_METER
 from vvdp.components.pump_motors import PUMP_MOTOR
 from vvdp.components.pump_unit import PumpUnit, UnitJoints, add_pump_unit
-from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, ROD_FRICTION, WEIGHT
+from vvdp.components.rods import WEIGHT
 from vvdp.fluid.oil import Oil
 from vvdp.hydraulics.check_valve import CheckPoppet
 from vvdp.hydraulics.cylinder import Cylinder, Plunger
@@ -34,6 +34,8 @@ from vvdp.network.nodes import Chamber, Connection, Source
 from vvdp.systems.axial_loop import PROGRAM as AXIAL
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.bench_tables import Limits
+from vvdp.systems.displacement.cylinder_load import LoadedCylinder, add_cylinder
+from vvdp.systems.displacement.machine_checks import refuse_stops
 from vvdp.systems.displacement.machine_tables import (
     InitialGerotorMachine,
     InitialMachine,
@@ -54,11 +56,7 @@ class ActuatorParts:
 
     line: Vessel
     directional_valve: ThrottledDirectionalValve
-    cylinder: Cylinder
-    chamber_a: Vessel
-    chamber_b: Vessel
-    friction: RodFriction
-    stops: EndStop
+    loaded: LoadedCylinder
     weight: Weight | None = None
     dump_valve: SeatValve | None = None
 
@@ -105,7 +103,7 @@ def add_machine(
     """Add everything but the axial drive; `spool` is the path of the position that it gives the spool.
 
     The nodes are `line`, `chamber_a`, `chamber_b` and `rod` beside those of a pump unit, the components `pump_motor`,
-    `directional_valve`, `cylinder`, `friction`, `end_stops`, `load` and what is fitted of `weight` and `dump_valve`.
+    `directional_valve`, those of the cylinder, and what is fitted of `weight` and `dump_valve`; and meters.
     """
     values = net.values
     operation: MachineOperation = values["operation"]  # type: ignore[assignment]
@@ -120,6 +118,17 @@ def add_machine(
         cavitation_pressure=Connection(cavitation_limit, (values["limits"],)),
     )
     add_pump_unit(net, unit, joints)
+    net.add(
+        "transition_meter",
+        TRANSITION_METER,
+        unit.valve,
+        inlet="inlet",
+        to_load="valve.load_flow",
+        to_tank="valve.tank_flow",
+        leakage="valve.leakage",
+        load_opening="valve.load_opening",
+        tank_opening="valve.tank_opening",
+    )
     add_actuator(net, parts, commands, operation)
     if parts.dump_valve is not None:
         net.add("dump_valve", DUMP_VALVE, parts.dump_valve, a="line", b="tank", command=commands.dump)
@@ -129,9 +138,10 @@ def add_actuator(
     net: Network, parts: ActuatorParts, commands: MachineCommands, operation: MachineOperation, supply: str = "line"
 ) -> None:
     """Add directional valve, cylinder and load between a `supply` and the tank, with the meters of their powers."""
-    net.volume("chamber_a", parts.chamber_a, start="initial.pressure_a")
-    net.volume("chamber_b", parts.chamber_b, start="initial.pressure_b")
-    net.rod("rod", position="initial.cylinder_position")
+    refuse_stops(parts.loaded.cylinder, parts.loaded.end_stops)
+    add_cylinder(net, parts.loaded, operation.load_force, "initial.cylinder_position")
+    if parts.weight is not None:
+        net.add("weight", WEIGHT, parts.weight, rod="rod")
     net.add(
         "directional_valve",
         THROTTLED_DIRECTIONAL_VALVE,
@@ -143,12 +153,6 @@ def add_actuator(
         command=commands.direction,
         return_command=commands.opening,
     )
-    net.add("cylinder", CYLINDER, parts.cylinder, a="chamber_a", b="chamber_b", rod="rod")
-    net.add("friction", ROD_FRICTION, parts.friction, rod="rod")
-    net.add("end_stops", END_STOP, parts.stops, rod="rod")
-    net.add("load", LOAD_FORCE, rod="rod", force=operation.load_force)
-    if parts.weight is not None:
-        net.add("weight", WEIGHT, parts.weight, rod="rod")
     to_a, to_b = "directional_valve.a_flow", "directional_valve.b_flow"
     net.add("supply_meter", SUPPLY_METER, a="chamber_a", b="chamber_b", to_a=to_a, to_b=to_b)
     net.add("actuator_meter", ACTUATOR_METER, rod="rod", force="cylinder.rod")
@@ -214,11 +218,14 @@ def displacement_control(
     actuator = ActuatorParts(
         line=line,
         directional_valve=directional_valve,
-        cylinder=cylinder,
-        chamber_a=chamber_a,
-        chamber_b=chamber_b,
-        friction=cylinder_friction,
-        stops=cylinder_stops,
+        loaded=LoadedCylinder(
+            cylinder=cylinder,
+            chamber_a=chamber_a,
+            chamber_b=chamber_b,
+            load=None,
+            friction=cylinder_friction,
+            end_stops=cylinder_stops,
+        ),
         weight=weight,
         dump_valve=dump_valve,
     )
@@ -277,11 +284,14 @@ def displacement_control_gerotor(
     actuator = ActuatorParts(
         line=line,
         directional_valve=directional_valve,
-        cylinder=cylinder,
-        chamber_a=chamber_a,
-        chamber_b=chamber_b,
-        friction=cylinder_friction,
-        stops=cylinder_stops,
+        loaded=LoadedCylinder(
+            cylinder=cylinder,
+            chamber_a=chamber_a,
+            chamber_b=chamber_b,
+            load=None,
+            friction=cylinder_friction,
+            end_stops=cylinder_stops,
+        ),
         weight=weight,
         dump_valve=dump_valve,
     )
@@ -328,11 +338,14 @@ def displacement_control_ideal(
     actuator = ActuatorParts(
         line=line,
         directional_valve=directional_valve,
-        cylinder=cylinder,
-        chamber_a=chamber_a,
-        chamber_b=chamber_b,
-        friction=cylinder_friction,
-        stops=cylinder_stops,
+        loaded=LoadedCylinder(
+            cylinder=cylinder,
+            chamber_a=chamber_a,
+            chamber_b=chamber_b,
+            load=None,
+            friction=cylinder_friction,
+            end_stops=cylinder_stops,
+        ),
         weight=weight,
         dump_valve=dump_valve,
     )

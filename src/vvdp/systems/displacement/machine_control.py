@@ -37,7 +37,7 @@ from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.axial_loop import PROGRAM as AXIAL
 from vvdp.systems.axial_loop import UNKNOWN
 from vvdp.systems.chamber_loop import PassiveLoop, WatchedLoop, watched_start
-from vvdp.systems.displacement.cycle import OwnCycle, Triangle, points_of, refuse_fast_points
+from vvdp.systems.displacement.cycle import OwnCycle, Triangle, first_direction, points_of, refuse_fast_points
 from vvdp.systems.displacement.inner_loop import LedGerotorPlace, LedPlace, led_gerotor_step, led_step
 from vvdp.systems.displacement.machine_loop import (
     IDLE,
@@ -50,7 +50,7 @@ from vvdp.systems.displacement.machine_loop import (
 )
 from vvdp.systems.displacement.machine_tables import MachineOperation
 from vvdp.systems.displacement.stages import MachineSequence
-from vvdp.systems.displacement.supervision import Supervised, Supervision
+from vvdp.systems.displacement.supervision import SpoolSpring, Supervised, Supervision
 from vvdp.systems.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
 from vvdp.systems.spool_encoder import WatchSettings
 
@@ -124,6 +124,7 @@ class MachineTables:
     adaptation: Adaptation
     supervision: Supervision | None
     operation: MachineOperation
+    spool_spring: SpoolSpring
 
 
 @dataclass(frozen=True)
@@ -205,9 +206,11 @@ def machine_loop(
             watches=0.0 if tables.supervision is None else 1.0,
             limits=tables.supervision or Supervision(),
             cylinder=model,
+            spring=tables.spool_spring,
             pump_speed=tables.operation.pump_speed,
             sample_period=SAMPLE_PERIOD,
         ),
+        first_direction=first_direction(tables.cycle),
     )
 
 
@@ -249,8 +252,8 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         "spool_position": f"{AXIAL}.position",
         "spool_speed": f"{AXIAL}.spool_speed",
         "spool_measured": f"{AXIAL}.measured",
-        "spool_pollution": f"{AXIAL}.pollution",
         "spool_reference": f"{AXIAL}.reference",
+        "chamber_pressure": paths.chamber_pressure or paths.line_pressure,
         "pump_speed": "pump_motor.speed",
     }
     kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)

@@ -28,6 +28,7 @@ from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.control.capacities import CircuitPressures, capacities, oil_force
 from vvdp.control.cylinder_force import ForceRate
+from vvdp.control.direction import LONG, DirectionMemory
 from vvdp.control.displacement import (
     CylinderSeen,
     DisplacementDemand,
@@ -70,20 +71,23 @@ PROGRAM = "displacement"
 
 
 class MachinePlace(NamedTuple):
-    """What the sensors of cylinder and pump show, and what the axial control said at the last sample."""
+    """What the sensors show, and what the axial control said at the last sample.
+
+    `chamber_pressure` is that at the spool, where a chamber moves it.
+    """
 
     time: Time
     position: Position
     pressure_a: Pressure
     pressure_b: Pressure
     line_pressure: Pressure
+    chamber_pressure: Pressure
     pump_speed: Speed
     spool_stage: Count
     spool_known: Fraction
     spool_position: Position
     spool_speed: Speed
     spool_measured: Position
-    spool_pollution: Position
     spool_reference: Position
 
 
@@ -99,7 +103,7 @@ class SpoolRange(Params):
 class MachineLoop(Params):
     """What the program works with: laws, beliefs, what is followed, and how it starts and stops.
 
-    `load_force` is the load as expected before it is estimated.
+    `load_force` is the load as expected before it is estimated, `first_direction` that of the cycle's first move.
     """
 
     law: DisplacementSettings
@@ -111,6 +115,7 @@ class MachineLoop(Params):
     gain: FlowGain
     spool: SpoolRange
     load_force: Force
+    first_direction: SignedFraction
     supervised: Supervised
 
 
@@ -202,7 +207,7 @@ def machine_start(settings: MachineLoop) -> MachineMemory:
         wanted=lowest,
         observer=load_observer_start(lowest, settings.load_force),
         averages=average_start(3),
-        law=displacement_start(settings.law),
+        law=law_start(settings),
         gain=flow_gain_start(),
         direction=0.0,
         opening=0.0,
@@ -210,15 +215,27 @@ def machine_start(settings: MachineLoop) -> MachineMemory:
     )
 
 
-def progress_of(place: MachinePlace, spool: SpoolRange) -> Progress:
-    """What the sequence is told."""
+def law_start(settings: MachineLoop) -> DisplacementMemory:
+    """The memory of the laws before control, the directional valve about to open the way of the cycle's first move."""
+    start = displacement_start(settings.law)
+    return DisplacementMemory(
+        direction=DirectionMemory(settings.first_direction, LONG),
+        split=start.split,
+        adaptation=start.adaptation,
+        saturated=start.saturated,
+    )
+
+
+def progress_of(place: MachinePlace, settings: MachineLoop) -> Progress:
+    """What the sequence is told; the chamber that is filled first is that of the cycle's first move."""
+    supply = place.pressure_a if settings.first_direction > 0.0 else place.pressure_b
     return Progress(
         homed=1.0 if place.spool_stage > AT_HOME else 0.0,
         known=place.spool_known,
         learned=1.0 if place.spool_stage >= FOLLOWS else 0.0,
         line_pressure=place.line_pressure,
-        supply=place.pressure_a,
-        above_stop=place.spool_position - spool.rest_position,
+        supply=supply,
+        above_stop=place.spool_position - settings.spool.rest_position,
     )
 
 
@@ -269,10 +286,10 @@ def machine_sight(
         direction=memory.direction,
         opening=memory.opening,
         spool_measured=place.spool_measured,
-        spool_seen=place.spool_measured - place.spool_pollution,
         spool_position=place.spool_position,
         spool_reference=place.spool_reference,
         spool_speed=place.spool_speed,
+        chamber_pressure=place.chamber_pressure,
         pump_speed=place.pump_speed,
     )
 
@@ -289,7 +306,7 @@ def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLo
     supervision = supervise(
         memory.supervision, machine_sight(memory, place, slow, observer.velocity, settings), settings.supervised
     )
-    phase = next_phase(memory.phase, place.time, progress_of(place, settings.spool), settings.sequence)
+    phase = next_phase(memory.phase, place.time, progress_of(place, settings), settings.sequence)
     if supervision.alarm.alarm > 0.0 and phase.number != EMERGENCY:
         phase = Phase(EMERGENCY, place.time)
     wanted, reference = next_followed(memory, phase, place, settings)
@@ -318,7 +335,7 @@ def controlled_demand(
     """What the laws ask for while the cylinder is controlled; else valves closed, and no flow."""
     if orders_of(view.phase.number).controlled > 0.0:
         return displacement_step(memory.law, view.seen, view.reference, settings.law)
-    return displacement_start(settings.law), idle_demand()
+    return law_start(settings), idle_demand()
 
 
 def learned_gain(memory: MachineMemory, view: MachineView, direction: float, settings: MachineLoop) -> FlowGainMemory:

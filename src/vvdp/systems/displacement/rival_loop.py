@@ -53,7 +53,7 @@ class LoopTable(Params):
     sample_period: Time
     pressure_rate: Rate
     change_time: Time = 0.02
-    hysteresis: PressureDifference = 1e5
+    hysteresis: PressureDifference = 1e4
     largest_opening: Fraction = 0.8
     supply_level: PressureDifference = 6e5
 
@@ -224,10 +224,24 @@ def wanted_motion(memory: LoopMemory, position: float, loop: RivalLoop) -> Wante
     )
 
 
-def change_side(joint: Joint, wanted: float, loop: RivalLoop) -> Joint:
-    """The circuit on its way to be joined as `wanted`, from one side to the other in the change time."""
-    most = 2.0 * loop.table.sample_period / loop.table.change_time
+def change_side(t: float, joint: Joint, wanted: float, loop: RivalLoop) -> Joint:
+    """The circuit on its way to be joined as `wanted`, from one side to the other in the change time; so from t = 0."""
+    most = 2.0 * loop.table.sample_period / loop.table.change_time if t > 0.0 else 2.0
     return Joint(wanted, joint.side + float(clip(wanted - joint.side, -most, most)))
+
+
+def cylinder_command(
+    t: float, memory: LoopMemory, settings: RivalLoop, flow: float = 0.0, valve: float = 0.0, opening: float = 0.0
+) -> CylinderCommand:
+    """The command of a loop at `t` [s]; what a circuit does not have stays 0."""
+    return CylinderCommand(
+        flow=flow,
+        valve=valve,
+        opening=opening,
+        side=memory.joint.side,
+        reference=memory.reference.position,
+        force=cycle_point(t, settings.cycle).force,
+    )
 
 
 def throttle_step(
@@ -238,7 +252,7 @@ def throttle_step(
     wanted = wanted_motion(kept, seen.position, settings)
     supply = kept.pressures.supply - settings.reference_pressure
     valve = throttle_opening(wanted.velocity, wanted.force, supply, settings)
-    return kept, CylinderCommand(0.0, valve, 0.0, 0.0, kept.reference.position, cycle_point(t, settings.cycle).force)
+    return kept, cylinder_command(t, kept, settings, valve=valve)
 
 
 def one_way_step(
@@ -253,47 +267,46 @@ def one_way_step(
     speed = max(side * wanted.velocity, 0.0)
     flow = min((settings.area_a if side > 0.0 else settings.area_b) * speed, settings.largest_flow)
     opening = return_opening(side * max(speed, SLOW), wanted.force, settings)
-    pull = cycle_point(t, settings.cycle).force
-    command = CylinderCommand(flow, side, opening, side, kept.reference.position, pull)
-    return LoopMemory(kept.reference, kept.pressures, Joint(side, side)), command
+    joined = LoopMemory(kept.reference, kept.pressures, Joint(side, side))
+    return joined, cylinder_command(t, joined, settings, flow=flow, valve=side, opening=opening)
 
 
 def closed_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
     """Program: a pump that goes over centre between both chambers; the side with more pressure counts its flow."""
-    kept = next_memory(t, memory, seen, settings)
-    side = fuller_side(kept.pressures.a - kept.pressures.b, kept.joint.wanted, settings.table)
-    joint = change_side(kept.joint, side, settings)
-    area = settings.area_a if joint.side > 0.0 else settings.area_b
-    return _pumped(t, LoopMemory(kept.reference, kept.pressures, joint), area, seen, settings)
+    kept = fuller_joined(t, memory, seen, settings)
+    return pump_command(t, kept, settings.area_a if kept.joint.side > 0.0 else settings.area_b, seen, settings)
 
 
 def open_step(
     t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
     """Program: a pump that goes over centre at the chamber that carries the load, the other one joined to the tank."""
+    kept = fuller_joined(t, memory, seen, settings)
+    return pump_command(t, kept, settings.area_a if kept.joint.side > 0.0 else -settings.area_b, seen, settings)
+
+
+def fuller_joined(t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop) -> LoopMemory:
+    """The memory a sample further, the circuit on its way to the side with more pressure."""
     kept = next_memory(t, memory, seen, settings)
-    more = wanted_motion(kept, seen.position, settings).force / settings.area_a
-    joint = change_side(kept.joint, fuller_side(more, kept.joint.wanted, settings.table), settings)
-    area = settings.area_a if joint.side > 0.0 else -settings.area_b
-    return _pumped(t, LoopMemory(kept.reference, kept.pressures, joint), area, seen, settings)
+    side = fuller_side(kept.pressures.a - kept.pressures.b, kept.joint.wanted, settings.table)
+    return LoopMemory(kept.reference, kept.pressures, change_side(t, kept.joint, side, settings))
 
 
-def _pumped(
+def pump_command(
     t: float, memory: LoopMemory, area: float, seen: CylinderReading, settings: RivalLoop
 ) -> tuple[LoopMemory, CylinderCommand]:
     """A pump's flow that moves an `area` [m^2] as wanted, below 0 where the pump works the other way."""
     flow = area * wanted_motion(memory, seen.position, settings).velocity
     held = float(clip(flow, -settings.largest_flow, settings.largest_flow))
-    pull = cycle_point(t, settings.cycle).force
-    return memory, CylinderCommand(held, 0.0, 0.0, memory.joint.side, memory.reference.position, pull)
+    return memory, cylinder_command(t, memory, settings, flow=held)
 
 
 def fuller_side(more: float, side: float, table: LoopTable) -> float:
     """The side that carries the load: 1 for chamber A, -1 for B; as before within the hysteresis.
 
-    more  by how much the pressure at A exceeds that which would belong to B [Pa]
+    more  by how much the pressure at A exceeds that at B [Pa]
     side  before
     """
     return 1.0 if more > table.hysteresis else -1.0 if more < -table.hysteresis else side

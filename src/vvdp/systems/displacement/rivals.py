@@ -114,11 +114,15 @@ class Rival:
             valve_conductance=valve_conductance,
         )
 
-    def network(self, program: ProgramType, settings: RivalLoop, supply: str, **values: Params) -> Network:
-        """A network with the cylinder and the loop that moves it; `supply` is the volume that feeds it."""
-        net = Network(self.oil, initial=self.initial, **values)
-        reservoir = values.get("reservoir")
-        net.tank("tank", reservoir.pressure if isinstance(reservoir, Reservoir) else None)
+    def network(
+        self, program: ProgramType, settings: RivalLoop, supply: str, tank: PressureSignal | None = None
+    ) -> Network:
+        """A network with the cylinder and the loop that moves it; `supply` is the volume that feeds it.
+
+        tank  its pressure, where it is not the oil's reference pressure [Pa, absolute]
+        """
+        net = Network(self.oil, initial=self.initial)
+        net.tank("tank", tank)
         add_cylinder(net, self.moved, f"{LOOP}.force")
         reads = {
             "position": "rod.position",
@@ -149,10 +153,11 @@ def throttle_control(
     initial: InitialCylinder,
 ) -> Network:
     """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance)
-    net = rival.network(THROTTLE_LOOP, settings, "supply", pump_drive=pump_drive)
+    net = rival.network(THROTTLE_LOOP, settings, "supply")
+    net.values["pump_drive"] = pump_drive
     net.volume("supply", supply_line, start="initial.supply_pressure")
     net.driven_shaft("pump_shaft", pump_drive.speed)
     net.add("pump", PUMP, pump, inlet="tank", outlet="supply", shaft="pump_shaft")
@@ -179,8 +184,8 @@ def ideal_pump_control(
     initial: InitialCylinder,
 ) -> Network:
     """An ideal variable pump that gives flow one way, a directional valve for the sign, a throttle in the return."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(variable_pump.largest_flow, directional_valve.return_conductance)
     net = rival.network(ONE_WAY_LOOP, settings, "supply")
     net.volume("supply", supply_line, start="initial.supply_pressure")
@@ -212,9 +217,9 @@ def shuttle_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side a commanded 3/2 valve joins to a charge line, after wang2017, fig. 1.6."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
-    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line", charge=charge)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
+    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
     for side in "ab":
         net.add(f"charge_check_{side}", CHECK_VALVE, charge_check_valves, a="charge_line", b=f"chamber_{side}")
@@ -250,9 +255,9 @@ def pilot_check_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side pilot-operated check valves join to a charge line, after wang2017, fig. 1.7."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
-    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line", charge=charge)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
+    net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
     for side, other in ("ab", "ba"):
         joints = {"a": "charge_line", "b": f"chamber_{side}", "pilot": f"chamber_{other}"}
@@ -280,9 +285,10 @@ def four_valve_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """An open circuit: a pump that also motors, and four 2-way valves about the cylinder, after wang2017, fig. 1.8."""
-    moved = LoadedCylinder(cylinder, chamber_a, chamber_b, load, friction, end_stops)
-    rival = Rival(oil, moved, duty_cycle, reference, loop, initial)
-    net = rival.network(OPEN_LOOP, rival.settings(variable_pump.largest_flow), "supply", reservoir=reservoir)
+    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
+    net = rival.network(OPEN_LOOP, rival.settings(variable_pump.largest_flow), "supply", reservoir.pressure)
+    net.values["reservoir"] = reservoir
     net.volume("supply", supply_line, start="initial.supply_pressure")
     _add_variable_pump(net, variable_pump, "tank", "supply")
     net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
@@ -310,6 +316,20 @@ def far_side(side: float) -> float:
     return clip(-side, 0.0, 1.0)
 
 
+def _loaded(
+    cylinder: Cylinder, chambers: tuple[Vessel, Vessel], load: Load, friction: RodFriction, stops: EndStop
+) -> LoadedCylinder:
+    """A cylinder between its two chambers, with what it moves."""
+    return LoadedCylinder(
+        cylinder=cylinder,
+        chamber_a=chambers[0],
+        chamber_b=chambers[1],
+        load=load,
+        friction=friction,
+        end_stops=stops,
+    )
+
+
 def _add_variable_pump(net: Network, pump: VariablePump, inlet: str, outlet: str) -> None:
     """A pump between two nodes whose flow the loop commands, and what leaks back through it."""
     net.add("pump", FLOW_SOURCE, FlowSource(), a=inlet, b=outlet, flow=f"{LOOP}.flow")
@@ -321,6 +341,7 @@ def _add_closed_pump(
 ) -> None:
     """A pump between both chambers, and the charge line: its pump, its relief valve, and those of both chambers."""
     vessel, charge_relief, relief = line
+    net.values["charge"] = charge
     net.volume("charge_line", vessel, start="initial.supply_pressure")
     _add_variable_pump(net, pump, "chamber_b", "chamber_a")
     net.add("charge_pump", FLOW_SOURCE, FlowSource(), a="tank", b="charge_line", flow=charge.flow)

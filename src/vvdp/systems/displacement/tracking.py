@@ -14,7 +14,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import COUNT, EFFICIENCY, LENGTH, NUMBER, SIGNED_PRESSURE, Count, Kind, Position, Time
 from vvdp.control.displacement import DisplacementDemand
-from vvdp.systems.extras import Summary
+from vvdp.systems.extras import Line, Summary
 
 SETTLED = 1.0
 """From so long after the start of control on errors count [s]."""
@@ -53,6 +53,23 @@ TRACKING: Mapping[str, tuple[Kind, str]] = MappingProxyType(
     }
 )
 """Kind and label of what `tracking_numbers` gives."""
+
+GROUP = "Displacement control"
+_COARSE = {
+    1.0: "time with no bound near",
+    2.0: "time with the supply chamber low",
+    3.0: "time with the return chamber low",
+    4.0: "time with the supply chamber high",
+    5.0: "time with the return chamber high",
+}
+TRACKING_LINES = (
+    *(Line(label, (key,), kind, (), GROUP) for key, (kind, label) in TRACKING.items() if not key.startswith("mode_")),
+    *(
+        Line(label, tuple(share_key(m) for m in MODES if int(m) == mode), EFFICIENCY, (), GROUP)
+        for mode, label in _COARSE.items()
+    ),
+)
+"""The lines of an overview; a mode and its transition are one."""
 
 Sum = Annotated[float, NUMBER]
 SignedPressure = Annotated[float, SIGNED_PRESSURE]

@@ -1,0 +1,218 @@
+"""The numbers of a record, from what was added up."""
+
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.arrays import Array
+from vvdp.estimation.commensurate import Commensurate, commensurate_clock
+from vvdp.numerics.kalman import chance_band
+from vvdp.offline.config import Counts, Estimation, Stamps, Wave
+from vvdp.offline.edges import WaveEdges
+from vvdp.offline.noise_fit import CLEAR, Explained, Noise
+from vvdp.offline.ripple_findings import ripple_numbers
+from vvdp.offline.sums import Moments, Sums
+from vvdp.sensing.wheel import TURN, equal_wheel
+
+SURE = 4.0
+"""A mean is said to differ from zero beyond so many standard errors."""
+SHARE_OF_SECTOR = 0.02
+"""Offsets of edges below this share of a sector are not worth a word."""
+FEW = 8
+"""Edges seen at a place of the wheel below which nothing is said of it."""
+SHARE_MISSED = 0.1
+SHARE_FAR = 5e-3
+"""Of all edges. With more missed, and more beyond four deviations of the likeliest settings, numbers are in doubt."""
+
+
+def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
+    """The numbers of docs/keys.md, `vvdp estimate`, as far as the estimation has them."""
+    speed = sums.speed if sums.speed.count else sums.early_speed
+    low, high = chance_band(sums.nis.count)
+    found: dict[str, Any] = {
+        "duration_s": sums.measured,
+        "samples": sums.samples,
+        "sample_rate_Hz": 1.0 / sums.period if sums.period else np.nan,
+        "output_rate_Hz": sums.rate,
+        "sectors": sums.sectors,
+        "sectors_assumed": wanted.sectors_assumed,
+        "polarity": sums.verdict.polarity if sums.verdict is not None else np.nan,
+        "direction": sums.verdict.direction if sums.verdict is not None and not sums.reversals else np.nan,
+        "edges": int(sums.edges),
+        "missed_edges": int(sums.missed),
+        "double_edges": sums.doubled,
+        "gaps": sums.gaps,
+        "not_numbers": sums.not_numbers,
+        "backward_times": sums.backward,
+        "pieces": sums.pieces,
+        "spool_speed_mean_rad_s": speed.mean,
+        "spool_speed_std_rad_s": speed.deviation,
+        "spool_speed_min_rad_s": speed.low,
+        "spool_speed_max_rad_s": speed.high,
+        "settled": sums.speed.count > 0,
+        "pwm_frequency_mean_Hz": sums.usual_speed * wanted.sections / TURN,
+        "standstill_time_s": sums.standing_rows / sums.rate if sums.rate else 0.0,
+        "angle_deviation_mean_rad": sums.angle_deviation.mean,
+        "speed_deviation_mean_rad_s": sums.speed_deviation.mean,
+        "speed_deviation_rms_rad_s": float(np.hypot(sums.speed_deviation.mean, sums.speed_deviation.deviation)),
+        "nis_mean": sums.nis.mean,
+        "nis_edges": sums.nis.count,
+        "nis_low": low,
+        "nis_high": high,
+        "index_found": index_found(sums, wanted) if has_index(sums, wanted) else None,
+        "commensurate": in_step(sums, wanted) is not None,
+        "edge_offset_max_rad": _largest(sums.offsets),
+        **_settings(sums, wanted),
+    }
+    if isinstance(sums.finder, WaveEdges):
+        finder = sums.finder
+        swing = finder.plateaus.swing if finder.plateaus is not None else np.nan
+        suggested = suggested_level(sums, wanted)
+        found |= {
+            "threshold": float(np.mean(finder.levels)) if finder.levels else finder.level,
+            "wave_swing": swing,
+            "wave_noise": finder.plateaus.noise if finder.plateaus is not None else np.nan,
+            "threshold_bias_rad": -sums.alternating.mean,
+            "threshold_suggested": suggested,
+        }
+    elif isinstance(wanted.source, Stamps) and wanted.source.falling:
+        found["threshold_bias_rad"] = -sums.alternating.mean
+    if wanted.pressure is not None:
+        found |= {
+            "duty_ratio_mean": sums.duty_ratio.mean,
+            "duty_ratio_std": sums.duty_ratio.deviation,
+            "pressure_pulses": sums.duty_ratio.count,
+            "inlet_pressure_mean_Pa": sums.pressure.mean,
+            "inlet_pressure_min_Pa": sums.pressure.low if sums.pressure.count else np.nan,
+            "inlet_pressure_max_Pa": sums.pressure.high if sums.pressure.count else np.nan,
+        }
+    return found
+
+
+def _settings(sums: Sums, wanted: Estimation) -> dict[str, Any]:
+    """The settings of the filter, and those that would fit better."""
+    used = settings_of(wanted)
+    found = {"acceleration_density_rad2_s3": used.acceleration_density, "edge_variance_rad2": used.edge_variance}
+    told = sums.noise_fit(used)
+    if told is None or numbers_in_doubt(told, sums, wanted):
+        return found | dict.fromkeys(_FITTED, np.nan) | {"settings_fit": None}
+    fitted = (told.advised.acceleration_density, told.advised.edge_variance, told.settings_gain)
+    values = (*fitted, *ripple_numbers(told))
+    return found | dict(zip(_FITTED, values, strict=True)) | {"settings_fit": not told.matters}
+
+
+_FITTED = (
+    "acceleration_density_fitted_rad2_s3",
+    "edge_variance_fitted_rad2",
+    "likelihood_gain",
+    "ripple_order_fitted",
+    "ripple_amplitude_fitted",
+    "ripple_amplitude_fitted_error",
+)
+
+
+def numbers_in_doubt(told: Explained, sums: Sums, wanted: Estimation) -> bool:
+    """Whether edges have wrong numbers: the index was not found, or many were missed and others lie far off."""
+    if has_index(sums, wanted) and not index_found(sums, wanted):
+        return True
+    return sums.missed > SHARE_MISSED * (sums.edges + sums.missed) and told.outliers > SHARE_FAR
+
+
+def settings_of(wanted: Estimation) -> Noise:
+    """What the filter of an estimation takes the noise to be."""
+    return Noise(wanted.filter.acceleration_density, wanted.filter.edge_variance)
+
+
+def index_found(sums: Sums, wanted: Estimation) -> bool:
+    """Whether every piece of several begins with the index of the wheel (in a single one the filter finds it later), it
+    explains the edges better than an even wheel, and no edge lies elsewhere by more than half of what makes the wheel
+    uneven."""
+    if not wanted.wheel.has_index:
+        return False
+    aligned = all(each.index_found for each in sums.alignments)
+    told = sums.noise_fit(settings_of(wanted))
+    if sums.sectors == 2 or told is None:  # of two sectors the polarity tells which
+        return aligned
+    if not (told.index_gain > CLEAR and (aligned or len(sums.alignments) == 1)):
+        return False
+    uneven = np.array(wanted.wheel.edges) - np.arange(sums.sectors) * TURN / sums.sectors
+    offsets = np.nan_to_num(sums.offsets[sums.wheel_counts >= FEW])
+    return not np.any(np.abs(offsets) > 0.5 * _largest(uneven - np.mean(uneven)))
+
+
+def has_index(sums: Sums, wanted: Estimation) -> bool:
+    """Whether the wheel was described with an index; two like sectors are one where polarities are logged."""
+    wheel = sums.verdict.described if sums.verdict is not None else wanted.wheel
+    polarity = isinstance(wanted.source, Wave) or (isinstance(wanted.source, Stamps) and bool(wanted.source.falling))
+    return wheel.has_index and (polarity or wheel != equal_wheel(len(wheel.edges)))
+
+
+def _largest(values: Array) -> float:
+    return float(np.nanmax(np.abs(values))) if np.isfinite(values).any() else np.nan
+
+
+def in_step(sums: Sums, wanted: Estimation) -> Commensurate | None:
+    """How edges that are only sampled are commensurate with the sampling, if they are."""
+    sampled = isinstance(wanted.source, Counts) or (
+        isinstance(wanted.source, Wave) and not wanted.source.comparator.interpolated
+    )
+    period = sums.period if sampled else sums.tick
+    speed = sums.pace.mean
+    if not period or not np.isfinite(speed) or speed <= 0.0:
+        return None
+    return commensurate_clock(speed * sums.sectors / TURN, 1.0 / period)
+
+
+def suggested_level(sums: Sums, wanted: Estimation) -> float:
+    """The threshold at which rising and falling edges would agree, in the unit of the channel; NaN if unknown, if it is
+    outside of the swing, or if edges of the wheel lie elsewhere for another reason.
+
+    A threshold too high by e sees rising edges late and falling ones early by the angle e/(dv/dtheta), with the slope
+    dv/dtheta = (dv/dt)/omega at the crossings; s nu has that mean with the opposite sign.
+    """
+    finder = sums.finder
+    speed = sums.pace.mean
+    if not isinstance(finder, WaveEdges) or not finder.found or not finder.levels or not sums.alternating.count:
+        return np.nan
+    slope = finder.slopes / finder.found / speed
+    sign = -1.0 if finder.comparator.inverted else 1.0
+    level = float(np.mean(finder.levels)) + sign * sums.alternating.mean * slope
+    elsewhere = worst_edge(sums, beside_alternation(sums)) is not None
+    if elsewhere or (has_index(sums, wanted) and not index_found(sums, wanted)):
+        return np.nan
+    inside = finder.plateaus is None or finder.plateaus.low < level < finder.plateaus.high
+    return level if inside else np.nan
+
+
+def threshold_is_off(sums: Sums, wanted: Estimation) -> bool:
+    """Whether rising and falling edges lie apart as a threshold makes them: all of them, and no single ones more."""
+    bias, error = -sums.alternating.mean, standard_error(sums.alternating)
+    sector = TURN / sums.sectors
+    if not (abs(bias) > SURE * error and abs(bias) > SHARE_OF_SECTOR * sector):
+        return False
+    beside = beside_alternation(sums)
+    return worst_edge(sums, beside) is None or float(np.nanmax(np.abs(beside))) < abs(bias)
+
+
+def beside_alternation(sums: Sums) -> Array:
+    """Offsets of the wheel's edges less what rising and falling ones have in common [rad]."""
+    offsets, even = sums.offsets, np.arange(sums.sectors) % 2 == 0
+    if not (np.isfinite(offsets[even]).any() and np.isfinite(offsets[~even]).any()):
+        return offsets
+    found: Array = offsets - np.where(even, np.nanmean(offsets[even]), np.nanmean(offsets[~even]))
+    return found
+
+
+def worst_edge(sums: Sums, offsets: Array) -> int | None:
+    """The edge of the wheel that lies furthest from its place, if that is sure and worth a word."""
+    if not np.isfinite(offsets).any():
+        return None
+    worst = int(np.nanargmax(np.abs(offsets)))
+    far, error = abs(offsets[worst]), sums.offset_deviations[worst]
+    told = far > SURE * error and far > SHARE_OF_SECTOR * TURN / sums.sectors and sums.wheel_counts[worst] >= FEW
+    return worst if told else None
+
+
+def standard_error(moments: Moments) -> float:
+    """Of the mean."""
+    return moments.deviation / np.sqrt(moments.count) if moments.count else np.inf

@@ -1,0 +1,109 @@
+"""Whatever a file holds, `vvdp estimate` gives a result or says in a line why not; it does not fail, hang or swell."""
+
+import resource
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from tests.offline import files
+
+from vvdp.cli.main import main
+
+LONGEST = 10.0
+"""Processor time that a file may take [s]."""
+SOURCES = (("--wave", "v"), ("--counts", "w"), ("--edges", "time"))
+
+
+def estimate(path, out, capsys, *options):
+    """Exit code and what was said; processor time is within its limit."""
+    began = time.process_time()
+    with pytest.raises(SystemExit) as ended:
+        main(["estimate", str(path), *options, "--sectors", "8", "--out", str(out), "--no-report"])
+    code = int(ended.value.code or 0)
+    assert time.process_time() - began < LONGEST
+    said = capsys.readouterr()
+    assert "Traceback" not in said.err and "Warning" not in said.err
+    assert code in (0, 1, 2) and "mistake of vvdp" not in said.err
+    assert code == 0 or said.err.strip()
+    return code, said.err
+
+
+def mutated(seed, folder, capsys):
+    random = np.random.default_rng(seed)
+    path = files.write_log(seed, folder)
+    path.write_bytes(files.mutate(path.read_bytes(), random))
+    return estimate(path, folder / "out", capsys, *SOURCES[int(random.integers(3))])
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", range(50))
+def test_a_damaged_log_is_read_or_refused(seed, tmp_path, capsys):
+    mutated(seed, tmp_path, capsys)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", range(50, 400))
+def test_more_damaged_logs_are_read_or_refused(seed, tmp_path, capsys):
+    mutated(seed, tmp_path, capsys)
+
+
+@pytest.mark.parametrize("fill", files.HDF5)
+def test_an_hdf5_file_made_to_harm_is_refused_or_read_without_that(fill, tmp_path, capsys):
+    path = files.with_datasets(tmp_path / "a.h5", fill)
+    estimate(path, tmp_path / "out", capsys, "--wave", "v")
+    code, said = estimate(path, tmp_path / "more", capsys, "--wave", "other")
+    assert code == 2 and said
+
+
+@pytest.mark.parametrize("fill", files.MATLAB)
+def test_a_matlab_file_made_to_harm_is_refused_or_read_without_that(fill, tmp_path, capsys):
+    estimate(files.matlab(tmp_path / "a.mat", fill), tmp_path / "out", capsys, "--wave", "v")
+
+
+@pytest.mark.parametrize("write", files.TEXT)
+def test_a_table_made_to_harm_is_refused(write, tmp_path, capsys):
+    assert estimate(write(tmp_path / "a.csv"), tmp_path / "out", capsys, "--wave", "v")[0] == 2
+
+
+def test_edge_times_in_no_order_are_refused(tmp_path, capsys):
+    code, said = estimate(files.unsorted(tmp_path / "a.csv"), tmp_path / "out", capsys, "--edges", "v")
+    assert code == 2 and "do not run forward, more than 1000 times" in " ".join(said.split())
+
+
+BOMBS = """
+import resource, sys, time
+from pathlib import Path
+from vvdp.base.errors import ConfigError
+from vvdp.logs.source import open_log
+for name in sys.argv[1:]:
+    began = time.process_time()
+    try:
+        with open_log(Path(name)) as log:
+            for info in log.channels():
+                for portion in log.portions([info.name], 100_000):
+                    pass
+    except ConfigError as problem:
+        print(problem)
+    print(f"took {time.process_time() - began:.3f}", file=sys.stderr)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def test_bombs_are_refused_within_two_seconds_and_half_a_gigabyte(tmp_path):
+    made = [
+        files.with_datasets(tmp_path / f"{fill.__name__}.h5", fill)
+        for fill in (files.huge_chunk, files.empty_giant, files.fans, files.many)
+    ]
+    made += [files.matlab(tmp_path / f"{fill.__name__}.mat", fill) for fill in files.MATLAB]
+    made.append(files.packed_matlab(tmp_path / "packed.mat"))
+    done = subprocess.run(
+        [sys.executable, "-c", BOMBS, *map(str, made)], capture_output=True, text=True, timeout=60, check=True
+    )
+    times = [float(line.split()[1]) for line in done.stderr.splitlines() if line.startswith("took")]
+    assert len(times) == len(made) and max(times) < 2.0
+    assert float(done.stdout.splitlines()[-1]) < 500.0
+    assert "holds more than 10000" in done.stdout and "claims to hold" in done.stdout
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 4 << 20
