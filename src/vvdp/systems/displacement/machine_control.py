@@ -48,7 +48,9 @@ from vvdp.systems.displacement.machine_loop import (
     machine_start,
     machine_step,
 )
+from vvdp.systems.displacement.machine_tables import MachineOperation
 from vvdp.systems.displacement.stages import MachineSequence
+from vvdp.systems.displacement.supervision import SpoolSpring, Supervised, Supervision
 from vvdp.systems.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
 from vvdp.systems.spool_encoder import WatchSettings
 
@@ -120,6 +122,9 @@ class MachineTables:
     machine_sequence: MachineSequence
     flow_gain: FlowGain
     adaptation: Adaptation
+    supervision: Supervision | None
+    operation: MachineOperation
+    spool_spring: SpoolSpring
 
 
 @dataclass(frozen=True)
@@ -197,6 +202,14 @@ def machine_loop(
         gain=tables.flow_gain,
         spool=spool,
         load_force=tables.belief.load_force,
+        supervised=Supervised(
+            watches=0.0 if tables.supervision is None else 1.0,
+            limits=tables.supervision or Supervision(),
+            cylinder=model,
+            spring=tables.spool_spring,
+            pump_speed=tables.operation.pump_speed,
+            sample_period=SAMPLE_PERIOD,
+        ),
         first_direction=first_direction(tables.cycle),
     )
 
@@ -238,6 +251,10 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         "spool_known": f"{AXIAL}.known",
         "spool_position": f"{AXIAL}.position",
         "spool_speed": f"{AXIAL}.spool_speed",
+        "spool_measured": f"{AXIAL}.measured",
+        "spool_reference": f"{AXIAL}.reference",
+        "chamber_pressure": paths.chamber_pressure or paths.line_pressure,
+        "pump_speed": "pump_motor.speed",
     }
     kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)
     net.program(

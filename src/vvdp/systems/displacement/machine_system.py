@@ -60,9 +60,12 @@ from vvdp.systems.displacement.machine_control import (
     add_outer_loop,
     machine_loop,
 )
+from vvdp.systems.displacement.machine_extras import GerotorMachine, SpringMachine
 from vvdp.systems.displacement.machine_loop import SpoolRange
 from vvdp.systems.displacement.machine_tables import InitialGerotorMachine, InitialSpringMachine, MachineOperation
+from vvdp.systems.displacement.machine_tally import add_machine_tally
 from vvdp.systems.displacement.stages import MachineSequence
+from vvdp.systems.displacement.supervision import NO_SPRING, SpoolSpring, Supervision
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, control_values, periodic_observer
 from vvdp.systems.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
@@ -119,6 +122,7 @@ def spring_machine(
     initial: InitialSpringMachine,
     limits: Limits,
     adaptation: Adaptation | None = None,
+    supervision: Supervision | None = None,
     weight: Weight | None = None,
     dump_valve: SeatValve | None = None,
 ) -> Network:
@@ -157,6 +161,8 @@ def spring_machine(
     paths = _paths("slide.position", "pilot_chamber.pressure")
     _add_outer(net, tables, spool, paths)
     add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    add_machine_tally(net, paths, operation.tank_pressure.extremes[1])
+    net.extras = SpringMachine
     return net
 
 
@@ -202,6 +208,7 @@ def gerotor_machine(
     initial: InitialGerotorMachine,
     limits: Limits,
     adaptation: Adaptation | None = None,
+    supervision: Supervision | None = None,
     weight: Weight | None = None,
     dump_valve: SeatValve | None = None,
 ) -> Network:
@@ -229,6 +236,8 @@ def gerotor_machine(
     paths = _paths("gerotor.position")
     _add_outer(net, tables, spool, paths)
     add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    add_machine_tally(net, paths, operation.tank_pressure.extremes[1])
+    net.extras = GerotorMachine
     return net
 
 
@@ -251,7 +260,8 @@ def _paths(spool_position: str, chamber_pressure: str = "") -> MachinePaths:
 
 def _add_outer(net: Network, tables: Mapping[str, Any], spool: SpoolRange, paths: MachinePaths) -> None:
     """Add the program of the outer loop, with what its tables say and believe."""
-    given = {**tables, "adaptation": tables["adaptation"] or Adaptation()}
+    spring = _spool_spring(tables) if "axial_spring" in tables else NO_SPRING
+    given = {**tables, "adaptation": tables["adaptation"] or Adaptation(), "spool_spring": spring}
     cylinder, stops = tables["cylinder"], tables["cylinder_stops"]
     geometry = CylinderGeometry(cylinder.area_a, cylinder.area_b, stops.lower_end, stops.upper_end)
     outer = MachineTables(**{field.name: given[field.name] for field in fields(MachineTables)})
@@ -284,6 +294,16 @@ def check_demands(tables: Mapping[str, Any], tank_pressure: float) -> None:
     support = tables["supply_support"]
     supported = support.support_pressure - tank_pressure if support.support_conductance > 0.0 else 0.0
     refuse_precharge(max(*pressures(tables["flow_split"].mean_opening), supported), tables["line"], tank_pressure)
+
+
+def _spool_spring(tables: Mapping[str, Any]) -> SpoolSpring:
+    spring = tables["axial_spring"]
+    return SpoolSpring(
+        stiffness=spring.stiffness,
+        preload=spring.preload - spring.stiffness * spring.rest_position,
+        area=tables["axial_piston"].area_a,
+        reference_pressure=tables["pilot_oil"].reference_pressure,
+    )
 
 
 def believed_map(tables: Mapping[str, Any]) -> FlowMap:

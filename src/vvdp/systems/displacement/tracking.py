@@ -7,13 +7,12 @@ Source  ours, docs/models/displacement-chapter6.md
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import COUNT, EFFICIENCY, LENGTH, NUMBER, SIGNED_PRESSURE, Count, Kind, Position, Time
-from vvdp.control.displacement import DisplacementDemand
 from vvdp.systems.extras import Line, Summary
 
 SETTLED = 1.0
@@ -103,6 +102,19 @@ class Followed(NamedTuple):
     least_pressure: SignedPressure
 
 
+class Commanded(Protocol):
+    """What was commanded at a sample, as far as it is counted."""
+
+    @property
+    def direction(self) -> float: ...
+    @property
+    def opening(self) -> float: ...
+    @property
+    def mode(self) -> float: ...
+    @property
+    def saturated(self) -> float: ...
+
+
 def tracking_start() -> Tracking:
     """Nothing added up yet."""
     return Tracking(
@@ -120,7 +132,7 @@ def tracking_start() -> Tracking:
     )
 
 
-def tracking_step(memory: Tracking, followed: Followed, demand: DisplacementDemand) -> Tracking:
+def tracking_step(memory: Tracking, followed: Followed, demand: Commanded) -> Tracking:
     """Add a sample under control.
 
     demand  what was commanded there

@@ -1,0 +1,296 @@
+"""Rival circuits side by side: powers in closed form, conservation, quadrants, and rows that were measured before."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vvdp.base.errors import ConfigError, ParameterError
+from vvdp.comparison.circuit_result import circuit_result, screen_tables
+from vvdp.comparison.circuit_trials import compare_circuits
+from vvdp.fluid.mixture import fluid_state
+from vvdp.report.plot import new_figure
+from vvdp.results.result import Grade
+from vvdp.simulation.run import simulate
+from vvdp.studies.engine import ThisProcess
+from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties, sized_duty
+from vvdp.systems.displacement.duty_cycle import DutyCycle
+from vvdp.systems.displacement.rival_account import system_for
+from vvdp.systems.displacement.rival_circuits import CIRCUITS, LEAKAGE, METERING, RELIEF, RETURN, SINKS
+from vvdp.systems.system import load_system
+
+A, B = 20.26e-4, 10.77e-4
+"""Areas of the cylinder [m^2]."""
+FRICTION = 2000.0
+"""Viscous friction of the rod [N s/m]."""
+VALVE = 1e-6
+"""Conductance of a valve at the cylinder, fully open [m^3/(s Pa^0.5)]."""
+LEAKAGE_CONDUCTANCE = 2e-12
+"""Of every pump [m^3/(s Pa)]."""
+
+
+def circuit(name):
+    return next(each for each in CIRCUITS if each.name == name)
+
+
+def duty(name):
+    return next(each for each in shipped_duties() if each.name == name)
+
+
+def sink(score, which):
+    return score.sinks[SINKS.index(which)]
+
+
+@pytest.fixture(scope="module")
+def found():
+    """All circuits on all shipped cycles."""
+    return compare_circuits(shipped_duties(), CIRCUITS)
+
+
+@pytest.fixture(scope="module")
+def steady():
+    """A ramp long enough to be steady: 10 cm/s against 4 kN out, and driven by it back."""
+    cycle = DutyCycle(times=(0.0, 2.0, 4.0), positions=(0.05, 0.25, 0.05), forces=(-4e3,) * 3)
+    return replace(duty("triangle"), name="steady", cycle=cycle)
+
+
+def course(name, steady):
+    """A run on the steady ramp, with the rows in the middle of going out and coming back in its last round."""
+    system = system_for(circuit(name), steady)
+    run = simulate(system.model, system.case, system.stepping)
+    since = run.times - 2.0 * steady.period
+    return run, (since > 1.2) & (since < 1.8), (since > 3.2) & (since < 3.8)
+
+
+def power(run, book, rows):
+    """Mean power of a book over rows [W]."""
+    times, values = run.times[rows], getattr(run.state.books.supplied, book)[rows]
+    return (values[-1] - values[0]) / (times[-1] - times[0])
+
+
+# Powers in closed form at a steady load
+
+
+def test_a_fixed_pump_gives_its_flow_at_the_pressure_of_the_relief_valve(steady):
+    """Q h(P), P = 60 bar + 5 bar Q_r/40 lpm, Q_r = Q - A v - G P; oil that gives way takes a little less than Q P."""
+    run, out, back = course("throttle", steady)
+    oil = load_system("throttle-control").tables["oil"]
+    flow = 40.0 / 60e3
+    for rows, taken in ((out, A * 0.1), (back, B * 0.1)):
+        level = (60e5 + 5e5 * (1.0 - taken / flow)) / (1.0 + 5e5 * LEAKAGE_CONDUCTANCE / flow)
+        expected = flow * fluid_state(level + oil.reference_pressure, oil).enthalpy
+        assert power(run, "pump_shaft", rows) == pytest.approx(expected, rel=5e-3)
+        assert expected == pytest.approx(level * flow, rel=0.02)
+
+
+def test_an_ideal_pump_gives_what_rod_and_return_ask_for(steady):
+    """(A_s v + G P_s) P_s with P_s A_s = F + b v + P_r A_r, P_r = (A_r v/(K u))^2, u as the loop commands it."""
+    run, out, back = course("ideal-pump", steady)
+    for rows, sign, into, returned in ((out, 1.0, A, B), (back, -1.0, B, A)):
+        u = np.mean(run.command.loop.opening[rows])
+        behind = (returned * 0.1) ** 2 * (1.0 / (steady.return_conductance * u) ** 2 + 1.0 / VALVE**2)
+        level = (sign * 4e3 + FRICTION * 0.1 + behind * returned) / into + (into * 0.1 / VALVE) ** 2
+        expected = (into * 0.1 + LEAKAGE_CONDUCTANCE * level) * level
+        assert power(run, "pump", rows) == pytest.approx(expected, rel=1e-2)
+
+
+def test_a_pump_over_centre_gives_the_force_times_the_velocity_either_way(steady):
+    """Out (F + b v) v and back (F - b v) v, with what the low side does and what leaks at the difference."""
+    run, out, back = course("four-valves", steady)
+    for rows, sign in ((out, 1.0), (back, -1.0)):
+        low = 2e5 + sign * (B * 0.1 / VALVE) ** 2
+        rise = (4e3 + sign * FRICTION * 0.1 + low * B) / A + sign * (A * 0.1 / VALVE) ** 2 - 2e5
+        expected = (sign * A * 0.1 + LEAKAGE_CONDUCTANCE * rise) * rise
+        assert power(run, "pump", rows) == pytest.approx(expected, rel=1e-2)
+    for name in ("shuttle", "pilot-checks"):
+        run, out, back = course(name, steady)
+        for rows, sign in ((out, 1.0), (back, -1.0)):
+            low = np.mean(run.state.chamber_b[rows]) - 101325.0
+            rise = (4e3 + sign * FRICTION * 0.1 + low * B) / A - low
+            expected = (sign * A * 0.1 + LEAKAGE_CONDUCTANCE * rise) * rise
+            assert power(run, "pump", rows) == pytest.approx(expected, rel=2e-2)
+
+
+# What was measured before, by another program
+
+
+def test_throttle_control_is_as_measured_on_the_triangle(found):
+    """Pump 4238, relief 3622, valve 296 + 221, friction 5.6, positive actuator 29.0 W."""
+    score = found.score("triangle", "throttle")
+    assert score.drawn == pytest.approx(4238.0, rel=2e-3)
+    assert sink(score, RELIEF) == pytest.approx(3622.0, rel=5e-3)
+    assert sink(score, METERING) == pytest.approx(517.0, rel=5e-3)
+    assert (score.friction, score.delivered) == pytest.approx((5.6, 29.0), abs=0.1)
+    assert sink(score, LEAKAGE) == pytest.approx(2e-12 * 64.4e5**2, rel=0.02)
+
+
+def test_throttle_control_is_as_measured_under_the_heavy_load(found):
+    """Pump 7431, relief 4389, valve 1080 + 1622, friction 52, positive actuator 812 W."""
+    score = found.score("heavy", "throttle")
+    assert score.drawn == pytest.approx(7431.0, rel=2e-3)
+    assert sink(score, RELIEF) == pytest.approx(4389.0, rel=1e-2)
+    assert sink(score, METERING) == pytest.approx(2702.0, rel=1e-2)
+    assert (score.friction, score.delivered) == pytest.approx((52.0, 812.0), rel=1e-2)
+
+
+def test_the_ideal_pump_is_as_measured_on_the_triangle(found):
+    """93 W, of which 87 W over the return; the loop is another one, and follows the reversals less hastily."""
+    score = found.score("triangle", "ideal-pump")
+    assert score.drawn == pytest.approx(93.0, rel=0.08)
+    assert sink(score, RETURN) == pytest.approx(87.0, rel=0.12)
+
+
+# Laws
+
+
+def test_nothing_is_lost_in_any_circuit(found):
+    assert len(found.found) == len(CIRCUITS) * len(shipped_duties()) and found.finished
+    for run in found.found:
+        score = run.score
+        assert max(abs(score.energy_residual), abs(score.mass_residual)) < 1e-7, run[:2]
+        out = score.returned + score.delivered + sum(score.sinks) + score.stored
+        assert score.drawn + score.received == pytest.approx(out, rel=1e-4), run[:2]
+        assert min(score.drawn, score.returned, *score.sinks) >= 0.0
+
+
+def test_the_digging_cycle_goes_through_all_four_quadrants():
+    cycle = duty("digging").cycle
+    moves = zip(np.diff(cycle.positions), np.array(cycle.forces[:-1]) + np.diff(cycle.forces) / 2.0, strict=True)
+    assert {(np.sign(moved), np.sign(force)) for moved, force in moves if moved and force} == {
+        (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)
+    }  # fmt: skip
+
+
+def test_all_quadrants_are_followed_and_the_low_side_is_held(found):
+    """The rod stays within a centimetre while the load changes sides, and no low side falls 2 bar below its charge."""
+    for run in found.found:
+        assert run.score.tracking_max < 0.01, run[:2]
+        assert not run.score.pressure_min < run.score.charge - 2e5, run[:2]
+
+
+def test_a_load_that_overruns_drives_the_pumps_that_can_be_driven(found):
+    for name in ("heavy", "digging"):
+        given = {run.circuit: run.score.returned / run.score.received for run in found.found if run.duty == name}
+        assert given["throttle"] == given["ideal-pump"] == 0.0
+        assert min(given[each] for each in ("shuttle", "pilot-checks", "four-valves")) > 0.8, name
+
+
+# Cycles
+
+
+def test_a_cycle_is_sized_by_one_rule():
+    """10 kN and 346 N of friction on 20.26 cm^2 are 51.1 bar: 110 bar. 3.5e-4 m^3/s back at 13 bar and 0.8: 3.84e-7."""
+    heavy = duty("heavy")
+    found = sized_duty("heavy", "", "", heavy.cycle, *known_cylinder())
+    assert found.relief_pressure == heavy.relief_pressure == 110e5
+    assert found.return_conductance == pytest.approx(A * 0.1728 / (0.8 * np.sqrt(13e5)), rel=1e-9)
+    triangle = duty("triangle")
+    found = sized_duty("triangle", "", "", triangle.cycle, *known_cylinder())
+    assert found.relief_pressure == triangle.relief_pressure == 60e5
+    assert found.return_conductance == pytest.approx(triangle.return_conductance, rel=1e-2)
+
+
+def test_a_cycle_of_ones_own_is_read(tmp_path):
+    file = tmp_path / "mine.csv"
+    file.write_text("time, force ,position,other\n1,-500,0.05,x\n3,-500,0.15,x\n\n5,-400,0.05,x\n")
+    found = read_duty(file, *known_cylinder())
+    assert (found.name, found.period, found.relief_pressure) == ("mine", 4.0, 60e5)
+    assert found.cycle.positions == (0.05, 0.15, 0.05) and found.cycle.forces == (-500.0, -500.0, -400.0)
+    assert found.load == "-0.5 to -0.4 kN on the rod"
+    score = compare_circuits([found], [circuit("throttle")]).score("mine", "throttle")
+    assert score.tracking_max < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "column 'time' is missing"),
+        ("time,position\n0,0.1\n", "column 'force' is missing"),
+        ("time,position,force\n0,0.1,0\n1,ten,0\n", r"mine.csv:3: '1,ten,0' are not three finite numbers"),
+        ("time,position,force\n0,0.1,0\n1,0.1\n", r"mine.csv:3: '1,0.1,' are not"),
+        ("time,position,force\n0,0.1,0\n", "1 rows; expected two at least"),
+        ("time,position,force\n0,0.1,0\n2,0.2,0\n2,0.1,0\n", "row 3 is at 2 s after 2 s"),
+        ("time,position,force\n0,0.1,0\n2,0.2,0\n", "row 2 is at 0.2 m and row 1 at 0.1 m"),
+    ],
+)
+def test_a_file_that_is_no_cycle_is_refused_with_its_line(tmp_path, text, told):
+    file = tmp_path / "mine.csv"
+    file.write_text(text)
+    with pytest.raises(ConfigError, match=told):
+        read_duty(file, *known_cylinder())
+
+
+def test_a_file_that_is_none_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match="cannot be read"):
+        read_duty(tmp_path / "none.csv", *known_cylinder())
+
+
+@pytest.mark.parametrize(
+    ("positions", "told"),
+    [
+        (
+            (0.05, 0.35, 0.05),
+            "throttle on steady: duty_cycle.positions: row 2 is at 350 mm; the rod travels from 0 to 300",
+        ),
+        ((0.05, 0.29, 0.05), "row 2 asks for 480 mm/s; pump and cylinder reach 329.1 mm/s"),
+    ],
+)
+def test_what_no_circuit_can_follow_is_refused_before_any_run(steady, positions, told):
+    cycle = replace(steady.cycle, times=(0.0, 0.5, 1.0), positions=positions)
+    with pytest.raises(ParameterError, match=told):
+        compare_circuits([replace(steady, cycle=cycle)], CIRCUITS)
+
+
+# The comparison
+
+
+def test_an_interrupted_comparison_keeps_what_is_done():
+    def stop(done, total):
+        if done >= 1:
+            raise KeyboardInterrupt
+
+    found = compare_circuits(shipped_duties()[1:2], CIRCUITS, engine=ThisProcess(1), progress=stop)
+    assert not found.finished and 1 <= found.runs < len(CIRCUITS)
+    assert "Not all runs were made" in {each.title for each in circuit_result(found).findings}
+    with pytest.raises(KeyboardInterrupt):
+        compare_circuits(shipped_duties()[1:2], CIRCUITS, progress=lambda done, total: stop(1, total))
+
+
+def test_nothing_to_compare_is_refused():
+    with pytest.raises(ParameterError, match="0 duty cycles and 5 circuits"):
+        compare_circuits([], CIRCUITS)
+
+
+def test_each_statement_names_its_load(found):
+    result = circuit_result(found)
+    for each in shipped_duties():
+        (told,) = [f.text for f in result.findings if f.text.lower().startswith(f"{each.name} ({each.load})".lower())]
+        assert all(f"{other.name} " in told for other in CIRCUITS)
+    off = [f for f in result.findings if f.grade is Grade.WARNING]
+    assert [f.text.partition(" is off")[0] for f in off] == ["four-valves on digging"]
+
+
+def test_shares_are_those_of_all_that_came_in(found):
+    shares = circuit_result(found).tables["shares"]
+    keys = [key for key in shares.columns if key.startswith("share_")]
+    total = sum(np.asarray(shares[key], float) for key in keys)
+    stored = [run.score.stored / (run.score.drawn + run.score.received) for run in found.found]
+    assert total + stored == pytest.approx(1.0, abs=1e-4)
+
+
+def test_bars_follow_one_another(found):
+    """The parts of a bar begin where those before end, and are as long in all as what came in."""
+    result = circuit_result(found)
+    (axes,) = new_figure(result.charts["powers-heavy"], result.tables).axes
+    last = [sorted((bar for bar in axes.patches if abs(bar.get_y() + 0.325 - row) < 0.1), key=lambda b: b.get_x())
+            for row in range(len(CIRCUITS))]  # fmt: skip
+    for row, bars in enumerate(last):
+        ends = [bar.get_x() + bar.get_width() for bar in bars]
+        assert [bar.get_x() for bar in bars[1:]] == pytest.approx(ends[:-1])
+        score = found.score("heavy", CIRCUITS[len(CIRCUITS) - 1 - row].name)
+        assert ends[-1] == pytest.approx(score.drawn + score.received - score.stored, rel=1e-3)
+
+
+def test_screen_leaves_out_what_none_loses(found):
+    shown = screen_tables(found, circuit_result(found))["triangle"].shown
+    assert "loss_rotary_W" not in shown and "loss_relief_W" in shown
