@@ -1,4 +1,4 @@
-"""The whole machine on prescribed commands: balances, start and coast-down, idling, emergency stop, powers, refusals."""
+"""The whole machine on prescribed commands: balances, start and stop, idling, powers, what is refused."""
 
 import re
 
