@@ -246,6 +246,8 @@ ALLOWED = {
     "systems.displacement.rivals.shuttle_circuit": "one argument for each table of its system file",
     "systems.displacement.rivals.throttle_control": "one argument for each table of its system file",
     "systems.displacement.chapter6.chapter6": "one argument for each table of its system file",
+    "systems.displacement.machine_system.gerotor_machine": "one argument for each table of its system file",
+    "systems.displacement.machine_system.spring_machine": "one argument for each table of its system file",
     "systems.duty_control.duty_control": "one argument for each table of its system file",
     "systems.duty_control.duty_control_gerotor": "one argument for each table of its system file",
     "systems.rotary_bench.constant_load": "one argument for each table of its system file",

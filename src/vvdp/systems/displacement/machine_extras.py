@@ -12,7 +12,7 @@ from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
 from vvdp.systems.axial_charts import control_charts, gerotor_charts
 from vvdp.systems.displacement.cycle import reference_period
-from vvdp.systems.displacement.machine_charts import machine_charts, phase_levels, phased
+from vvdp.systems.displacement.machine_charts import charts_with_phases, machine_charts, phase_levels
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.machine_power import POWERS, mean_powers, whole_periods
 from vvdp.systems.displacement.machine_tally import TALLY, MachineTally
@@ -115,8 +115,8 @@ class MachineExtras(Extras):
         """The cylinder's course, pressures, what is asked of the drives; then those of the axial drive; the phase
         under all that are drawn over time."""
         levels = phase_levels(record)
-        yield from phased(machine_charts(record, self.tables["pressure_bounds"]), levels)
-        yield from phased(self.axial_charts(record), levels)
+        yield from charts_with_phases(machine_charts(record, self.tables["pressure_bounds"]), levels)
+        yield from charts_with_phases(self.axial_charts(record), levels)
 
     def axial_charts(self, record: "Record") -> "Iterable[tuple[Chart, Table]]":
         """The axial drive's position and errors."""
