@@ -111,6 +111,7 @@ CHOICE = "one branch for each case of a closed list"
 ALLOWED = {
     "base.units._to_si": CHOICE,
     "cli.cfd.centre": VERB,
+    "cli.cfd.designs": VERB,
     "cli.cfd.grids": VERB,
     "cli.cfd.openings": VERB,
     "cli.cfd.rail": VERB,

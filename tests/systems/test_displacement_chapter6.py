@@ -241,13 +241,10 @@ def test_mode_5_limits_the_return():
     ids=["nothing", "load", "load and mass", "load, mass and oil", "known"],
 )
 def test_what_is_learned(gains, known, rms, peak):
-    """The table of section 7.3 [cm]; of what is left after the load, a third less than specified."""
+    """The table of section 7.3 [cm]: the load is nearly the whole of it."""
     found_rms, found_peak, _ = learned(tuple(gains.items()), known)
     assert found_peak == pytest.approx(peak, rel=0.25)
-    if gains or known:
-        assert 0.5 * rms < found_rms < rms
-    else:
-        assert found_rms == pytest.approx(rms, rel=0.1)
+    assert found_rms == pytest.approx(rms, rel=0.15)
 
 
 def test_what_is_learned_is_true():

@@ -96,7 +96,7 @@ def test_nothing_is_told_of_a_healthy_machine():
 
 FAULTS = {
     "lost position": (lambda t: {"position": -0.06}, WATCHED[0], 0.005),
-    "lost pressure": (lambda t: {"fast": CircuitPressures(0.0, 5e5 + t, 10e5 + t)}, WATCHED[1], 0.005),
+    "lost pressure": (lambda t: {"fast": CircuitPressures(0.0, 5e5 + t, 10e5 + t), "chamber_pressure": HELD + t}, WATCHED[1], 0.005),
     "frozen position": (lambda t: {"position": 0.1541, "expected": 0.1541}, WATCHED[2], 0.03),
     "frozen pressure": (lambda t: {"fast": CircuitPressures(1e6, 5e5 + t, 10e5 + t)}, WATCHED[3], 0.03),
     "frozen light": (lambda t: {"spool_measured": 4e-3}, WATCHED[4], 0.03),

@@ -19,6 +19,7 @@ from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.rival_account import (
     CircuitScore,
     CircuitTrace,
+    begin_of,
     circuit_score,
     circuit_trace,
     system_for,
@@ -116,13 +117,14 @@ def compare_circuits(
 
 def run_pair(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> CircuitRun:
     """The run of a circuit on a duty, with its score; one that breaks off says why."""
-    system = system_for(circuit, duty)
     try:
+        begin = begin_of(circuit, duty, cache)
+        system = system_for(circuit, duty, begin)
         run = simulate(system.model, system.case, system.stepping, cache=cache)
     except RunError as problem:
         return CircuitRun(duty.name, circuit.name, None, None, str(problem))
-    score = circuit_score(circuit, system, run)
-    return CircuitRun(duty.name, circuit.name, score, circuit_trace(system, run))
+    score = circuit_score(circuit, system, run, begin)
+    return CircuitRun(duty.name, circuit.name, score, circuit_trace(circuit, system, run))
 
 
 def _runs(plan: _Plan, version: str, pairs: Sequence[Pair], cores: int) -> list[CircuitRun]:

@@ -10,6 +10,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FORCE, POSITION, TIME, Force, Position
 from vvdp.base.params import Params
+from vvdp.hydraulics.cylinder import Cylinder
 
 SAME_PLACE = 1e-6
 """A cycle ends where it began when it does so within this [m]."""
@@ -72,6 +73,19 @@ def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
         cycle.positions[low] + share * (cycle.positions[high] - cycle.positions[low]),
         cycle.forces[low] + share * (cycle.forces[high] - cycle.forces[low]),
     )
+
+
+def resting_pressures(force: float, low: float, cylinder: Cylinder) -> tuple[float, float]:
+    """Pressures of both chambers that hold a rod at rest under a force, the lower one being `low`, gauge [Pa].
+
+    force  on the rod, in the direction of its position [N]
+
+    Source  ours, docs/circuits-compared.md
+    """
+    other = (low * cylinder.area_a + force) / cylinder.area_b
+    if other >= low:
+        return low, other
+    return (low * cylinder.area_b - force) / cylinder.area_a, low
 
 
 def cycle_period(cycle: DutyCycle) -> float:

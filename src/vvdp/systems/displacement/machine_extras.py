@@ -12,9 +12,15 @@ from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
 from vvdp.systems.axial_charts import control_charts, gerotor_charts
 from vvdp.systems.displacement.cycle import reference_period
+<<<<<<< HEAD
 from vvdp.systems.displacement.machine_charts import charts_with_phases, machine_charts, phase_levels
+=======
+from vvdp.systems.displacement.machine_charts import machine_charts, phase_levels, phased
+from vvdp.systems.displacement.machine_loop import PROGRAM
+>>>>>>> main
 from vvdp.systems.displacement.machine_power import POWERS, mean_powers, whole_periods
 from vvdp.systems.displacement.machine_tally import TALLY, MachineTally
+from vvdp.systems.displacement.supervision import WATCHED
 from vvdp.systems.displacement.tracking import SETTLED, TRACKING, tracking_numbers
 from vvdp.systems.extras import Extras, Line, Summary
 
@@ -36,6 +42,8 @@ MOTION: Mapping[str, tuple[Kind, str]] = MappingProxyType(
         "spool_position_error_max_m": (LENGTH, "spool position: largest error"),
         "spool_estimate_error_rms_m": (LENGTH, "spool position: error of the estimate"),
         "real_time_factor": (NUMBER, "simulated over computing time"),
+        "alarm": (NUMBER, "number of the alarm that stopped the machine, 0 without one"),
+        "alarm_time_s": (TIME, "when it was told"),
     }
 )
 """Kind and label of the numbers beside the powers."""
@@ -59,6 +67,8 @@ class MachineExtras(Extras):
         """How well the cylinder followed, between which pressures, and the pace. Chambers count over every step, shut
         before control begins; the line counts at samples, since it is empty at first, but its peak over every step."""
         numbers: Summary = {"real_time_factor": run.end / run.seconds if run.seconds > 0.0 else np.nan}
+        alarm = run.memory[PROGRAM].supervision.alarm
+        numbers |= {"alarm": alarm.alarm} | ({"alarm_time_s": alarm.time} if alarm.alarm else {})
         tally: MachineTally = run.memory[TALLY]
         if tally.tracking.begin == np.inf:
             return numbers
@@ -95,6 +105,8 @@ class MachineExtras(Extras):
         """What a person has to know of the control."""
         if "control_begin_s" not in found:
             yield "control never began: the spool was not homed, or its angle not found, or the line not charged"
+        if told := int(found.get("alarm", 0.0)):
+            yield f"supervision stopped the machine at {found['alarm_time_s']:.4g} s: {WATCHED[told - 1]}"
         if share := found.get("below_tank_share"):
             yield f"a chamber was below tank pressure for {100.0 * share:.2g} % of the time: oil evaporates there"
         if found.get("saturated_share", 0.0) > SATURATED:

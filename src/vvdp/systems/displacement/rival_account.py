@@ -3,28 +3,33 @@
 Source  ours, docs/circuits-compared.md
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array, Rows
 from vvdp.base.errors import ParameterError
+from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.record import record_of
-from vvdp.simulation.run import Run
+from vvdp.simulation.run import Run, simulate
 from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.rival_circuits import SINKS, RivalCircuit
-from vvdp.systems.summary import Summary, simulated_summary
-from vvdp.systems.system import System
+from vvdp.systems.summary import simulated_summary
+from vvdp.systems.system import System, load_system
 
 ROUNDS = 3
 """How often a cycle is gone through; powers are those of the last round."""
 SETTLED = 1.0
 """Errors count from this time on [s]."""
+LONGEST_START = 3.0
+"""Within which control has begun [s]."""
 RECORD = 1e-3
 """Between two recorded rows [s]."""
-OUTSIDE = ("books.supplied.load_force", "books.supplied.tank")
+OUTSIDE = ("supplied.load_force", "supplied.tank", "supplied.pilot_tank")
 """What brings energy in but is no drive."""
 MOST_POINTS = 1000
 """Points of a trace."""
@@ -65,37 +70,53 @@ class CircuitTrace(NamedTuple):
     pressure_b: Array
 
 
-def system_for(circuit: RivalCircuit, duty: Duty) -> System:
-    """A circuit sized for a duty, to be run for a few rounds. Raises ParameterError where it cannot follow."""
+def system_for(circuit: RivalCircuit, duty: Duty, begin: float = 0.0) -> System:
+    """A circuit sized for a duty that begins at `begin` [s], to be run for a few rounds, the rod at rest at first.
+
+    Raises ParameterError where it cannot follow.
+    """
+    system = load_system(circuit.system)
     try:
-        system = circuit.system_for(duty)
+        system = system.with_tables({**system.tables, **circuit.size(system.tables, duty, begin, ROUNDS)})
     except ParameterError as problem:
         raise ParameterError(f"{circuit.name} on {duty.name}: {problem}") from None
-    stepping = replace(system.stepping, until=ROUNDS * duty.period, record_interval=RECORD, window=0.0)
-    return replace(system, stepping=stepping, average_from=(ROUNDS - 1) * duty.period)
+    until = begin + ROUNDS * duty.period
+    stepping = replace(system.stepping, until=until, record_interval=RECORD, window=0.0)
+    return replace(system, stepping=stepping, average_from=until - duty.period)
 
 
-def circuit_score(circuit: RivalCircuit, system: System, run: Run) -> CircuitScore:
-    """The score of a run that came to its end."""
+def begin_of(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> float:
+    """When a circuit takes up control of a rod that rests under the first force of a duty [s]."""
+    if circuit.begin is None:
+        return 0.0
+    system = system_for(circuit, duty, LONGEST_START)
+    stepping = replace(system.stepping, until=LONGEST_START)
+    return circuit.begin(simulate(system.model, system.case, stepping, cache=cache))
+
+
+def circuit_score(circuit: RivalCircuit, system: System, run: Run, begin: float = 0.0) -> CircuitScore:
+    """The score of a run that came to its end, controlled from `begin` [s] on."""
     found = simulated_summary(outcome(run, system.average_from), system)
-    t, command, state = run.times, run.command, run.state
-    error = np.abs(state.rod.position - command.loop.reference)
-    late, last = t >= SETTLED, np.flatnonzero(t >= system.average_from - 0.5 * RECORD)
-    drawn, returned = _drive_powers(run, last)
+    since = run.times - begin
+    error = np.abs(run.state.rod.position - getattr(run.command, circuit.program).reference)
+    early, late = (since >= 0.0) & (since < SETTLED), since >= SETTLED
+    last = np.flatnonzero(run.times >= system.average_from - 0.5 * RECORD)
+    books = _books(run)
+    drawn, returned = _drive_powers(books, run.times, last)
     delivered, received = _rod_powers(system, run, last)
     reference = system.tables["oil"].reference_pressure
-    volumes = [name for name in ("chamber_a", "chamber_b", "supply") if f"pressure_max_{name}_Pa" in found]
+    volumes = [name for name in ("chamber_a", "chamber_b", "supply", "line") if f"pressure_max_{name}_Pa" in found]
     return CircuitScore(
         tracking_max=float(np.max(error[late])),
         tracking_rms=float(np.sqrt(np.mean(error[late] ** 2))),
-        tracking_first=float(np.max(error[~late])),
+        tracking_first=float(np.max(error[early])),
         drawn=drawn,
         returned=returned,
         delivered=delivered,
         received=received,
-        friction=float(found["loss_friction_W"] + found["loss_end_stops_W"]),
-        stored=float(found["stored_power_W"]),
-        sinks=_sinks(circuit, found),
+        friction=_spent(books, run.times, last, ("friction", "end_stops")),
+        stored=_stored(run, last),
+        sinks=tuple(_spent(books, run.times, last, circuit.sinks.get(sink, ())) for sink in SINKS),
         pressure_max=max(float(found[f"pressure_max_{name}_Pa"]) for name in volumes),
         pressure_min=min(float(found[f"pressure_min_{name}_Pa"]) for name in volumes[:2]),
         charge=np.nan if circuit.charge is None else circuit.charge(system.tables) - reference,
@@ -104,17 +125,32 @@ def circuit_score(circuit: RivalCircuit, system: System, run: Run) -> CircuitSco
     )
 
 
-def _sinks(circuit: RivalCircuit, found: Summary) -> tuple[float, ...]:
-    return tuple(float(sum(found[key] for key in circuit.sinks.get(sink, ()))) for sink in SINKS)
+def _books(run: Run) -> dict[str, Array]:
+    """All that the books have added up, over the recorded times, by its path in them."""
+    states = record_of(run).states
+    return {path.removeprefix("books."): states[path].values for path in states if path.startswith("books.")}
 
 
-def _drive_powers(run: Run, rows: Rows) -> tuple[float, float]:
+def _spent(books: Mapping[str, Array], times: Array, rows: Rows, parts: tuple[str, ...]) -> float:
+    """Mean power that some parts of a circuit turn to heat over `rows` [W]."""
+    paths = [path for path in books for part in parts if f"{path}.".startswith(f"spent.{part}.")]
+    lost = sum(float(books[path][rows[-1]] - books[path][rows[0]]) for path in paths)
+    return lost / float(times[rows[-1]] - times[rows[0]])
+
+
+def _stored(run: Run, rows: Rows) -> float:
+    """Mean power that a circuit stores over `rows` [W]."""
+    balance = balance_between(run.model, run.case, run.states[rows[0]], run.states[rows[-1]])
+    assert balance is not None
+    return float(balance.energy_stored) / float(run.times[rows[-1]] - run.times[rows[0]])
+
+
+def _drive_powers(books: Mapping[str, Array], times: Array, rows: Rows) -> tuple[float, float]:
     """Mean power that the drives of all pumps give, and that they are given back [W], over `rows`."""
-    times, states = run.times[rows], record_of(run).states
-    paths = [path for path in states if path.startswith("books.supplied.") and path not in OUTSIDE]
-    steps = np.concatenate([np.diff(states[path].values[rows]) for path in paths])
-    lasts = float(times[-1] - times[0])
-    return float(np.sum(steps[steps > 0.0])) / lasts, float(-np.sum(steps[steps < 0.0])) / lasts
+    paths = [path for path in books if path.startswith("supplied.") and path not in OUTSIDE]
+    steps = np.concatenate([np.diff(books[path][rows]) for path in paths])
+    lasts = float(times[rows[-1]] - times[rows[0]])
+    return float(np.sum(steps[steps > 0.0])) / lasts, abs(float(np.sum(steps[steps < 0.0]))) / lasts
 
 
 def _rod_powers(system: System, run: Run, rows: Rows) -> tuple[float, float]:
@@ -127,14 +163,14 @@ def _rod_powers(system: System, run: Run, rows: Rows) -> tuple[float, float]:
     return pushing / lasts, driven / lasts
 
 
-def circuit_trace(system: System, run: Run) -> CircuitTrace:
+def circuit_trace(circuit: RivalCircuit, system: System, run: Run) -> CircuitTrace:
     """The last round of a run."""
     rows = np.flatnonzero(run.times >= system.average_from)
     thin = rows[:: max(1, rows.size // MOST_POINTS)]
     reference, state = system.tables["oil"].reference_pressure, run.state
     return CircuitTrace(
         time=run.times[thin] - system.average_from,
-        reference=run.command.loop.reference[thin],
+        reference=getattr(run.command, circuit.program).reference[thin],
         position=state.rod.position[thin],
         pressure_a=state.chamber_a[thin] - reference,
         pressure_b=state.chamber_b[thin] - reference,

@@ -2,11 +2,16 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
+from vvdp.simulation.run import Run
 from vvdp.systems.displacement.cylinder_load import InitialCylinder
 from vvdp.systems.displacement.duties import Duty
-from vvdp.systems.system import System, load_system
+from vvdp.systems.displacement.duty_cycle import resting_pressures
+from vvdp.systems.displacement.machine_loop import PROGRAM
+from vvdp.systems.displacement.rival_machine import control_begin, size_machine, size_slow_machine
+from vvdp.systems.displacement.rivals import LOOP
 
 LOW_SIDE = 5e5
 """At which a side that carries nothing starts where no supply holds it, gauge [Pa]."""
@@ -33,24 +38,22 @@ Tables = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class RivalCircuit:
-    """A circuit: the system that is run, what of its tables follows the duty, and which keys of a run's summary make a
-    sink.
+    """A circuit: the system that is run, what of its tables follows the duty, and which of its parts make a sink,
+    by their names in the books.
 
-    `charge` gives the pressure below which, less a margin, its low side must not fall; None where nothing charges it.
+    `size(tables, duty, begin, rounds)` gives the tables that follow; `program` is that whose command has the reference.
+    `begin` tells of a run when control began, where that is not at once. `charge` gives the pressure below which, less
+    a margin, its low side must not fall; None where nothing charges it.
     """
 
     name: str
     title: str
     system: str
-    size: Callable[[Tables, Duty], Tables]
+    size: Callable[[Tables, Duty, float, int], Tables]
     sinks: Mapping[Sink, tuple[str, ...]]
     charge: Callable[[Tables], float] | None = None
-
-    def system_for(self, duty: Duty) -> System:
-        """The system for a duty, its cylinder at rest under the first force."""
-        system = load_system(self.system)
-        tables = {**system.tables, "duty_cycle": duty.cycle, **self.size(system.tables, duty)}
-        return system.with_tables(tables)
+    program: str = LOOP
+    begin: Callable[[Run], float] | None = None
 
 
 def start_of(tables: Tables, duty: Duty, level: float, supply: float | None = None) -> InitialCylinder:
@@ -58,11 +61,8 @@ def start_of(tables: Tables, duty: Duty, level: float, supply: float | None = No
 
     supply  pressure of what feeds the cylinder, absolute [Pa]; that of the higher side where none is given
     """
-    cylinder, reference = tables["cylinder"], tables["oil"].reference_pressure
-    low, force = level - reference, duty.cycle.forces[0]
-    a, b = low, (low * cylinder.area_a + force) / cylinder.area_b
-    if b < low:
-        a, b = (low * cylinder.area_b - force) / cylinder.area_a, low
+    reference = tables["oil"].reference_pressure
+    a, b = resting_pressures(duty.cycle.forces[0], level - reference, tables["cylinder"])
     return InitialCylinder(
         position=duty.cycle.positions[0],
         pressure_a=reference + a,
@@ -99,6 +99,17 @@ def _size_open(tables: Tables, duty: Duty) -> Tables:
     }
 
 
+def _at_once(size: Callable[[Tables, Duty], Tables]) -> Callable[[Tables, Duty, float, int], Tables]:
+    """The same for a circuit whose control begins at time 0, with its duty cycle as a table."""
+    return partial(_tables_at_once, size)
+
+
+def _tables_at_once(
+    size: Callable[[Tables, Duty], Tables], tables: Tables, duty: Duty, begin: float, rounds: int
+) -> Tables:
+    return {"duty_cycle": duty.cycle, **size(tables, duty)}
+
+
 def charge_pressure(tables: Tables) -> float:
     """The charge pressure of a closed circuit, absolute [Pa]."""
     return float(tables["charge_relief_valve"].cracking_pressure)
@@ -110,62 +121,97 @@ def reservoir_pressure(tables: Tables) -> float:
 
 
 CLOSED_SINKS: Mapping[Sink, tuple[str, ...]] = {
-    RELIEF: ("loss_relief_valve_a_W", "loss_relief_valve_b_W"),
-    LEAKAGE: ("loss_pump_leakage_W", "loss_cylinder_W"),
-    CHARGE: ("loss_charge_relief_valve_W",),
+    RELIEF: ("relief_valve_a", "relief_valve_b"),
+    LEAKAGE: ("pump_leakage", "cylinder"),
+    CHARGE: ("charge_relief_valve",),
 }
-FOUR_VALVES = tuple(f"loss_{way}_valve_{side}_W" for way in ("supply", "return") for side in "ab")
-FILLING = tuple(f"loss_anti_cavitation_{where}_W" for where in ("supply", "a", "b"))
+FOUR_VALVES = tuple(f"{way}_valve_{side}" for way in ("supply", "return") for side in "ab")
+FILLING = tuple(f"anti_cavitation_{where}" for where in ("supply", "a", "b"))
 
+MACHINE_SINKS: Mapping[Sink, tuple[str, ...]] = {
+    RELIEF: ("relief_valve",),
+    METERING: ("directional_valve.edges",),
+    RETURN: ("directional_valve.return_throttle",),
+    SWITCHING: (
+        "valve.nozzle",
+        "valve.centre_section",
+        "valve.outlet_turbine",
+        "valve.spool_friction",
+        "valve.to_spool",
+        "coupling",
+        "pilot_valve",
+        "axial_friction",
+        "axial_stops",
+    ),
+    LEAKAGE: ("pump", "valve.leakage", "cylinder"),
+}
 CIRCUITS = (
+    RivalCircuit(
+        name="vvdp",
+        title="the whole machine: fixed pump of 40 lpm, rotary valve, directional valve, throttle in the return",
+        system="displacement-control",
+        size=size_machine,
+        sinks=MACHINE_SINKS,
+        program=PROGRAM,
+        begin=control_begin,
+    ),
+    RivalCircuit(
+        name="vvdp-slow",
+        title="the same with its pump at 1200 rpm, 26.7 lpm",
+        system="displacement-control",
+        size=size_slow_machine,
+        sinks=MACHINE_SINKS,
+        program=PROGRAM,
+        begin=control_begin,
+    ),
     RivalCircuit(
         name="throttle",
         title="fixed pump of 40 lpm, relief valve, 4/3 proportional valve",
         system="throttle-control",
-        size=_size_throttle,
+        size=_at_once(_size_throttle),
         sinks={
-            RELIEF: ("loss_relief_valve_W",),
-            METERING: ("loss_directional_valve_W",),
-            LEAKAGE: ("loss_pump_W", "loss_cylinder_W"),
+            RELIEF: ("relief_valve",),
+            METERING: ("directional_valve",),
+            LEAKAGE: ("pump", "cylinder"),
         },
     ),
     RivalCircuit(
         name="ideal-pump",
         title="ideal variable pump one way, directional valve, throttle in the return",
         system="ideal-pump-control",
-        size=_size_one_way,
+        size=_at_once(_size_one_way),
         sinks={
-            RELIEF: ("loss_relief_valve_W",),
-            METERING: ("loss_directional_valve_edges_W",),
-            RETURN: ("loss_directional_valve_return_throttle_W",),
-            LEAKAGE: ("loss_pump_leakage_W", "loss_cylinder_W"),
+            RELIEF: ("relief_valve",),
+            METERING: ("directional_valve.edges",),
+            RETURN: ("directional_valve.return_throttle",),
+            LEAKAGE: ("pump_leakage", "cylinder"),
         },
     ),
     RivalCircuit(
         name="shuttle",
         title="closed circuit, pump over centre, commanded shuttle valve (fig. 1.6)",
         system="shuttle-circuit",
-        size=_size_closed,
-        sinks={**CLOSED_SINKS, METERING: ("loss_shuttle_valve_W", "loss_charge_check_a_W", "loss_charge_check_b_W")},
+        size=_at_once(_size_closed),
+        sinks={**CLOSED_SINKS, METERING: ("shuttle_valve", "charge_check_a", "charge_check_b")},
         charge=charge_pressure,
     ),
     RivalCircuit(
         name="pilot-checks",
         title="closed circuit, pump over centre, pilot-operated checks (fig. 1.7)",
         system="pilot-check-circuit",
-        size=_size_closed,
-        sinks={**CLOSED_SINKS, METERING: ("loss_pilot_check_a_W", "loss_pilot_check_b_W")},
+        size=_at_once(_size_closed),
+        sinks={**CLOSED_SINKS, METERING: ("pilot_check_a", "pilot_check_b")},
         charge=charge_pressure,
     ),
     RivalCircuit(
         name="four-valves",
         title="open circuit, pump over centre, four 2-way valves (fig. 1.8)",
         system="four-valve-circuit",
-        size=_size_open,
+        size=_at_once(_size_open),
         sinks={
-            RELIEF: ("loss_relief_valve_W",),
+            RELIEF: ("relief_valve",),
             METERING: (*FOUR_VALVES, *FILLING),
-            LEAKAGE: ("loss_pump_leakage_W", "loss_cylinder_W"),
+            LEAKAGE: ("pump_leakage", "cylinder"),
         },
         charge=reservoir_pressure,
     ),

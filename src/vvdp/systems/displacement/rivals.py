@@ -101,7 +101,7 @@ class Rival:
         cylinder, stops = self.moved.cylinder, self.moved.end_stops
         refuse_long_cycle(self.duty_cycle, stops.lower_end, stops.upper_end)
         refuse_fast_cycle(self.duty_cycle, largest_flow / max(cylinder.area_a, cylinder.area_b))
-        mass = self.moved.load.mass + cylinder.moving_mass
+        mass = (self.moved.load.mass if self.moved.load else 0.0) + cylinder.moving_mass
         return RivalLoop(
             cycle=self.duty_cycle,
             reference=self.reference,

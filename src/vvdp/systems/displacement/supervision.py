@@ -28,7 +28,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
-from vvdp.base.select import maximum, minimum
+from vvdp.base.select import maximum
 from vvdp.base.signal import signal_value
 from vvdp.control.capacities import CircuitPressures, CylinderModel, capacities, return_flow, sides
 from vvdp.control.supervision import (
@@ -49,7 +49,7 @@ WATCHED = (
     "position jumps",
     "line and supply chamber disagree",
     "return pressure and return flow disagree",
-    "optical sensor jumps",
+    "spool position jumps",
     "spool does not go where it should",
     "spool does not turn",
     "pump has lost its speed",
@@ -64,8 +64,8 @@ class Supervision(Params):
     Sensors may show `position_margin` beyond the stroke and pressures between two limits; none shows the same number
     `repeats` times; readings jump no further than so in a sample. Line and supply chamber, return flow and motion,
     spring and chamber are compared as means over the `averaging_time`, the first two from `settle_time` after a change
-    of direction on; the flow may be off by `return_share` of itself besides. What is out of range, frozen or jumps is told at once, spool speed and pump
-    after the `brief_time`, disagreements after the `patience`.
+    of direction on; the flow may be off by `return_share` of itself besides. What is out of range, frozen or jumps is
+    told at once, spool speed and pump after the `brief_time`, disagreements after the `patience`.
     """
 
     position_margin: Length = 5e-3
@@ -74,12 +74,12 @@ class Supervision(Params):
     repeats: Count = 20.0
     position_jump: Length = 1e-3
     line_difference: PressureDifference = 2e5
-    return_difference: Flow = 5e-6
+    return_difference: Flow = 1e-5
     return_share: Fraction = 0.1
-    settle_time: Time = 0.2
+    settle_time: Time = 0.1
     averaging_time: Time = 0.03
     optical_jump: Length = 1.2e-3
-    spring_difference: Length = 1e-3
+    spring_difference: Length = 2e-3
     spool_error: Length = 2e-3
     lowest_spool_speed: Speed = 40.0
     lowest_pump_share: Fraction = 0.95
@@ -167,7 +167,7 @@ class SupervisionMemory(NamedTuple):
 def supervision_start() -> SupervisionMemory:
     """The memory before the first sample."""
     rest = CircuitPressures(101325.0, 101325.0, 101325.0)
-    return SupervisionMemory(alarm_start(len(WATCHED)), repeat_start(5), 0.0, 0.0, rest, 0.0, 0.0, 0.0)
+    return SupervisionMemory(alarm_start(len(WATCHED)), repeat_start(6), 0.0, 0.0, rest, 0.0, 0.0, 0.0)
 
 
 class Differences(NamedTuple):
@@ -206,7 +206,16 @@ def spring_difference(sight: MachineSight, spring: SpoolSpring) -> float:
 def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervised) -> SupervisionMemory:
     """The memory after a sample: its alarm is the number of what was told first, 0 before."""
     limits, fast = settings.limits, sight.fast
-    readings = np.array((sight.position, fast.pressure_a, fast.pressure_b, fast.line_pressure, sight.spool_measured))
+    readings = np.array(
+        (
+            sight.position,
+            fast.pressure_a,
+            fast.pressure_b,
+            fast.line_pressure,
+            sight.spool_measured,
+            sight.chamber_pressure,
+        )
+    )
     repeated = repeat_step(memory.repeated, readings)
     changed = sight.direction != memory.direction
     since = sight.time if changed else memory.since
@@ -239,12 +248,12 @@ def sensor_residuals(sight: MachineSight, measured: float, repeats: Array, setti
     found = np.zeros(len(WATCHED))
     middle = 0.5 * (cylinder.lowest_position + cylinder.highest_position)
     reach = 0.5 * (cylinder.highest_position - cylinder.lowest_position) + limits.position_margin
-    lowest = minimum(minimum(fast.pressure_a, fast.pressure_b), fast.line_pressure)
-    highest = maximum(maximum(fast.pressure_a, fast.pressure_b), fast.line_pressure)
+    pressures = (fast.pressure_a, fast.pressure_b, fast.line_pressure, sight.chamber_pressure)
+    lowest, highest = min(pressures), max(pressures)
     found[0] = abs(sight.position - middle) / reach
     found[1] = 2.0 if lowest < limits.lowest_pressure or highest > limits.highest_pressure else 0.0
     found[2] = repeats[0] / limits.repeats
-    found[3] = np.max(repeats[1:4]) / limits.repeats
+    found[3] = maximum(np.max(repeats[1:4]), repeats[5]) / limits.repeats
     found[4] = repeats[4] / limits.repeats
     found[5] = abs(sight.position - sight.expected) / limits.position_jump
     found[8] = abs(sight.spool_measured - measured) / limits.optical_jump
