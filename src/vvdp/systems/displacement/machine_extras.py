@@ -12,12 +12,8 @@ from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
 from vvdp.systems.axial_charts import control_charts, gerotor_charts
 from vvdp.systems.displacement.cycle import reference_period
-<<<<<<< HEAD
 from vvdp.systems.displacement.machine_charts import charts_with_phases, machine_charts, phase_levels
-=======
-from vvdp.systems.displacement.machine_charts import machine_charts, phase_levels, phased
 from vvdp.systems.displacement.machine_loop import PROGRAM
->>>>>>> main
 from vvdp.systems.displacement.machine_power import POWERS, mean_powers, whole_periods
 from vvdp.systems.displacement.machine_tally import TALLY, MachineTally
 from vvdp.systems.displacement.supervision import WATCHED
