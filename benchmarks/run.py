@@ -23,6 +23,7 @@ NAMES = (
     "networks",
     "chain",
     "axial_control",
+    "displacement",
     "server",
 )
 README = HERE / "README.md"

@@ -127,6 +127,15 @@ ENTRIES: Mapping[str, Entry] = {
         "The same with the gerotor pump of the first axial drive. [Details](models/gerotor-control.md)",
         HELD_NUMBERS,
     ),
+    "displacement-chapter6": Entry(
+        "A cylinder goes up and down while a slow pump and a fast return valve share what its controller asks for. "
+        "[Details](models/displacement-chapter6.md)",
+        (
+            Number("largest error against the filtered reference", "tracking_error_max_m", LENGTH, "mm"),
+            Number("highest pressure of a chamber", "pressure_max_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("opening of the return valve, mean", "return_opening_mean", FRACTION, "%"),
+        ),
+    ),
     "long-hose": Entry(
         "Two pumps feed a hose of 10 m from both ends. An orifice at one end is halved, and the wave runs to and fro. "
         "[By hand](examples.md#long-hose)",

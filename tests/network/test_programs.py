@@ -329,3 +329,30 @@ def test_a_program_reads_the_speed_of_a_driven_shaft(oil, of):
     net.program("sensor", ProgramType(show_speed, ShaftReading, SeenSpeed(0.0)), reads={"speed": "shaft.speed"})
     run = simulate(build(net).model, build(net).case, Stepping(until=2e-3))
     assert np.all(run.command.sensor.speed[1:] == 150.0)
+
+
+class Pair(NamedTuple):
+    time: Time
+    pressure: Pressure
+
+
+def held_pressure(t, memory, reading, settings):
+    return memory, Sum(settings.gain * (reading.pressure - settings.reference) + 0.0 * reading.time + 0.5)
+
+
+@pytest.mark.parametrize("names", [("time", "pressure"), ("pressure", "time")])
+def test_readings_behind_instruments_keep_their_names(oil, of, names):
+    """However `reads` is ordered."""
+    net = Network(oil)
+    net.tank("tank")
+    net.volume("line", of.chamber, start=2e6)
+    net.add("load", ORIFICE, of.orifice, a="line", b="tank", area=1e-6)
+    paths = {"time": "t", "pressure": "line.pressure"}
+    kind = ProgramType(held_pressure, Pair, Sum(0.5), Gain, lambda settings: Sum(0.5))
+    net.program("watch", kind, GAIN, reads={n: paths[n] for n in names}, sensors={"time": ideal_instrument(0.0, 1e6)})
+    circuit = build(net)
+    program = circuit.model.programs["watch"]
+    case = circuit.case
+    reading = program.measure(0.25, case.state, None, case.params)
+    _, command = program.step(0.25, case.memory["watch"], reading, case.settings["watch"])
+    assert command.opening == GAIN.gain * (2e6 - GAIN.reference) + 0.5

@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FLOW, NUMBER, PRESSURE_LEVEL, Fraction
 from vvdp.base.params import Params
-from vvdp.base.select import clip
+from vvdp.base.select import clip, maximum
 from vvdp.numerics.piecewise import check_rising
 
 
@@ -81,16 +81,17 @@ def duty_for_flow(flow: float, line_pressure: float, flow_map: FlowMap) -> float
     """
     rows, duties = rows_at(line_pressure, flow_map), flow_map.duty_ratios
     low, high = 0, len(duties) - 1
-    if flow >= _flow(high, rows, flow_map):
+    wanted = maximum(flow, _flow(low, rows, flow_map))
+    if wanted >= _flow(high, rows, flow_map):
         return duties[high]
     while high - low > 1:
         middle = (low + high) // 2
-        if _flow(middle, rows, flow_map) <= flow:
+        if _flow(middle, rows, flow_map) <= wanted:
             low = middle
         else:
             high = middle
     before, after = _flow(low, rows, flow_map), _flow(high, rows, flow_map)
-    share = clip((flow - before) / (after - before), 0.0, 1.0)
+    share = (wanted - before) / (after - before)
     return duties[low] + share * (duties[high] - duties[low])
 
 

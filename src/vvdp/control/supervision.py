@@ -3,19 +3,19 @@
 Source  ours, docs/models/faults.md, where a function names no other.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import Count, Time
+from vvdp.base.kinds import COUNT, NUMBER, TIME, Count, Time
 
 
 class AlarmMemory(NamedTuple):
     """For how long each residual has been beyond its limit [s]; number of the one that told first, 0 before, and
     when. An alarm stays."""
 
-    beyond: Array
+    beyond: Annotated[Array, TIME]
     alarm: Count
     time: Time
 
@@ -47,13 +47,13 @@ def alarm_step(
 class RepeatMemory(NamedTuple):
     """The last readings, and how often each has come again since it changed [1]."""
 
-    last: Array
-    repeats: Array
+    last: Annotated[Array, NUMBER]
+    repeats: Annotated[Array, COUNT]
 
 
 def repeat_start(count: int) -> RepeatMemory:
     """The memory before the first sample of a number of readings."""
-    return RepeatMemory(np.full(count, np.nan), np.zeros(count))
+    return RepeatMemory(np.full(count, -1e300), np.zeros(count))
 
 
 def repeat_step(memory: RepeatMemory, readings: Array) -> RepeatMemory:

@@ -6,7 +6,7 @@ Source  ours, docs/models/whole-machine.md, where a function names no other.
 from typing import NamedTuple
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Kink, Speed, Time
+from vvdp.base.kinds import Speed, Time
 from vvdp.base.modes import side
 from vvdp.base.params import Params
 from vvdp.base.select import clip, select
@@ -33,14 +33,7 @@ class PumpMotorState(NamedTuple):
     speed: Speed
 
 
-class Acceleration(NamedTuple):
-    """How a motor's speed changes [rad/s^2], and on which side of the end of its ramp it stands."""
-
-    rate: float
-    ramp: Kink
-
-
-def motor_acceleration(command: float, speed: float, rated_speed: float, motor: PumpMotor) -> Acceleration:
+def motor_acceleration(command: float, speed: float, rated_speed: float, motor: PumpMotor) -> float:
     """Rate of the speed of a pump's motor [rad/s^2].
 
     Switched on: omega_r/t_start until 2 % are missing, those with a time constant of 2 % of t_start; likewise
@@ -49,11 +42,30 @@ def motor_acceleration(command: float, speed: float, rated_speed: float, motor: 
     command      1 on, 0 off
     speed        omega, now [rad/s]
     rated_speed  omega_r [rad/s]
+
+    >>> motor = PumpMotor(start_time=0.3, coast_time=0.1)
+    >>> motor_acceleration(1.0, 0.0, 180.0, motor), motor_acceleration(0.0, 180.0, 180.0, motor)
+    (600.0, -1800.0)
     """
-    missing = rated_speed - speed
-    size = select(rated_speed > 0.0, rated_speed, 1.0)
-    distance = missing / (NEAR * size)
-    driven = clip(distance, -1.0, 1.0) * size / motor.start_time
-    is_on = command > 0.5
-    rate = select(is_on, driven, -speed / motor.coast_time)
-    return Acceleration(rate, side(select(is_on, abs(distance) - 1.0, 0.5)))
+    driven = clip(ramp_distance(speed, rated_speed), -1.0, 1.0) * rated_speed / motor.start_time
+    rate: float = select(command > 0.5, driven, -speed / motor.coast_time)
+    return rate
+
+
+def ramp_distance(speed: float, rated_speed: float) -> float:
+    """What is missing of the rated speed, over the 2 % of it at which the ramp ends [1]; -1 without a rated speed.
+
+    speed, rated_speed  [rad/s]
+    """
+    rated = rated_speed > 0.0
+    size = select(rated, rated_speed, 1.0)
+    return select(rated, (rated_speed - speed) / (NEAR * size), -1.0)
+
+
+def ramp_side(command: float, speed: float, rated_speed: float) -> float:
+    """Whether a motor stands on its ramp, or near its rated speed or without current [1]; see `side`.
+
+    command              1 on, 0 off
+    speed, rated_speed   [rad/s]
+    """
+    return side(select(command > 0.5, abs(ramp_distance(speed, rated_speed)) - 1.0, -1.0))

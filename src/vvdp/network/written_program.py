@@ -77,7 +77,7 @@ class WrittenProgram:
         instrument, begin = self.text.use(instrument_step), self.text.use(instrument_start)
         memory, reading = self.text.use(self.memory), self.text.use(self.part.type.reading)
         lines = [f"{n}_sensor, {n} = {instrument}(m.{n}_sensor, t, r.{n}, z.{n}_sensor)" for n in self.part.sensors]
-        fields = ", ".join(n if n in self.part.sensors else f"r.{n}" for n in self.part.reads)
+        fields = ", ".join(f"{n}={n if n in self.part.sensors else f'r.{n}'}" for n in self.part.reads)
         own = self._kept_text("m")
         lines.append(f"program, command = {step}(t, {own}, {reading}({fields}), z.program)")
         if self.part.actuators:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.base.units import ATMOSPHERE
 from vvdp.estimation.commensurate import Commensurate, commensurate_clock
 from vvdp.numerics.kalman import chance_band
 from vvdp.offline.config import Counts, Estimation, Stamps, Wave
@@ -82,9 +83,9 @@ def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
             "duty_ratio_mean": sums.duty_ratio.mean,
             "duty_ratio_std": sums.duty_ratio.deviation,
             "pressure_pulses": sums.duty_ratio.count,
-            "inlet_pressure_mean_Pa": sums.pressure.mean,
-            "inlet_pressure_min_Pa": sums.pressure.low if sums.pressure.count else np.nan,
-            "inlet_pressure_max_Pa": sums.pressure.high if sums.pressure.count else np.nan,
+            "pressure_mean_inlet_Pa": sums.pressure.mean - ATMOSPHERE,
+            "pressure_min_inlet_Pa": sums.pressure.low - ATMOSPHERE if sums.pressure.count else np.nan,
+            "pressure_max_inlet_Pa": sums.pressure.high - ATMOSPHERE if sums.pressure.count else np.nan,
         }
     return found
 

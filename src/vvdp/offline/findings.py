@@ -114,7 +114,8 @@ def _of_the_record(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
             "Pauses without edges",
             f"The filter was started {_times(sums.pieces)}: without an edge it can go on for {bridge:.3g} s at the "
             "mean speed, until three deviations of its angle reach half a sector.",
-            "Between pieces the estimate is NaN, and turns that passed there are only guessed.",
+            "Between pieces the spool is said to stand where the last row has it; in a gap of the record the estimate "
+            "is NaN, and turns that passed there are only guessed.",
         )
     if sums.left_out:
         yield warning(

@@ -118,6 +118,7 @@ class OfflineFilter:
         """When the wheel nearly stood still, and did not turn back as far as is known [s]."""
         self.reversals: list[float] = []
         """When it turned back [s]."""
+        self._row = np.full(len(self._replay.columns), np.nan)  # the last row
         self._next: int | None = None  # number of the next row
         self.pieces = 0
         self.left_out = 0
@@ -317,16 +318,24 @@ class OfflineFilter:
                 return
 
     def _gap_rows(self, time: float) -> Iterator[FilteredRows]:
-        """Rows of NaN up to `time`, where no estimate exists; nothing where that would be very many."""
+        """Rows up to `time`, between two pieces: the last one again where the wheel stands still by it and the record
+        has no gap, else NaN; nothing where that would be very many."""
         assert self._next is not None
         begin = int(np.ceil(time * self.rate - 1e-9))
         if (begin - self._next) / self.rate <= LONGEST_FILL:
             for start in range(self._next, begin, ROWS_AT_ONCE):
                 grid = np.arange(start, min(start + ROWS_AT_ONCE, begin)) / self.rate
-                nothing = np.full((grid.size, len(self._replay.columns)), np.nan)
-                nothing[:, STANDSTILL] = self._last.standstill if self._last is not None else np.nan
-                yield FilteredRows(self._by_name(grid, nothing), self._no_edges(), np.zeros(grid.size, bool))
+                shown = np.tile(self._row, (grid.size, 1))
+                shown[~self._stands(grid)] = np.nan
+                shown[:, STANDSTILL] = self._row[STANDSTILL]
+                yield FilteredRows(self._by_name(grid, shown), self._no_edges(), np.zeros(grid.size, bool))
         self._next = max(begin, self._next)
+
+    def _stands(self, grid: Array) -> Chosen:
+        """At which of the times of rows after the last one the wheel stands still, as far as is known."""
+        first = min((begin for begin, _ in self._gaps), default=np.inf)
+        found: Chosen = (grid < first) & bool(self._row[STANDSTILL] > 0.5)
+        return found
 
     def _step(self, piece: _Piece, edges: Edges, grid: Array) -> FilteredRows:
         known = known_times(edges)
@@ -346,7 +355,7 @@ class OfflineFilter:
             shown[order[part_of_rows]] = done.shown
         columns = self._of_edges(piece, edges, shown[:m]) if m else self._no_edges()
         if grid.size:
-            self.reached = float(grid[-1])
+            self.reached, self._row = float(grid[-1]), shown[m + grid.size - 1]
             if self._last is not None and grid[-1] >= self._last.time:
                 speed, standstill = shown[m + grid.size - 1, [SPEED, STANDSTILL]].tolist()
                 self._last = self._last._replace(speed=speed, standstill=standstill)

@@ -18,8 +18,8 @@ from vvdp.base.kinds import (
     EFFICIENCY,
     FLAG,
     FREQUENCY,
+    GAUGE_PRESSURE,
     NUMBER,
-    PRESSURE_LEVEL,
     RATIO,
     SPEED,
     Kind,
@@ -88,9 +88,9 @@ QUANTITIES: Mapping[str, tuple[Kind, str]] = {
     "duty_ratio_mean": (DUTY_RATIO, "duty ratio of the pressure, mean"),
     "duty_ratio_std": (DUTY_RATIO, "duty ratio of the pressure, standard deviation"),
     "pressure_pulses": (COUNT, "pulses of the pressure"),
-    "inlet_pressure_mean_Pa": (PRESSURE_LEVEL, "inlet pressure, mean"),
-    "inlet_pressure_min_Pa": (PRESSURE_LEVEL, "inlet pressure, lowest"),
-    "inlet_pressure_max_Pa": (PRESSURE_LEVEL, "inlet pressure, highest"),
+    "pressure_mean_inlet_Pa": (GAUGE_PRESSURE, "inlet pressure, mean"),
+    "pressure_min_inlet_Pa": (GAUGE_PRESSURE, "inlet pressure, lowest"),
+    "pressure_max_inlet_Pa": (GAUGE_PRESSURE, "inlet pressure, highest"),
 }
 """Kind and label of every number; `docs/keys.md` says what they mean."""
 IN_CHANNEL_UNIT = ("threshold", "threshold_suggested", "wave_swing", "wave_noise")
@@ -108,8 +108,8 @@ LISTED: Mapping[str, tuple[str, tuple[str, ...]]] = {
         "duration_s", "estimated_share", "samples", "sample_rate_Hz", "output_rate_Hz", "gaps", "not_numbers",
     )),
     "signal-numbers": ("Signals", (
-        *IN_CHANNEL_UNIT, "threshold_bias_rad", "duty_ratio_mean", "duty_ratio_std", "inlet_pressure_mean_Pa",
-        "inlet_pressure_min_Pa", "inlet_pressure_max_Pa",
+        *IN_CHANNEL_UNIT, "threshold_bias_rad", "duty_ratio_mean", "duty_ratio_std", "pressure_mean_inlet_Pa",
+        "pressure_min_inlet_Pa", "pressure_max_inlet_Pa",
     )),
 }  # fmt: skip
 """Title and numbers of each listing."""

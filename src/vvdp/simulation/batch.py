@@ -14,7 +14,7 @@ from vvdp.base.errors import ParameterError, RunError
 from vvdp.simulation import places
 from vvdp.simulation.crew import Crew, never
 from vvdp.simulation.lanes import SideBySide, run_lanes, side_by_side
-from vvdp.simulation.layout import case_form
+from vvdp.simulation.layout import as_memory, case_form
 from vvdp.simulation.layout import case_shape as case_shape
 from vvdp.simulation.layout import rows as rows_of
 from vvdp.simulation.link import quiet
@@ -90,6 +90,7 @@ class BatchRun:
             seconds=self.seconds / len(self.cases),
             finished=True,
             remarks=self.remarks[case],
+            memory=as_memory(self.cases[case], self.final_memories[case]),
         )
 
 

@@ -1,6 +1,8 @@
 """What the numbers of a run are worked out from, whether it ran alone or in a batch."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +35,10 @@ class Window:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The states and counts that a summary needs; vectors are in the order of the state."""
+    """The states and counts that a summary needs; vectors are in the order of the state.
+
+    `memory` is what each program remembers at the end, by its name.
+    """
 
     model: Model
     case: Case
@@ -49,6 +54,7 @@ class Outcome:
     seconds: float
     finished: bool
     remarks: tuple[str, ...] = ()
+    memory: Mapping[str, Any] = field(default_factory=dict)
 
 
 def outcome(run: Run, average_from: float) -> Outcome:
@@ -68,6 +74,7 @@ def outcome(run: Run, average_from: float) -> Outcome:
         seconds=run.seconds,
         finished=run.finished,
         remarks=run.remarks,
+        memory=run.final_memory,
     )
 
 

@@ -229,7 +229,8 @@ def _check_outputs(study: Study, base: System) -> None:
         seconds=0.0,
         finished=True,
     )
-    known = [*simulated_summary(still, base), *(() if base.extras is None else base.extras.CLOSED_FORMS)]
+    own = () if base.extras is None else (*base.extras.CLOSED_FORMS, *base.extras.QUANTITIES)
+    known = [*simulated_summary(still, base), *own]
     unknown = [name for name in study.outputs if name not in known]
     if unknown:
         raise ConfigError([Fault("study", 0, name, f"no such output{nearest(name, known)}") for name in unknown])

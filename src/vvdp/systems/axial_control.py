@@ -97,7 +97,7 @@ class AxialControl:
     """The tables of the control of an axial drive, and the `wanted` position [m].
 
     The law is told what the observer estimates, unless a `feedback` says otherwise. `oil` is the chamber's as the
-    controller knows it, where that is not the chamber's own.
+    controller knows it, where that is not the chamber's own. `asked_by` is the value that asks for the position.
     """
 
     sensor: AxialSensorTable
@@ -109,6 +109,7 @@ class AxialControl:
     wanted: Signal
     feedback: RawFeedback | TrueFeedback | None = None
     oil: Oil | None = None
+    asked_by: str = "operation.duty_ratio"
 
 
 def known_drive(parts: DriveParts, pilot: PilotSupply) -> ChamberDrive:
@@ -155,7 +156,7 @@ def chamber_observer(control: AxialControl, drive: ChamberDrive, friction: float
 
 def chamber_loop(control: AxialControl, parts: DriveParts, pilot: PilotSupply) -> ChamberLoop:
     """The values of the loop. Raises ParameterError where the supply cannot hold the position that is wanted."""
-    check_reach("operation.duty_ratio", control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
+    check_reach(control.asked_by, control.wanted.extremes[1], pilot.supply_pressure.extremes[0], parts)
     drive = known_drive(replace(parts, oil=control.oil or parts.oil), pilot)
     gains = control.law.gains
     values: dict[str, Any] = {

@@ -86,7 +86,17 @@ def chapter6(
     adaptation: Adaptation | None = None,
 ) -> Network:
     """A cylinder under displacement control, its pump a source."""
-    plant = Chapter6Plant(cylinder, chamber_a, chamber_b, load, friction, pump, flow_split.largest_flow, return_valve, oil)
+    plant = Chapter6Plant(
+        cylinder=cylinder,
+        chamber_a=chamber_a,
+        chamber_b=chamber_b,
+        load=load,
+        friction=friction,
+        pump=pump,
+        largest_flow=flow_split.largest_flow,
+        return_valve=return_valve,
+        oil=oil,
+    )
     refuse_impossible(plant, cycle, pressure_bounds, operation.load_force, initial.position)
     net = plant_network(plant, operation, initial)
     net.extras = Chapter6Extras

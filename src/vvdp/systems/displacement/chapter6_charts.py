@@ -1,4 +1,4 @@
-"""Pictures of a cylinder under displacement control: where it should be and is, pressures, what is asked of the drives."""
+"""Pictures of a cylinder under displacement control: its motion, its pressures, what is asked of the drives."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -62,8 +62,8 @@ def motion_chart(rows: tuple[int, ...]) -> Chart:
     )
     return Chart(
         name="displacement-motion",
-        caption="The rod and its filtered reference, and the error between them once control has settled: it lies where "
-        "the cylinder turns round and its pressures change places.",
+        caption="The rod and its filtered reference, and the error between them once control has settled: it lies "
+        "where the cylinder turns round and its pressures change places.",
         table=TABLE,
         panels=(
             Lines(lines=position, label="position"),

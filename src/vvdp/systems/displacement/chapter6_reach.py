@@ -114,6 +114,6 @@ def _refuse_load(plant: Chapter6Plant, velocity: float, load: float, bounds: Pre
     for chamber, pressure in (("supply", found.supply), ("return", found.returned)):
         if pressure > highest:
             raise ParameterError(
-                f"operation.load_force: {load:.4g} N at {1e3 * velocity:.4g} mm/s takes {pressure / 1e5:.4g} bar in the "
-                f"{chamber} chamber; pressure_bounds.highest_pressure is {highest / 1e5:.4g} bar"
+                f"operation.load_force: {load:.4g} N at {1e3 * velocity:.4g} mm/s takes {pressure / 1e5:.4g} bar in "
+                f"the {chamber} chamber; pressure_bounds.highest_pressure is {highest / 1e5:.4g} bar"
             )

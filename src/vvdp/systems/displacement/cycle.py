@@ -110,6 +110,12 @@ def points_of(cycle: Triangle | OwnCycle) -> Points:
     )
 
 
+def fastest(cycle: Triangle | OwnCycle) -> float:
+    """The highest speed that a cycle asks for, before any filter [m/s]."""
+    points = points_of(cycle)
+    return float(np.max(np.abs(np.diff(points.positions) / np.diff(points.times))))
+
+
 def cycle_position(time: float, points: Points) -> float:
     """The position that a cycle asks for [m], before any filter.
 
@@ -143,7 +149,7 @@ def reference_period(cycle: Triangle | OwnCycle) -> float:
     return points_of(cycle).times[-1]
 
 
-def sampled(cycle: Triangle | OwnCycle, times: Array) -> Array:
+def cycle_positions(cycle: Triangle | OwnCycle, times: Array) -> Array:
     """The positions that a cycle asks for at `times` since control began [s], shape (n,) [m]."""
     points = points_of(cycle)
     return np.array([cycle_position(float(t), points) for t in times])

@@ -30,12 +30,12 @@ class InitialCylinder(Params):
 
 @dataclass(frozen=True)
 class LoadedCylinder:
-    """A cylinder with its hoses, what it moves beside its own mass, and what hinders it."""
+    """A cylinder with its hoses, what it moves, and what hinders it."""
 
     cylinder: Cylinder
     chamber_a: Vessel
     chamber_b: Vessel
-    load: Load | None
+    load: Load
     friction: RodFriction
     end_stops: EndStop
 

@@ -17,8 +17,8 @@ from vvdp.valve.flow_map import delivered_flows
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.rotary import RotaryValve
 
-FINE, MIDDLING, COARSE = 0.01, 0.02, 0.06
-"""Steps of the duty ratio where the load port never opens fully, where the tank port does not, and elsewhere."""
+FINE, COARSE = 0.01, 0.06
+"""Steps of the duty ratio near where one of the ports never opens fully, and between."""
 
 PRESSURES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Pressures behind the valve, over that of the relief valve."""
@@ -77,5 +77,5 @@ def duty_ratios(kappa: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """
     low = np.arange(0.0, kappa + FINE, FINE)
     middle = np.arange(kappa + COARSE, 1.0 - 0.5 * kappa, COARSE)
-    high = np.arange(1.0 - 0.5 * kappa, 1.0 + 0.5 * kappa, MIDDLING)
+    high = np.arange(1.0 - 0.5 * kappa, 1.0 + 0.5 * kappa, FINE)
     return np.unique(np.concatenate([[-kappa], low, middle, high, [1.0 + 0.5 * kappa, 1.0 + kappa]]))

@@ -30,7 +30,7 @@ from vvdp.hydraulics.seat_valve import SeatValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
-from vvdp.network.nodes import Chamber, Connection, Source
+from vvdp.network.nodes import Chamber, Connection, Load, Source
 from vvdp.systems.axial_loop import PROGRAM as AXIAL
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.bench_tables import Limits
@@ -48,6 +48,10 @@ from vvdp.valve.rotary import RotaryValve
 
 OUTER = "displacement"
 """Name of the program that leads all drives."""
+
+
+NO_MORE = Load(mass=0.0)
+"""What moves with the rod beside the cylinder's own moving mass and a weight."""
 
 
 @dataclass(frozen=True)
@@ -222,7 +226,7 @@ def displacement_control(
             cylinder=cylinder,
             chamber_a=chamber_a,
             chamber_b=chamber_b,
-            load=None,
+            load=NO_MORE,
             friction=cylinder_friction,
             end_stops=cylinder_stops,
         ),
@@ -288,7 +292,7 @@ def displacement_control_gerotor(
             cylinder=cylinder,
             chamber_a=chamber_a,
             chamber_b=chamber_b,
-            load=None,
+            load=NO_MORE,
             friction=cylinder_friction,
             end_stops=cylinder_stops,
         ),
@@ -342,7 +346,7 @@ def displacement_control_ideal(
             cylinder=cylinder,
             chamber_a=chamber_a,
             chamber_b=chamber_b,
-            load=None,
+            load=NO_MORE,
             friction=cylinder_friction,
             end_stops=cylinder_stops,
         ),

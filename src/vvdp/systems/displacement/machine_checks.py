@@ -68,16 +68,17 @@ def refuse_load(pressures: WorkingPressures, relief_valve: ReliefValve, tank_pre
             )
 
 
-def refuse_precharge(pressures: WorkingPressures, line: Vessel, tank_pressure: float) -> None:
-    """Raises ParameterError where an accumulator is charged above all that the line ever works at: it would be shut.
+def refuse_precharge(working_pressure: float, line: Vessel, tank_pressure: float) -> None:
+    """Raises ParameterError where an accumulator is charged above all that the line ever works at: it would stay shut.
 
-    tank_pressure  absolute [Pa]
+    working_pressure  highest of the line, over the tank's [Pa]
+    tank_pressure     absolute [Pa]
     """
-    highest, precharge = max(pressures), line.precharge_pressure - tank_pressure
-    if line.gas_volume > 0.0 and precharge >= highest:
+    precharge = line.precharge_pressure - tank_pressure
+    if line.gas_volume > 0.0 and precharge >= working_pressure:
         raise ParameterError(
-            f"line.precharge_pressure: {precharge / 1e5:.4g} bar; the line works at {highest / 1e5:.4g} bar at most, at "
-            "which no oil would enter the accumulator"
+            f"line.precharge_pressure: {precharge / 1e5:.4g} bar; the line works at {working_pressure / 1e5:.4g} bar "
+            "at most, at which no oil would enter the accumulator"
         )
 
 

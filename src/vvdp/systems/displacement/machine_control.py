@@ -9,7 +9,6 @@ from vvdp.base.kinds import (
     Count,
     FlowCoefficient,
     Force,
-    Frequency,
     Length,
     Mass,
     Polytropic,
@@ -29,7 +28,7 @@ from vvdp.control.flow_gain import FlowGain
 from vvdp.control.flow_map import FlowMap
 from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds
-from vvdp.control.reference import ReferenceFilter
+from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.load_observer import LoadObserver
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
@@ -48,7 +47,9 @@ from vvdp.systems.displacement.machine_loop import (
     machine_start,
     machine_step,
 )
+from vvdp.systems.displacement.machine_tables import MachineOperation
 from vvdp.systems.displacement.stages import MachineSequence
+from vvdp.systems.displacement.supervision import SpoolSpring, Supervised, Supervision
 from vvdp.systems.gerotor_loop import GerotorLoop, WatchedGerotor, watched_gerotor_start
 from vvdp.systems.spool_encoder import WatchSettings
 
@@ -81,8 +82,8 @@ class MachineBelief(Params):
 class LoadObserverTable(Params):
     """The [load_observer] table: how fast its three errors fade, and the load that is told follows."""
 
-    observer_rate: Frequency
-    load_rate: Frequency
+    observer_rate: Rate
+    load_rate: Rate
 
 
 class CylinderSensors(Params):
@@ -120,6 +121,9 @@ class MachineTables:
     machine_sequence: MachineSequence
     flow_gain: FlowGain
     adaptation: Adaptation
+    supervision: Supervision | None
+    operation: MachineOperation
+    spool_spring: SpoolSpring
 
 
 @dataclass(frozen=True)
@@ -160,6 +164,20 @@ def cylinder_model(belief: MachineBelief, cylinder: CylinderGeometry, tank_press
     )
 
 
+def displacement_laws(tables: MachineTables, model: CylinderModel) -> DisplacementSettings:
+    """The laws of the tables, for a cylinder as it is believed."""
+    return DisplacementSettings(
+        cylinder=model,
+        gains=tables.gains,
+        direction=tables.direction,
+        split=tables.flow_split,
+        bounds=tables.pressure_bounds,
+        support=tables.supply_support,
+        adaptation=tables.adaptation,
+        sample_period=SAMPLE_PERIOD,
+    )
+
+
 def machine_loop(
     tables: MachineTables, cylinder: CylinderGeometry, spool: SpoolRange, flow_map: FlowMap, tank_pressure: float
 ) -> MachineLoop:
@@ -170,16 +188,6 @@ def machine_loop(
     """
     model = cylinder_model(tables.belief, cylinder, tank_pressure)
     refuse_cycle(tables.cycle, cylinder, tables.flow_split.largest_flow)
-    law = DisplacementSettings(
-        cylinder=model,
-        gains=tables.gains,
-        direction=tables.direction,
-        split=tables.flow_split,
-        bounds=tables.pressure_bounds,
-        support=tables.supply_support,
-        adaptation=tables.adaptation,
-        sample_period=SAMPLE_PERIOD,
-    )
     observer = LoadObserver(
         moving_mass=model.moving_mass,
         viscous_friction=model.viscous_friction,
@@ -188,7 +196,7 @@ def machine_loop(
         sample_period=SAMPLE_PERIOD,
     )
     return MachineLoop(
-        law=law,
+        law=displacement_laws(tables, model),
         observer=observer,
         reference=tables.reference,
         points=points_of(tables.cycle),
@@ -197,6 +205,14 @@ def machine_loop(
         gain=tables.flow_gain,
         spool=spool,
         load_force=tables.belief.load_force,
+        supervised=Supervised(
+            watches=0.0 if tables.supervision is None else 1.0,
+            limits=tables.supervision or Supervision(),
+            cylinder=model,
+            spring=tables.spool_spring,
+            pump_speed=tables.operation.pump_speed,
+            sample_period=SAMPLE_PERIOD,
+        ),
         first_direction=first_direction(tables.cycle),
     )
 
@@ -238,6 +254,10 @@ def add_outer_loop(net: Network, loop: MachineLoop, sensors: CylinderSensors, pa
         "spool_known": f"{AXIAL}.known",
         "spool_position": f"{AXIAL}.position",
         "spool_speed": f"{AXIAL}.spool_speed",
+        "spool_measured": f"{AXIAL}.measured",
+        "spool_reference": f"{AXIAL}.reference",
+        "chamber_pressure": paths.chamber_pressure or paths.line_pressure,
+        "pump_speed": "pump_motor.speed",
     }
     kind = ProgramType(machine_step, MachinePlace, IDLE, MachineLoop, machine_start)
     net.program(

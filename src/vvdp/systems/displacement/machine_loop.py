@@ -40,6 +40,7 @@ from vvdp.control.displacement import (
 )
 from vvdp.control.flow_gain import FlowBalance, FlowGain, FlowGainMemory, flow_gain_start, flow_gain_step
 from vvdp.control.flow_map import FlowMap, duty_for_flow, flow_for_duty
+from vvdp.control.flow_split import SplitMemory
 from vvdp.control.pressure_modes import PressureMode
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.estimation.load_observer import LoadMemory, LoadObserver, load_observer_start, load_observer_step
@@ -49,6 +50,7 @@ from vvdp.systems.axial_loop import RUN as FOLLOWS
 from vvdp.systems.displacement.cycle import Points, cycle_position
 from vvdp.systems.displacement.stages import (
     CONTROL,
+    EMERGENCY,
     PRECHARGE,
     MachineSequence,
     Phase,
@@ -57,23 +59,37 @@ from vvdp.systems.displacement.stages import (
     next_phase,
     orders_of,
 )
+from vvdp.systems.displacement.supervision import (
+    MachineSight,
+    Supervised,
+    SupervisionMemory,
+    supervise,
+    supervision_start,
+)
 
 PROGRAM = "displacement"
 """Name of the program that controls the cylinder."""
 
 
 class MachinePlace(NamedTuple):
-    """What the cylinder's sensors show, and what the axial control said at the last sample."""
+    """What the sensors show, and what the axial control said at the last sample.
+
+    `chamber_pressure` is that at the spool, where a chamber moves it.
+    """
 
     time: Time
     position: Position
     pressure_a: Pressure
     pressure_b: Pressure
     line_pressure: Pressure
+    chamber_pressure: Pressure
+    pump_speed: Speed
     spool_stage: Count
     spool_known: Fraction
     spool_position: Position
     spool_speed: Speed
+    spool_measured: Position
+    spool_reference: Position
 
 
 class SpoolRange(Params):
@@ -101,6 +117,7 @@ class MachineLoop(Params):
     spool: SpoolRange
     load_force: Force
     first_direction: SignedFraction
+    supervised: Supervised
 
 
 class MachineMemory(NamedTuple):
@@ -114,6 +131,8 @@ class MachineMemory(NamedTuple):
     law: DisplacementMemory
     gain: FlowGainMemory
     direction: SignedFraction
+    opening: Fraction
+    supervision: SupervisionMemory
 
 
 class MachineCommand(NamedTuple):
@@ -147,6 +166,7 @@ class MachineCommand(NamedTuple):
     split_flow: Flow
     duty_ratio: Number
     map_gain: Ratio
+    alarm: Count
 
 
 IDLE = MachineCommand(
@@ -174,6 +194,7 @@ IDLE = MachineCommand(
     split_flow=0.0,
     duty_ratio=0.0,
     map_gain=1.0,
+    alarm=0.0,
 )
 """The command before the first sample."""
 
@@ -190,15 +211,18 @@ def machine_start(settings: MachineLoop) -> MachineMemory:
         law=law_start(settings),
         gain=flow_gain_start(),
         direction=0.0,
+        opening=0.0,
+        supervision=supervision_start(),
     )
 
 
 def law_start(settings: MachineLoop) -> DisplacementMemory:
-    """The memory of the laws before control, the directional valve about to open the way of the cycle's first move."""
+    """The memory of the laws before control, the directional valve about to open the way of the cycle's first move,
+    and the pump giving what the line was charged with."""
     start = displacement_start(settings.law)
     return DisplacementMemory(
         direction=DirectionMemory(settings.first_direction, LONG),
-        split=start.split,
+        split=SplitMemory(settings.sequence.precharge_flow, start.split.variance),
         adaptation=start.adaptation,
         saturated=start.saturated,
     )
@@ -240,13 +264,40 @@ class MachineView(NamedTuple):
     reference: Reference
     observer: LoadMemory
     averages: AverageMemory
+    supervision: SupervisionMemory
     seen: CylinderSeen
+
+
+def machine_sight(
+    memory: MachineMemory, place: MachinePlace, slow: CircuitPressures, velocity: float, settings: MachineLoop
+) -> MachineSight:
+    """What the supervision looks at.
+
+    slow      pressures averaged over a PWM period [Pa]
+    velocity  as believed [m/s]
+    """
+    period = settings.law.sample_period
+    return MachineSight(
+        time=place.time,
+        watched=1.0 if memory.phase.number == CONTROL else 0.0,
+        position=place.position,
+        expected=memory.observer.position + period * memory.observer.velocity,
+        velocity=velocity,
+        fast=CircuitPressures(place.pressure_a, place.pressure_b, place.line_pressure),
+        slow=slow,
+        direction=memory.direction,
+        opening=memory.opening,
+        spool_measured=place.spool_measured,
+        spool_position=place.spool_position,
+        spool_reference=place.spool_reference,
+        spool_speed=place.spool_speed,
+        chamber_pressure=place.chamber_pressure,
+        pump_speed=place.pump_speed,
+    )
 
 
 def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLoop) -> MachineView:
     """What is known after a sample: phase, reference, motion and load, raw and averaged pressures."""
-    phase = next_phase(memory.phase, place.time, progress_of(place, settings), settings.sequence)
-    wanted, reference = next_followed(memory, phase, place, settings)
     fast = CircuitPressures(place.pressure_a, place.pressure_b, place.line_pressure)
     observer = load_observer_step(
         memory.observer, place.position, oil_force(fast, settings.law.cylinder), settings.observer
@@ -254,6 +305,13 @@ def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLo
     window = pwm_window(place.spool_speed, settings.spool.sections, settings.law.sample_period)
     averages, means = average_step(memory.averages, np.array(fast), window)
     slow = CircuitPressures(means[0], means[1], means[2])
+    supervision = supervise(
+        memory.supervision, machine_sight(memory, place, slow, observer.velocity, settings), settings.supervised
+    )
+    phase = next_phase(memory.phase, place.time, progress_of(place, settings), settings.sequence)
+    if supervision.alarm.alarm > 0.0 and phase.number != EMERGENCY:
+        phase = Phase(EMERGENCY, place.time)
+    wanted, reference = next_followed(memory, phase, place, settings)
     opened = flow_for_duty(place.spool_position / settings.spool.helix_length, slow.line_pressure, settings.flow_map)
     return MachineView(
         phase=phase,
@@ -261,6 +319,7 @@ def machine_view(memory: MachineMemory, place: MachinePlace, settings: MachineLo
         reference=reference,
         observer=observer,
         averages=averages,
+        supervision=supervision,
         seen=CylinderSeen(
             position=observer.position,
             velocity=observer.velocity,
@@ -346,6 +405,8 @@ def machine_step(
         law=law,
         gain=gain,
         direction=demand.direction,
+        opening=demand.opening,
+        supervision=view.supervision,
     )
     return after, shown_command(view, demand, spool)
 
@@ -379,4 +440,5 @@ def shown_command(view: MachineView, demand: DisplacementDemand, spool: SpoolDem
         split_flow=demand.split_flow,
         duty_ratio=spool.duty_ratio,
         map_gain=spool.map_gain,
+        alarm=view.supervision.alarm.alarm,
     )

@@ -27,7 +27,7 @@ from vvdp.hydraulics.gerotor_drive import GerotorCalibration, GerotorDrive, Gero
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.pump_motor import PumpMotor
 from vvdp.hydraulics.relief_valve import ReliefValve
-from vvdp.hydraulics.rod import EndStop, Spring, Weight
+from vvdp.hydraulics.rod import EndStop, Spring, Weight, weight_force
 from vvdp.hydraulics.seat_valve import SeatValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
@@ -39,9 +39,16 @@ from vvdp.systems.axial_sensor import AxialSensorTable
 from vvdp.systems.axial_tables import PilotSupply
 from vvdp.systems.bench_tables import Limits
 from vvdp.systems.chamber_loop import PassiveLoop
-from vvdp.systems.displacement.cycle import OwnCycle, Triangle
+from vvdp.systems.displacement.cycle import OwnCycle, Triangle, fastest, refuse_fast_points
 from vvdp.systems.displacement.flow_table import flow_map_of, valve_condition
 from vvdp.systems.displacement.machine import displacement_control, displacement_control_gerotor
+from vvdp.systems.displacement.machine_checks import (
+    CylinderDuty,
+    WorkingPressures,
+    refuse_load,
+    refuse_precharge,
+    working_pressures,
+)
 from vvdp.systems.displacement.machine_control import (
     CylinderGeometry,
     CylinderSensors,
@@ -53,9 +60,12 @@ from vvdp.systems.displacement.machine_control import (
     add_outer_loop,
     machine_loop,
 )
+from vvdp.systems.displacement.machine_extras import GerotorMachine, SpringMachine
 from vvdp.systems.displacement.machine_loop import SpoolRange
 from vvdp.systems.displacement.machine_tables import InitialGerotorMachine, InitialSpringMachine, MachineOperation
+from vvdp.systems.displacement.machine_tally import add_machine_tally
 from vvdp.systems.displacement.stages import MachineSequence
+from vvdp.systems.displacement.supervision import NO_SPRING, SpoolSpring, Supervision
 from vvdp.systems.gerotor_control import GerotorTables, PIGains, control_values, periodic_observer
 from vvdp.systems.gerotor_loop import DriveBelief, GerotorLoop, GerotorSequence
 from vvdp.systems.spool_encoder import EncoderTable, watch_settings
@@ -112,6 +122,7 @@ def spring_machine(
     initial: InitialSpringMachine,
     limits: Limits,
     adaptation: Adaptation | None = None,
+    supervision: Supervision | None = None,
     weight: Weight | None = None,
     dump_valve: SeatValve | None = None,
 ) -> Network:
@@ -143,12 +154,15 @@ def spring_machine(
         sequence=axial_sequence,
         helix_length=valve.helix_length,
         wanted=constant(spool.highest_position),
+        asked_by="pilot.supply_pressure",
     )
     inner = chamber_loop(control, drive, pilot)
     assert isinstance(inner, PassiveLoop)
     paths = _paths("slide.position", "pilot_chamber.pressure")
     _add_outer(net, tables, spool, paths)
     add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    add_machine_tally(net, paths, operation.tank_pressure.extremes[1])
+    net.extras = SpringMachine
     return net
 
 
@@ -194,6 +208,7 @@ def gerotor_machine(
     initial: InitialGerotorMachine,
     limits: Limits,
     adaptation: Adaptation | None = None,
+    supervision: Supervision | None = None,
     weight: Weight | None = None,
     dump_valve: SeatValve | None = None,
 ) -> Network:
@@ -221,6 +236,8 @@ def gerotor_machine(
     paths = _paths("gerotor.position")
     _add_outer(net, tables, spool, paths)
     add_led_drive(net, inner, watch_settings(encoder, spool_filter, initial.spool_angle), paths)
+    add_machine_tally(net, paths, operation.tank_pressure.extremes[1])
+    net.extras = GerotorMachine
     return net
 
 
@@ -243,13 +260,50 @@ def _paths(spool_position: str, chamber_pressure: str = "") -> MachinePaths:
 
 def _add_outer(net: Network, tables: Mapping[str, Any], spool: SpoolRange, paths: MachinePaths) -> None:
     """Add the program of the outer loop, with what its tables say and believe."""
-    given = {**tables, "adaptation": tables["adaptation"] or Adaptation()}
+    spring = _spool_spring(tables) if "axial_spring" in tables else NO_SPRING
+    given = {**tables, "adaptation": tables["adaptation"] or Adaptation(), "spool_spring": spring}
     cylinder, stops = tables["cylinder"], tables["cylinder_stops"]
     geometry = CylinderGeometry(cylinder.area_a, cylinder.area_b, stops.lower_end, stops.upper_end)
     outer = MachineTables(**{field.name: given[field.name] for field in fields(MachineTables)})
     tank = tables["operation"].tank_pressure.extremes[1]
+    check_demands(tables, tank)
     loop = machine_loop(outer, geometry, spool, believed_map(tables), tank)
     add_outer_loop(net, loop, tables["cylinder_sensors"], paths)
+
+
+def check_demands(tables: Mapping[str, Any], tank_pressure: float) -> None:
+    """Raises ParameterError where the cycle is faster than the pump, the load takes more than the relief valve allows
+    with the return fully open, or the accumulator is charged above all pressures at which the line is to work.
+
+    tank_pressure  absolute [Pa]
+    """
+    cylinder = tables["cylinder"]
+    flow = tables["pump"].displacement * tables["operation"].pump_speed.extremes[1]
+    refuse_fast_points(tables["cycle"], flow / max(cylinder.area_a, cylinder.area_b))
+    least, greatest = tables["operation"].load_force.extremes
+    if tables["weight"] is not None:
+        pull = weight_force(tables["weight"])
+        least, greatest = least + pull, greatest + pull
+    speed = fastest(tables["cycle"])
+
+    def pressures(opening: float) -> WorkingPressures:
+        duty = CylinderDuty(least, greatest, speed, opening)
+        return working_pressures(duty, cylinder, tables["cylinder_friction"], tables["directional_valve"])
+
+    refuse_load(pressures(1.0), tables["relief_valve"], tank_pressure)
+    support = tables["supply_support"]
+    supported = support.support_pressure - tank_pressure if support.support_conductance > 0.0 else 0.0
+    refuse_precharge(max(*pressures(tables["flow_split"].mean_opening), supported), tables["line"], tank_pressure)
+
+
+def _spool_spring(tables: Mapping[str, Any]) -> SpoolSpring:
+    spring = tables["axial_spring"]
+    return SpoolSpring(
+        stiffness=spring.stiffness,
+        preload=spring.preload - spring.stiffness * spring.rest_position,
+        area=tables["axial_piston"].area_a,
+        reference_pressure=tables["pilot_oil"].reference_pressure,
+    )
 
 
 def believed_map(tables: Mapping[str, Any]) -> FlowMap:

@@ -10,7 +10,10 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import (
+    Area,
     Count,
+    Flow,
+    Force,
     Fraction,
     Length,
     Position,
@@ -19,14 +22,15 @@ from vvdp.base.kinds import (
     SignedFraction,
     Speed,
     SpeedSignal,
+    Stiffness,
     Time,
     Velocity,
 )
 from vvdp.base.params import Params
 from vvdp.base.powers import expm1
-from vvdp.base.select import maximum, minimum
+from vvdp.base.select import maximum
 from vvdp.base.signal import signal_value
-from vvdp.control.capacities import CircuitPressures, CylinderModel, sides
+from vvdp.control.capacities import CircuitPressures, CylinderModel, capacities, return_flow, sides
 from vvdp.control.supervision import (
     AlarmMemory,
     RepeatMemory,
@@ -45,48 +49,48 @@ WATCHED = (
     "position jumps",
     "line and supply chamber disagree",
     "return pressure and return flow disagree",
-    "optical sensor and observer disagree",
+    "spool position jumps",
     "spool does not go where it should",
     "spool does not turn",
     "pump has lost its speed",
+    "spool position and chamber pressure disagree",
 )
 """What is watched, in the order of the numbers of alarms, from 1 on."""
-
-OPENED = 0.05
-"""Opening of the return valve below which its flow says nothing [1]."""
-MOVING = 5e-3
-"""Velocity of the cylinder below which it says nothing [m/s]."""
 
 
 class Supervision(Params):
     """The [supervision] table: limits, and for how long each may be passed.
 
     Sensors may show `position_margin` beyond the stroke and pressures between two limits; none shows the same number
-    `repeats` times. Pressures are compared from `settle_time` after a change of direction on, as means over the
-    `averaging_time`; the return pressure may be off by `return_share` of itself besides. What is out of range, frozen
-    or jumps is told at once, light, spool speed and pump after the `brief_time`, disagreements after the `patience`.
+    `repeats` times; readings jump no further than so in a sample. Line and supply chamber, return flow and motion,
+    spring and chamber are compared as means over the `averaging_time`, the first two from `settle_time` after a change
+    of direction on; the flow may be off by `return_share` of itself besides. What is out of range, frozen or jumps is
+    told at once, spool speed and pump after the `brief_time`, disagreements after the `patience`.
     """
 
-    position_margin: Length
-    lowest_pressure: Pressure
-    highest_pressure: Pressure
-    repeats: Count
-    position_jump: Length
-    line_difference: PressureDifference
-    return_difference: PressureDifference
-    return_share: Fraction
-    settle_time: Time
-    averaging_time: Time
-    optical_difference: Length
-    spool_error: Length
-    lowest_spool_speed: Speed
-    lowest_pump_share: Fraction
-    brief_time: Time
-    patience: Time
+    position_margin: Length = 5e-3
+    lowest_pressure: Pressure = 0.5e5
+    highest_pressure: Pressure = 150e5
+    repeats: Count = 20.0
+    position_jump: Length = 1e-3
+    line_difference: PressureDifference = 2e5
+    return_difference: Flow = 1e-5
+    return_share: Fraction = 0.1
+    settle_time: Time = 0.1
+    averaging_time: Time = 0.03
+    optical_jump: Length = 1.2e-3
+    spring_difference: Length = 2e-3
+    spool_error: Length = 2e-3
+    lowest_spool_speed: Speed = 40.0
+    lowest_pump_share: Fraction = 0.95
+    brief_time: Time = 2.5e-3
+    patience: Time = 0.03
 
     def check(self) -> None:
-        limits = ("repeats", "position_jump", "line_difference", "return_difference", "averaging_time",
-                  "optical_difference", "spool_error", "lowest_spool_speed", "lowest_pump_share")  # fmt: skip
+        limits = (
+            *("repeats", "position_jump", "line_difference", "return_difference", "averaging_time", "optical_jump"),
+            *("spring_difference", "spool_error", "lowest_spool_speed", "lowest_pump_share"),
+        )
         for name in limits:
             if not getattr(self, name) > 0.0:
                 raise ParameterError(f"Supervision.{name}: 0; expected a value above 0")
@@ -97,11 +101,26 @@ class Supervision(Params):
             )
 
 
-class Supervised(Params):
-    """What is watched, and what the machine is: its cylinder, the speed of its pump, the period of the samples."""
+class SpoolSpring(Params):
+    """The spring that holds the spool against its chamber: A (P - P_0) = F_0 + k x at rest; k = 0 without one."""
 
+    stiffness: Stiffness
+    preload: Force
+    area: Area
+    reference_pressure: Pressure
+
+
+NO_SPRING = SpoolSpring(stiffness=0.0, preload=0.0, area=1e-4, reference_pressure=101325.0)
+"""Of a drive that no spring holds."""
+
+
+class Supervised(Params):
+    """What is watched, if it `watches`, and what the machine is: cylinder, spring, speed of its pump, samples."""
+
+    watches: Fraction
     limits: Supervision
     cylinder: CylinderModel
+    spring: SpoolSpring
     pump_speed: SpeedSignal
     sample_period: Time
 
@@ -110,8 +129,8 @@ class MachineSight(NamedTuple):
     """What is looked at in a sample: readings as they come, what is believed, and what was commanded before.
 
     `watched` is 1 while the cylinder is controlled. `expected` is the position that the load observer expected, `slow`
-    are pressures averaged over a PWM period. `spool_seen` is what the optical sensor shows less the pollution that is
-    believed.
+    are pressures averaged over a PWM period. `spool_measured` is what the optical sensor shows, `chamber_pressure` that
+    at the spool.
     """
 
     time: Time
@@ -124,92 +143,120 @@ class MachineSight(NamedTuple):
     direction: SignedFraction
     opening: Fraction
     spool_measured: Position
-    spool_seen: Position
     spool_position: Position
     spool_reference: Position
     spool_speed: Speed
+    chamber_pressure: Pressure
     pump_speed: Speed
 
 
 class SupervisionMemory(NamedTuple):
-    """What is carried from sample to sample: the alarm, repeated readings, since when a direction holds, and mean
-    differences of pressures."""
+    """What is carried from sample to sample: the alarm, repeated readings, since when a direction holds, averaged
+    pressures, and the mean differences of line, return flow and spring."""
 
     alarm: AlarmMemory
     repeated: RepeatMemory
     direction: SignedFraction
     since: Time
+    slow: CircuitPressures
     line_off: PressureDifference
-    return_off: PressureDifference
+    flow_off: Flow
+    spring_off: Position
 
 
 def supervision_start() -> SupervisionMemory:
     """The memory before the first sample."""
-    return SupervisionMemory(alarm_start(len(WATCHED)), repeat_start(5), 0.0, 0.0, 0.0, 0.0)
+    rest = CircuitPressures(101325.0, 101325.0, 101325.0)
+    return SupervisionMemory(alarm_start(len(WATCHED)), repeat_start(6), 0.0, 0.0, rest, 0.0, 0.0, 0.0)
 
 
 class Differences(NamedTuple):
-    """By how much pressures disagree with what they should be; the second against what it should be."""
+    """By how much the line's pressure differs from the supply chamber's, and the return flow from what the cylinder
+    sweeps, which is the third."""
 
     line: PressureDifference
-    back: PressureDifference
-    expected_back: PressureDifference
+    flow: Flow
+    swept: Flow
 
 
-def pressure_differences(sight: MachineSight, cylinder: CylinderModel) -> Differences:
-    """The line against the supply chamber, and the return pressure against (A_r v/(K_v u))^2 + P_T.
+def differences(sight: MachineSight, before: CircuitPressures, settings: Supervised) -> Differences:
+    """P_L - P_s, and K_v u sqrt(P_r - P_T) + C_r P_r' - A_r v: what leaves the return chamber and what stays in it.
 
-    The second is 0 where valve or cylinder hardly move.
+    before  averaged pressures a sample earlier [Pa]
     """
-    at = sides(sight.direction, sight.slow, cylinder)
-    swept = maximum(sight.direction * sight.velocity, 0.0) * at.return_area
-    line = sight.slow.line_pressure - at.supply_pressure
-    if sight.opening < OPENED or abs(sight.velocity) < MOVING:
-        return Differences(line, 0.0, 0.0)
-    expected = (swept / (cylinder.return_conductance * sight.opening)) ** 2
-    return Differences(line, at.return_pressure - cylinder.tank_pressure - expected, expected)
+    cylinder, direction = settings.cylinder, sight.direction
+    at, then = sides(direction, sight.slow, cylinder), sides(direction, before, cylinder)
+    flow = return_flow(at.return_pressure, 0.0, cylinder) * sight.opening
+    capacity = at.return_area / abs(
+        capacities(direction, sight.position, sight.slow.line_pressure, cylinder).return_gain
+    )
+    stays = capacity * (at.return_pressure - then.return_pressure) / settings.sample_period
+    swept = direction * sight.velocity * at.return_area
+    return Differences(sight.slow.line_pressure - at.supply_pressure, flow + stays - swept, abs(swept))
+
+
+def spring_difference(sight: MachineSight, spring: SpoolSpring) -> float:
+    """Where the chamber's pressure holds the spring, less where the spool is believed to be [m]; 0 without a spring."""
+    if spring.stiffness == 0.0:
+        return 0.0
+    force = spring.area * (sight.chamber_pressure - spring.reference_pressure) - spring.preload
+    return force / spring.stiffness - sight.spool_position
 
 
 def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervised) -> SupervisionMemory:
     """The memory after a sample: its alarm is the number of what was told first, 0 before."""
     limits, fast = settings.limits, sight.fast
-    readings = np.array((sight.position, fast.pressure_a, fast.pressure_b, fast.line_pressure, sight.spool_measured))
+    readings = np.array(
+        (
+            sight.position,
+            fast.pressure_a,
+            fast.pressure_b,
+            fast.line_pressure,
+            sight.spool_measured,
+            sight.chamber_pressure,
+        )
+    )
     repeated = repeat_step(memory.repeated, readings)
     changed = sight.direction != memory.direction
     since = sight.time if changed else memory.since
     off = Differences(0.0, 0.0, 0.0)
     if sight.direction != 0.0 and sight.time - since >= limits.settle_time:
-        off = pressure_differences(sight, settings.cylinder)
+        off = differences(sight, memory.slow, settings)
     share = -expm1(-settings.sample_period / limits.averaging_time)
     line_off = memory.line_off + share * (off.line - memory.line_off)
-    return_off = memory.return_off + share * (off.back - memory.return_off)
-    allowed = limits.return_difference + limits.return_share * off.expected_back
-    residuals = sensor_residuals(sight, repeated.repeats, settings)
+    flow_off = memory.flow_off + share * (off.flow - memory.flow_off)
+    spring_off = memory.spring_off + share * (spring_difference(sight, settings.spring) - memory.spring_off)
+    residuals = sensor_residuals(sight, memory.repeated.last[4], repeated.repeats, settings)
     residuals[6] = abs(line_off) / limits.line_difference
-    residuals[7] = abs(return_off) / allowed
-    if sight.watched == 0.0:
+    residuals[7] = abs(flow_off) / (limits.return_difference + limits.return_share * off.swept)
+    residuals[12] = abs(spring_off) / limits.spring_difference
+    if sight.watched * settings.watches == 0.0:
         residuals[:] = 0.0
     brief, long = limits.brief_time, limits.patience
-    patience = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, brief, long, brief, brief)
+    patience = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, 0.0, long, brief, brief, long)
     told = alarm_step(memory.alarm, sight.time, residuals, patience, settings.sample_period)
-    return SupervisionMemory(told, repeated, sight.direction, since, line_off, return_off)
+    return SupervisionMemory(told, repeated, sight.direction, since, sight.slow, line_off, flow_off, spring_off)
 
 
-def sensor_residuals(sight: MachineSight, repeats: Array, settings: Supervised) -> Array:
-    """All residuals over their limits, those of the pressures' disagreement left at 0, in the order of `WATCHED`."""
+def sensor_residuals(sight: MachineSight, measured: float, repeats: Array, settings: Supervised) -> Array:
+    """All residuals over their limits, the mean ones left at 0, in the order of `WATCHED`.
+
+    measured  by the optical sensor a sample before [m]
+    repeats   of the readings [1]
+    """
     limits, cylinder, fast = settings.limits, settings.cylinder, sight.fast
     found = np.zeros(len(WATCHED))
     middle = 0.5 * (cylinder.lowest_position + cylinder.highest_position)
     reach = 0.5 * (cylinder.highest_position - cylinder.lowest_position) + limits.position_margin
-    lowest = minimum(minimum(fast.pressure_a, fast.pressure_b), fast.line_pressure)
-    highest = maximum(maximum(fast.pressure_a, fast.pressure_b), fast.line_pressure)
+    pressures = (fast.pressure_a, fast.pressure_b, fast.line_pressure, sight.chamber_pressure)
+    lowest, highest = min(pressures), max(pressures)
     found[0] = abs(sight.position - middle) / reach
     found[1] = 2.0 if lowest < limits.lowest_pressure or highest > limits.highest_pressure else 0.0
     found[2] = repeats[0] / limits.repeats
-    found[3] = np.max(repeats[1:4]) / limits.repeats
+    found[3] = maximum(np.max(repeats[1:4]), repeats[5]) / limits.repeats
     found[4] = repeats[4] / limits.repeats
     found[5] = abs(sight.position - sight.expected) / limits.position_jump
-    found[8] = abs(sight.spool_seen - sight.spool_position) / limits.optical_difference
+    found[8] = abs(sight.spool_measured - measured) / limits.optical_jump
     found[9] = abs(sight.spool_position - sight.spool_reference) / limits.spool_error
     found[10] = limits.lowest_spool_speed / maximum(abs(sight.spool_speed), 1e-9)
     rated = signal_value(sight.time, settings.pump_speed)

@@ -12,8 +12,20 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import COUNT, EFFICIENCY, LENGTH, NUMBER, SIGNED_PRESSURE, Count, Kind, Position, Time
-from vvdp.control.displacement import DisplacementDemand
+from vvdp.base.kinds import (
+    COUNT,
+    EFFICIENCY,
+    LENGTH,
+    NUMBER,
+    SIGNED_PRESSURE,
+    Count,
+    Fraction,
+    Kind,
+    Position,
+    SignedFraction,
+    Time,
+)
+from vvdp.control.pressure_modes import PressureMode
 from vvdp.systems.extras import Line, Summary
 
 SETTLED = 1.0
@@ -103,6 +115,15 @@ class Followed(NamedTuple):
     least_pressure: SignedPressure
 
 
+class Actuated(NamedTuple):
+    """What was commanded at a sample, as far as it is counted; see `DisplacementDemand`."""
+
+    direction: SignedFraction
+    opening: Fraction
+    mode: PressureMode
+    saturated: Fraction
+
+
 def tracking_start() -> Tracking:
     """Nothing added up yet."""
     return Tracking(
@@ -120,7 +141,7 @@ def tracking_start() -> Tracking:
     )
 
 
-def tracking_step(memory: Tracking, followed: Followed, demand: DisplacementDemand) -> Tracking:
+def tracking_step(memory: Tracking, followed: Followed, demand: Actuated) -> Tracking:
     """Add a sample under control.
 
     demand  what was commanded there
