@@ -106,7 +106,7 @@ def bounded(run: Run, highest: float) -> bool:
     """Whether every number is one, and no pressure leaves what the machine stands [bar, gauge]."""
     pressures = [getattr(run.state, name) for name in ("inlet", "line", "chamber_a", "chamber_b", "pilot_chamber")]
     return bool(np.all(np.isfinite(flat(run.final)))) and all(
-        0.0 < p.min() and (p.max() - 101325.0) / 1e5 < highest for p in pressures
+        p.min() > 0.0 and (p.max() - 101325.0) / 1e5 < highest for p in pressures
     )
 
 
