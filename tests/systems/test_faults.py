@@ -238,7 +238,7 @@ def test_what_a_drawn_file_does_not_say_is_refused():
 
 def test_a_fault_that_would_hide_another_is_refused():
     twice = {name: {"sensor": "axial.watch", "missed": share} for name, share in (("one", "20 %"), ("two", "50 %"))}
-    with pytest.raises(ConfigError, match="faults.two: does the same to the same thing as 'one'"):
+    with pytest.raises(ConfigError, match=r"faults\.two: does the same to the same thing as 'one'"):
         system_of(with_faults(SHORT, **twice))
 
 

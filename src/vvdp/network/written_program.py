@@ -44,8 +44,8 @@ class WrittenProgram:
     @property
     def _instruments(self) -> dict[str, Instrument]:
         """All instruments, before the step and behind it, by what they are called in its memory."""
-        sensors = {f"{name}_sensor": sensor for name, sensor in self.part.sensors.items()}
-        return sensors | {f"{name}_actuator": actuator for name, actuator in self.part.actuators.items()}
+        before, behind = self.part.sensors, self.part.actuators
+        return {f"{n}_sensor": before[n] for n in before} | {f"{n}_actuator": behind[n] for n in behind}
 
     @cached_property
     def memory(self) -> type:
@@ -85,13 +85,10 @@ class WrittenProgram:
         after = [*(f"program.{n}" for n in names(self._own_memory)), *self._instruments]
         lines.append(f"return {memory}({', '.join(after)}), command")
         starts = [*(f"program.{n}" for n in names(self._own_memory)), *(f"{begin}(z.{n})" for n in self._instruments)]
+        made = f"{memory}({', '.join(starts)})"
         return [
             [f"def step_{self.name}(t, m, r, z):", *(f"    {line}" for line in lines)],
-            [
-                f"def begin_{self.name}(z):",
-                f"    program = {start}(z.program)",
-                f"    return {memory}({', '.join(starts)})",
-            ],
+            [f"def begin_{self.name}(z):", f"    program = {start}(z.program)", f"    return {made}"],
         ]
 
     def assemble(self, module: types.ModuleType) -> Program:

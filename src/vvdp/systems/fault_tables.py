@@ -89,8 +89,6 @@ class FaultReader:
             return self._read(name, rest, window)
         except _Unreadable as problem:
             self._tell(f"{path}.{problem.key}" if problem.key else path, str(problem))
-        except ParameterError as problem:
-            self._tell(path, str(problem))
         return None
 
     def _window(self, path: str, part: Mapping[str, Any]) -> Window | None:
@@ -121,8 +119,8 @@ class FaultReader:
                 return _jam(self.network, name, node, rest, window)
             case {"value": str(where), "becomes": entry, **rest} if not rest:
                 return self._value(name, where, entry, window)
-        raise _Unreadable("", f"{', '.join(part) or 'nothing'} given; expected one of {', '.join(WHAT)} in quotes, and "
-                          "what happens to it (a value: becomes)")  # fmt: skip
+        given = ", ".join(part) or "nothing"
+        raise _Unreadable("", f"{given} given; expected one of {', '.join(WHAT)} in quotes, and what happens to it")
 
     def _value(self, name: str, where: str, entry: Any, window: Window) -> OtherSignal | OtherValue | None:
         table, _, key = where.rpartition(".")
