@@ -85,7 +85,7 @@ class Supervision(Params):
     spool_error: Length = 0.6e-3
     lowest_spool_speed: Speed = 40.0
     lowest_pump_share: Fraction = 0.95
-    brief_time: Time = 2.5e-3
+    brief_time: Time = 8e-3
     patience: Time = 0.03
 
     def check(self) -> None:
