@@ -955,3 +955,22 @@ def test_plain_python_and_replay_agree():
             reading = Reading(*row) if step is tracked_step else FusionReading(Reading(*row[:5]), *row[5:])
             memory, plain = step(memory, reading, given)
             assert np.allclose(flat(plain), shown, rtol=1e-9, atol=1e-9, equal_nan=True)
+
+
+def test_a_pressure_that_is_cut_off_and_has_holes_is_told(estimated):
+    """A sensor that ends at 60 bar, and two samples that were lost."""
+    t = np.delete(np.arange(0.0, 3.0, 2e-4), [7000, 7001])
+    angle = 0.3 + SPEED * t
+    pressure = np.fmin(pressure_of(angle) + 0.5 * np.sin(7.0 * t), 60.0)
+    channels = {"time": (t, "s"), "diode": (brightness(angle, equal_wheel(8)), "V"), "inlet": (pressure, "bar")}
+    kept = estimated(channels, sensor__wave="diode", pressure__channel="inlet")
+    (told,) = [each for each in kept.findings if each.title == "The record of the pressure"]
+    assert "gap in time from 1.3998 s to 1.4004 s (row 7000, 2 samples)" in told.text
+    assert "saturated at its largest value" in told.text
+    whole = np.arange(0.0, 3.0, 2e-4)
+    sound = pressure_of(0.3 + SPEED * whole) + 0.5 * np.sin(7.0 * whole)
+    diode = brightness(0.3 + SPEED * whole, equal_wheel(8))
+    channels = {"time": (whole, "s"), "diode": (diode, "V"), "inlet": (sound, "bar")}
+    assert "The record of the pressure" not in titles(
+        estimated(channels, sensor__wave="diode", pressure__channel="inlet")
+    )

@@ -20,6 +20,7 @@ from vvdp.logs.quantity import Conversion
 from vvdp.offline.config import InletPressure
 from vvdp.offline.edges import Chosen
 from vvdp.offline.offline_filter import OfflineFilter, Waves, no_waves
+from vvdp.offline.record_check import Inspection
 from vvdp.offline.sums import Sums
 from vvdp.offline.writer import Writer
 from vvdp.sensing.wheel import TURN
@@ -58,6 +59,7 @@ class PressureChain:
         start, sample = pressure_edges_start(0.0, 0.0), PressureSample(0.0, 0.0)
         self._replay = Replay(pressure_edges_step, start, sample, wanted.edges, say=say)
         self._clock, self._own_clock, self._last_time = 0, 0, -np.inf  # how often the time went back: there, and here
+        self._record = Inspection(wanted.channel)
         self._later: list[tuple[int, Array, Array]] = []  # stretches on clocks that the edges have not reached yet
         self.restart()
 
@@ -68,6 +70,8 @@ class PressureChain:
 
     def push(self, portion: Portion, inside: Chosen, tracker: OfflineFilter | None) -> None:
         """Takes samples in; fused, a filter is told of the edges among them."""
+        self._record.pieces(Portion(portion.times[inside], portion.values[inside]))
+        self._sums.pressure_record = self._record.findings()
         sound = np.isfinite(portion.values) & inside
         times, values = portion.times[sound], self._pascals(portion.values[sound])
         if not times.size:
