@@ -81,7 +81,14 @@ def flow_gain_step(memory: FlowGainMemory, seen: FlowBalance, interval: float, s
     """
     s = settings
     if memory.started == 0.0:
-        return FlowGainMemory(memory.gain, seen.mapped, seen.swept, seen.pressure, 0.0, 1.0)
+        return FlowGainMemory(
+            gain=memory.gain,
+            mapped=seen.mapped,
+            swept=seen.swept,
+            pressure=seen.pressure,
+            rested=0.0,
+            started=1.0,
+        )
     share = -expm1(-s.filter_rate * interval)
     mapped = memory.mapped + share * (seen.mapped - memory.mapped)
     swept = memory.swept + share * (seen.swept - memory.swept)
@@ -92,4 +99,4 @@ def flow_gain_step(memory: FlowGainMemory, seen: FlowBalance, interval: float, s
         told = swept + s.filter_rate * seen.capacity * (seen.pressure - pressure)
         slope = mapped * (told - gain * mapped) / (mapped * mapped + s.least_flow * s.least_flow)
         gain = clip(gain + interval * s.gain_rate * slope, s.lowest, s.highest)
-    return FlowGainMemory(gain, mapped, swept, pressure, rested, 1.0)
+    return FlowGainMemory(gain=gain, mapped=mapped, swept=swept, pressure=pressure, rested=rested, started=1.0)

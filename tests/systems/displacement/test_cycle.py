@@ -8,9 +8,9 @@ from vvdp.systems.displacement.cycle import (
     OwnCycle,
     Triangle,
     cycle_position,
+    cycle_positions,
     points_of,
     refuse_fast_points,
-    sampled,
 )
 
 TRIANGLE = Triangle(lower_end=0.05, stroke=0.216, stroke_time=4.0)
@@ -18,7 +18,7 @@ TRIANGLE = Triangle(lower_end=0.05, stroke=0.216, stroke_time=4.0)
 
 def test_a_triangle_goes_there_and_back_again() -> None:
     # 21.6 cm in 4 s: a quarter of the way after 1 s, back at 7 s, the same in the second period
-    assert sampled(TRIANGLE, np.array([0.0, 1.0, 4.0, 7.0, 8.0, 9.0])) == pytest.approx(
+    assert cycle_positions(TRIANGLE, np.array([0.0, 1.0, 4.0, 7.0, 8.0, 9.0])) == pytest.approx(
         [0.05, 0.104, 0.266, 0.104, 0.05, 0.104]
     )
 
@@ -33,7 +33,7 @@ def test_thousands_of_points_are_found_as_numpy_finds_them() -> None:
     positions = 0.15 + 0.1 * np.sin(times)
     cycle = OwnCycle(times=tuple(times), positions=tuple(positions))
     asked = np.linspace(0.0, times[-1] + 1.0, 777)
-    np.testing.assert_allclose(sampled(cycle, asked), np.interp(asked, times, positions), rtol=1e-12)
+    np.testing.assert_allclose(cycle_positions(cycle, asked), np.interp(asked, times, positions), rtol=1e-12)
 
 
 @pytest.mark.parametrize(

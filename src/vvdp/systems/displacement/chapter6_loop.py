@@ -19,7 +19,7 @@ from vvdp.control.displacement import (
 from vvdp.control.pressure_modes import PressureMode
 from vvdp.control.reference import Reference, ReferenceFilter, reference_at_rest, reference_step
 from vvdp.systems.displacement.cycle import Points, cycle_position
-from vvdp.systems.displacement.tracking import Followed, Tracking, tracking_start, tracking_step
+from vvdp.systems.displacement.tracking import Actuated, Followed, Tracking, tracking_start, tracking_step
 
 PROGRAM = "control"
 """Name of the program."""
@@ -128,4 +128,5 @@ def chapter6_step(
         load_force=settings.load_force + after.adaptation.load_correction,
         moving_mass=after.adaptation.moving_mass,
     )
-    return Chapter6Memory(after, ahead, tracking_step(memory.tracking, followed, demand)), command
+    done = Actuated(demand.direction, demand.opening, demand.mode, demand.saturated)
+    return Chapter6Memory(after, ahead, tracking_step(memory.tracking, followed, done)), command

@@ -149,7 +149,7 @@ def reference_period(cycle: Triangle | OwnCycle) -> float:
     return points_of(cycle).times[-1]
 
 
-def sampled(cycle: Triangle | OwnCycle, times: Array) -> Array:
+def cycle_positions(cycle: Triangle | OwnCycle, times: Array) -> Array:
     """The positions that a cycle asks for at `times` since control began [s], shape (n,) [m]."""
     points = points_of(cycle)
     return np.array([cycle_position(float(t), points) for t in times])

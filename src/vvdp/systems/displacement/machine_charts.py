@@ -88,7 +88,9 @@ def with_phases(chart: Chart, levels: tuple[Level, ...]) -> Chart:
     )
 
 
-def phased(charts: Iterable[tuple[Chart, Table]], levels: tuple[Level, ...]) -> Iterator[tuple[Chart, Table]]:
+def charts_with_phases(
+    charts: Iterable[tuple[Chart, Table]], levels: tuple[Level, ...]
+) -> Iterator[tuple[Chart, Table]]:
     """Charts with the phases under those that are drawn over time."""
     for chart, table in charts:
         is_course = all(isinstance(p, Lines) and all(line.x == "time_s" for line in p.lines) for p in chart.panels)

@@ -9,7 +9,6 @@ from vvdp.base.kinds import (
     Count,
     FlowCoefficient,
     Force,
-    Frequency,
     Length,
     Mass,
     Polytropic,
@@ -29,7 +28,7 @@ from vvdp.control.flow_gain import FlowGain
 from vvdp.control.flow_map import FlowMap
 from vvdp.control.flow_split import FlowSplit
 from vvdp.control.pressure_modes import PressureBounds
-from vvdp.control.reference import ReferenceFilter
+from vvdp.control.reference import Rate, ReferenceFilter
 from vvdp.estimation.load_observer import LoadObserver
 from vvdp.network.network import Network
 from vvdp.network.program import ProgramType
@@ -83,8 +82,8 @@ class MachineBelief(Params):
 class LoadObserverTable(Params):
     """The [load_observer] table: how fast its three errors fade, and the load that is told follows."""
 
-    observer_rate: Frequency
-    load_rate: Frequency
+    observer_rate: Rate
+    load_rate: Rate
 
 
 class CylinderSensors(Params):
@@ -165,6 +164,20 @@ def cylinder_model(belief: MachineBelief, cylinder: CylinderGeometry, tank_press
     )
 
 
+def displacement_laws(tables: MachineTables, model: CylinderModel) -> DisplacementSettings:
+    """The laws of the tables, for a cylinder as it is believed."""
+    return DisplacementSettings(
+        cylinder=model,
+        gains=tables.gains,
+        direction=tables.direction,
+        split=tables.flow_split,
+        bounds=tables.pressure_bounds,
+        support=tables.supply_support,
+        adaptation=tables.adaptation,
+        sample_period=SAMPLE_PERIOD,
+    )
+
+
 def machine_loop(
     tables: MachineTables, cylinder: CylinderGeometry, spool: SpoolRange, flow_map: FlowMap, tank_pressure: float
 ) -> MachineLoop:
@@ -175,16 +188,6 @@ def machine_loop(
     """
     model = cylinder_model(tables.belief, cylinder, tank_pressure)
     refuse_cycle(tables.cycle, cylinder, tables.flow_split.largest_flow)
-    law = DisplacementSettings(
-        cylinder=model,
-        gains=tables.gains,
-        direction=tables.direction,
-        split=tables.flow_split,
-        bounds=tables.pressure_bounds,
-        support=tables.supply_support,
-        adaptation=tables.adaptation,
-        sample_period=SAMPLE_PERIOD,
-    )
     observer = LoadObserver(
         moving_mass=model.moving_mass,
         viscous_friction=model.viscous_friction,
@@ -193,7 +196,7 @@ def machine_loop(
         sample_period=SAMPLE_PERIOD,
     )
     return MachineLoop(
-        law=law,
+        law=displacement_laws(tables, model),
         observer=observer,
         reference=tables.reference,
         points=points_of(tables.cycle),

@@ -12,7 +12,7 @@ from vvdp.results.result import Table
 from vvdp.simulation.values import leaves
 from vvdp.systems.axial_charts import control_charts, gerotor_charts
 from vvdp.systems.displacement.cycle import reference_period
-from vvdp.systems.displacement.machine_charts import machine_charts, phase_levels, phased
+from vvdp.systems.displacement.machine_charts import charts_with_phases, machine_charts, phase_levels
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.machine_power import POWERS, mean_powers, whole_periods
 from vvdp.systems.displacement.machine_tally import TALLY, MachineTally
@@ -71,12 +71,13 @@ class MachineExtras(Extras):
         reference = self.tables["oil"].reference_pressure
         chambers = [found[f"pressure_min_{name}_Pa"] for name in ("chamber_a", "chamber_b")]
         peaks = [found[f"pressure_max_{name}_Pa"] for name in ("chamber_a", "chamber_b", "line")]
+        turned = tally.turned / tally.time if tally.time > 0.0 else np.nan
         return numbers | {
             **tracking_numbers(tally.tracking),
             "control_begin_s": tally.tracking.begin,
             "pressure_min_Pa": min(*chambers, tally.lowest - reference),
             "pressure_max_Pa": max(peaks),
-            "pwm_frequency_Hz": self.tables["valve"].sections * tally.turned / (2.0 * np.pi * tally.time),
+            "pwm_frequency_Hz": self.tables["valve"].sections * turned / (2.0 * np.pi),
             "flow_map_gain": tally.map_gain,
         }
 
@@ -115,8 +116,8 @@ class MachineExtras(Extras):
         """The cylinder's course, pressures, what is asked of the drives; then those of the axial drive; the phase
         under all that are drawn over time."""
         levels = phase_levels(record)
-        yield from phased(machine_charts(record, self.tables["pressure_bounds"]), levels)
-        yield from phased(self.axial_charts(record), levels)
+        yield from charts_with_phases(machine_charts(record, self.tables["pressure_bounds"]), levels)
+        yield from charts_with_phases(self.axial_charts(record), levels)
 
     def axial_charts(self, record: "Record") -> "Iterable[tuple[Chart, Table]]":
         """The axial drive's position and errors."""

@@ -16,7 +16,7 @@ from vvdp.network.program import ProgramType
 from vvdp.systems.displacement.machine_control import SAMPLE_PERIOD, MachinePaths
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.stages import CONTROL
-from vvdp.systems.displacement.tracking import Followed, Tracking, tracking_start, tracking_step
+from vvdp.systems.displacement.tracking import Actuated, Followed, Tracking, tracking_start, tracking_step
 
 TALLY = "tally"
 """Name of the program that adds up."""
@@ -48,7 +48,7 @@ class TallySettings(Params):
 
 class MachineTally(NamedTuple):
     """What the tracking comes to; between which pressures line and chambers were at samples of control; how far
-    the spool has turned in what `time`; the last gain of the flow map."""
+    the spool has turned in what time; the last gain of the flow map."""
 
     tracking: Tracking
     lowest: Pressure
@@ -61,7 +61,9 @@ class MachineTally(NamedTuple):
 
 def tally_start(settings: TallySettings) -> MachineTally:
     """Nothing added up yet."""
-    return MachineTally(tracking_start(), np.inf, 0.0, 1.0, 0.0, 0.0, 0.0)
+    return MachineTally(
+        tracking=tracking_start(), lowest=np.inf, highest=0.0, map_gain=1.0, spool_angle=0.0, turned=0.0, time=0.0
+    )
 
 
 def tally_step(
@@ -73,8 +75,9 @@ def tally_step(
     low, high = min(truth.pressure_a, truth.pressure_b), max(truth.pressure_a, truth.pressure_b)
     time = t - min(memory.tracking.begin, t)
     followed = Followed(t, truth.position - truth.reference, low - settings.tank_pressure)
+    done = Actuated(truth.direction, truth.opening, truth.mode, truth.saturated)
     return MachineTally(
-        tracking=tracking_step(memory.tracking, followed, truth),
+        tracking=tracking_step(memory.tracking, followed, done),
         lowest=min(memory.lowest, low, truth.line_pressure),
         highest=max(memory.highest, high, truth.line_pressure),
         map_gain=truth.map_gain,

@@ -7,12 +7,25 @@ Source  ours, docs/models/displacement-chapter6.md
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated, NamedTuple, Protocol
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import COUNT, EFFICIENCY, LENGTH, NUMBER, SIGNED_PRESSURE, Count, Kind, Position, Time
+from vvdp.base.kinds import (
+    COUNT,
+    EFFICIENCY,
+    LENGTH,
+    NUMBER,
+    SIGNED_PRESSURE,
+    Count,
+    Fraction,
+    Kind,
+    Position,
+    SignedFraction,
+    Time,
+)
+from vvdp.control.pressure_modes import PressureMode
 from vvdp.systems.extras import Line, Summary
 
 SETTLED = 1.0
@@ -102,17 +115,13 @@ class Followed(NamedTuple):
     least_pressure: SignedPressure
 
 
-class Commanded(Protocol):
-    """What was commanded at a sample, as far as it is counted."""
+class Actuated(NamedTuple):
+    """What was commanded at a sample, as far as it is counted; see `DisplacementDemand`."""
 
-    @property
-    def direction(self) -> float: ...
-    @property
-    def opening(self) -> float: ...
-    @property
-    def mode(self) -> float: ...
-    @property
-    def saturated(self) -> float: ...
+    direction: SignedFraction
+    opening: Fraction
+    mode: PressureMode
+    saturated: Fraction
 
 
 def tracking_start() -> Tracking:
@@ -132,7 +141,7 @@ def tracking_start() -> Tracking:
     )
 
 
-def tracking_step(memory: Tracking, followed: Followed, demand: Commanded) -> Tracking:
+def tracking_step(memory: Tracking, followed: Followed, demand: Actuated) -> Tracking:
     """Add a sample under control.
 
     demand  what was commanded there
