@@ -50,7 +50,7 @@ def powers() -> dict:
 
 
 def test_powers():
-    """To the last figure of the table, or half a per cent; those of the specification within 3 % above 50 W and within 2 W below."""
+    """To the last figure of the table, or half a per cent; those specified within 3 % above 50 W, and within 2 W."""
     keys = ("pump_power", "full_open_loss", "transition_loss", "relief_loss", "leakage_loss", "directional_loss")
     keys += ("return_loss", "friction_loss", "actuator_power", "ideal_pump_power")
     found = [powers()[f"{key}_mean_W"] for key in keys]
