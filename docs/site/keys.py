@@ -30,6 +30,7 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
     "design optimum": ("design optimum prototype --starts 1 --no-simulation",),
     "design tolerance": ("design tolerance prototype --samples 16 --runs 16",),
     "design temperature": ("design temperature prototype",),
+    "compare circuits": ("compare circuits --cycle heavy --circuit throttle",),
     "compare controllers": ("compare controllers --seeds 1 --scenario nominal --controller passivity",),
     "compare estimators": ("compare estimators --seeds 2 --scenario constant --scenario step --estimator m-over-t",),
     "estimate": ("estimate log.csv --wave photodiode --pressure inlet",),

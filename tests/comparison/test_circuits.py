@@ -16,7 +16,7 @@ from vvdp.studies.engine import ThisProcess
 from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties, sized_duty
 from vvdp.systems.displacement.duty_cycle import DutyCycle
 from vvdp.systems.displacement.rival_account import system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, LEAKAGE, METERING, RELIEF, RETURN, SINKS
+from vvdp.systems.displacement.rival_circuits import CIRCUITS, LEAKAGE, METERING, RELIEF, RETURN, SINKS, SWITCHING
 from vvdp.systems.system import load_system
 
 A, B = 20.26e-4, 10.77e-4
@@ -41,10 +41,20 @@ def sink(score, which):
     return score.sinks[SINKS.index(which)]
 
 
+RIVALS = tuple(each for each in CIRCUITS if each.begin is None)
+"""All but the whole machine, which takes ten times as long as all others."""
+
+
 @pytest.fixture(scope="module")
 def found():
-    """All circuits on all shipped cycles."""
-    return compare_circuits(shipped_duties(), CIRCUITS)
+    """All rivals on all shipped cycles."""
+    return compare_circuits(shipped_duties(), RIVALS)
+
+
+@pytest.fixture(scope="module")
+def machines():
+    """The whole machine on all shipped cycles."""
+    return compare_circuits(shipped_duties(), [each for each in CIRCUITS if each not in RIVALS])
 
 
 @pytest.fixture(scope="module")
@@ -143,14 +153,37 @@ def test_the_ideal_pump_is_as_measured_on_the_triangle(found):
 # Laws
 
 
+def closes(run):
+    """Whether both balances of a run close, and its account with them."""
+    score = run.score
+    assert max(abs(score.energy_residual), abs(score.mass_residual)) < 1e-7, run[:2]
+    out = score.returned + score.delivered + sum(score.sinks) + score.stored
+    assert score.drawn + score.received == pytest.approx(out, rel=1e-4), run[:2]
+    assert min(score.drawn, score.returned, *score.sinks) >= 0.0
+    return True
+
+
 def test_nothing_is_lost_in_any_circuit(found):
-    assert len(found.found) == len(CIRCUITS) * len(shipped_duties()) and found.finished
-    for run in found.found:
-        score = run.score
-        assert max(abs(score.energy_residual), abs(score.mass_residual)) < 1e-7, run[:2]
-        out = score.returned + score.delivered + sum(score.sinks) + score.stored
-        assert score.drawn + score.received == pytest.approx(out, rel=1e-4), run[:2]
-        assert min(score.drawn, score.returned, *score.sinks) >= 0.0
+    assert len(found.found) == len(RIVALS) * len(shipped_duties()) and found.finished
+    assert all(map(closes, found.found))
+
+
+@pytest.mark.slow
+def test_the_whole_machine_is_as_measured(machines):
+    """1455 W with its supply supported, a third of throttle control's; 3356 W under the heavy load, 2.2 times less."""
+    assert all(map(closes, machines.found))
+    triangle, heavy = machines.score("triangle", "vvdp"), machines.score("heavy", "vvdp")
+    assert triangle.drawn == pytest.approx(1455.0, rel=0.01)
+    assert sink(triangle, RELIEF) == pytest.approx(363.0, rel=0.05)
+    assert sink(triangle, SWITCHING) == pytest.approx(370.0 + 581.0, rel=0.05)
+    assert (triangle.friction, triangle.delivered) == pytest.approx((5.6, 29.0), abs=0.2)
+    assert heavy.drawn == pytest.approx(3356.0, rel=0.04)
+    assert sink(heavy, RETURN) == pytest.approx(1569.0, rel=0.03)
+    slow = machines.score("triangle", "vvdp-slow")
+    assert slow.drawn == pytest.approx(687.0 + 26.0, rel=0.02)  # without support, and what that takes
+    for run in machines.found:
+        assert run.score.tracking_max < 0.01 and run.score.returned < 1e-6, run[:2]
+        assert run.score.pressure_min > 0.0, run[:2]
 
 
 def test_the_digging_cycle_goes_through_all_four_quadrants():
@@ -238,7 +271,7 @@ def test_a_file_that_is_none_is_refused(tmp_path):
 def test_what_no_circuit_can_follow_is_refused_before_any_run(steady, positions, told):
     cycle = replace(steady.cycle, times=(0.0, 0.5, 1.0), positions=positions)
     with pytest.raises(ParameterError, match=told):
-        compare_circuits([replace(steady, cycle=cycle)], CIRCUITS)
+        compare_circuits([replace(steady, cycle=cycle)], RIVALS)
 
 
 # The comparison
@@ -249,23 +282,23 @@ def test_an_interrupted_comparison_keeps_what_is_done():
         if done >= 1:
             raise KeyboardInterrupt
 
-    found = compare_circuits(shipped_duties()[1:2], CIRCUITS, engine=ThisProcess(1), progress=stop)
-    assert not found.finished and 1 <= found.runs < len(CIRCUITS)
+    found = compare_circuits(shipped_duties()[1:2], RIVALS, engine=ThisProcess(1), progress=stop)
+    assert not found.finished and 1 <= found.runs < len(RIVALS)
     assert "Not all runs were made" in {each.title for each in circuit_result(found).findings}
     with pytest.raises(KeyboardInterrupt):
-        compare_circuits(shipped_duties()[1:2], CIRCUITS, progress=lambda done, total: stop(1, total))
+        compare_circuits(shipped_duties()[1:2], RIVALS, progress=lambda done, total: stop(1, total))
 
 
 def test_nothing_to_compare_is_refused():
     with pytest.raises(ParameterError, match="0 duty cycles and 5 circuits"):
-        compare_circuits([], CIRCUITS)
+        compare_circuits([], RIVALS)
 
 
 def test_each_statement_names_its_load(found):
     result = circuit_result(found)
     for each in shipped_duties():
         (told,) = [f.text for f in result.findings if f.text.lower().startswith(f"{each.name} ({each.load})".lower())]
-        assert all(f"{other.name} " in told for other in CIRCUITS)
+        assert all(f"{other.name} " in told for other in RIVALS)
     off = [f for f in result.findings if f.grade is Grade.WARNING]
     assert [f.text.partition(" is off")[0] for f in off] == ["four-valves on digging"]
 
@@ -283,11 +316,11 @@ def test_bars_follow_one_another(found):
     result = circuit_result(found)
     (axes,) = new_figure(result.charts["powers-heavy"], result.tables).axes
     last = [sorted((bar for bar in axes.patches if abs(bar.get_y() + 0.325 - row) < 0.1), key=lambda b: b.get_x())
-            for row in range(len(CIRCUITS))]  # fmt: skip
+            for row in range(len(RIVALS))]  # fmt: skip
     for row, bars in enumerate(last):
         ends = [bar.get_x() + bar.get_width() for bar in bars]
         assert [bar.get_x() for bar in bars[1:]] == pytest.approx(ends[:-1])
-        score = found.score("heavy", CIRCUITS[len(CIRCUITS) - 1 - row].name)
+        score = found.score("heavy", RIVALS[len(RIVALS) - 1 - row].name)
         assert ends[-1] == pytest.approx(score.drawn + score.received - score.stored, rel=1e-3)
 
 

@@ -165,8 +165,6 @@ ALLOWED = {
     "offline.config_text._config_lines": READERS_APART,
     "offline.diagnostics.summary": READERS_APART,
     "offline.edges.WaveEdges._place": READERS_APART,
-    "offline.estimate": READERS_APART,
-    "offline.estimate._Run": READERS_APART,
     "offline.findings._of_the_record": READERS_APART,
     "offline.findings._of_the_source": READERS_APART,
     "offline.offline_filter.OfflineFilter": READERS_APART,

@@ -305,9 +305,9 @@ def test_without_an_index_a_slow_passage_is_said(estimated):
 
 @pytest.mark.parametrize("portion", [1_000_000, 700])
 def test_a_reversal_does_not_depend_on_the_portions(estimated, monkeypatch, portion):
-    import vvdp.offline.estimate as estimating
+    from vvdp.offline import passes
 
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
     motion, edges = reversing(index=True)
     kept = estimated(wave_log(motion, edges, 2e3), sensor__wave="diode", sensor__index_shift=0.25)
     assert "The spool reversed" in titles(kept) and kept.summary["edges"] == pytest.approx(509, abs=2)

@@ -43,9 +43,9 @@ DEFINITIONS = (
     "the lowest pressure of both chambers over every step."
 )
 FIGURES: Mapping[str, tuple[Kind, str, Callable[[CircuitScore], float]]] = {
-    "tracking_error_max_m": (LENGTH, "tracking, largest error", lambda s: s.tracking_max),
-    "tracking_error_rms_m": (LENGTH, "tracking rms", lambda s: s.tracking_rms),
-    "tracking_error_first_second_m": (LENGTH, "tracking, first second", lambda s: s.tracking_first),
+    "tracking_error_max_m": (LENGTH, "largest error", lambda s: s.tracking_max),
+    "tracking_error_rms_m": (LENGTH, "error, rms", lambda s: s.tracking_rms),
+    "tracking_error_first_second_m": (LENGTH, "largest error, first second", lambda s: s.tracking_first),
     "power_drawn_W": (MEAN_POWER, "drawn", lambda s: s.drawn),
     "power_returned_W": (MEAN_POWER, "returned", lambda s: s.returned),
     "power_delivered_W": (MEAN_POWER, "delivered", lambda s: s.delivered),

@@ -25,8 +25,8 @@ class Sink(NamedTuple):
 
 
 RELIEF = Sink("loss_relief_W", "relief valve")
-METERING = Sink("loss_valves_W", "valves at the cylinder")
-RETURN = Sink("loss_return_W", "throttle in the return")
+METERING = Sink("loss_valves_W", "valves")
+RETURN = Sink("loss_return_W", "return throttle")
 SWITCHING = Sink("loss_rotary_W", "rotary valve")
 LEAKAGE = Sink("loss_leakage_W", "leakage")
 CHARGE = Sink("loss_charge_W", "charge relief")
