@@ -1,4 +1,4 @@
-"""Levers on the transition loss: each at its best, borne out by simulation, and the numbers that the page spells out."""
+"""Levers on the transition loss: each at its best, borne out by simulation, as the page has it."""
 
 import json
 import re

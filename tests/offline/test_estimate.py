@@ -451,7 +451,7 @@ def test_settings_are_not_fitted_to_numbers_in_doubt(estimated):
 
 def test_the_fit_is_made_of_the_beginning_of_a_wave_too(estimated, monkeypatch):
     monkeypatch.setattr(estimating, "FITTED_EDGES", 300)
-    monkeypatch.setattr(estimating, "FITTED_AT_ONCE", 5000)
+    monkeypatch.setattr(passes, "SAMPLES_AT_FIRST", 5000)
     t = np.arange(0.0, 4.0, 1e-4)
     v = brightness(2.3 + SPEED * t, equal_wheel(8)) + np.random.default_rng(1).normal(0.0, 0.01, t.size)
     kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__wave="diode", filter__fit=True)
@@ -974,3 +974,27 @@ def test_a_pressure_that_is_cut_off_and_has_holes_is_told(estimated):
     assert "The record of the pressure" not in titles(
         estimated(channels, sensor__wave="diode", pressure__channel="inlet")
     )
+
+
+def crankshaft(teeth=36, turns=40, ripple=0.0):
+    """Times of both edges of each tooth of a wheel that lacks one, at 15 turns a second."""
+    pitch = TURN / teeth
+    begins = np.arange(teeth - 1) * pitch
+    wheel = np.sort(np.concatenate([begins, begins + 0.5 * pitch]))
+    angles = (wheel + TURN * np.arange(turns)[:, None]).ravel()
+    return (angles + 0.5 * ripple * np.sin(2.0 * angles)) / (15.0 * TURN)
+
+
+@pytest.mark.parametrize(("teeth", "first"), [(36, 0), (36, 33), (60, 7), (24, 47)])
+def test_a_wheel_that_lacks_a_tooth_is_known_by_its_gap(estimated, teeth, first):
+    """The gap is no missed edge but the index, wherever the record begins, and the angle is that of the wheel."""
+    times = crankshaft(teeth)[first:] + np.random.default_rng(1).normal(0.0, 1e-6, crankshaft(teeth).size - first)
+    widths = [1.0] * (2 * teeth - 3) + [3.0]
+    kept = estimated(stamped(times), sensor__edges="edge", sensor__widths=widths, filter__edge_variance="1e-5 rad^2")
+    found = kept.summary
+    assert found["index_found"] is True and found["missed_edges"] == 0 and not titles(kept) & {"Index not found"}
+    assert found["spool_speed_mean_rad_s"] == pytest.approx(15.0 * TURN, rel=1e-4)
+    rows, angle = kept.column("time"), kept.column("angle")
+    late = rows > times[4 * teeth]
+    off = (angle - 15.0 * TURN * rows)[late]
+    assert np.max(np.abs(np.mod(off + np.pi, TURN) - np.pi)) < 2e-3

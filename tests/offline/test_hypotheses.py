@@ -353,14 +353,14 @@ def test_sectors_are_counted_over_missed_edges():
             edges = Edges(times[seen], 0.0 * seen, known * signs[seen], np.ones(seen.size))
             true = np.diff(seen)
             begin = int(np.argmax(true == 1))  # longer times before may be those of a wheel that starts
-            assert np.array_equal(sectors_passed(edges, 48)[begin:], true[begin:])
+            assert np.array_equal(sectors_passed(edges, 1.0, 48)[begin:], true[begin:])
 
 
 def test_a_wheel_that_starts_from_rest_has_not_missed_its_first_edges():
     # a constant acceleration: edge k at sqrt(2 k pitch/a), the first times 1, 0.41, 0.32, ... of each other
     times = np.sqrt(np.arange(1.0, 80.0))
     nothing = np.zeros(times.size)
-    assert (sectors_passed(Edges(times, nothing, nothing, nothing + 1.0)) == 1.0).all()
+    assert (sectors_passed(Edges(times, nothing, nothing, nothing + 1.0), 1.0) == 1.0).all()
 
 
 def test_a_slow_passage_by_hand():

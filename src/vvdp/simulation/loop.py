@@ -24,7 +24,7 @@ from vvdp.simulation.landing import (
     settle,
 )
 from vvdp.simulation.marks import pass_marks, store_records
-from vvdp.simulation.pace import EDGE, EXPLICIT_BELOW, TINY, choose_method, grow, next_step, note_event, note_jump, refuse
+from vvdp.simulation.pace import EXPLICIT_BELOW, TINY, choose_method, grow, next_step, note_event, note_jump, refuse
 from vvdp.simulation.places import (
     AIMED,
     AUTOMATIC,
@@ -210,7 +210,7 @@ def run(
         t_new = t_next if last else t + step
         t_right = np.nextafter(t_new, -np.inf) if last else t_new
         stiff = clock[METHOD] == STIFF and clock[REFUSED] < PATIENCE
-        if method == AUTOMATIC and step * clock[FASTEST] < min(heaviness, EDGE):
+        if method == AUTOMATIC and step * clock[FASTEST] < heaviness:
             stiff = False
         if stiff:
             cost, clock[FASTEST] = stiff_step(
@@ -282,7 +282,7 @@ def run(
         cut = landed or step < h
         h = grow(clock, size, step, h, exponent, cut, longest)
         if method == AUTOMATIC:
-            h = choose_method(clock, step, h, cut, heaviness, step * np.sqrt(turned / max(leant, TINY)), size)
+            choose_method(clock, step, cut, heaviness, step * np.sqrt(turned / max(leant, TINY)))
         clock[REFUSED], tries = 0.0, 0
         clock[LANDED] = 1.0 if landed else 0.0
         clock[AIMED] = 1.0 if aimed and not event else 0.0

@@ -19,7 +19,6 @@ from vvdp.simulation.places import (
     METHOD,
     REFUSED,
     REJECTED,
-    REST,
     STEP,
     STEP_BEFORE,
     STIFF,
@@ -40,10 +39,7 @@ HASTE = 1e-9
 # An explicit step is at the edge of its stability where step times fastest rate is 3.2; twice beyond the first of these
 # the stiff method takes over, and below the second, for each of its evaluations over those of an explicit step, it
 # hands back.
-STIFF_FROM, EXPLICIT_BELOW = 2.2, 3.0
-
-EDGE = 3.2
-LONGEST_REST = 30.0
+STIFF_FROM, EXPLICIT_BELOW = 2.2, 1.3
 
 TINY = 1e-300  # a square that may stand below a fraction
 
@@ -103,26 +99,17 @@ def note_event(clock, t):
 
 
 @njit(**BARE, inline="always")
-def choose_method(clock, step, h, cut, heaviness, stiffness, size):
-    """Hands over to the stiff method, or back, after an accepted step; the next step, `h` or what stays stable.
+def choose_method(clock, step, cut, heaviness, stiffness):
+    """Hands over to the stiff method, or back, after an accepted step; `cut` as in `grow`.
 
-    cut        as in `grow`
     heaviness  step times fastest rate at which the stiff method costs what the explicit one does
     stiffness  step times fastest rate, as the last two stages of an explicit step tell it
     """
     if clock[METHOD] == STIFF:
-        if not cut:
-            pays = step * 0.75 * (size + 1e-12) ** -0.25 * clock[FASTEST] >= heaviness
-            clock[REST] = 0.0 if pays else min(LONGEST_REST, 2.0 * clock[REST] + 2.0)
-            if not pays:
-                clock[METHOD], clock[STIFF_SIGNS] = EXPLICIT, -clock[REST]
-                h = min(h, EDGE / clock[FASTEST])
+        if step * clock[FASTEST] < heaviness and not cut:
+            clock[METHOD] = EXPLICIT
     elif not cut:
-        signs = clock[STIFF_SIGNS]
-        clock[STIFF_SIGNS] = signs + 1.0 if stiffness > STIFF_FROM else min(signs, 0.0)
+        clock[STIFF_SIGNS] = clock[STIFF_SIGNS] + 1.0 if stiffness > STIFF_FROM else 0.0
         if clock[STIFF_SIGNS] >= 2.0:
             clock[METHOD], clock[FASTEST], clock[STIFF_SIGNS] = STIFF, np.inf, 0.0
             clock[SWITCHES] += 1.0
-        elif stiffness > STIFF_FROM:
-            h = min(h, step * EDGE / stiffness)
-    return h

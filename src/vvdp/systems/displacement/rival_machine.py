@@ -14,6 +14,7 @@ from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.duty_cycle import cycle_period, resting_pressures
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.stages import CONTROL
+from vvdp.valve.rotary import RotaryValve
 
 LOW_SIDE = 3e5
 """At which the side that carries nothing starts, gauge [Pa]."""
@@ -68,6 +69,11 @@ def size_slow_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> 
         "operation": replace(found["operation"], pump_speed=constant(SLOW_SPEED)),
         "flow_split": replace(tables["flow_split"], largest_flow=SLOW_FLOW),
     }
+
+
+def size_other_valve(valve: RotaryValve, tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
+    """The same as the whole machine with another rotary valve."""
+    return {**size_machine(tables, duty, begin, rounds), "valve": valve}
 
 
 def load_signal(duty: Duty, begin: float, rounds: int) -> Signal:

@@ -73,16 +73,16 @@ class Supervision(Params):
     lowest_pressure: Pressure = 0.5e5
     highest_pressure: Pressure = 150e5
     repeats: Count = 20.0
-    position_jump: Length = 1e-3
+    position_jump: Length = 2e-3
     pressure_jump: PressureDifference = 7e5
     line_difference: PressureDifference = 2e5
     return_difference: Flow = 2.5 / 6e4
     return_share: Fraction = 0.1
     settle_time: Time = 0.1
     averaging_time: Time = 0.06
-    optical_jump: Length = 1.2e-3
-    spring_difference: Length = 2e-3
-    spool_error: Length = 2e-3
+    optical_jump: Length = 1.8e-3
+    spring_difference: Length = 3e-3
+    spool_error: Length = 0.6e-3
     lowest_spool_speed: Speed = 40.0
     lowest_pump_share: Fraction = 0.95
     brief_time: Time = 2.5e-3
@@ -240,9 +240,9 @@ def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervis
     residuals[6] = abs(line_off) / limits.line_difference
     residuals[7] = abs(flow_off) / (limits.return_difference + limits.return_share * off.swept)
     residuals[12] = abs(spring_off) / limits.spring_difference
-    if sight.watched * settings.watches == 0.0:  # at rest before control a reading may well stay the same
+    if sight.watched * settings.watches == 0.0:  # at rest a reading may stay the same, and the stop holds the spool
         residuals[:] = 0.0
-        repeated = RepeatMemory(repeated.last, np.zeros(len(readings)))
+        repeated, spring_off = RepeatMemory(repeated.last, np.zeros(len(readings))), 0.0
     brief, long = limits.brief_time, limits.patience
     patience = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, 0.0, long, brief, brief, long, 0.0)
     told = alarm_step(memory.alarm, sight.time, residuals, patience, settings.sample_period)
