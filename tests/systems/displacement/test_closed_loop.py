@@ -141,6 +141,44 @@ class TestWhatFails:
         assert ran(SPRING, PLAIN, *off)[0]["directional_switches"] >= 10.0
 
 
+def gas(cc: int) -> tuple[str, ...]:
+    return f"line.gas_volume={cc} cc", f"belief.gas_volume={cc} cc"
+
+
+def return_valve(conductance: str) -> tuple[str, ...]:
+    return tuple(f"{key}.return_conductance={conductance} m^3/(s*Pa^0.5)" for key in ("directional_valve", "belief"))
+
+
+SWEEP = {
+    "20 cc of gas": (gas(20), 0.086),
+    "50 cc": (gas(50), 0.057),
+    "100 cc": (gas(100), 0.052),
+    "200 cc": (gas(200), 0.055),
+    "slow force loop": (("gains.pressure_rate=30 1/s",), 0.064),
+    "fast force loop": (("gains.pressure_rate=100 1/s",), 0.052),
+    "wide return valve": (return_valve("1.6e-7"), 0.074),
+    "wider return valve": (return_valve("3e-7"), 0.090),
+    "mean opening 0.6": (("flow_split.mean_opening=0.6",), 0.12),
+    "mean opening 0.95": (("flow_split.mean_opening=0.95",), 0.064),
+    "slow split": (("flow_split.flow_rate=1 1/s",), 0.073),
+    "fast split": (("flow_split.flow_rate=10 1/s",), 0.052),
+    "lambda 20": (("gains.error_rate=20 1/s",), 0.052),
+    "lambda 40": (("gains.error_rate=40 1/s",), 0.068),
+    "1 kN that nobody told": (("operation.load_force=-2000 N", "initial.pressure_a=11.5 bar"), 0.091),
+    "a sample late": (("cylinder_sensors.latency=1 ms",), 0.061),
+    "noisy pressures": (("cylinder_sensors.pressure_noise=0.2 bar",), 0.057),
+}
+"""Settings, and the largest error [cm] that is specified for them, without support and with jet exponent 0."""
+
+
+@pytest.mark.parametrize("case", SWEEP)
+def test_what_limits_is_what_was_specified(case: str):
+    settings, specified = SWEEP[case]
+    found, _ = ran(SPRING, PLAIN, "valve.jet_exponent=0", *settings)
+    assert found["tracking_error_max_m"] == pytest.approx(specified * CM, rel=0.15)
+    assert found["directional_switches"] == 2.0
+
+
 class TestGainOfTheFlowMap:
     """A relief valve with a lag lets less through than the map says: the gain that is learned replaces the support."""
 
