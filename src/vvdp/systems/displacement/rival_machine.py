@@ -36,7 +36,10 @@ def control_begin(run: Run) -> float:
 
 
 def size_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
-    """The tables of the whole machine for a duty that begins with control at `begin` [s]."""
+    """The tables of the whole machine for a duty that begins with control at `begin` [s].
+
+    It is not supervised: the limits of its supervision are those of the shipped cycle.
+    """
     reference, cycle = tables["oil"].reference_pressure, duty.cycle
     relief = reference + duty.relief_pressure
     highest = max(LEAST_BOUND, duty.relief_pressure - BELOW_RELIEF)
@@ -53,6 +56,7 @@ def size_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Table
         "directional_valve": replace(tables["directional_valve"], return_conductance=duty.return_conductance),
         "pressure_bounds": replace(tables["pressure_bounds"], highest_pressure=highest + reference),
         "belief": belief,
+        "supervision": None,
         "cycle": OwnCycle(times=cycle.times, positions=positions, repeats=1.0),
         "operation": replace(tables["operation"], load_force=load_signal(duty, begin, rounds)),
         "initial": replace(
