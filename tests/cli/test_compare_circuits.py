@@ -21,6 +21,11 @@ def test_what_there_is_is_listed(vvdp, here):
     assert list(here.iterdir()) == []
 
 
+def test_the_valve_of_another_system_joins(vvdp, here):
+    answer = vvdp("compare", "circuits", "--valve", "prototype", "--list")
+    assert "  vvdp-valve " in answer.out and "the rotary valve of prototype" in answer.out
+
+
 def test_files_and_page(vvdp, here):
     answer = vvdp("compare", "circuits", *QUICK, "--out", "found")
     assert answer.code == 0, answer.err
@@ -61,6 +66,7 @@ def test_a_cycle_of_ones_own(vvdp, here):
     [
         (("--cycle", "triangel"), "did you mean 'triangle'"),
         (("--circuit", "hydraulic"), "hydraulic"),
+        (("--valve", "throttle-control"), "throttle-control: valve: has no such table"),
         (("--own-cycle", "none.csv"), "none.csv: cannot be read"),
     ],
 )

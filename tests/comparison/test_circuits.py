@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vvdp.base.errors import ConfigError, ParameterError
+from vvdp.base.errors import ConfigError, ParameterError, RunError
 from vvdp.comparison.circuit_result import circuit_result, screen_tables
 from vvdp.comparison.circuit_trials import compare_circuits
 from vvdp.fluid.mixture import fluid_state
@@ -15,8 +15,17 @@ from vvdp.simulation.run import simulate
 from vvdp.studies.engine import ThisProcess
 from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties, sized_duty
 from vvdp.systems.displacement.duty_cycle import DutyCycle
-from vvdp.systems.displacement.rival_account import system_for
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, LEAKAGE, METERING, RELIEF, RETURN, SINKS, SWITCHING
+from vvdp.systems.displacement.rival_account import refuse_unled, system_for
+from vvdp.systems.displacement.rival_circuits import (
+    CIRCUITS,
+    LEAKAGE,
+    METERING,
+    RELIEF,
+    RETURN,
+    SINKS,
+    SWITCHING,
+    machine_with_valve,
+)
 from vvdp.systems.system import load_system
 
 A, B = 20.26e-4, 10.77e-4
@@ -292,6 +301,23 @@ def test_an_interrupted_comparison_keeps_what_is_done():
 def test_nothing_to_compare_is_refused():
     with pytest.raises(ParameterError, match="0 duty cycles and 5 circuits"):
         compare_circuits([], RIVALS)
+
+
+def test_a_run_whose_control_is_left_is_no_run(steady):
+    system = system_for(circuit("throttle"), steady)
+    run = simulate(system.model, system.case, system.stepping)
+    refuse_unled(circuit("throttle"), system, steady, run)
+    longer = replace(steady, cycle=replace(steady.cycle, positions=(0.05, 0.5, 0.05)))
+    with pytest.raises(RunError, match=r"the reference went through .* of 450 mm"):
+        refuse_unled(circuit("throttle"), system, longer, run)
+
+
+def test_another_valve_is_that_of_the_machine():
+    wider = machine_with_valve("prototype")
+    tables = system_for(wider, duty("triangle")).tables
+    assert tables["valve"] == load_system("prototype").tables["valve"]
+    with pytest.raises(ConfigError, match="no such table"):
+        machine_with_valve("throttle-control")
 
 
 def test_each_statement_names_its_load(found):

@@ -170,6 +170,14 @@ def circuits(
             help="Run a cycle of your own: CSV with the columns time, position, force in s, m, N (repeatable).",
         ),
     ] = None,
+    valve: Annotated[
+        str | None,
+        typer.Option(
+            "--valve",
+            metavar="SYSTEM",
+            help="Add the machine with the rotary valve of another system.",
+        ),
+    ] = None,
     out: Annotated[Path | None, out_option("results/compare-circuits-DATE-TIME")] = None,
     force: Force = False,
     on: On = HERE,
@@ -187,12 +195,12 @@ def circuits(
     from vvdp.comparison.circuit_result import circuit_result, screen_tables
     from vvdp.comparison.circuit_trials import compare_circuits
     from vvdp.systems.displacement.duties import known_cylinder, read_duty, shipped_duties
-    from vvdp.systems.displacement.rival_circuits import CIRCUITS
+    from vvdp.systems.displacement.rival_circuits import CIRCUITS, machine_with_valve
 
     moved = known_cylinder()
     given = [read_duty(path, *moved) for path in own or ()]
     chosen = [*(_choose("--cycle", cycle, shipped_duties()) if cycle or not given else ()), *given]
-    rivals = _choose("--circuit", circuit, CIRCUITS)
+    rivals = _choose("--circuit", circuit, (*CIRCUITS, *([machine_with_valve(valve)] if valve else [])))
     if show:
         _print_names(chosen, rivals, "circuit", "cycle")
         return

@@ -22,6 +22,7 @@ from vvdp.systems.displacement.rival_account import (
     begin_of,
     circuit_score,
     circuit_trace,
+    refuse_unled,
     system_for,
 )
 from vvdp.systems.displacement.rival_circuits import RivalCircuit
@@ -121,6 +122,7 @@ def run_pair(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> Ci
         begin = begin_of(circuit, duty, cache)
         system = system_for(circuit, duty, begin)
         run = simulate(system.model, system.case, system.stepping, cache=cache)
+        refuse_unled(circuit, system, duty, run)
     except RunError as problem:
         return CircuitRun(duty.name, circuit.name, None, None, str(problem))
     score = circuit_score(circuit, system, run, begin)

@@ -73,16 +73,16 @@ def _conductance(opening: float, ends: Ends) -> float:
 
 def _capacity(tank_opening: float, whole: float, ends: Ends) -> float:
     """What both ports pass at the relief setting [1]: concave, and the relief valve is open where it is below 1."""
-    load = _conductance(whole - tank_opening, ends) * np.sqrt(ends.relief_over_load)
-    tank = _conductance(tank_opening, ends) * np.sqrt(ends.relief_over_tank)
+    load: float = _conductance(whole - tank_opening, ends) * np.sqrt(ends.relief_over_load)
+    tank: float = _conductance(tank_opening, ends) * np.sqrt(ends.relief_over_tank)
     return load + tank
 
 
 def _capacity_slope(tank_opening: float, whole: float, ends: Ends) -> float:
     """Its derivative: g' = n / (n + r a^2)^(3/2)."""
     n, r, a, b = ends.nozzle, ends.other, tank_opening, whole - tank_opening
-    load = n * np.sqrt(ends.relief_over_load) / (n + r * b * b) ** 1.5
-    tank = n * np.sqrt(ends.relief_over_tank) / (n + r * a * a) ** 1.5
+    load: float = n * np.sqrt(ends.relief_over_load) / (n + r * b * b) ** 1.5
+    tank: float = n * np.sqrt(ends.relief_over_tank) / (n + r * a * a) ** 1.5
     return tank - load
 
 

@@ -84,7 +84,7 @@ def throttling_power(flow: float, opening: float, density: float, valve: RotaryV
     density  [kg/m^3]
 
     >>> print(round(throttling_power(3e-4, 0.5, 870.0, valve), 2))  # three times what they lose fully open
-    71.07
+    71.08
     """
     is_open = opening > 0.0
     a = select(is_open, opening, 1.0)

@@ -19,7 +19,12 @@ ATMOSPHERE = 101325.0
 
 @cache
 def settings_of(*settings: str):
-    return load_system("displacement-control", settings).circuit.network.programs[PROGRAM].settings
+    unwatched = (
+        "supervision.patience=100 s",
+        "supervision.brief_time=100 s",
+        "supervision.repeats=1e6",
+    )  # what is told stands still
+    return load_system("displacement-control", [*unwatched, *settings]).circuit.network.programs[PROGRAM].settings
 
 
 def place(t: float, **told: float) -> MachinePlace:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array, Rows
-from vvdp.base.errors import ParameterError
+from vvdp.base.errors import ParameterError, RunError
 from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.record import record_of
@@ -25,6 +25,8 @@ ROUNDS = 3
 """How often a cycle is gone through; powers are those of the last round."""
 SETTLED = 1.0
 """Errors count from this time on [s]."""
+LEAST_STROKE = 0.5
+"""Share of a cycle's stroke that a filtered reference goes through at least."""
 LONGEST_START = 3.0
 """Within which control has begun [s]."""
 RECORD = 1e-3
@@ -92,6 +94,16 @@ def begin_of(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> fl
     system = system_for(circuit, duty, LONGEST_START)
     stepping = replace(system.stepping, until=LONGEST_START)
     return circuit.begin(simulate(system.model, system.case, stepping, cache=cache))
+
+
+def refuse_unled(circuit: RivalCircuit, system: System, duty: Duty, run: Run) -> None:
+    """Raises RunError where the reference of the last round has not gone through the duty cycle: control was left."""
+    reference = getattr(run.command, circuit.program).reference[run.times >= system.average_from]
+    gone, asked = float(np.ptp(reference)), float(np.ptp(duty.cycle.positions))
+    if gone < LEAST_STROKE * asked:
+        raise RunError(
+            f"the reference went through {1e3 * gone:.3g} of {1e3 * asked:.3g} mm in the last round: control was left"
+        )
 
 
 def circuit_score(circuit: RivalCircuit, system: System, run: Run, begin: float = 0.0) -> CircuitScore:

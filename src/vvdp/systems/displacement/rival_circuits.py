@@ -5,13 +5,20 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
+from vvdp.base.errors import ConfigError, Fault
 from vvdp.simulation.run import Run
 from vvdp.systems.displacement.cylinder_load import InitialCylinder
 from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.duty_cycle import resting_pressures
 from vvdp.systems.displacement.machine_loop import PROGRAM
-from vvdp.systems.displacement.rival_machine import control_begin, size_machine, size_slow_machine
+from vvdp.systems.displacement.rival_machine import (
+    control_begin,
+    size_machine,
+    size_other_valve,
+    size_slow_machine,
+)
 from vvdp.systems.displacement.rivals import LOOP
+from vvdp.systems.system import load_system
 
 LOW_SIDE = 5e5
 """At which a side that carries nothing starts where no supply holds it, gauge [Pa]."""
@@ -217,3 +224,24 @@ CIRCUITS = (
     ),
 )
 """All circuits; another one is another value."""
+
+
+def machine_with_valve(name: str) -> RivalCircuit:
+    """The whole machine with the rotary valve of another system, such as `vvdp design` writes.
+
+    name  of a shipped system, or the path of a file
+
+    Raises ConfigError where there is none, or where it has no table [valve].
+    """
+    found = load_system(name)
+    if "valve" not in found.tables:
+        raise ConfigError([Fault(name, 0, "valve", "has no such table; expected that of a rotary valve")])
+    return RivalCircuit(
+        name="vvdp-valve",
+        title=f"the whole machine with the rotary valve of {found.name}",
+        system="displacement-control",
+        size=partial(size_other_valve, found.tables["valve"]),
+        sinks=MACHINE_SINKS,
+        program=PROGRAM,
+        begin=control_begin,
+    )

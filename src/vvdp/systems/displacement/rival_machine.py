@@ -14,6 +14,7 @@ from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.duty_cycle import cycle_period, resting_pressures
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.stages import CONTROL
+from vvdp.valve.rotary import RotaryValve
 
 LOW_SIDE = 3e5
 """At which the side that carries nothing starts, gauge [Pa]."""
@@ -35,7 +36,10 @@ def control_begin(run: Run) -> float:
 
 
 def size_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
-    """The tables of the whole machine for a duty that begins with control at `begin` [s]."""
+    """The tables of the whole machine for a duty that begins with control at `begin` [s].
+
+    It is not supervised: the limits of its supervision are those of the shipped cycle.
+    """
     reference, cycle = tables["oil"].reference_pressure, duty.cycle
     relief = reference + duty.relief_pressure
     highest = max(LEAST_BOUND, duty.relief_pressure - BELOW_RELIEF)
@@ -52,6 +56,7 @@ def size_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Table
         "directional_valve": replace(tables["directional_valve"], return_conductance=duty.return_conductance),
         "pressure_bounds": replace(tables["pressure_bounds"], highest_pressure=highest + reference),
         "belief": belief,
+        "supervision": None,
         "cycle": OwnCycle(times=cycle.times, positions=positions, repeats=1.0),
         "operation": replace(tables["operation"], load_force=load_signal(duty, begin, rounds)),
         "initial": replace(
@@ -68,6 +73,11 @@ def size_slow_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> 
         "operation": replace(found["operation"], pump_speed=constant(SLOW_SPEED)),
         "flow_split": replace(tables["flow_split"], largest_flow=SLOW_FLOW),
     }
+
+
+def size_other_valve(valve: RotaryValve, tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
+    """The same as the whole machine with another rotary valve."""
+    return {**size_machine(tables, duty, begin, rounds), "valve": valve}
 
 
 def load_signal(duty: Duty, begin: float, rounds: int) -> Signal:
