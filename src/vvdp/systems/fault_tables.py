@@ -68,8 +68,8 @@ class FaultReader:
         if not isinstance(given, Mapping):
             self._tell(FAULTS, f"{given!r} is not a table")
             return ()
-        found = ((name, self._fault(name, part)) for name, part in given.items())
-        faults = tuple(NamedFault(name, fault) for name, fault in found if fault is not None)
+        found = {name: self._fault(name, part) for name, part in given.items()}
+        faults = tuple(NamedFault(name, fault) for name, fault in found.items() if fault is not None)
         self.wrong += _overlaps(faults, self.origin)
         return faults
 
@@ -128,9 +128,8 @@ class FaultReader:
         words = f"{where} is {plain}"
         if self.tables is None:
             return OtherValue(where, 0.0, _entry(self.origin, where, entry, window), words, window)
-        if table not in self.tables:
+        if (values := self.tables.get(table)) is None:
             raise _Unreadable("value", f"{where!r}: no table {table!r}{nearest(table, list(self.tables))}")
-        values = self.tables[table]
         kinds = field_kinds(type(values))
         kind = kinds.get(key)
         if kind is None:
