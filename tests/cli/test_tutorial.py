@@ -1,4 +1,4 @@
-"""The tutorial "speed from a bad encoder": its blocks run, print what stands under them, and its pictures are there."""
+"""The tutorials: their blocks run, print what stands under them, and their pictures are there."""
 
 import importlib.util
 import re
@@ -14,10 +14,11 @@ LARGEST = 100_000
 """Bytes that a picture may have."""
 
 
-def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
-    """One program from the first block to the last; the shell's block finds the log that the one before has written."""
+def run_blocks(page, vvdp, capsys):
+    """One program from the first block to the last; the shell's block finds the log that the one before has written.
+    What the kinds of the blocks were, and what each command said, by its last word."""
     left, ran, said = {}, [], {}
-    for kind, block, shown in BLOCK.findall(PAGE):
+    for kind, block, shown in BLOCK.findall(page):
         if kind == "sh":
             command = shlex.split(block)
             answer = vvdp(*command[1:])
@@ -28,6 +29,17 @@ def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
             exec(block, left)
             assert capsys.readouterr().out == shown, block
         ran.append(kind)
+    return ran, said
+
+
+def test_the_crankshaft_does_what_is_said(vvdp, here, capsys):
+    ran, said = run_blocks((FOLDER / "crank-wheel.md").read_text("utf-8"), vvdp, capsys)
+    assert ran == ["python", "python", "sh", "python", "python"]
+    assert "Index not found" not in said["crank"] and "Edges lie elsewhere" not in said["crank"]
+
+
+def test_the_tutorial_does_what_it_says(vvdp, here, capsys):
+    ran, said = run_blocks(PAGE, vvdp, capsys)
     assert ran.count("python") >= 12 and ran.count("sh") == 2
     warning = re.search(r'The command also warns: "([^"]+)"', PAGE)[1]
     assert warning in said["wheel"] and warning not in said["wheel-fit"]

@@ -360,7 +360,7 @@ def components():
         switching_valve,
         unsteady_friction,
     )
-    from vvdp.valve import branch, condition, geometry, torque
+    from vvdp.valve import branch, condition, geometry, joined_ports, torque
 
     values = {}
     for name in shipped_systems():
@@ -450,6 +450,13 @@ def components():
             branch.BranchFlow: lambda: branch.branch_flow(float(rng.uniform(-1e6, 1e6)), 0.5, 870.0, valve),
             branch.BranchDrops: lambda: branch.turbulent_drops(float(rng.uniform(2e-4, 1e-3)), 1.0, 870.0, valve),
             branch.BranchLaw: lambda: branch.branch_law(870.0, valve),
+            joined_ports.Ends: lambda: joined_ports.Ends(
+                relief_over_load=float(rng.uniform(1e6, 3e6)),
+                relief_over_tank=float(rng.uniform(8e6, 1.2e7)),
+                rise=float(rng.uniform(0.0, 1e6)),
+                nozzle=float(rng.uniform(2e5, 6e5)),
+                other=float(rng.uniform(2e5, 4e5)),
+            ),
             geometry.Openings: lambda: geometry.Openings(*map(float, rng.uniform(0.05, 1.0, 2))),
             geometry.JetSkews: lambda: geometry.JetSkews(*map(float, rng.uniform(-0.2, 0.2, 2))),
             geometry.PortShape: lambda: geometry.port_shape(valve),

@@ -95,7 +95,7 @@ def too_large(source) -> dict[str, list[Size]]:
 
 
 VERB = "the options of a verb, one each as the command line has them, and the few lines from them to the answer"
-READERS_APART = "the room of logs is to be divided, readers from offline estimation; its parts are cut then"
+GOES_BY = "what is known of a record while it goes by, one state; or a sentence for each thing that it may show"
 COMPILED = (
     "compiled code: its state is plain arrays and numbers, and a record for each call would cost more than it tells"
 )
@@ -145,6 +145,7 @@ ALLOWED = {
     "components.directed_flows.directed_source": LAW,
     "components.directional_valves.directional_valve": LAW,
     "components.directional_valves.throttled_directional_valve": LAW,
+    "components.meters.transition_meter": LAW,
     "components.rotary_valve.rotary_valve": LAW,
     "components.switching_valves._three_way": LAW,
     "components.switching_valves._two_way": LAW,
@@ -162,19 +163,17 @@ ALLOWED = {
     "estimation.pressure_edges.pressure_edges_step": ONE_SAMPLE,
     "geometry.solids.nozzle": "the measures of a nozzle, each its own",
     "hydraulics.volume.pressure_rate": LAW,
-    "offline.config_text._config_lines": READERS_APART,
-    "offline.diagnostics.summary": READERS_APART,
-    "offline.edges.WaveEdges._place": READERS_APART,
-    "offline.estimate": READERS_APART,
-    "offline.estimate._Run": READERS_APART,
-    "offline.findings._of_the_record": READERS_APART,
-    "offline.findings._of_the_source": READERS_APART,
-    "offline.offline_filter.OfflineFilter": READERS_APART,
-    "offline.record_check.Inspection": READERS_APART,
-    "offline.record_check.Inspection._cut": READERS_APART,
-    "offline.sums.Sums": READERS_APART,
-    "logs.text._Table": READERS_APART,
-    "logs.text._dialect": READERS_APART,
+    "offline.config_text._config_lines": GOES_BY,
+    "offline.diagnostics.summary": GOES_BY,
+    "offline.edges.WaveEdges._place": GOES_BY,
+    "offline.findings._of_the_record": GOES_BY,
+    "offline.findings._of_the_source": GOES_BY,
+    "offline.offline_filter.OfflineFilter": GOES_BY,
+    "offline.record_check.Inspection": GOES_BY,
+    "offline.record_check.Inspection._cut": GOES_BY,
+    "offline.sums.Sums": GOES_BY,
+    "logs.text._Table": GOES_BY,
+    "logs.text._dialect": GOES_BY,
     "network.classes.Classes": TEXT_WRITER,
     "network.component.Component": FACADE,
     "network.functions.Functions": TEXT_WRITER,
@@ -245,6 +244,9 @@ ALLOWED = {
     "systems.displacement.rivals.pilot_check_circuit": "one argument for each table of its system file",
     "systems.displacement.rivals.shuttle_circuit": "one argument for each table of its system file",
     "systems.displacement.rivals.throttle_control": "one argument for each table of its system file",
+    "systems.displacement.machine.displacement_control": "one argument for each table of its system file",
+    "systems.displacement.machine.displacement_control_gerotor": "one argument for each table of its system file",
+    "systems.displacement.machine.displacement_control_ideal": "one argument for each table of its system file",
     "systems.displacement.chapter6.chapter6": "one argument for each table of its system file",
     "systems.displacement.machine_system.gerotor_machine": "one argument for each table of its system file",
     "systems.displacement.machine_system.spring_machine": "one argument for each table of its system file",

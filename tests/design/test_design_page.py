@@ -34,13 +34,14 @@ def test_every_spread_is_described(page, prototype):
 
 def test_commands_are_commands(page, designing):
     commands = re.findall(r"^    vvdp design (.+)$", page, re.MULTILINE)
-    assert len(commands) == 4
+    assert len(commands) == 5
     for command in commands:
         words = shlex.split(command)
         quick = {
             "pareto": ["--points", "8", "--generations", "2"],
             "tolerance": ["--samples", "64", "--runs", "16"],
             "temperature": [],
+            "levers": ["--no-simulation"],
         }
         code, _, err = designing(*words, *quick.get(words[0], ["--starts", "2", "--no-simulation"]))
         assert code == 0, err

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import VvdpError
+from vvdp.base.tables import with_settings
 from vvdp.design.optimise import optimise
 from vvdp.design.problem import problem
 from vvdp.design.proof import doubts, optimum_system
@@ -364,3 +365,53 @@ def test_the_optimum_is_within_what_was_asked(published):
     for limit in published.problem.limits:
         assert limit.excess(getattr(published.after[0], limit.quantity)) <= FEASIBLE
     assert dataclasses.asdict(published.active[0])["kind"] == "limit"
+
+
+@pytest.fixture(scope="module")
+def underlapped():
+    """The least loss with barriers that may be narrower than the nozzles, the transition at most half a period."""
+    bench = load_system("prototype-constant-load")
+    return optimise(problem(bench, "loss_total", [FAST, "transition_fraction <= 0.5"], UNDERLAP), starts=20, seed=3)
+
+
+UNDERLAP = ["lap_ratio >= 0.3", "radial_clearance <= 15.7 um"]
+
+
+@pytest.mark.slow
+def test_underlap_is_found_from_every_start_and_without_gradients(underlapped):
+    assert underlapped.starts == underlapped.converged == underlapped.agreeing == 20
+    assert not underlapped.worse_optima
+    assert underlapped.global_objective == pytest.approx(underlapped.objective, rel=1e-5)
+    assert 0.3 < underlapped.values["lap_ratio"] < 1.0
+
+
+@pytest.mark.slow
+def test_underlap_loses_less_than_any_lap(underlapped):
+    bench = load_system("prototype-constant-load")
+    without = best(bench, "loss_total", [FAST, "transition_fraction <= 0.5"], ["radial_clearance <= 15.7 um"])
+    assert underlapped.objective < 0.66 * without.objective
+
+
+@pytest.mark.slow
+def test_underlap_holds_in_the_simulation(underlapped):
+    """Total loss within 1 % where the oil is stiff, as the closed form takes it, and the balances close."""
+    system = optimum_system(underlapped.problem, underlapped.values)
+    stiff = system.read_from(with_settings(system.table, ["oil.liquid_bulk_modulus=1e12 Pa", "oil.air_fraction=0"]))
+    found = summary(stiff, simulate(stiff.model, stiff.case, stiff.stepping))
+    closed = underlapped.after[0]
+    parts = closed.loss_full_open + closed.loss_transition + closed.loss_leakage
+    assert found["loss_total_W"] == pytest.approx(parts, rel=0.01)
+    assert found["energy_residual"] < 1e-6
+    assert found["mass_residual"] < 1e-6
+
+
+def test_gradients_below_zero_lap_are_those_of_differences(prototype):
+    asked = problem(prototype, "loss_transition", [], UNDERLAP)
+    for lap in (0.35, 0.55, 0.7, 0.9):
+        values = {**asked.start, "lap_ratio": lap}
+        exact = gradients(asked, values)["loss_transition"]
+        for k, bound in enumerate(asked.bounds):
+            name, h = bound.variable.name, 1e-5
+            up, down = (asked.evaluate({**values, name: values[name] * np.exp(s * h)})[0] for s in (1.0, -1.0))
+            slope = (up.loss_transition - down.loss_transition) / (2.0 * h)
+            assert exact[k] == pytest.approx(slope, abs=1e-6 * up.loss_transition)

@@ -1,6 +1,7 @@
 """Scatter and Sobol indices against closed forms."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -226,13 +227,12 @@ def test_what_is_assumed_is_an_input(bench):
         assert (found[row.setting].low, found[row.setting].high) == row.range
         assert found[row.setting].note == row.note
     assert found["valve.lap_ratio"].label == "lap ratio of the valve"
-    assert not found["valve.lap_ratio"].in_closed_forms
+    assert found["valve.lap_ratio"].in_closed_forms
 
 
 def test_any_value_can_be_an_input(bench):
-    texts = ["lap_ratio: 1 to 1.2", "relief_valve.opening_time: 1 ms to 15 ms", "inlet.volume: 10 cc to 20 cc"]
+    texts = ["relief_valve.opening_time: 1 ms to 15 ms", "inlet.volume: 10 cc to 20 cc"]
     found = {each.setting: each for each in spreads(bench, texts)}
-    assert found["valve.lap_ratio"].in_closed_forms
     assert found["relief_valve.opening_time"].name == "relief_valve_opening_time"
     assert not found["relief_valve.opening_time"].in_closed_forms
     assert with_inputs(setup(bench), {"inlet.volume": 1.5e-5}).inlet_volume == 1.5e-5
@@ -301,10 +301,11 @@ def test_an_input_that_contradicts_the_system_is_told(bench):
 
 
 def test_without_simulation_what_no_closed_form_knows_is_named(designing, tmp_path):
-    code, _, err = designing("tolerance", NAME, "--no-simulation", "--samples", "16", "--out", "there")
+    code, _, err = designing("tolerance", NAME, "--no-simulation", "--samples", "16", "--out", "there", "--spread",
+                             "relief_valve.opening_time: 1 ms to 15 ms")  # fmt: skip
     assert code == 0, err
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert "Left out, since no closed form knows them or holds over them: lap ratio of the valve." in page
+    assert re.search("Left out, since no closed form knows them[^.]*: [^.]*opening", page)
 
 
 @pytest.mark.slow

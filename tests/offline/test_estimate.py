@@ -16,12 +16,16 @@ from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
 from vvdp.estimation.pressure_edges import pressure_edges
 from vvdp.numerics.kalman import AngleSpeed, predict
+from vvdp.offline import passes, pressure_chain, second_pass
 from vvdp.offline.bridging import bridged_time
 from vvdp.offline.config import load_estimation
 from vvdp.offline.edges import Edges
 from vvdp.offline.estimate_result import ROWS_IN_CHUNK, Store
 from vvdp.offline.filter_steps import fused_step, tracked_step
 from vvdp.offline.offline_filter import OfflineFilter, Waves
+from vvdp.offline.pressure_chain import PressureChain
+from vvdp.offline.second_pass import SecondPass
+from vvdp.offline.writer import Writer
 from vvdp.results.result import Grade
 from vvdp.results.store import read_meta, read_result
 from vvdp.sensing.reading import Reading
@@ -126,7 +130,7 @@ def test_small_portions_give_the_same_as_large_ones(estimated, monkeypatch):
     channels = {"time": (t, "s"), "diode": (v, "V")}
     keys = {"sensor__wave": "diode", "sensor__index_shift": 0.25, "threshold__level": 0.5}
     whole = estimated(channels, **keys)
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", 1009)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", 1009)
     parts = estimated(channels, **keys)
     for name in ("time", "angle", "speed", "piece", "edges/time", "edges/number"):
         assert np.allclose(parts.column(name), whole.column(name), rtol=1e-3, atol=1e-3), name
@@ -251,7 +255,7 @@ def test_the_cut_does_not_depend_on_the_portions(estimated, monkeypatch):
     pauses = np.concatenate([times, times[-1] + 0.7 + times[:9], times[-1] + 2.2 + times[:2], times[-1] + 3.5 + times])
     whole = estimated(stamped(pauses), sensor__edges="edge")
     for portion in (7, 50, 301):
-        monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+        monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
         parts = estimated(stamped(pauses), sensor__edges="edge")
         assert np.array_equal(parts.column("time"), whole.column("time"))
         assert np.allclose(parts.column("angle"), whole.column("angle"), rtol=0.0, atol=1e-9, equal_nan=True)
@@ -447,7 +451,7 @@ def test_settings_are_not_fitted_to_numbers_in_doubt(estimated):
 
 def test_the_fit_is_made_of_the_beginning_of_a_wave_too(estimated, monkeypatch):
     monkeypatch.setattr(estimating, "FITTED_EDGES", 300)
-    monkeypatch.setattr(estimating, "FITTED_AT_ONCE", 5000)
+    monkeypatch.setattr(passes, "SAMPLES_AT_FIRST", 5000)
     t = np.arange(0.0, 4.0, 1e-4)
     v = brightness(2.3 + SPEED * t, equal_wheel(8)) + np.random.default_rng(1).normal(0.0, 0.01, t.size)
     kept = estimated({"time": (t, "s"), "diode": (v, "V")}, sensor__wave="diode", filter__fit=True)
@@ -513,7 +517,7 @@ def test_a_time_range_is_kept_to(estimated):
 @pytest.mark.parametrize("portion", [1_000_000, 3_000, 700])
 def test_a_time_range_holds_for_each_of_several_records(estimated, monkeypatch, portion):
     """Of two records of 2 s, 1 s of each: at 24.7 turns of 8 sectors, 197.6 edges each, less those at the ends."""
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
     t = np.arange(0.0, 2.0, 1e-3)
     counts = np.floor((0.1 + SPEED * t) / PITCH)
     channels = {"time": (np.tile(t, 2), "s"), "n": (np.tile(counts, 2), "")}
@@ -604,7 +608,7 @@ def test_the_pressure_gives_the_duty_ratio_and_folds_onto_the_turn(estimated, ex
 @pytest.mark.parametrize("portion", [1_000_000, 7_000])
 def test_the_pressure_is_cut_where_time_runs_backwards(estimated, monkeypatch, portion):
     """Three records in one file: each pressure belongs to the angle of its own record."""
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
     t = np.arange(0.0, 2.0, 2e-4)
     angles = np.concatenate([start + SPEED * t for start in (0.3, 2.1, 1.2)])
     kept = estimated(
@@ -665,7 +669,7 @@ def test_a_time_range_holds_for_the_pressure(estimated):
 def test_every_row_has_the_pressure_that_the_log_has_there(estimated, monkeypatch, portion, rate, duration):
     """A wave of 4 s and a pressure that begins 50 ms later and ends sooner or later: the parts of a portion lie apart
     in time. The pressure rises by 1 bar a second, so between its samples a row has 1 bar + 1 bar/s t as well."""
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
     t, tp = np.arange(20_000) / 5e3, 0.05 + np.arange(int(rate * duration)) / rate
     kept = estimated(
         {
@@ -695,16 +699,16 @@ def test_every_row_has_the_pressure_that_the_log_has_there(estimated, monkeypatc
 def test_rows_without_a_pressure_are_not_held_for_ever(estimated, monkeypatch, duration):
     """With room for 500 rows or samples and a pressure that lags or leads, some of it is lost, but each row is written,
     and once. By the end it is 2 s behind or 4 s ahead, 2000 rows or samples."""
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", 1_000)
-    monkeypatch.setattr(estimating._Pressure, "LONGEST", 500)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", 1_000)
+    monkeypatch.setattr(pressure_chain, "LONGEST", 500)
     held = []
-    taken_in = estimating._Run._take_in_pressure
+    meet = PressureChain.meet
 
-    def watched(run, **given):
-        taken_in(run, **given)
-        held.extend((0 if run._rows is None else run._rows[0].size, run.pressure.waiting.size))
+    def watched(chain, writer, **given):
+        meet(chain, writer, **given)
+        held.extend((0 if writer.rows is None else writer.rows[0].size, chain.waiting.values.size))
 
-    monkeypatch.setattr(estimating._Run, "_take_in_pressure", watched)
+    monkeypatch.setattr(PressureChain, "meet", watched)
     t, tp = np.arange(20_000) / 5e3, np.arange(500 * duration) / 500.0
     channels = {"diode": (brightness(0.3 + SPEED * t, equal_wheel(8)), "V", 5e3), "inlet": (1.0 + tp, "bar", 500.0)}
     kept = estimated(channels, sensor__wave="diode", pressure__channel="inlet")
@@ -740,7 +744,7 @@ def test_rows_are_written_by_whole_chunks(tmp_path):
 
 @pytest.mark.parametrize("portion", [1_000_000, 2_000])
 def test_the_pressure_carries_the_angle_where_the_encoder_is_late(estimated, monkeypatch, portion):
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
     t = np.arange(0.0, 6.0, 2e-4)
     speed = SPEED * (1.0 + 0.02 * np.sin(TURN * 0.5 * t))
     true = 0.3 + np.cumsum(speed) * 2e-4
@@ -797,7 +801,7 @@ def test_what_cannot_be_estimated_is_refused(estimated, channels, keys, piece):
 
 
 def test_an_interruption_keeps_what_was_reached(estimated, monkeypatch):
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", 2000)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", 2000)
 
     def stop(done):
         if done > 0.4:
@@ -812,14 +816,15 @@ def test_an_interruption_keeps_what_was_reached(estimated, monkeypatch):
 
 def test_ctrl_c_is_heeded_in_the_midst_of_a_portion(estimated, monkeypatch):
     # 2000 edges 50 s apart: one portion, 100 million rows.
-    written = estimating._Run._write
+    write, count = Writer.write, []
 
-    def pressed(run, tracked):
-        written(run, tracked)
-        if run.sums.rows > 500_000:
+    def pressed(writer, filtered):
+        write(writer, filtered)
+        count.append(filtered.rows["time"].size)
+        if sum(count) > 500_000:
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(estimating._Run, "_write", pressed)
+    monkeypatch.setattr(Writer, "write", pressed)
     kept = estimated(stamped(50.0 * np.arange(2000)), sensor__edges="edge")
     assert kept.summary["finished"] is False and "Interrupted" in titles(kept)
     assert kept.size("time") < 1_000_000
@@ -829,9 +834,9 @@ def test_ctrl_c_is_heeded_in_the_midst_of_a_portion(estimated, monkeypatch):
 @pytest.mark.parametrize("by", ["progress", "Ctrl-C"])
 def test_an_interruption_of_the_second_pass_keeps_all_but_what_it_had_to_come(estimated, monkeypatch, by):
     """20 s in pieces of 200 edges, 1.01 s each; after some of them it is stopped."""
-    monkeypatch.setattr(estimating, "SMOOTHED_EDGES", 200)
+    monkeypatch.setattr(second_pass, "SMOOTHED_EDGES", 200)
     shares = []
-    smoothed = estimating._Run._write_smoothed
+    smoothed = SecondPass._write
 
     def stop(done):
         shares.append(done)
@@ -843,7 +848,7 @@ def test_an_interruption_of_the_second_pass_keeps_all_but_what_it_had_to_come(es
         if by == "Ctrl-C" and shares[-1] > 0.6:
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(estimating._Run, "_write_smoothed", pressed)
+    monkeypatch.setattr(SecondPass, "_write", pressed)
     kept = estimated(stamped(passing_times(4000)), progress=stop, sensor__edges="edge", output__smooth=True)
     assert kept.summary["finished"] is False and kept.summary["edges"] == 4000
     assert shares == sorted(shares) and 0.5 in shares and 0.6 < shares[-1] < 0.9
@@ -950,3 +955,46 @@ def test_plain_python_and_replay_agree():
             reading = Reading(*row) if step is tracked_step else FusionReading(Reading(*row[:5]), *row[5:])
             memory, plain = step(memory, reading, given)
             assert np.allclose(flat(plain), shown, rtol=1e-9, atol=1e-9, equal_nan=True)
+
+
+def test_a_pressure_that_is_cut_off_and_has_holes_is_told(estimated):
+    """A sensor that ends at 60 bar, and two samples that were lost."""
+    t = np.delete(np.arange(0.0, 3.0, 2e-4), [7000, 7001])
+    angle = 0.3 + SPEED * t
+    pressure = np.fmin(pressure_of(angle) + 0.5 * np.sin(7.0 * t), 60.0)
+    channels = {"time": (t, "s"), "diode": (brightness(angle, equal_wheel(8)), "V"), "inlet": (pressure, "bar")}
+    kept = estimated(channels, sensor__wave="diode", pressure__channel="inlet")
+    (told,) = [each for each in kept.findings if each.title == "The record of the pressure"]
+    assert "gap in time from 1.3998 s to 1.4004 s (row 7000, 2 samples)" in told.text
+    assert "saturated at its largest value" in told.text
+    whole = np.arange(0.0, 3.0, 2e-4)
+    sound = pressure_of(0.3 + SPEED * whole) + 0.5 * np.sin(7.0 * whole)
+    diode = brightness(0.3 + SPEED * whole, equal_wheel(8))
+    channels = {"time": (whole, "s"), "diode": (diode, "V"), "inlet": (sound, "bar")}
+    assert "The record of the pressure" not in titles(
+        estimated(channels, sensor__wave="diode", pressure__channel="inlet")
+    )
+
+
+def crankshaft(teeth=36, turns=40, ripple=0.0):
+    """Times of both edges of each tooth of a wheel that lacks one, at 15 turns a second."""
+    pitch = TURN / teeth
+    begins = np.arange(teeth - 1) * pitch
+    wheel = np.sort(np.concatenate([begins, begins + 0.5 * pitch]))
+    angles = (wheel + TURN * np.arange(turns)[:, None]).ravel()
+    return (angles + 0.5 * ripple * np.sin(2.0 * angles)) / (15.0 * TURN)
+
+
+@pytest.mark.parametrize(("teeth", "first"), [(36, 0), (36, 33), (60, 7), (24, 47)])
+def test_a_wheel_that_lacks_a_tooth_is_known_by_its_gap(estimated, teeth, first):
+    """The gap is no missed edge but the index, wherever the record begins, and the angle is that of the wheel."""
+    times = crankshaft(teeth)[first:] + np.random.default_rng(1).normal(0.0, 1e-6, crankshaft(teeth).size - first)
+    widths = [1.0] * (2 * teeth - 3) + [3.0]
+    kept = estimated(stamped(times), sensor__edges="edge", sensor__widths=widths, filter__edge_variance="1e-5 rad^2")
+    found = kept.summary
+    assert found["index_found"] is True and found["missed_edges"] == 0 and not titles(kept) & {"Index not found"}
+    assert found["spool_speed_mean_rad_s"] == pytest.approx(15.0 * TURN, rel=1e-4)
+    rows, angle = kept.column("time"), kept.column("angle")
+    late = rows > times[4 * teeth]
+    off = (angle - 15.0 * TURN * rows)[late]
+    assert np.max(np.abs(np.mod(off + np.pi, TURN) - np.pi)) < 2e-3

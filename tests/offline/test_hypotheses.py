@@ -305,9 +305,9 @@ def test_without_an_index_a_slow_passage_is_said(estimated):
 
 @pytest.mark.parametrize("portion", [1_000_000, 700])
 def test_a_reversal_does_not_depend_on_the_portions(estimated, monkeypatch, portion):
-    import vvdp.offline.estimate as estimating
+    from vvdp.offline import passes
 
-    monkeypatch.setattr(estimating, "SAMPLES_AT_ONCE", portion)
+    monkeypatch.setattr(passes, "SAMPLES_AT_ONCE", portion)
     motion, edges = reversing(index=True)
     kept = estimated(wave_log(motion, edges, 2e3), sensor__wave="diode", sensor__index_shift=0.25)
     assert "The spool reversed" in titles(kept) and kept.summary["edges"] == pytest.approx(509, abs=2)
@@ -353,14 +353,14 @@ def test_sectors_are_counted_over_missed_edges():
             edges = Edges(times[seen], 0.0 * seen, known * signs[seen], np.ones(seen.size))
             true = np.diff(seen)
             begin = int(np.argmax(true == 1))  # longer times before may be those of a wheel that starts
-            assert np.array_equal(sectors_passed(edges, 48)[begin:], true[begin:])
+            assert np.array_equal(sectors_passed(edges, 1.0, 48)[begin:], true[begin:])
 
 
 def test_a_wheel_that_starts_from_rest_has_not_missed_its_first_edges():
     # a constant acceleration: edge k at sqrt(2 k pitch/a), the first times 1, 0.41, 0.32, ... of each other
     times = np.sqrt(np.arange(1.0, 80.0))
     nothing = np.zeros(times.size)
-    assert (sectors_passed(Edges(times, nothing, nothing, nothing + 1.0)) == 1.0).all()
+    assert (sectors_passed(Edges(times, nothing, nothing, nothing + 1.0), 1.0) == 1.0).all()
 
 
 def test_a_slow_passage_by_hand():

@@ -24,6 +24,7 @@ from tests.systems.chapter6_cases import (
     pressures,
     ran,
     sample_rows,
+    sine_text,
 )
 
 from vvdp.base.errors import ConfigError
@@ -321,6 +322,15 @@ def test_impossible_demand_is_told_with_its_line(tmp_path):
     path.write_text(text, "utf-8")
     (line,) = (n for n, row in enumerate(text.splitlines(), 1) if row.startswith('stroke = "26 cm"'))
     with pytest.raises(ConfigError, match=rf"long.toml:{line}: cycle.stroke: 310 mm"):
+        load_system(str(path))
+
+
+def test_impossible_row_of_a_cycle_of_ones_own_is_told(tmp_path):
+    """Up by 5.157 cm within 10 ms."""
+    text = sine_text().replace('"15.957', '"20.957', 1)
+    path = tmp_path / "jump.toml"
+    path.write_text(text, "utf-8")
+    with pytest.raises(ConfigError, match=r"row 2: 5157 mm/s take 626.9 lpm; at most 40 lpm"):
         load_system(str(path))
 
 

@@ -20,6 +20,7 @@ from vvdp.systems.displacement.supervision import (
 
 ATM, H = 101325.0, 1e-3
 LIMITS = Supervision(
+    pressure_jump=7e5,
     position_margin=5e-3, lowest_pressure=0.5e5, highest_pressure=150e5, repeats=20.0, position_jump=1e-3,
     line_difference=2e5, return_difference=5e-6, return_share=0.1, settle_time=0.2, averaging_time=0.03,
     optical_jump=1.2e-3, spring_difference=1e-3, spool_error=3e-3, lowest_spool_speed=40.0, lowest_pump_share=0.95,
@@ -96,11 +97,20 @@ def test_nothing_is_told_of_a_healthy_machine():
 
 FAULTS = {
     "lost position": (lambda t: {"position": -0.06}, WATCHED[0], 0.005),
-    "lost pressure": (lambda t: {"fast": CircuitPressures(0.0, 5e5 + t, 10e5 + t), "chamber_pressure": HELD + t}, WATCHED[1], 0.005),
+    "lost pressure": (
+        lambda t: {"fast": CircuitPressures(0.0, 5e5 + t, 10e5 + t), "chamber_pressure": HELD + t},
+        WATCHED[1],
+        0.005,
+    ),
     "frozen position": (lambda t: {"position": 0.1541, "expected": 0.1541}, WATCHED[2], 0.03),
-    "frozen pressure": (lambda t: {"fast": CircuitPressures(1e6, 5e5 + t, 10e5 + t)}, WATCHED[3], 0.03),
+    "frozen pressure": (lambda t: {"fast": CircuitPressures(1e6, 4.7e5 + t, 10e5 + t)}, WATCHED[3], 0.03),
     "frozen light": (lambda t: {"spool_measured": 4e-3}, WATCHED[4], 0.03),
     "biased position": (lambda t: {"expected": 0.1 + 0.054 * t - 5e-3}, WATCHED[5], 0.002),
+    "biased pressure": (
+        lambda t: {"fast": CircuitPressures(ATM + 19e5, ATM + BACK + t, ATM + 9e5)},
+        WATCHED[13],
+        0.001,
+    ),
     "biased supply": (noisy(a=14e5), WATCHED[6], 0.1),
     "biased return": (noisy(b=BACK + 8e5), WATCHED[7], 0.1),
     "biased light": (lambda t: {"spool_measured": 6.6e-3 + 1e-5 * t}, WATCHED[8], 0.001),

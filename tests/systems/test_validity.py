@@ -17,7 +17,15 @@ from vvdp.systems.validity import Bound
 
 BENCH = "prototype-constant-load"
 SHORT = "0.3 s"
-SETTLING = {"accumulator-charging", "axial-chamber", "axial-gerotor", "cylinder-stops"}
+SETTLING = {
+    "accumulator-charging",
+    "axial-chamber",
+    "axial-gerotor",
+    "cylinder-stops",
+    "displacement-chapter6",
+    "displacement-control",
+    "displacement-control-gerotor",
+}
 """Shipped systems whose runs are transients: their means are those of the window."""
 
 

@@ -305,6 +305,35 @@ def temperature(
     _run(loaded, "temperature", work, out, force, json, no_report, shows=("temperature", "checks"))
 
 
+@app.command(cls=Verb)
+def levers(
+    system: SystemName,
+    settings: Settings = None,
+    no_simulation: Annotated[bool, typer.Option("--no-simulation", help="Use closed forms alone.")] = False,
+    out: Annotated[Path | None, out_option("results/levers-SYSTEM-DATE-TIME")] = None,
+    force: Force = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compare what lowers the transition loss, in watts.
+
+    Underlap, a relief setting that follows the load, other areas and a driven spool, each at its best and simulated.
+    """
+    from vvdp.cli.progress import count_lines
+    from vvdp.cli.screen import say
+    from vvdp.design import levers as study
+    from vvdp.design.levers_result import levers_result
+
+    loaded = _bench_system("levers", system, settings)
+
+    def work(_: Path) -> "Result":
+        with count_lines("levers") as progress:
+            found = study.levers(loaded, simulated=not no_simulation, progress=progress, say=say)
+        return levers_result(loaded, found)
+
+    _run(loaded, "levers", work, out, force, json, no_report, shows=("levers",))
+
+
 def _run(
     system: "System",
     name: str,

@@ -31,6 +31,10 @@ def run(
     check: Annotated[
         bool, typer.Option("--check", help="Repeat the run at a tenth of the tolerance and show what changes.")
     ] = False,
+    cycle: Annotated[
+        Path | None,
+        typer.Option("--cycle", metavar="LOG", help="Follow a recorded cycle: any log with a channel `position`."),
+    ] = None,
     ranges: Annotated[
         bool | None,
         typer.Option(
@@ -54,6 +58,10 @@ def run(
     from vvdp.systems.system import load_system
 
     loaded = load_system(system, settings or (), until)
+    if cycle is not None:
+        from vvdp.logs.cycle import with_cycle
+
+        loaded = with_cycle(loaded, cycle)
     end = loaded.stepping.until
     directory = out if out is not None else default_directory(loaded.name)
     with result_directory(directory, force=force) as folder:

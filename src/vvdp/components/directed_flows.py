@@ -85,4 +85,4 @@ def directed_return(
 
 
 DIRECTED_SOURCE = Component(directed_source, symbol="flow_source")
-DIRECTED_RETURN = Component(directed_return, symbol="proportional_valve")
+DIRECTED_RETURN = Component(directed_return, symbol="directional_valve")

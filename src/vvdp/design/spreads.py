@@ -63,9 +63,7 @@ class Spread:
 
     @property
     def in_closed_forms(self) -> bool:
-        """Whether closed forms know the input and hold over all of its spread; those of the losses need a lap of 1."""
-        if self.setting == "valve.lap_ratio":
-            return self.low >= 1.0
+        """Whether closed forms know the input."""
         return self.setting.startswith(("valve.", "oil.")) or self.setting in OF_SETUP
 
     def quantile(self, share: Any) -> Any:

@@ -67,7 +67,7 @@ VARIABLES: Mapping[str, Variable] = {
         _of_valve("outlet_area", "outlet turbine area", 0.3, 3.2, usual=True),
         _of_valve("radial_clearance", "radial clearance", 0.4, 2.0, usual=True),
         _of_valve("helix_length", "helix length", 0.5, 2.0),
-        _of_valve("lap_ratio", "lap ratio", 1.0, 2.0),
+        _of_valve("lap_ratio", "lap ratio", 0.3, 2.0),
         _of_valve("sections", "nozzle count", 0.6, 2.0),
         _around("relief_pressure", "relief setting", "relief_valve.cracking_pressure", PRESSURE_LEVEL, (0.8, 2.0)),
         _around("inlet_volume", "inlet volume", "inlet.volume", VOLUME, (0.25, 2.0)),

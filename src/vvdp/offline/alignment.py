@@ -11,7 +11,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.offline.edges import NEIGHBOURS, Chosen, Edges, rank_filter
-from vvdp.sensing.wheel import TURN, CodeWheel, mirror_wheel
+from vvdp.sensing.wheel import TURN, CodeWheel, mirror_wheel, sector_widths
 
 CLEAR = 10.0
 """Logarithm of the likelihood ratio from which on the best first edge is found, whatever single stretches say."""
@@ -52,7 +52,7 @@ def alignment(edges: Edges, wheel: CodeWheel) -> Alignment:
     Without an index, or where none shows, the first edge is number 0, or 1 if it falls.
     """
     n = len(wheel.edges)
-    steps = sectors_passed(edges)
+    steps = sectors_passed(edges, gap_in_sectors(wheel))
     numbers = np.concatenate([[0.0], np.cumsum(steps)])
     speed = first_speed(edges.times, numbers, n)
     plain = 1 if edges.polarities[0] < 0.0 else 0
@@ -114,14 +114,22 @@ def first_speed(times: Array, numbers: Array, sectors: int) -> float:
     return float(TURN / sectors * numbers[end] / (times[end] - times[0]))
 
 
-def sectors_passed(edges: Edges, neighbours: int = NEIGHBOURS) -> Array:
+def gap_in_sectors(wheel: CodeWheel) -> float:
+    """How many usual sectors fit into the widest one, as where a tooth was left out; 1 for a wheel of like sectors."""
+    widths = np.array(sector_widths(wheel))
+    found = float(np.round(np.max(widths) / np.median(widths)))
+    return max(found, 1.0)
+
+
+def sectors_passed(edges: Edges, gap: float, neighbours: int = NEIGHBOURS) -> Array:
     """How many sectors lie between each edge and the one before it: as counted, or more where the time and the
-    polarity say that edges are missing. Times that are only known to a part of a sector say nothing, nor do those of a
-    wheel that starts from rest."""
+    polarity say that edges are missing; a time that makes the `gap` of the wheel is one sector. Times that are only
+    known to a part of a sector say nothing, nor do those of a wheel that starts from rest."""
     times = np.diff(edges.times)
     counts = edges.counts[1:]
     usual = usual_steps(times / counts, neighbours)
     many = np.fmax(np.round(times / usual), 1.0)
+    many = np.where(many >= gap, many - gap + 1.0, many)
     signs = edges.polarities[1:] * edges.polarities[:-1]
     wrong = (signs != 0.0) & ((np.mod(many, 2.0) == 0.0) != (signs > 0.0))
     # The neighbour of the right parity, on the side of the time that was measured.

@@ -27,7 +27,7 @@ from vvdp.offline.guess import channels_of_edges
 from vvdp.offline.noise_fit import CLEAR, Explained
 from vvdp.offline.ripple_findings import ripple_findings
 from vvdp.offline.sums import Sums
-from vvdp.offline.wheel_findings import grave, motion_findings, warning, wheel_findings
+from vvdp.offline.wheel_findings import NAMED, grave, motion_findings, warning, wheel_findings
 from vvdp.results.result import Finding, Grade
 from vvdp.sensing.wheel import TURN
 
@@ -47,6 +47,7 @@ def findings(found: dict[str, Any], sums: Sums, wanted: Estimation, log: Log) ->
         *_of_the_course(found, sums, wanted),
         *_of_the_record(sums, wanted),
         *_of_the_source(sums, wanted),
+        *_of_the_pressure(sums),
     ]
     if not clock:
         wheel = list(_of_the_wheel(found, sums, wanted, best))
@@ -189,6 +190,17 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
             words.rpartition("; ")[0] + ".",
             f"The angle may be off by up to {_angle(hidden_angle(step, TURN / sums.sectors))}, and no deviation shows "
             "it. Stamp the edges, interpolate the crossings of a wave, or sample at another rate.",
+        )
+
+
+def _of_the_pressure(sums: Sums) -> Iterator[Finding]:
+    told = [str(each) for each in sums.pressure_record]
+    if told:
+        more = f"; and {len(told) - NAMED} more" if len(told) > NAMED else ""
+        yield warning(
+            "The record of the pressure",
+            f"{'; '.join(told[:NAMED])}{more}.",
+            "Look at the sensor's range and the logger: what was not measured is not in the fold and the duty ratio.",
         )
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.offline.alignment import CLEARLY, sectors_passed, usual_steps
+from vvdp.offline.alignment import CLEARLY, gap_in_sectors, sectors_passed, usual_steps
 from vvdp.offline.edges import Edges, part
 from vvdp.offline.noise_fit import CLEAR, MOST_PLACES, Likelihood, Noise, Passed, fit
 from vvdp.sensing.wheel import TURN, CodeWheel, equal_wheel
@@ -98,7 +98,7 @@ def judge(edges: Edges, wheel: CodeWheel) -> Verdict:
     told = Hypothesis(Sectors.AS_TOLD, wheel.edges, True, 1.0, 1.0)
     if not wheel.has_index or len(wheel.edges) == 2:
         return Verdict(wheel, told._replace(has_index=wheel.has_index))
-    record = _Record.of(steadiest(edges, len(wheel.edges)), len(wheel.edges))
+    record = _Record.of(steadiest(edges, len(wheel.edges)), wheel)
     if record is None:
         return Verdict(wheel, told)
     return record.verdict(tuple(hypotheses(wheel, polarity_known=record.parity != 0.0)), wheel)
@@ -157,12 +157,13 @@ class _Record:
     sectors: int
 
     @classmethod
-    def of(cls, edges: Edges, sectors: int) -> "_Record | None":
+    def of(cls, edges: Edges, wheel: CodeWheel) -> "_Record | None":
         """The stretch; None where it is too short."""
+        sectors, gap = len(wheel.edges), gap_in_sectors(wheel)
         ahead = np.concatenate([[True], np.diff(edges.times) > 0.0])
         if edges.times.size < 3:
             return None
-        numbers = np.concatenate([[0.0], np.cumsum(sectors_passed(edges, FAR_NEIGHBOURS))])[ahead]
+        numbers = np.concatenate([[0.0], np.cumsum(sectors_passed(edges, gap, FAR_NEIGHBOURS))])[ahead]
         if numbers.size < 2 * sectors or sectors > MOST_PLACES or numbers[-1] < FEWEST_TURNS * sectors:
             return None
         known = edges.polarities != 0.0

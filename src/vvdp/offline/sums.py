@@ -10,6 +10,7 @@ from vvdp.offline.edges import Chosen, CountEdges, StampEdges, WaveEdges
 from vvdp.offline.hypotheses import Verdict
 from vvdp.offline.noise_fit import Explained, LongestPieces, Noise, fit_noise
 from vvdp.offline.offline_filter import FilteredRows, OfflineFilter
+from vvdp.offline.record_check import Finding as Fault
 from vvdp.sensing.wheel import TURN
 
 PATTERN = 4096
@@ -92,6 +93,8 @@ class Sums:
     alternating: Moments = field(default_factory=Moments)
     duty_ratio: Moments = field(default_factory=Moments)
     pressure: Moments = field(default_factory=Moments)
+    pressure_record: tuple[Fault, ...] = ()
+    """What is wrong with the record of the pressure."""
     turned: float = 0.0
     pieces: int = 0
     missed: float = 0.0

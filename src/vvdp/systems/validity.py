@@ -55,15 +55,17 @@ def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
         most=HOTTEST,
         otherwise="the data sheet does not tell the viscosity there",
     )
-    node, lowest = lowest_pressure(system, found)
-    yield Bound(
-        label=f"lowest absolute pressure, at {node.replace('_', ' ')}",
-        kind=PRESSURE_DIFFERENCE,
-        low=lowest,
-        high=lowest,
-        least=-float("inf") if system.circuit.network.oil.vapour_pressure > 0.0 else cavitation_pressure(system),
-        otherwise="the oil cavitates, which its law leaves out; oil.vapour_pressure brings it in",
-    )
+    least = -float("inf") if system.circuit.network.oil.vapour_pressure > 0.0 else cavitation_pressure(system)
+    for number, (node, lowest) in enumerate(lowest_pressures(system, found) or [("", float("nan"))]):
+        if number == 0 or lowest < least:
+            yield Bound(
+                label=f"lowest absolute pressure, at {node.replace('_', ' ')}",
+                kind=PRESSURE_DIFFERENCE,
+                low=lowest,
+                high=lowest,
+                least=least,
+                otherwise="the oil cavitates, which its law leaves out; oil.vapour_pressure brings it in",
+            )
     if extras is not None:
         yield from extras.bounds(found)
 
@@ -73,16 +75,20 @@ def broken_bounds(system: System, found: Mapping[str, Any]) -> list[str]:
     return [bound.sentence for bound in bounds(system, found) if not bound.is_kept]
 
 
-def lowest_pressure(system: System, found: Mapping[str, Any]) -> tuple[str, float]:
-    """The node whose pressure fell lowest, prescribed ones included, and that pressure [Pa, absolute]."""
+def lowest_pressures(system: System, found: Mapping[str, Any]) -> list[tuple[str, float]]:
+    """All nodes with oil, prescribed ones included, and how low they fell [Pa, absolute], the lowest first."""
     nodes = system.circuit.network.nodes.items()
-    low = {
-        name: float(found[f"pressure_min_{name}_Pa"]) + node.oil.reference_pressure
+    low = [
+        (name, float(found[f"pressure_min_{name}_Pa"]) + node.oil.reference_pressure)
         for name, node in nodes
         if isinstance(node, HydraulicNode)
-    }
-    name = min(low, key=lambda each: low[each], default="")
-    return name, low.get(name, float("nan"))
+    ]
+    return sorted(low, key=lambda each: each[1])
+
+
+def lowest_pressure(system: System, found: Mapping[str, Any]) -> tuple[str, float]:
+    """The node whose pressure fell lowest, prescribed ones included, and that pressure [Pa, absolute]."""
+    return next(iter(lowest_pressures(system, found)), ("", float("nan")))
 
 
 def cavitation_pressure(system: System) -> float:

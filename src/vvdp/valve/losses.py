@@ -17,18 +17,21 @@ from vvdp.fluid.oil import Oil
 from vvdp.valve.branch import BranchDrops, branch_law, choking_drop, nozzle_resistance, turbulent_drops
 from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import barrier_width, nozzle_width, pitch, transition_fraction
+from vvdp.valve.joined_ports import Ends, joined_ports
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
 
 
 class PortRamp(NamedTuple):
-    """What happens while one port opens or closes: the open fraction below which the relief valve is open, the flow
-    through the port until then and the drop in excess of the fully open valve, both averaged over the ramp.
+    """What happens while one port opens or closes by itself: the open fraction below which the relief valve is open,
+    the flows over it and through the port until then and the drop in excess of the fully open valve, all integrated
+    over the open fraction.
 
-    The flow is counted in parts of the pump flow.
+    Flows are counted in parts of the pump flow.
     """
 
     relief_opening: float  # 1
+    relief_flow: float  # 1
     relieved_port_flow: float  # 1
     excess_drop: float  # Pa
 
@@ -81,7 +84,7 @@ def throttling_power(flow: float, opening: float, density: float, valve: RotaryV
     density  [kg/m^3]
 
     >>> print(round(throttling_power(3e-4, 0.5, 870.0, valve), 2))  # three times what they lose fully open
-    71.07
+    71.08
     """
     is_open = opening > 0.0
     a = select(is_open, opening, 1.0)
@@ -101,40 +104,44 @@ def relief_rise(at: Condition) -> float:
     return settled
 
 
-def port_ramp(port_pressure: float, at: Condition, full_drops: BranchDrops) -> PortRamp:
-    """Averages over the open fraction while one port opens from 0 to 1 [1, 1, Pa].
+def port_ramp(port_pressure: float, at: Condition, full_drops: BranchDrops, joint: float = 0.0) -> PortRamp:
+    """Integrals over the open fraction while one port alone opens, from `joint` to 1 [1, 1, Pa].
 
     With n the nozzle's and r the other drop at full flow, H = P_R - P_S and o the `relief_rise`: the relief valve is
     open below a* = sqrt(n / (H - r)), held at 1. Until then the inlet is at P_R + o (1 - q), so that the port passes
     q = a (sqrt(o^2 a^2 + 4 (H + o) (n + r a^2)) - o a) / (2 (n + r a^2)), and the excess drop is n (1/a* - 2 + a*)
     + int_0^a* (q H + (1 - q) (P_R - P_T) + o (1 - q)) da - a* (n + r). By 16 Gauss points; at o = 0
-    int q da = sqrt(H) (sqrt(n + r a*^2) - sqrt(n)) / r.
+    int q da = sqrt(H) (sqrt(n + r a*^2) - sqrt(n)) / r. With a joint above 0 it takes the place of 0, and of a* where
+    that is smaller.
 
     port_pressure  P_S, absolute [Pa]
     at             with a flow > 0
+    joint          open fraction below which the other port is open as well [1]
     """
     n, r = full_drops.nozzle, full_drops.centre_section + full_drops.outlet_turbine
     H, o = maximum(at.relief_pressure - port_pressure, 0.0), relief_rise(at)
-    end = np.sqrt(n / maximum(H - r, n))
+    relief_opening = np.sqrt(n / maximum(H - r, n))
+    end = maximum(relief_opening, joint)
     passed = relieved = 0.0
     for i in range(16):
-        a = (0.5 + NODES[i]) * end
+        a = joint + (0.5 + NODES[i]) * (end - joint)
         c = n + r * a * a
         # sqrt(o^2 a^2 + 4 (H + o) c) - o a without the cancellation
         q = 2.0 * a * (H + o) / (o * a + np.sqrt(o * o * a * a + 4.0 * (H + o) * c))
-        passed = passed + WEIGHTS[i] * end * q
+        passed = passed + WEIGHTS[i] * (end - joint) * q
         spilled = (1.0 - q) * (at.relief_pressure - at.tank_pressure + o)
-        relieved = relieved + WEIGHTS[i] * end * (q * H + spilled)
-    excess = n * (1.0 / end - 2.0 + end) + relieved - end * (n + r)
-    return PortRamp(end, passed, excess)
+        relieved = relieved + WEIGHTS[i] * (end - joint) * (q * H + spilled)
+    excess = n * (1.0 / end - 2.0 + end) + relieved - (end - joint) * (n + r)
+    return PortRamp(relief_opening, end - joint - passed, passed, excess)
 
 
 def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     """Mean power lost while ports open and close, beyond the loss of the fully open valve, and its flows [W, m^3/s, 1].
 
-    L = (2 d_c / pitch) Q (E_load + E_tank) + 2 max(b - d_c, 0) / pitch Q (P_R + o - P_T - dP_open), E from `port_ramp`,
-    o from `relief_rise`, for a relief valve without lag, constant load pressure and stiff oil. It does not depend on
-    the spool speed, nor on the duty ratio between kappa and 1 - kappa; `range_warnings` tells where it holds.
+    L = (2 d_c / pitch) Q (E_load + E_tank + E_both) + 2 max(b - d_c, 0) / pitch Q (P_R + o - P_T - dP_open), E from
+    `port_ramp` and, for barriers narrower than the nozzles, `joined_ports`; o from `relief_rise`, for a relief valve
+    without lag, constant load pressure and stiff oil. It does not depend on the spool speed, nor on the duty ratio
+    between kappa and 1 - kappa; `range_warnings` tells where it holds.
 
     at  with a flow > 0
 
@@ -144,19 +151,21 @@ def transition_loss(at: Condition, valve: RotaryValve) -> TransitionLoss:
     >>> print(round(transition_loss(at, valve).loss, 1))
     959.8
     """
-    Q, P_T, highest = at.flow, at.tank_pressure, at.relief_pressure + relief_rise(at)
+    Q, P_T, rise = at.flow, at.tank_pressure, relief_rise(at)
     drops = full_open_drop(Q, at.density, valve)
-    load = port_ramp(at.load_pressure, at, drops)
-    tank = port_ramp(P_T, at, drops)
+    n, r = drops.nozzle, drops.centre_section + drops.outlet_turbine
+    joint = maximum(1.0 - valve.lap_ratio, 0.0)
+    load = port_ramp(at.load_pressure, at, drops, joint)
+    tank = port_ramp(P_T, at, drops, joint)
+    over_load = maximum(at.relief_pressure - at.load_pressure, 1.0)
+    both = joined_ports(joint, Ends(over_load, at.relief_pressure - P_T, rise, n, r))
     ramps = 2.0 * nozzle_width(valve) / pitch(valve)
     blocked = 2.0 * maximum(barrier_width(valve) - nozzle_width(valve), 0.0) / pitch(valve)
-    open_drop = drops.nozzle + drops.centre_section + drops.outlet_turbine
-    load_lost = ramps * (load.relief_opening - load.relieved_port_flow)
-    tank_lost = ramps * (tank.relief_opening - tank.relieved_port_flow)
+    highest = at.relief_pressure + rise - P_T - n - r
     return TransitionLoss(
-        loss=Q * (ramps * (load.excess_drop + tank.excess_drop) + blocked * (highest - P_T - open_drop)),
-        load_flow_lost=Q * (load_lost + 0.5 * blocked),
-        relief_flow=Q * (load_lost + tank_lost + blocked),
+        loss=Q * (ramps * (load.excess_drop + tank.excess_drop + both.excess_drop) + blocked * highest),
+        load_flow_lost=Q * (ramps * (load.relief_flow + 0.5 * joint - both.load_flow) + 0.5 * blocked),
+        relief_flow=Q * (ramps * (load.relief_flow + tank.relief_flow + both.relief_flow) + blocked),
         load_relief_opening=load.relief_opening,
         tank_relief_opening=tank.relief_opening,
     )
@@ -250,13 +259,6 @@ def range_warnings(duty_ratio: float, at: Condition, valve: RotaryValve) -> tupl
         found.append(
             f"the relief setting of {1e-5 * setting:.4g} bar does not exceed the {1e-5 * needed:.4g} bar that the load "
             f"and the open valve need over the tank: the relief valve is open even with the load port fully open"
-        )
-    width, barrier = nozzle_width(valve), barrier_width(valve)
-    # 1e-9: zero lap written as a width ratio may round to either side
-    if barrier < width * (1.0 - 1e-9):
-        found.append(
-            f"the barriers ({1e3 * barrier:.3g} mm) are narrower than the nozzles ({1e3 * width:.3g} mm): load and "
-            f"tank are joined for part of every transition, and the analytic transition loss does not hold"
         )
     choking = choking_drop(at.relief_pressure, branch_law(at.density, valve, at.vapour_pressure))
     if valve.pressure_recovery > 0.0 and choking < setting:

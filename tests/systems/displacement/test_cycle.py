@@ -8,9 +8,9 @@ from vvdp.systems.displacement.cycle import (
     OwnCycle,
     Triangle,
     cycle_position,
+    cycle_positions,
     points_of,
     refuse_fast_points,
-    cycle_positions,
 )
 
 TRIANGLE = Triangle(lower_end=0.05, stroke=0.216, stroke_time=4.0)

@@ -25,6 +25,7 @@ from vvdp.systems.displacement.machine_checks import CylinderDuty, working_press
 from vvdp.systems.displacement.machine_power import PARTS, mean_powers, whole_periods
 from vvdp.systems.summary import run_summary
 from vvdp.systems.system import built_system, shipped_systems
+from vvdp.systems.validity import broken_bounds
 
 STOP = 0.9
 """When everything is switched off [s]."""
@@ -151,6 +152,19 @@ def test_whole_periods(stopped):
     assert whole_periods(stopped[1], 0.3, 0.5) == pytest.approx((0.3, 1.3))
     with pytest.raises(ParameterError, match="a whole period from 1 s on takes 8 s"):
         whole_periods(stopped[1], 1.0, 8.0)
+
+
+def test_every_chamber_that_cavitates_is_told(stopped):
+    """Each with its pressure, the lowest first."""
+    system, _ = stopped
+    found = run_summary(*stopped)
+    assert broken_bounds(system, found) == []
+    low = found | {"pressure_min_chamber_a_Pa": -0.8e5, "pressure_min_line_Pa": -0.9e5}
+    told = broken_bounds(system, low)
+    assert [text.partition(":")[0] for text in told] == [
+        "lowest absolute pressure, at line",
+        "lowest absolute pressure, at chamber a",
+    ]
 
 
 @pytest.mark.parametrize("circuit", [GEROTOR, IDEAL])

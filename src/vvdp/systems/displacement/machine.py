@@ -3,7 +3,9 @@
 The functions that return a `Network` are what a system file names as its circuit; their arguments are its tables.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from vvdp.components.axial_drive import ChamberDrive, PilotJoints, add_chamber_drive, add_gerotor_drive
 from vvdp.components.controlled_valves import DUMP_VALVE
@@ -55,9 +57,11 @@ NO_MORE = Load(mass=0.0)
 
 
 @dataclass(frozen=True)
-class ActuatorParts:
-    """What lies between the rotary valve and the load: line, valves, cylinder; a weight and a dump valve if any."""
+class MachineParts:
+    """What all machines have: pump unit and motor, line, valve, cylinder; a weight and a dump valve if any."""
 
+    unit: PumpUnit
+    motor: PumpMotor
     line: Vessel
     directional_valve: ThrottledDirectionalValve
     loaded: LoadedCylinder
@@ -101,9 +105,36 @@ def prescribed_commands(table: PrescribedCommands) -> MachineCommands:
     )
 
 
-def add_machine(
-    net: Network, unit: PumpUnit, parts: ActuatorParts, motor: PumpMotor, commands: MachineCommands, spool: Source
-) -> None:
+def shared_parts(tables: Mapping[str, Any]) -> MachineParts:
+    """What all machines have, from the tables of a system by name."""
+    unit = pump_unit(
+        pump=tables["pump"],
+        inlet=tables["inlet"],
+        relief_valve=tables["relief_valve"],
+        valve=tables["valve"],
+        spool_drive=tables["spool_drive"],
+        check_valve=tables["check_valve"],
+    )
+    loaded = LoadedCylinder(
+        cylinder=tables["cylinder"],
+        chamber_a=tables["chamber_a"],
+        chamber_b=tables["chamber_b"],
+        load=NO_MORE,
+        friction=tables["cylinder_friction"],
+        end_stops=tables["cylinder_stops"],
+    )
+    return MachineParts(
+        unit=unit,
+        motor=tables["motor"],
+        line=tables["line"],
+        directional_valve=tables["directional_valve"],
+        loaded=loaded,
+        weight=tables["weight"],
+        dump_valve=tables["dump_valve"],
+    )
+
+
+def add_machine(net: Network, parts: MachineParts, commands: MachineCommands, spool: Source) -> None:
     """Add everything but the axial drive; `spool` is the path of the position that it gives the spool.
 
     The nodes are `line`, `chamber_a`, `chamber_b` and `rod` beside those of a pump unit, the components `pump_motor`,
@@ -112,7 +143,7 @@ def add_machine(
     values = net.values
     operation: MachineOperation = values["operation"]  # type: ignore[assignment]
     net.volume("line", parts.line, start="initial.line_pressure")
-    net.add("pump_motor", PUMP_MOTOR, motor, command=commands.pump, rated_speed=operation.pump_speed)
+    net.add("pump_motor", PUMP_MOTOR, parts.motor, command=commands.pump, rated_speed=operation.pump_speed)
     joints = UnitJoints(
         tank="tank",
         load="line",
@@ -121,11 +152,11 @@ def add_machine(
         spool_motor_speed=operation.spool_motor_speed,
         cavitation_pressure=Connection(cavitation_limit, (values["limits"],)),
     )
-    add_pump_unit(net, unit, joints)
+    add_pump_unit(net, parts.unit, joints)
     net.add(
         "transition_meter",
         TRANSITION_METER,
-        unit.valve,
+        parts.unit.valve,
         inlet="inlet",
         to_load="valve.load_flow",
         to_tank="valve.tank_flow",
@@ -138,10 +169,8 @@ def add_machine(
         net.add("dump_valve", DUMP_VALVE, parts.dump_valve, a="line", b="tank", command=commands.dump)
 
 
-def add_actuator(
-    net: Network, parts: ActuatorParts, commands: MachineCommands, operation: MachineOperation, supply: str = "line"
-) -> None:
-    """Add directional valve, cylinder and load between a `supply` and the tank, with the meters of their powers."""
+def add_actuator(net: Network, parts: MachineParts, commands: MachineCommands, operation: MachineOperation) -> None:
+    """Add directional valve, cylinder and load between line and tank, with the meters of their powers."""
     refuse_stops(parts.loaded.cylinder, parts.loaded.end_stops)
     add_cylinder(net, parts.loaded, operation.load_force, "initial.cylinder_position")
     if parts.weight is not None:
@@ -150,7 +179,7 @@ def add_actuator(
         "directional_valve",
         THROTTLED_DIRECTIONAL_VALVE,
         parts.directional_valve,
-        pressure=supply,
+        pressure="line",
         tank="tank",
         a="chamber_a",
         b="chamber_b",
@@ -211,28 +240,7 @@ def displacement_control(
     prescribed: PrescribedCommands | None = None,
 ) -> Network:
     """The machine whose spool a chamber moves against a spring."""
-    unit = pump_unit(
-        pump=pump,
-        inlet=inlet,
-        relief_valve=relief_valve,
-        valve=valve,
-        spool_drive=spool_drive,
-        check_valve=check_valve,
-    )
-    actuator = ActuatorParts(
-        line=line,
-        directional_valve=directional_valve,
-        loaded=LoadedCylinder(
-            cylinder=cylinder,
-            chamber_a=chamber_a,
-            chamber_b=chamber_b,
-            load=NO_MORE,
-            friction=cylinder_friction,
-            end_stops=cylinder_stops,
-        ),
-        weight=weight,
-        dump_valve=dump_valve,
-    )
+    tables = locals()
     axial = ChamberDrive(
         piston=axial_piston,
         spring=axial_spring,
@@ -247,7 +255,7 @@ def displacement_control(
     net = new_machine(oil, operation, initial, limits, pilot)
     commands = prescribed_commands(prescribed) if prescribed is not None else led_commands(OUTER)
     spool = add_chamber_drive(net, axial, PilotJoints(pilot.supply_pressure, pilot.tank_pressure, commands.drive))
-    add_machine(net, unit, actuator, motor, commands, spool)
+    add_machine(net, shared_parts(tables), commands, spool)
     return net
 
 
@@ -277,32 +285,11 @@ def displacement_control_gerotor(
     prescribed: PrescribedCommands | None = None,
 ) -> Network:
     """The same with a gerotor pump that moves the spool, and a dump valve that empties the line when all is off."""
-    unit = pump_unit(
-        pump=pump,
-        inlet=inlet,
-        relief_valve=relief_valve,
-        valve=valve,
-        spool_drive=spool_drive,
-        check_valve=check_valve,
-    )
-    actuator = ActuatorParts(
-        line=line,
-        directional_valve=directional_valve,
-        loaded=LoadedCylinder(
-            cylinder=cylinder,
-            chamber_a=chamber_a,
-            chamber_b=chamber_b,
-            load=NO_MORE,
-            friction=cylinder_friction,
-            end_stops=cylinder_stops,
-        ),
-        weight=weight,
-        dump_valve=dump_valve,
-    )
+    tables = locals()
     net = new_machine(oil, operation, initial, limits)
     commands = prescribed_commands(prescribed) if prescribed is not None else led_commands(OUTER)
     spool = add_gerotor_drive(net, gerotor, characteristic, commands.drive, initial.axial_position)
-    add_machine(net, unit, actuator, motor, commands, spool)
+    add_machine(net, shared_parts(tables), commands, spool)
     return net
 
 
@@ -331,31 +318,10 @@ def displacement_control_ideal(
     prescribed: PrescribedCommands | None = None,
 ) -> Network:
     """The same with a spool that follows the wanted position with a lag, to tell what an axial drive costs."""
-    unit = pump_unit(
-        pump=pump,
-        inlet=inlet,
-        relief_valve=relief_valve,
-        valve=valve,
-        spool_drive=spool_drive,
-        check_valve=check_valve,
-    )
-    actuator = ActuatorParts(
-        line=line,
-        directional_valve=directional_valve,
-        loaded=LoadedCylinder(
-            cylinder=cylinder,
-            chamber_a=chamber_a,
-            chamber_b=chamber_b,
-            load=NO_MORE,
-            friction=cylinder_friction,
-            end_stops=cylinder_stops,
-        ),
-        weight=weight,
-        dump_valve=dump_valve,
-    )
+    tables = locals()
     net = new_machine(oil, operation, initial, limits)
     commands = prescribed_commands(prescribed) if prescribed is not None else led_commands(OUTER)
     state = LaggingState(initial.axial_position)
     net.add("spool_drive", LAGGING_DRIVE, axial_drive, start=state, wanted=commands.spool_position)
-    add_machine(net, unit, actuator, motor, commands, "spool_drive.position")
+    add_machine(net, shared_parts(tables), commands, "spool_drive.position")
     return net

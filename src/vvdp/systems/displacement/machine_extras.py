@@ -71,12 +71,13 @@ class MachineExtras(Extras):
         reference = self.tables["oil"].reference_pressure
         chambers = [found[f"pressure_min_{name}_Pa"] for name in ("chamber_a", "chamber_b")]
         peaks = [found[f"pressure_max_{name}_Pa"] for name in ("chamber_a", "chamber_b", "line")]
+        turned = tally.turned / tally.time if tally.time > 0.0 else np.nan
         return numbers | {
             **tracking_numbers(tally.tracking),
             "control_begin_s": tally.tracking.begin,
             "pressure_min_Pa": min(*chambers, tally.lowest - reference),
             "pressure_max_Pa": max(peaks),
-            "pwm_frequency_Hz": self.tables["valve"].sections * tally.turned / (2.0 * np.pi * tally.time),
+            "pwm_frequency_Hz": self.tables["valve"].sections * turned / (2.0 * np.pi),
             "flow_map_gain": tally.map_gain,
         }
 

@@ -54,6 +54,7 @@ WATCHED = (
     "spool does not turn",
     "pump has lost its speed",
     "spool position and chamber pressure disagree",
+    "pressure sensor jumps",
 )
 """What is watched, in the order of the numbers of alarms, from 1 on."""
 
@@ -72,15 +73,16 @@ class Supervision(Params):
     lowest_pressure: Pressure = 0.5e5
     highest_pressure: Pressure = 150e5
     repeats: Count = 20.0
-    position_jump: Length = 1e-3
+    position_jump: Length = 2e-3
+    pressure_jump: PressureDifference = 7e5
     line_difference: PressureDifference = 2e5
-    return_difference: Flow = 1e-5
+    return_difference: Flow = 2.5 / 6e4
     return_share: Fraction = 0.1
     settle_time: Time = 0.1
-    averaging_time: Time = 0.03
-    optical_jump: Length = 1.2e-3
-    spring_difference: Length = 2e-3
-    spool_error: Length = 2e-3
+    averaging_time: Time = 0.06
+    optical_jump: Length = 1.8e-3
+    spring_difference: Length = 3e-3
+    spool_error: Length = 0.6e-3
     lowest_spool_speed: Speed = 40.0
     lowest_pump_share: Fraction = 0.95
     brief_time: Time = 2.5e-3
@@ -88,7 +90,15 @@ class Supervision(Params):
 
     def check(self) -> None:
         limits = (
-            *("repeats", "position_jump", "line_difference", "return_difference", "averaging_time", "optical_jump"),
+            *(
+                "repeats",
+                "position_jump",
+                "pressure_jump",
+                "line_difference",
+                "return_difference",
+                "averaging_time",
+                "optical_jump",
+            ),
             *("spring_difference", "spool_error", "lowest_spool_speed", "lowest_pump_share"),
         )
         for name in limits:
@@ -226,23 +236,24 @@ def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervis
     line_off = memory.line_off + share * (off.line - memory.line_off)
     flow_off = memory.flow_off + share * (off.flow - memory.flow_off)
     spring_off = memory.spring_off + share * (spring_difference(sight, settings.spring) - memory.spring_off)
-    residuals = sensor_residuals(sight, memory.repeated.last[4], repeated.repeats, settings)
+    residuals = sensor_residuals(sight, memory.repeated.last, repeated.repeats, settings)
     residuals[6] = abs(line_off) / limits.line_difference
     residuals[7] = abs(flow_off) / (limits.return_difference + limits.return_share * off.swept)
     residuals[12] = abs(spring_off) / limits.spring_difference
-    if sight.watched * settings.watches == 0.0:
+    if sight.watched * settings.watches == 0.0:  # at rest a reading may stay the same, and the stop holds the spool
         residuals[:] = 0.0
+        repeated, spring_off = RepeatMemory(repeated.last, np.zeros(len(readings))), 0.0
     brief, long = limits.brief_time, limits.patience
-    patience = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, 0.0, long, brief, brief, long)
+    patience = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, 0.0, long, brief, brief, long, 0.0)
     told = alarm_step(memory.alarm, sight.time, residuals, patience, settings.sample_period)
     return SupervisionMemory(told, repeated, sight.direction, since, sight.slow, line_off, flow_off, spring_off)
 
 
-def sensor_residuals(sight: MachineSight, measured: float, repeats: Array, settings: Supervised) -> Array:
+def sensor_residuals(sight: MachineSight, last: Array, repeats: Array, settings: Supervised) -> Array:
     """All residuals over their limits, the mean ones left at 0, in the order of `WATCHED`.
 
-    measured  by the optical sensor a sample before [m]
-    repeats   of the readings [1]
+    last     readings a sample before [SI]
+    repeats  of the readings [1]
     """
     limits, cylinder, fast = settings.limits, settings.cylinder, sight.fast
     found = np.zeros(len(WATCHED))
@@ -256,9 +267,11 @@ def sensor_residuals(sight: MachineSight, measured: float, repeats: Array, setti
     found[3] = maximum(np.max(repeats[1:4]), repeats[5]) / limits.repeats
     found[4] = repeats[4] / limits.repeats
     found[5] = abs(sight.position - sight.expected) / limits.position_jump
-    found[8] = abs(sight.spool_measured - measured) / limits.optical_jump
+    found[8] = abs(sight.spool_measured - last[4]) / limits.optical_jump
     found[9] = abs(sight.spool_position - sight.spool_reference) / limits.spool_error
     found[10] = limits.lowest_spool_speed / maximum(abs(sight.spool_speed), 1e-9)
+    changes = (fast.pressure_a - last[1], fast.pressure_b - last[2], fast.line_pressure - last[3])
+    found[13] = max(max(changes), -min(changes)) / limits.pressure_jump
     rated = signal_value(sight.time, settings.pump_speed)
     found[11] = limits.lowest_pump_share * rated / maximum(sight.pump_speed, 1e-9)
     return found

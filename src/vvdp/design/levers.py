@@ -1,0 +1,200 @@
+"""What lowers the loss of a valve's transitions: each lever at its best in closed form, and simulated."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.design.optimise import optimise
+from vvdp.design.problem import Bound, Limit, Point, Problem
+from vvdp.design.quantities import Quantities, Setup, quantities, setup, switching_condition
+from vvdp.design.variables import VARIABLES, value_in, with_variables
+from vvdp.simulation.link import quiet
+from vvdp.simulation.values import names
+from vvdp.steady.steady_states import Steady, steady_states
+from vvdp.steady.test_stand import STIFF_COUPLING, Stand, stand
+from vvdp.systems.bench import rotary_bench
+from vvdp.systems.system import System
+from vvdp.valve.losses import range_warnings
+from vvdp.valve.torque import pwm_frequency
+
+LOAD_SHARES = (0.4, 0.6, 0.8)
+"""Load pressures, over the relief setting."""
+STARTS = 5
+"""Random starts of each optimum."""
+ROUNDS = 2
+"""Times that a valve and the relief settings it works with are found in turn."""
+STIFF = {"liquid_bulk_modulus": 1e12, "air_fraction": 0.0}
+"""Oil as the closed forms take it."""
+SIZES = ("spool_radius", "nozzle_area", "outlet_area")
+
+
+class Lever(NamedTuple):
+    """Something to be changed: variables of the valve, whether the relief setting follows the load, whether a motor
+    turns the spool at the PWM frequency that the valve had."""
+
+    name: str
+    variables: tuple[str, ...] = ()
+    follows: bool = False
+    is_driven: bool = False
+
+
+LEVERS = (
+    Lever("as it is"),
+    Lever("underlap", ("lap_ratio",)),
+    Lever("relief setting follows the load", follows=True),
+    Lever("spool and areas", SIZES),
+    Lever("driven spool, radius and areas", SIZES, is_driven=True),
+    Lever("underlap, relief setting follows", ("lap_ratio",), follows=True),
+    Lever("underlap, spool and areas", ("lap_ratio", *SIZES)),
+    Lever("all of them", ("lap_ratio", *SIZES), follows=True, is_driven=True),
+)
+
+
+@dataclass(frozen=True)
+class Pulled:
+    """A lever at its best: variables [SI], and at each load the closed form, what is simulated in stiff oil and in the
+    oil as it is."""
+
+    lever: Lever
+    values: Mapping[str, float]
+    points: tuple[Setup, ...]
+    closed: tuple[Quantities, ...]
+    stiff: tuple[Steady, ...] = ()
+    real: tuple[Steady, ...] = ()
+
+
+def levers(
+    system: System,
+    *,
+    simulated: bool = True,
+    cores: int | None = None,
+    cache: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    say: Callable[[str], None] = quiet,
+) -> tuple[Pulled, ...]:
+    """Every lever of `LEVERS` at its least mean loss over `LOAD_SHARES`, and its periodic states at each load.
+
+    The PWM frequency of the open valve is at least what it was. Raises ParameterError where the closed form of the
+    transition loss does not hold for the system as it is.
+    """
+    points = _points(system)
+    for at in points:
+        if told := range_warnings(at.duty_ratio, switching_condition(at), at.valve):
+            raise ParameterError(f"{system.name}: {told[0]}")
+    found = []
+    for lever in LEVERS:
+        found.append(_best(system, lever, points))
+        if progress:
+            progress(len(found), len(LEVERS))
+    return _simulate(stand(system, "design levers"), found, cores, cache, say) if simulated else tuple(found)
+
+
+def valve_loss(q: Quantities) -> float:
+    """What valve, relief valve and the spool's motor lose, without compression [W]."""
+    return float(q.loss_full_open + q.loss_transition + q.loss_leakage + q.spool_drive_power)
+
+
+def limit_loss(q: Quantities) -> float:
+    """What is left of it with transitions that lose nothing [W]."""
+    return float(q.loss_full_open + q.loss_leakage + q.spool_drive_power)
+
+
+def simulated_loss(state: Steady) -> float:
+    """The same of a periodic state [W]; nan where there is none."""
+    s = state.summary
+    keys = ("loss_full_open_W", "loss_transition_W", "loss_valve_leakage_W", "spool_motor_power_W")
+    return float(sum(s.get(key, np.nan) for key in keys))
+
+
+def _points(system: System) -> tuple[Setup, ...]:
+    """The system at each of the loads."""
+    bench, here = rotary_bench(system, "design levers"), setup(system)
+    rise = here.relief_pressure - here.tank_pressure
+    loads = [float(here.tank_pressure + share * rise) for share in LOAD_SHARES]
+    return tuple(here._replace(load_pressure=p, flow=bench.delivered_flow(p)) for p in loads)
+
+
+def _best(system: System, lever: Lever, points: Sequence[Setup]) -> Pulled:
+    """The lever at its best in closed form."""
+    frequency = float(np.mean([quantities(at).pwm_frequency for at in points]))
+    taken, values = list(points), dict[str, float]()
+    if lever.is_driven:
+        speed = 2.0 * np.pi * frequency / points[0].valve.sections
+        taken = [at._replace(coupling=STIFF_COUPLING, spool_motor_speed=speed) for at in taken]
+    for _ in range(ROUNDS if lever.follows and lever.variables else 1):
+        if lever.follows:
+            taken = [_with_best_relief(system, at, values) for at in taken]
+        if lever.variables:
+            values = _solve(system, taken, [_bound(name, points[0]) for name in lever.variables], frequency)
+    closed = tuple(quantities(with_variables(at, values)) for at in taken)
+    return Pulled(lever, values, tuple(taken), tuple(_plain(q) for q in closed))
+
+
+def _plain(q: Quantities) -> Quantities:
+    return Quantities(*map(float, q))
+
+
+def _bound(name: str, at: Setup) -> Bound:
+    variable, now = VARIABLES[name], value_in(at, name)
+    return Bound(variable, variable.lowest * now, variable.highest * now)
+
+
+def _with_best_relief(system: System, at: Setup, values: Mapping[str, float]) -> Setup:
+    """A load with the relief setting that loses least there, which opens with no port fully open."""
+    here = with_variables(at, values)
+    open_drop = float(quantities(here).pressure_drop_total)
+    low, high = at.load_pressure + open_drop, 2.0 * at.load_pressure + 4.0 * open_drop
+    found = _solve(system, [here], [Bound(VARIABLES["relief_pressure"], low, high)], 0.0)
+    return at._replace(relief_pressure=found["relief_pressure"])
+
+
+def _solve(system: System, points: Sequence[Setup], bounds: Sequence[Bound], frequency: float) -> dict[str, float]:
+    """The values of least mean loss; transitions as long as the duty ratio lets both ports open fully."""
+    duty = float(points[0].duty_ratio)
+    limits = [Limit("transition_fraction", at_least=False, value=min(duty, 1.0 - duty))]
+    if frequency > 0.0:
+        limits.append(Limit("pwm_frequency", at_least=True, value=frequency, over_the_points=True))
+    asked = Problem(
+        system=system,
+        objective="loss_total",
+        limits=tuple(limits),
+        bounds=tuple(bounds),
+        points=tuple(Point(1.0, system, at) for at in points),
+    )
+    return dict(optimise(asked, starts=STARTS, globally=False).values)
+
+
+def _simulate(
+    held: Stand, found: Sequence[Pulled], cores: int | None, cache: Path | None, say: Callable[[str], None]
+) -> tuple[Pulled, ...]:
+    """The same with the periodic states of every lever at every load, in stiff oil and in the oil as it is."""
+    pairs = []
+    for oil in (STIFF, {}):
+        for each in found:
+            for at in each.points:
+                point = held.set_point._replace(load_pressure=at.load_pressure)
+                pairs.append((_changed_stand(held, each, at, oil), point))
+    states = steady_states(pairs, cores=cores, cache=cache, say=say)
+    size, half = len(LOAD_SHARES), len(states) // 2
+    parts = [tuple(states[k : k + size]) for k in range(0, len(states), size)]
+    count = half // size
+    return tuple(
+        replace(each, stiff=stiff, real=real)
+        for each, stiff, real in zip(found, parts[:count], parts[count:], strict=True)
+    )
+
+
+def _changed_stand(held: Stand, each: Pulled, at: Setup, oil: Mapping[str, float]) -> Stand:
+    valve, changed = held.bench.valve, with_variables(at, each.values).valve
+    tables = {
+        "valve": {
+            name: getattr(changed, name) for name in names(valve) if getattr(changed, name) != getattr(valve, name)
+        },
+        "relief_valve": {"cracking_pressure": float(at.relief_pressure)},
+    }
+    made = held.with_tables(**{name: table for name, table in {**tables, "oil": oil}.items() if table})
+    return made.with_motor(float(pwm_frequency(at.spool_motor_speed, valve))) if each.lever.is_driven else made
