@@ -236,6 +236,12 @@ def test_what_a_drawn_file_does_not_say_is_refused():
             system_of(with_faults(DRAWN, own={"value": path, "becomes": "1"}))
 
 
+def test_a_fault_that_would_hide_another_is_refused():
+    twice = {name: {"sensor": "axial.watch", "missed": share} for name, share in (("one", "20 %"), ("two", "50 %"))}
+    with pytest.raises(ConfigError, match=r"faults\.two: does the same to the same thing as 'one'"):
+        system_of(with_faults(SHORT, **twice))
+
+
 def test_a_taken_name_is_refused():
     with pytest.raises(ConfigError, match="the name 'spool' is taken"):
         system_of(with_faults(SHORT, spool={"jams": "spool", "torque": "1 N*m"}))

@@ -44,20 +44,20 @@ class WrittenProgram:
     @property
     def _instruments(self) -> dict[str, Instrument]:
         """All instruments, before the step and behind it, by what they are called in its memory."""
-        sensors = {f"{name}_sensor": sensor for name, sensor in self.part.sensors.items()}
-        return sensors | {f"{name}_actuator": actuator for name, actuator in self.part.actuators.items()}
+        before, behind = self.part.sensors, self.part.actuators
+        return {f"{n}_sensor": before[n] for n in before} | {f"{n}_actuator": behind[n] for n in behind}
 
     @cached_property
     def memory(self) -> type:
         """The NamedTuple of what step and instruments remember: the step's own fields first."""
-        if twice := self._instruments.keys() & set(names(self._kept)):
+        if twice := self._instruments.keys() & set(names(self._own_memory)):
             raise NetworkError(f"{self.name}: its memory has a field {min(twice)!r}, as that of an instrument")
-        own = get_type_hints(self._kept, include_extras=True)
+        own = get_type_hints(self._own_memory, include_extras=True)
         hints = {**own, **dict.fromkeys(self._instruments, InstrumentMemory)}
         return named_tuple(f"{self.name.title().replace('_', '')}Memory", hints)
 
     @cached_property
-    def _kept(self) -> type:
+    def _own_memory(self) -> type:
         """The NamedTuple of what the step itself remembers."""
         return type(self.part.type.start(self.part.settings))
 
@@ -78,34 +78,18 @@ class WrittenProgram:
         memory, reading = self.text.use(self.memory), self.text.use(self.part.type.reading)
         lines = [f"{n}_sensor, {n} = {instrument}(m.{n}_sensor, t, r.{n}, z.{n}_sensor)" for n in self.part.sensors]
         fields = ", ".join(f"{n}={n if n in self.part.sensors else f'r.{n}'}" for n in self.part.reads)
-        own = self._kept_text("m")
+        own = f"{self.text.use(self._own_memory)}({', '.join(f'm.{n}' for n in names(self._own_memory))})"
         lines.append(f"program, command = {step}(t, {own}, {reading}({fields}), z.program)")
         if self.part.actuators:
-            lines += self._acting_lines(instrument)
-        after = [*(f"program.{n}" for n in names(self._kept)), *self._instruments]
+            lines += acting_lines(self.part, self.text.use(type(self.part.type.command)), instrument)
+        after = [*(f"program.{n}" for n in names(self._own_memory)), *self._instruments]
         lines.append(f"return {memory}({', '.join(after)}), command")
-        starts = [*(f"program.{n}" for n in names(self._kept)), *(f"{begin}(z.{n})" for n in self._instruments)]
+        starts = [*(f"program.{n}" for n in names(self._own_memory)), *(f"{begin}(z.{n})" for n in self._instruments)]
+        made = f"{memory}({', '.join(starts)})"
         return [
             [f"def step_{self.name}(t, m, r, z):", *(f"    {line}" for line in lines)],
-            [
-                f"def begin_{self.name}(z):",
-                f"    program = {start}(z.program)",
-                f"    return {memory}({', '.join(starts)})",
-            ],
+            [f"def begin_{self.name}(z):", f"    program = {start}(z.program)", f"    return {made}"],
         ]
-
-    def _kept_text(self, memory: str) -> str:
-        """What the step itself remembers, out of a memory."""
-        return f"{self.text.use(self._kept)}({', '.join(f'{memory}.{n}' for n in names(self._kept))})"
-
-    def _acting_lines(self, instrument: str) -> list[str]:
-        """Lines that take fields of the command through what stands behind the program."""
-        acting, kind = self.part.actuators, type(self.part.type.command)
-        calls = [
-            f"{n}_actuator, {n}_act = {instrument}(m.{n}_actuator, t, command.{n}, z.{n}_actuator)" for n in acting
-        ]
-        fields = {n: f"{n}_act" if n in acting else f"command.{n}" for n in names(kind)}
-        return [*calls, f"command = {self.text.use(kind)}(", *(f"    {n}={text}," for n, text in fields.items()), ")"]
 
     def assemble(self, module: types.ModuleType) -> Program:
         """The program as the model takes it, from the module that its text has become."""
@@ -130,3 +114,15 @@ class WrittenProgram:
             raise NetworkError(f"{self.name} reads {path!r}, which no sensor measures")
         check_unit(f"{self.name}.{field}", field_kinds(self.part.type.reading)[field], path, found.kind)
         return found.recorded
+
+
+def acting_lines(part: ProgramPart, command: str, instrument: str) -> list[str]:
+    """Lines that take fields of a program's command through what stands behind it.
+
+    command     name of the command's class in the text
+    instrument  name of the step of an instrument there
+    """
+    acting = part.actuators
+    calls = [f"{n}_actuator, {n}_act = {instrument}(m.{n}_actuator, t, command.{n}, z.{n}_actuator)" for n in acting]
+    fields = {n: f"{n}_act" if n in acting else f"command.{n}" for n in names(part.type.command)}
+    return [*calls, f"command = {command}(", *(f"    {n}={text}," for n, text in fields.items()), ")"]

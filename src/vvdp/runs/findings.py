@@ -77,13 +77,7 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             remedy="Do not use these numbers. Look for a value with the wrong sign or unit.",
         )
     yield from _range_warnings(run)
-    for fault in run.system.faults:
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Fault",
-            text=f"{fault.sentence[:1].upper()}{fault.sentence[1:]}.",
-            remedy="The file says so in its table [faults]; the numbers are those of the machine with it.",
-        )
+    yield from _fault_warnings(run)
     for sentence in travel_warnings(run.system):
         yield Finding(
             grade=Grade.WARNING,
@@ -93,6 +87,16 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
         )
     if not run.has("settled") and (run.system.extras is not None or not run.varies):
         yield _settling_warning(run)
+
+
+def _fault_warnings(run: RecordedRun) -> Iterator[Finding]:
+    for fault in run.system.faults:
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Fault",
+            text=f"{fault.sentence[:1].upper()}{fault.sentence[1:]}.",
+            remedy="The file says so in its table [faults]; the numbers are those of the machine with it.",
+        )
 
 
 def _range_warnings(run: RecordedRun) -> Iterator[Finding]:

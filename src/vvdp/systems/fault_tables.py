@@ -14,7 +14,7 @@ shaft or rod that `jams = "spool"` needs the `torque` or `force` of the friction
 Source  ours, docs/models/faults.md, where a function names no other.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, get_type_hints
 
 from vvdp.base.display import value_text
@@ -69,7 +69,9 @@ class FaultReader:
             self._tell(FAULTS, f"{given!r} is not a table")
             return ()
         found = ((name, self._fault(name, part)) for name, part in given.items())
-        return tuple(NamedFault(name, fault) for name, fault in found if fault is not None)
+        faults = tuple(NamedFault(name, fault) for name, fault in found if fault is not None)
+        self.wrong += _overlaps(faults, self.origin)
+        return faults
 
     def _tell(self, path: str, message: str) -> None:
         self.wrong.append(fault_at(self.origin, path, message))
@@ -87,8 +89,6 @@ class FaultReader:
             return self._read(name, rest, window)
         except _Unreadable as problem:
             self._tell(f"{path}.{problem.key}" if problem.key else path, str(problem))
-        except ParameterError as problem:
-            self._tell(path, str(problem))
         return None
 
     def _window(self, path: str, part: Mapping[str, Any]) -> Window | None:
@@ -112,66 +112,22 @@ class FaultReader:
     def _read(self, name: str, part: Mapping[str, Any], window: Window) -> AnyFault | None:
         match part:
             case {"sensor": str(where), **rest}:
-                return self._sensor(where, rest, window)
+                return _sensor(self.network, where, rest, window)
             case {"actuator": str(where), **rest}:
-                return self._actuator(where, rest, window)
+                return _actuator(self.network, where, rest, window)
             case {"jams": str(node), **rest}:
-                return self._jam(name, node, rest, window)
+                return _jam(self.network, name, node, rest, window)
             case {"value": str(where), "becomes": entry, **rest} if not rest:
                 return self._value(name, where, entry, window)
-        raise _Unreadable("", f"{', '.join(part) or 'nothing'} given; expected one of {', '.join(WHAT)} in quotes, and "
-                          "what happens to it (a value: becomes)")  # fmt: skip
-
-    def _program(self, key: str, where: str) -> tuple[str, str, ProgramType]:
-        """Program, rest of the path, and type."""
-        name, _, rest = where.partition(".")
-        programs = self.network.programs
-        if name not in programs:
-            raise _Unreadable(key, f"{where!r}: no program {name!r}{_expected(name, list(programs), 'program')}")
-        return name, rest, programs[name].type
-
-    def _sensor(self, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
-        name, path, kind = self._program("sensor", where)
-        measured = field_kinds(kind.reading)
-        if path in measured:
-            return ReadingFault(name, path, _disturbance(rest, measured[path], "frozen"), window)
-        found = list(devices(self.network.programs[name].settings))
-        met = [each for each in found if not path or each[0] == path or each[0].startswith(f"{path}.")]
-        if len(met) != 1:
-            several = f"; it has {', '.join(each[0] for each in met)}" if met else ""
-            known = [*measured, *(each[0] for each in found)]
-            raise _Unreadable("sensor", f"{where!r} is no sensor of {name}{several or nearest(path, known)}")
-        place, device, unit = met[0]
-        if isinstance(device, Encoder):
-            return MissedEdges(name, place, _missed_share(rest), window)
-        return InstrumentFault(name, place, _disturbance(rest, unit, "frozen", has_range=True), window)
-
-    def _actuator(self, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
-        name, path, kind = self._program("actuator", where)
-        commanded = field_kinds(type(kind.command))
-        if path not in commanded:
-            raise _Unreadable("actuator", f"{name} commands no {path!r}{nearest(path, list(commanded))}")
-        return CommandFault(name, path, _disturbance(rest, commanded[path], "stuck"), window)
-
-    def _jam(self, name: str, node: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
-        movers = [each for each, held in self.network.nodes.items() if isinstance(held, Shaft | Rod)]
-        if node not in movers:
-            raise _Unreadable("jams", f"{node!r}{_expected(node, movers, 'shaft or rod that moves freely')}")
-        turns = isinstance(self.network.nodes[node], Shaft)
-        key, kind = ("torque", FRICTION_TORQUE) if turns else ("force", FRICTION_FORCE)
-        if set(rest) != {key}:
-            given = ", ".join(rest) or "nothing"
-            raise _Unreadable("", f"{given} given beside jams; expected the friction: {key} = {kind.example!r}")
-        friction = _parse(key, rest[key], kind)
-        words = f"{value_text(friction, kind)} of dry friction hold {node}"
-        return Jam(name, node, friction, words, window)
+        given = ", ".join(part) or "nothing"
+        raise _Unreadable("", f"{given} given; expected one of {', '.join(WHAT)} in quotes, and what happens to it")
 
     def _value(self, name: str, where: str, entry: Any, window: Window) -> OtherSignal | OtherValue | None:
         table, _, key = where.rpartition(".")
         plain = entry["value"] if isinstance(entry, Mapping) and "value" in entry else entry
         words = f"{where} is {plain}"
         if self.tables is None:
-            return OtherValue(where, 0.0, self._entry(where, entry, window), words, window)
+            return OtherValue(where, 0.0, _entry(self.origin, where, entry, window), words, window)
         if table not in self.tables:
             raise _Unreadable("value", f"{where!r}: no table {table!r}{nearest(table, list(self.tables))}")
         values = self.tables[table]
@@ -187,29 +143,8 @@ class FaultReader:
         if found is None:
             return None
         value = getattr(found, "becomes")  # noqa: B009
-        if not changes and window != Window():
-            raise _Unreadable("value", f"{where} cannot change during a run; leave out begin and end, so that it is "
-                              "another one all the time")  # fmt: skip
-        if changes and not getattr(values, key).is_constant:
-            raise _Unreadable("value", f"{where} changes already; expected a constant")
+        _refuse_course(where, getattr(values, key), window)
         return OtherSignal(where, value, words, window) if changes else OtherValue(where, value, plain, words, window)
-
-    def _entry(self, where: str, entry: Any, window: Window) -> Any:
-        """What stands in the place of a value in a file that draws its network."""
-        before: Any = self.origin.content
-        for word in where.split("."):
-            before = before.get(word) if isinstance(before, Mapping) else None
-        if before is None or where.partition(".")[0] not in VALUES:
-            known = [key for key in self.origin.lines if key.partition(".")[0] in VALUES and "." in key]
-            raise _Unreadable("value", f"{where!r} does not stand in the file{nearest(where, known)}")
-        if window == Window():
-            return entry
-        plain = before.get("value") if isinstance(before, Mapping) else before
-        if not isinstance(plain, str) or not isinstance(entry, str):
-            raise _Unreadable("value", f"{where} changes already; expected a constant for a fault that begins and ends")
-        times = [f"{t!r} s" for t in (window.begin, window.begin, window.end, window.end)]
-        points = zip(times, (plain, entry, entry, plain), strict=True)
-        return {"table": [list(point) for point in points][: 4 if window.end < FOR_GOOD else 3]}
 
 
 class _Unreadable(ParameterError):
@@ -218,6 +153,104 @@ class _Unreadable(ParameterError):
     def __init__(self, key: str, message: str) -> None:
         super().__init__(message)
         self.key = key
+
+
+def _overlaps(faults: Sequence[NamedFault], origin: Table) -> Iterator[Fault]:
+    """What is wrong where two faults do the same to the same thing: the second would hide the first."""
+    seen: dict[Any, str] = {}
+    for each in faults:
+        if (first := seen.setdefault(_target(each.fault), each.name)) != each.name:
+            yield fault_at(origin, f"{FAULTS}.{each.name}", f"does the same to the same thing as {first!r}")
+
+
+def _target(fault: AnyFault) -> Any:
+    """What a fault befalls, and how."""
+    match fault:
+        case Jam():
+            return fault.name
+        case MissedEdges():
+            return fault.program, fault.path
+        case InstrumentFault():
+            return fault.program, fault.path, type(fault.disturbance)
+        case ReadingFault() | CommandFault():
+            return type(fault), fault.program, fault.field, type(fault.disturbance)
+    return fault.path
+
+
+def _refuse_course(where: str, before: Any, window: Window) -> None:
+    """Raises ParameterError where a value cannot become another one at the time of a fault."""
+    if not isinstance(before, Signal):
+        if window != Window():
+            raise _Unreadable("value", f"{where} cannot change during a run; leave out begin and end, so that it is "
+                              "another one all the time")  # fmt: skip
+    elif not before.is_constant:
+        raise _Unreadable("value", f"{where} changes already; expected a constant")
+
+
+def _program(network: Network, key: str, where: str) -> tuple[str, str, ProgramType]:
+    """Program, rest of the path, and type."""
+    name, _, rest = where.partition(".")
+    programs = network.programs
+    if name not in programs:
+        raise _Unreadable(key, f"{where!r}: no program {name!r}{_choice(name, list(programs), 'program')}")
+    return name, rest, programs[name].type
+
+
+def _sensor(network: Network, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+    name, path, kind = _program(network, "sensor", where)
+    measured = field_kinds(kind.reading)
+    if path in measured:
+        return ReadingFault(name, path, _disturbance(rest, measured[path], "frozen"), window)
+    found = list(devices(network.programs[name].settings))
+    met = [each for each in found if not path or each[0] == path or each[0].startswith(f"{path}.")]
+    if len(met) != 1:
+        several = f"; it has {', '.join(each[0] for each in met)}" if met else ""
+        known = [*measured, *(each[0] for each in found)]
+        raise _Unreadable("sensor", f"{where!r} is no sensor of {name}{several or nearest(path, known)}")
+    place, device, unit = met[0]
+    if isinstance(device, Encoder):
+        return MissedEdges(name, place, _missed_share(rest), window)
+    return InstrumentFault(name, place, _disturbance(rest, unit, "frozen", has_range=True), window)
+
+
+def _actuator(network: Network, where: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+    name, path, kind = _program(network, "actuator", where)
+    commanded = field_kinds(type(kind.command))
+    if path not in commanded:
+        raise _Unreadable("actuator", f"{name} commands no {path!r}{nearest(path, list(commanded))}")
+    return CommandFault(name, path, _disturbance(rest, commanded[path], "stuck"), window)
+
+
+def _jam(network: Network, name: str, node: str, rest: Mapping[str, Any], window: Window) -> Disturbed:
+    movers = [each for each, held in network.nodes.items() if isinstance(held, Shaft | Rod)]
+    if node not in movers:
+        raise _Unreadable("jams", f"{node!r}{_choice(node, movers, 'shaft or rod that moves freely')}")
+    turns = isinstance(network.nodes[node], Shaft)
+    key, kind = ("torque", FRICTION_TORQUE) if turns else ("force", FRICTION_FORCE)
+    if set(rest) != {key}:
+        given = ", ".join(rest) or "nothing"
+        raise _Unreadable("", f"{given} given beside jams; expected the friction: {key} = {kind.example!r}")
+    friction = _parse(key, rest[key], kind)
+    words = f"{value_text(friction, kind)} of dry friction hold {node}"
+    return Jam(name, node, friction, words, window)
+
+
+def _entry(origin: Table, where: str, entry: Any, window: Window) -> Any:
+    """What stands in the place of a value in a file that draws its network."""
+    before: Any = origin.content
+    for word in where.split("."):
+        before = before.get(word) if isinstance(before, Mapping) else None
+    if before is None or where.partition(".")[0] not in VALUES:
+        known = [key for key in origin.lines if key.partition(".")[0] in VALUES and "." in key]
+        raise _Unreadable("value", f"{where!r} does not stand in the file{nearest(where, known)}")
+    if window == Window():
+        return entry
+    plain = before.get("value") if isinstance(before, Mapping) else before
+    if not isinstance(plain, str) or not isinstance(entry, str):
+        raise _Unreadable("value", f"{where} changes already; expected a constant for a fault that begins and ends")
+    times = [f"{t!r} s" for t in (window.begin, window.begin, window.end, window.end)]
+    points = zip(times, (plain, entry, entry, plain), strict=True)
+    return {"table": [list(point) for point in points][: 4 if window.end < FOR_GOOD else 3]}
 
 
 def _disturbance(given: Mapping[str, Any], kind: Kind | None, still: str, *, has_range: bool = False) -> Disturbance:
@@ -256,5 +289,5 @@ def _parse(key: str, entry: Any, kind: Kind, *, difference: bool = False) -> flo
         raise _Unreadable(key, str(problem)) from None
 
 
-def _expected(word: str, known: Sequence[str], what: str) -> str:
+def _choice(word: str, known: Sequence[str], what: str) -> str:
     return nearest(word, known) if known else f"; the circuit has no {what}"

@@ -286,22 +286,22 @@ def swap_signal(network: Network, before: Signal, after: Signal) -> bool:
     """Whether anything in a network follows a signal; it then follows another one. Programs keep what they have."""
     swapped: dict[int, Any] = {id(before): after}
 
-    def changed(value: Any) -> Any:
+    def swap(value: Any) -> Any:
         if id(value) not in swapped and isinstance(value, Params):
             mine = [name for name, signal in signals_of(value) if signal is before]
             swapped[id(value)] = _replace_fields(value, dict.fromkeys(mine, after)) if mine else value
         if isinstance(value, Connection):
-            return replace(value, sources=tuple(map(changed, value.sources)))
+            return replace(value, sources=tuple(map(swap, value.sources)))
         return swapped.get(id(value), value)
 
-    network.temperature = changed(network.temperature)
-    network.values = {name: changed(value) for name, value in network.values.items()}
+    network.temperature = swap(network.temperature)
+    network.values = {name: swap(value) for name, value in network.values.items()}
     for name, node in network.nodes.items():
-        inner = {field.name: changed(getattr(node, field.name)) for field in fields(node)}
+        inner = {field.name: swap(getattr(node, field.name)) for field in fields(node)}
         network.nodes[name] = replace(node, **inner)
     for name, part in network.parts.items():
-        inputs = {key: changed(source) for key, source in part.inputs.items()}
-        network.parts[name] = replace(part, values=tuple(map(changed, part.values)), inputs=inputs)
+        inputs = {key: swap(source) for key, source in part.inputs.items()}
+        network.parts[name] = replace(part, values=tuple(map(swap, part.values)), inputs=inputs)
     return any(path is after for path in _sources(network))
 
 

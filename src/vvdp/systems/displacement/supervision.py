@@ -73,7 +73,7 @@ class Supervision(Params):
     lowest_pressure: Pressure = 0.5e5
     highest_pressure: Pressure = 150e5
     repeats: Count = 20.0
-    position_jump: Length = 2e-3
+    position_jump: Length = 3e-3
     pressure_jump: PressureDifference = 7e5
     line_difference: PressureDifference = 2e5
     return_difference: Flow = 2.5 / 6e4
@@ -85,7 +85,7 @@ class Supervision(Params):
     spool_error: Length = 0.6e-3
     lowest_spool_speed: Speed = 40.0
     lowest_pump_share: Fraction = 0.95
-    brief_time: Time = 2.5e-3
+    brief_time: Time = 8e-3
     patience: Time = 0.03
 
     def check(self) -> None:
