@@ -39,6 +39,7 @@ VALUES: dict[str, list[dict[str, float]]] = {
         {"cracking_pressure": 8e6, "override_pressure": 1e6, "opening_time": 0.0, "reseat_drop": 1e6},
         {"cracking_pressure": 8e6, "override_pressure": 0.0, "opening_time": 0.0, "reseat_drop": 0.0},
     ],
+    "LoadReliefValve": [{"override_pressure": 1e6, "opening_time": 0.0}],
     "ShockValve": [{"override_pressure": 1e6, "opening_time": 0.0}, {"override_pressure": 1e6, "opening_time": 2e-3}],
     "ReducingValve": [
         {"closing_pressure": 1e7, "override_pressure": 8e6, "opening_time": 0.0},

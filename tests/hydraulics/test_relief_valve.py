@@ -8,7 +8,16 @@ from scipy.optimize import brentq
 from vvdp.base.errors import ParameterError
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.flow import passage
-from vvdp.hydraulics.relief_valve import ReliefValve, relief_flow, relief_mode, relief_opening, relief_opening_rate
+from vvdp.hydraulics.relief_valve import (
+    LoadReliefValve,
+    ReliefValve,
+    opened_relief_flow,
+    relief_flow,
+    relief_mode,
+    relief_opening,
+    relief_opening_rate,
+    setting_fall,
+)
 from vvdp.hydraulics.volume import closed_volume_rate
 
 RATED = 40e-3 / 60.0
@@ -137,3 +146,26 @@ def test_contradictions_are_refused():
         ReliefValve(cracking_pressure=61e5, override_pressure=5e5, rated_flow=0.0, opening_time=0.0)
     with pytest.raises(ParameterError, match="cracking_pressure"):
         ReliefValve(cracking_pressure=0.0, override_pressure=5e5, rated_flow=RATED, opening_time=0.0)
+
+
+@pytest.mark.parametrize(("load", "setting"), [(0.0, 30e5), (10e5, 30e5), (25e5, 45e5), (50e5, 60e5)])
+def test_a_setting_follows_the_load_between_its_ends(load, setting):
+    """20 bar above the load, from 30 bar on and up to the cracking pressure of 60."""
+    relief = LoadReliefValve(
+        cracking_pressure=60e5, override_pressure=5e5, rated_flow=40.0 / 60e3, margin=20e5, least_pressure=30e5
+    )
+    fall = setting_fall(load, relief)
+    assert relief.cracking_pressure - fall == pytest.approx(setting)
+    assert relief_mode(setting - 1.0 + fall, 0.0, 0.0, 0.0, relief) < 1.0
+    assert relief_mode(setting + 1.0 + fall, 0.0, 0.0, 0.0, relief) >= 1.0
+    # Fully open at the override it passes what the opening does at that drop: Q_r root(setting + 5 bar)/root(65 bar)
+    y = relief_opening(setting + 5e5 + fall, 1.0, relief)
+    flow = opened_relief_flow(setting + 5e5, 0.0, y, relief)
+    assert (y, flow) == pytest.approx((1.0, relief.rated_flow * np.sqrt((setting + 5e5) / 65e5)), rel=1e-3)
+
+
+def test_a_relief_valve_that_follows_needs_an_override():
+    with pytest.raises(ParameterError, match="override_pressure: 0 Pa"):
+        LoadReliefValve(
+            cracking_pressure=60e5, override_pressure=0.0, rated_flow=1e-3, margin=20e5, least_pressure=30e5
+        )

@@ -48,3 +48,13 @@ def test_a_counter_with_two_steps_is_told_to_be_read_too_slowly(estimated):
     t = np.arange(3) * 0.2
     with pytest.raises(ConfigError, match="in only 2 steps"):
         estimated({"time": (t, "s"), "n": (40.0 * np.arange(3), "")}, sensor__counts="n")
+
+
+@pytest.mark.parametrize("nonsense", [1e9, 1e15, 1e251, -1e251, np.inf])
+def test_a_count_that_nothing_can_have_reached_is_left_out(estimated, nonsense):
+    """The filter looked for so many edges one by one, and did not end."""
+    t = np.arange(0.0, 3.0, 1e-3)
+    n = np.floor(155.0 * t / (2.0 * np.pi / 8))
+    n[1500] = nonsense
+    kept = estimated({"time": (t, "s"), "n": (n, "")}, sensor__counts="n")
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(155.0, rel=0.02)

@@ -59,7 +59,7 @@ def run(
 
     loaded = load_system(system, settings or (), until)
     if cycle is not None:
-        from vvdp.logs.cycle import with_cycle
+        from vvdp.systems.displacement.recorded_cycle import with_cycle
 
         loaded = with_cycle(loaded, cycle)
     end = loaded.stepping.until

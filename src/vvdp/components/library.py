@@ -36,6 +36,7 @@ from vvdp.components.rotary_valve import ROTARY_VALVE
 from vvdp.components.self_acting_valves import (
     CHECK_VALVE,
     FLOW_CONTROL_VALVE,
+    LOAD_RELIEF_VALVE,
     PILOT_CHECK_VALVE,
     REDUCING_VALVE,
     RELIEF_VALVE,
@@ -95,6 +96,7 @@ COMPONENTS = _by_name(
     LAYERED_PIPE,
     LINE,
     LOAD_FORCE,
+    LOAD_RELIEF_VALVE,
     LOAD_TORQUE,
     METERING_VALVE,
     MODULATED_SWITCHING_VALVE,

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.machines import PUMP
 from vvdp.components.rotary_valve import ROTARY_VALVE
-from vvdp.components.self_acting_valves import RELIEF_VALVE
+from vvdp.components.self_acting_valves import LOAD_RELIEF_VALVE, RELIEF_VALVE
 from vvdp.hydraulics.check_valve import CheckPoppet
 from vvdp.hydraulics.pump import Pump
-from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.network.network import Network
 from vvdp.network.nodes import Chamber, Source, Start
@@ -70,5 +70,9 @@ def add_pump_unit(net: Network, unit: PumpUnit, joints: UnitJoints, prefix: str 
         axial_position=joints.axial_position,
         cavitation_pressure=joints.cavitation_pressure,
     )
-    net.add(prefix + "relief_valve", RELIEF_VALVE, unit.relief_valve, a=inlet, b=joints.tank)
+    if isinstance(unit.relief_valve, LoadReliefValve):
+        pilot = {"a": inlet, "b": joints.tank, "pilot": joints.load}
+        net.add(prefix + "relief_valve", LOAD_RELIEF_VALVE, unit.relief_valve, **pilot)
+    else:
+        net.add(prefix + "relief_valve", RELIEF_VALVE, unit.relief_valve, a=inlet, b=joints.tank)
     net.add(prefix + "coupling", DRIVE_COUPLING, unit.spool_drive, motor=motor, spool=spool)

@@ -26,12 +26,16 @@ from vvdp.hydraulics.reducing_valve import (
     reducing_side,
 )
 from vvdp.hydraulics.relief_valve import (
+    LoadReliefValve,
     ReliefState,
     ReliefValve,
     ShockValve,
+    opened_relief_flow,
     relief_flow,
     relief_mode,
+    relief_opening,
     relief_opening_rate,
+    setting_fall,
     throttled_relief_flow,
 )
 from vvdp.network.component import Component
@@ -60,6 +64,16 @@ class ReliefPassage(NamedTuple):
     """What goes over a relief valve, the rate of its opening, and whether it is open."""
 
     flow: Flow
+    loss: Power
+    rates: ReliefState
+    mode: Mode
+
+
+class LoadReliefFlows(NamedTuple):
+    """Flows of a relief valve that follows a load into its nodes, its loss, the rate of its opening, and its mode."""
+
+    a: Flow
+    b: Flow
     loss: Power
     rates: ReliefState
     mode: Mode
@@ -139,6 +153,17 @@ def shock_valve(a: FluidState, b: FluidState, mode: Mode, state: ReliefState, va
     return ReliefPassage(flow, loss, rates, relief_mode(a.pressure, b.pressure, 0.0, mode, values))
 
 
+def load_relief_valve(
+    a: FluidState, b: FluidState, pilot: FluidState, mode: Mode, state: ReliefState, values: LoadReliefValve
+) -> LoadReliefFlows:
+    """Relief valve that limits the pressure at a to a margin above that at the pilot, where no oil flows."""
+    felt = a.pressure + setting_fall(pilot.pressure, values)
+    y = select(values.opening_time > 0.0, state.opening, relief_opening(felt, mode, values))
+    flow, loss = passage(opened_relief_flow(a.pressure - b.pressure, b.pressure, y, values), a, b)
+    rates = ReliefState(relief_opening_rate(felt, state.opening, mode, values))
+    return LoadReliefFlows(-flow, flow, loss, rates, relief_mode(felt, b.pressure, 0.0, mode, values))
+
+
 def reducing_valve(a: FluidState, b: FluidState, state: OpeningState, values: ReducingValve) -> ReducingPassage:
     """Reducing valve from a to b, which shuts as the pressure at b rises; it opens no way from b to a tank."""
     y = select(values.opening_time > 0.0, state.opening, reducing_opening(b.pressure, values))
@@ -164,6 +189,7 @@ def flow_control_valve(
 CHECK_VALVE = Component(check_valve, symbol="check_valve", start=check_start)
 PILOT_CHECK_VALVE = Component(pilot_check_valve, symbol="pilot_check_valve", start=pilot_check_start)
 RELIEF_VALVE = Component(relief_valve, symbol="relief_valve")
+LOAD_RELIEF_VALVE = Component(load_relief_valve, symbol="relief_valve")
 SHOCK_VALVE = Component(shock_valve, symbol="relief_valve")
 REDUCING_VALVE = Component(reducing_valve, symbol="reducing_valve", start=reducing_start)
 FLOW_CONTROL_VALVE = Component(flow_control_valve, symbol="flow_control_valve")

@@ -9,7 +9,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Flow, Pressure, PressureDifference, Ratio, Time
 from vvdp.base.modes import side
 from vvdp.base.params import Params
-from vvdp.base.select import minimum, select
+from vvdp.base.select import maximum, minimum, select
 from vvdp.hydraulics.flow import rated_root
 
 
@@ -56,6 +56,14 @@ class ShockValve(ReliefValve):
         super().check()
         if self.override_pressure <= 0.0:
             raise ParameterError("ShockValve.override_pressure: 0 Pa; expected one above zero, or take a relief valve")
+
+
+class LoadReliefValve(ShockValve):
+    """A relief valve whose setting follows a load pressure: `margin` above it, from `least_pressure` on and up to its
+    cracking pressure."""
+
+    margin: PressureDifference
+    least_pressure: Pressure
 
 
 class ReliefState(NamedTuple):
@@ -105,11 +113,31 @@ def throttled_relief_flow(
     mode                     1 while it is open, 0 while it is shut
     """
     y = select(relief.opening_time > 0.0, opening, relief_opening(pressure, mode, relief))
+    return opened_relief_flow(pressure - tank_pressure, tank_pressure, y, relief)
+
+
+def opened_relief_flow(pressure_drop: float, tank_pressure: float, opening: float, relief: ReliefValve) -> float:
+    """Volume flow over a relief valve that is open by `opening` [1] at a `pressure_drop` [Pa], in m^3/s.
+
+    tank_pressure  absolute [Pa]
+    """
     design_drop = relief.cracking_pressure + relief.override_pressure - tank_pressure
     # A tank above the setting is a contradiction that only a run can see: stay finite there
     design_drop = select(design_drop > 0.0, design_drop, relief.cracking_pressure)
-    flow: float = relief.rated_flow * y * rated_root(pressure - tank_pressure, design_drop)
+    flow: float = relief.rated_flow * opening * rated_root(pressure_drop, design_drop)
     return flow
+
+
+def setting_fall(load_pressure: float, relief: LoadReliefValve) -> float:
+    """By how much the setting of a relief valve that follows a load lies below its cracking pressure [Pa].
+
+    max(P_cr - max(P_load + margin, P_least), 0): with it on top of the pressure that it limits, it is a plain one.
+
+    load_pressure  absolute [Pa]
+    """
+    wanted = maximum(load_pressure + relief.margin, relief.least_pressure)
+    fall: float = maximum(relief.cracking_pressure - wanted, 0.0)
+    return fall
 
 
 def relief_opening(pressure: float, mode: float, relief: ReliefValve) -> float:

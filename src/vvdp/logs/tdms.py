@@ -27,7 +27,7 @@ def tdms_log(path: Path, choice: ClockChoice) -> Log:
     """The log in a TDMS file."""
     import nptdms
 
-    logging.getLogger("nptdms").setLevel(logging.CRITICAL)  # what matters of it is a remark
+    nptdms.log.log_manager.set_level(logging.CRITICAL)  # what matters of it is a remark
     raw = path.open("rb")
     try:
         file = nptdms.TdmsFile.open(raw, raw_timestamps=True)

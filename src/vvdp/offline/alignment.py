@@ -27,6 +27,8 @@ REFINEMENTS = 5
 STARTING = 1.3
 """Times between the first edges that are longer by this factor than what is usual there are those of a wheel that
 starts."""
+MOST_SECTORS = 1e12
+"""Between two edges; times of edges that are further apart are damaged."""
 VAGUE = 0.3
 """An edge known within more than this share of a sector's time does not tell whether others were missed."""
 
@@ -148,15 +150,16 @@ def usual_steps(steps: Array, neighbours: int = NEIGHBOURS) -> Array:
     First the lower quartile of the neighbours, so that missed edges do not pass for the rule; then, again and again,
     the time of the nearest of them over the sectors that it makes.
     """
+    least = max(float(np.max(steps, initial=0.0)) / MOST_SECTORS, 1e-300)
     size = min(neighbours, steps.size)
     begin = np.clip(np.arange(steps.size) - size // 2, 0, steps.size - size)
-    usual = np.fmax(rank_filter(steps, size, size // 4)[begin], 1e-300)
+    usual = np.fmax(rank_filter(steps, size, size // 4)[begin], least)
     size = min(NEIGHBOURS, steps.size)
     begin = np.clip(np.arange(steps.size) - size // 2, 0, steps.size - size)
     passed = np.concatenate([[0.0], np.cumsum(steps)])
     for _ in range(REFINEMENTS):
         sectors = np.concatenate([[0.0], np.cumsum(np.fmax(np.round(steps / usual), 1.0))])
-        usual = np.fmax((passed[begin + size] - passed[begin]) / (sectors[begin + size] - sectors[begin]), 1e-300)
+        usual = np.fmax((passed[begin + size] - passed[begin]) / (sectors[begin + size] - sectors[begin]), least)
     return usual
 
 

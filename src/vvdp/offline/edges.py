@@ -28,6 +28,10 @@ NEIGHBOURS = 16
 JUMPING = 0.15
 """A channel that goes through this share of its range from sample to sample is a wave sampled too slowly, or noise: a
 wave of ten samples a sector goes through a tenth, Gaussian noise through 0.18."""
+LARGEST_COUNT = 2.0**53
+"""Beyond, one count more is lost in a float."""
+MOST_AT_ONCE = 1e6
+"""Edges between two samples; nothing turns so far unseen."""
 WHOLE = 1e-3
 """How far a count may lie from a whole number."""
 LONGEST_BAND = 100_000
@@ -241,7 +245,9 @@ class CountEdges:
 
     def push(self, times: Array, counts: Array) -> Edges:
         """The edges in the sampling intervals of the next samples."""
-        self.fractions += int(np.count_nonzero(np.abs(counts - np.round(counts)) > WHOLE))
+        countable = np.abs(counts) < LARGEST_COUNT
+        self.fractions += int(np.count_nonzero((np.abs(counts - np.round(counts)) > WHOLE) | ~countable))
+        times, counts = times[countable], counts[countable]
         if self._last is not None:
             times, counts = np.concatenate([[self._last[0]], times]), np.concatenate([[self._last[1]], counts])
         if times.size < 2:
@@ -271,7 +277,8 @@ class CountEdges:
         return Edges(times[at + 1] - 0.5 * widths / forward[at], widths, np.zeros(at.size), forward[at])
 
     def _over_the_end(self, count: float, step: float) -> float:
-        """What a large step was: a rollover, a reset (then nothing is known to have passed), or a real jump."""
+        """What a large step was: a rollover, a reset or nonsense (then nothing is known to have passed), or a real
+        jump."""
         after = count + step
         for top in (count, after):
             modulus = 2.0 ** np.ceil(np.log2(top + 1.0)) if top >= 7.0 else 0.0
@@ -279,7 +286,7 @@ class CountEdges:
             if modulus and abs(short) <= 2.0 * self._usual + 1.0 and abs(short) < 0.5 * abs(step):
                 self.rollovers += 1
                 return float(short)
-        if step < 0.0:
+        if step < 0.0 or step > MOST_AT_ONCE:
             self.resets += 1
             return 0.0
         return step

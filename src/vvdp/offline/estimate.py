@@ -78,7 +78,8 @@ def _opened_stamps(path: Path, wanted: Estimation) -> Log:
 
 
 def check_channels(log: Log, wanted: Estimation) -> None:
-    """Raises ConfigError for every channel that the log does not have, and for units that are none."""
+    """Raises ConfigError for every channel that the log does not have, and for units that are none; the log is closed
+    then."""
     faults: list[Fault] = []
     for name in source_channels(wanted):
         try:
@@ -91,6 +92,7 @@ def check_channels(log: Log, wanted: Estimation) -> None:
         except ConfigError as problem:
             faults.extend(problem.faults)
     if faults:
+        log.close()
         raise ConfigError(faults)
 
 

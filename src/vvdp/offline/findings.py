@@ -22,7 +22,7 @@ from vvdp.offline.diagnostics import (
     threshold_is_off,
     worst_edge,
 )
-from vvdp.offline.edges import GAP, CountEdges, WaveEdges
+from vvdp.offline.edges import GAP, MOST_AT_ONCE, CountEdges, WaveEdges
 from vvdp.offline.guess import channels_of_edges
 from vvdp.offline.noise_fit import CLEAR, Explained
 from vvdp.offline.ripple_findings import ripple_findings
@@ -159,8 +159,12 @@ def _of_the_source(sums: Sums, wanted: Estimation) -> Iterator[Finding]:
                 "Is the channel a wave? Then name it with --wave.",
             )
         if finder.resets:
-            yield grave("Counter reset", f"The counter fell {_times(finder.resets)} without rolling over.",
-                          "Edges at a reset count as missed.")  # fmt: skip
+            often = _times(finder.resets).capitalize()
+            yield grave(
+                "Counter reset",
+                f"{often} the counter fell without rolling over, or jumped by more than {MOST_AT_ONCE:g} edges.",
+                "Edges at a reset count as missed.",
+            )
         if finder.rollovers:
             yield warning("Counter rolled over", f"The counter went over its end {_times(finder.rollovers)}.",
                           "The edges were counted on.")  # fmt: skip

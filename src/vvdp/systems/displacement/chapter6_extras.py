@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 CHAMBERS = ("chamber_a", "chamber_b")
 OTHERS: Mapping[str, tuple[Kind, str]] = MappingProxyType(
     {
-        "pressure_min_Pa": (GAUGE_PRESSURE, "lowest pressure of a chamber"),
-        "pressure_max_Pa": (GAUGE_PRESSURE, "highest pressure of a chamber"),
+        "pressure_min_Pa": (GAUGE_PRESSURE, "lowest pressure under control"),
+        "pressure_max_Pa": (GAUGE_PRESSURE, "highest pressure under control"),
         "pump_flow_max_m3_s": (FLOW, "largest flow of the pump"),
         "real_time_factor": (NUMBER, "simulated over computing time"),
     }

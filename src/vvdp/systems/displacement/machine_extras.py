@@ -30,8 +30,8 @@ MOTION: Mapping[str, tuple[Kind, str]] = MappingProxyType(
     {
         **TRACKING,
         "control_begin_s": (TIME, "start of control"),
-        "pressure_min_Pa": (GAUGE_PRESSURE, "lowest pressure of line and chambers under control"),
-        "pressure_max_Pa": (GAUGE_PRESSURE, "highest pressure of line and chambers under control"),
+        "pressure_min_Pa": (GAUGE_PRESSURE, "lowest pressure under control"),
+        "pressure_max_Pa": (GAUGE_PRESSURE, "highest pressure under control"),
         "pwm_frequency_Hz": (FREQUENCY, "PWM frequency under control"),
         "flow_map_gain": (NUMBER, "gain of the flow map, at the end"),
         "spool_position_error_rms_m": (LENGTH, "spool position: error against its reference"),

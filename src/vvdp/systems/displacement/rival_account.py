@@ -27,7 +27,7 @@ SETTLED = 1.0
 """Errors count from this time on [s]."""
 LEAST_STROKE = 0.5
 """Share of a cycle's stroke that a filtered reference goes through at least."""
-LONGEST_START = 3.0
+LONGEST_START = 8.0
 """Within which control has begun [s]."""
 RECORD = 1e-3
 """Between two recorded rows [s]."""

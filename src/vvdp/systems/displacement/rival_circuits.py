@@ -13,6 +13,7 @@ from vvdp.systems.displacement.duty_cycle import resting_pressures
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.rival_machine import (
     control_begin,
+    size_following_machine,
     size_machine,
     size_other_valve,
     size_slow_machine,
@@ -167,6 +168,15 @@ CIRCUITS = (
         title="the same with its pump at 1200 rpm, 26.7 lpm",
         system="displacement-control",
         size=size_slow_machine,
+        sinks=MACHINE_SINKS,
+        program=PROGRAM,
+        begin=control_begin,
+    ),
+    RivalCircuit(
+        name="vvdp-following",
+        title="the whole machine with a relief valve 20 bar above the line's pressure, at 30 bar at least",
+        system="displacement-control",
+        size=size_following_machine,
         sinks=MACHINE_SINKS,
         program=PROGRAM,
         begin=control_begin,

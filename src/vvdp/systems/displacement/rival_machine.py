@@ -1,13 +1,14 @@
 """The whole machine among the rival circuits: how it follows a duty cycle, at its own pump speed or a slower one."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
 from vvdp.base.errors import RunError
 from vvdp.base.signal import Signal, constant, table
+from vvdp.hydraulics.relief_valve import LoadReliefValve
 from vvdp.simulation.run import Run
 from vvdp.systems.displacement.cycle import OwnCycle
 from vvdp.systems.displacement.duties import Duty
@@ -22,6 +23,9 @@ LEAST_BOUND, BELOW_RELIEF = 50e5, 10e5
 """Upper bound of the chambers' pressures at least, gauge, and how far below the relief valve it else is [Pa]."""
 SLOW_SPEED, SLOW_FLOW = 1200.0 * np.pi / 30.0, 40.0 / 60e3 * 1200.0 / 1800.0
 """A pump speed at which the valve still spins itself, at 30 Hz, and what the pump gives then [rad/s, m^3/s]."""
+
+MARGIN, LEAST_SETTING = 20e5, 30e5
+"""Of a relief valve that follows the line: above its pressure, and gauge at least [Pa]."""
 
 Tables = Mapping[str, Any]
 
@@ -73,6 +77,15 @@ def size_slow_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> 
         "operation": replace(found["operation"], pump_speed=constant(SLOW_SPEED)),
         "flow_split": replace(tables["flow_split"], largest_flow=SLOW_FLOW),
     }
+
+
+def size_following_machine(tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
+    """The same as the whole machine with a relief valve that follows the line's pressure."""
+    found = size_machine(tables, duty, begin, rounds)
+    relief, reference = found["relief_valve"], tables["oil"].reference_pressure
+    known = {each.name: getattr(relief, each.name) for each in fields(relief)}
+    following = LoadReliefValve(**known, margin=MARGIN, least_pressure=reference + LEAST_SETTING)
+    return {**found, "relief_valve": following}
 
 
 def size_other_valve(valve: RotaryValve, tables: Tables, duty: Duty, begin: float, rounds: int) -> Tables:
