@@ -17,6 +17,8 @@ from vvdp.offline.sums import Sums
 
 USUAL_RATE = 1000.0
 """Rows a second of the time base, unless the log has fewer samples or another rate is asked for."""
+LARGEST = 1e100
+"""No instrument gives such a value; it is damage, and its square would be infinite."""
 MOST_BACKWARD = 1000
 """A clock that goes back more often is none."""
 
@@ -44,7 +46,7 @@ class RecordClock:
         """The sound samples of a portion; None where the time goes back."""
         times, values = portion
         self._sums.samples += times.size
-        sound = np.isfinite(values) & np.isfinite(times)
+        sound = (np.abs(values) < LARGEST) & np.isfinite(times)
         self._sums.not_numbers += int(times.size - np.count_nonzero(sound))
         inside = self.inside(times)
         self._watch(times[inside])

@@ -200,7 +200,7 @@ class WaveEdges:
             jumps = np.abs(v[b + 1] - v[a])
             swing = self.plateaus.swing if self.plateaus is not None else np.inf
             noise = self.plateaus.noise if self.plateaus is not None else 0.0
-            slopes = np.fmax(jumps, 1e-300) / np.fmax(widths, 1e-300)
+            slopes = np.fmax(jumps, 1e-300) / np.fmax(widths, 1e-100)
             hidden = widths * np.clip(jumps / swing, 0.0, 1.0) ** 2
             intervals = np.clip(np.hypot(hidden, np.sqrt(12.0) * noise / slopes), 0.0, widths)
         else:

@@ -17,6 +17,7 @@ from vvdp.estimation.pressure_edges import (
 )
 from vvdp.logs.channel import Portion
 from vvdp.logs.quantity import Conversion
+from vvdp.offline.clock import LARGEST
 from vvdp.offline.config import InletPressure
 from vvdp.offline.edges import Chosen
 from vvdp.offline.offline_filter import OfflineFilter, Waves, no_waves
@@ -72,7 +73,7 @@ class PressureChain:
         """Takes samples in; fused, a filter is told of the edges among them."""
         self._record.pieces(Portion(portion.times[inside], portion.values[inside]))
         self._sums.pressure_record = self._record.findings()
-        sound = np.isfinite(portion.values) & inside
+        sound = (np.abs(portion.values) < LARGEST) & inside
         times, values = portion.times[sound], self._pascals(portion.values[sound])
         if not times.size:
             return
