@@ -58,6 +58,15 @@ HELD_NUMBERS = (
     Number("error of the estimate, rms", "spool_estimate_error_rms_m", LENGTH, "um"),
     Number("pollution of the sensor, rms", "pollution_rms_m", LENGTH, "um"),
 )
+MACHINE_NUMBERS = (
+    Number("largest error against the filtered reference", "tracking_error_max_m", LENGTH, "mm"),
+    Number("PWM frequency", "pwm_frequency_Hz", FREQUENCY, "Hz"),
+    Number("power of the pump", "pump_power_mean_W", POWER, "kW"),
+)
+DRAWN = Number("mean power of the pump", "power_pump_W", POWER, "W")
+HIGHEST_B = Number("highest pressure in chamber B", "pressure_max_chamber_b_Pa", PRESSURE_DIFFERENCE, "bar")
+LOWEST_B = Number("lowest pressure in chamber B", "pressure_min_chamber_b_Pa", PRESSURE_DIFFERENCE, "bar")
+CHARGE = Number("mean power of the charge pump", "power_charge_pump_W", POWER, "W")
 ENTRIES: Mapping[str, Entry] = {
     "prototype": Entry(
         "The published prototype on its test bench. A rotary valve, kept spinning by its own flow, switches a fixed "
@@ -132,9 +141,50 @@ ENTRIES: Mapping[str, Entry] = {
         "[Details](models/displacement-chapter6.md)",
         (
             Number("largest error against the filtered reference", "tracking_error_max_m", LENGTH, "mm"),
-            Number("highest pressure of a chamber", "pressure_max_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("highest pressure under control", "pressure_max_Pa", PRESSURE_DIFFERENCE, "bar"),
             Number("opening of the return valve, mean", "return_opening_mean", FRACTION, "%"),
         ),
+    ),
+    "displacement-control": Entry(
+        "The whole machine moves a cylinder: fixed pump, self-spinning rotary valve with its axial drive, encoder and "
+        "observers, directional valve and throttled return, from homing to control. [Details](models/whole-machine.md)",
+        MACHINE_NUMBERS,
+    ),
+    "displacement-control-gerotor": Entry(
+        "The same with the gerotor pump as axial drive, and a dump valve. [Details](models/whole-machine.md)",
+        MACHINE_NUMBERS,
+    ),
+    "throttle-control": Entry(
+        "A rival of the machine: a fixed pump at its relief valve, and a 4/3 proportional valve. "
+        "[Compared](circuits-compared.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "kW"),
+            Number("highest pressure of the supply", "pressure_max_supply_Pa", PRESSURE_DIFFERENCE, "bar"),
+            HIGHEST_B,
+        ),
+    ),
+    "ideal-pump-control": Entry(
+        "A pump that delivers what the cylinder takes, at the pressure that it has; the return is throttled. "
+        "[Compared](circuits-compared.md)",
+        (
+            DRAWN,
+            Number("highest pressure of the supply", "pressure_max_supply_Pa", PRESSURE_DIFFERENCE, "bar"),
+            HIGHEST_B,
+        ),
+    ),
+    "shuttle-circuit": Entry(
+        "A closed circuit: a pump over centre between both chambers, a shuttle valve joins the low side to a charge "
+        "pump. [Compared](circuits-compared.md)",
+        (DRAWN, CHARGE, LOWEST_B),
+    ),
+    "pilot-check-circuit": Entry(
+        "The same with pilot-operated check valves in place of the shuttle valve. [Compared](circuits-compared.md)",
+        (DRAWN, CHARGE, LOWEST_B),
+    ),
+    "four-valve-circuit": Entry(
+        "An open circuit: four 2-way valves join a pump over centre to either chamber. "
+        "[Compared](circuits-compared.md)",
+        (DRAWN, HIGHEST_B, LOWEST_B),
     ),
     "long-hose": Entry(
         "Two pumps feed a hose of 10 m from both ends. An orifice at one end is halved, and the wave runs to and fro. "

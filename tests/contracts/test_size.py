@@ -121,6 +121,7 @@ ALLOWED = {
     "cli.compare.controllers": VERB,
     "cli.compare.estimators": VERB,
     "cli.design._run": VERB,
+    "cli.design.levers": VERB,
     "cli.design.optimum": VERB,
     "cli.design.pareto": VERB,
     "cli.design.temperature": VERB,

@@ -135,7 +135,7 @@ def _best(system: System, lever: Lever, points: Sequence[Setup]) -> Pulled:
 
 
 def _plain(q: Quantities) -> Quantities:
-    return Quantities(*map(float, q))
+    return Quantities(**{name: float(value) for name, value in q._asdict().items()})
 
 
 def _bound(name: str, at: Setup) -> Bound:

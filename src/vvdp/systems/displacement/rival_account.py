@@ -126,9 +126,9 @@ def circuit_score(circuit: RivalCircuit, system: System, run: Run, begin: float 
         returned=returned,
         delivered=delivered,
         received=received,
-        friction=_spent(books, run.times, last, ("friction", "end_stops")),
-        stored=_stored(run, last),
-        sinks=tuple(_spent(books, run.times, last, circuit.sinks.get(sink, ())) for sink in SINKS),
+        friction=_lost_power(books, run.times, last, ("friction", "end_stops")),
+        stored=_storing_power(run, last),
+        sinks=tuple(_lost_power(books, run.times, last, circuit.sinks.get(sink, ())) for sink in SINKS),
         pressure_max=max(float(found[f"pressure_max_{name}_Pa"]) for name in volumes),
         pressure_min=min(float(found[f"pressure_min_{name}_Pa"]) for name in volumes[:2]),
         charge=np.nan if circuit.charge is None else circuit.charge(system.tables) - reference,
@@ -143,14 +143,14 @@ def _books(run: Run) -> dict[str, Array]:
     return {path.removeprefix("books."): states[path].values for path in states if path.startswith("books.")}
 
 
-def _spent(books: Mapping[str, Array], times: Array, rows: Rows, parts: tuple[str, ...]) -> float:
+def _lost_power(books: Mapping[str, Array], times: Array, rows: Rows, parts: tuple[str, ...]) -> float:
     """Mean power that some parts of a circuit turn to heat over `rows` [W]."""
     paths = [path for path in books for part in parts if f"{path}.".startswith(f"spent.{part}.")]
     lost = sum(float(books[path][rows[-1]] - books[path][rows[0]]) for path in paths)
     return lost / float(times[rows[-1]] - times[rows[0]])
 
 
-def _stored(run: Run, rows: Rows) -> float:
+def _storing_power(run: Run, rows: Rows) -> float:
     """Mean power that a circuit stores over `rows` [W]."""
     balance = balance_between(run.model, run.case, run.states[rows[0]], run.states[rows[-1]])
     assert balance is not None

@@ -153,7 +153,7 @@ def throttle_control(
     initial: InitialCylinder,
 ) -> Network:
     """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve."""
-    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance)
     net = rival.network(THROTTLE_LOOP, settings, "supply")
@@ -184,7 +184,7 @@ def ideal_pump_control(
     initial: InitialCylinder,
 ) -> Network:
     """An ideal variable pump that gives flow one way, a directional valve for the sign, a throttle in the return."""
-    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(variable_pump.largest_flow, directional_valve.return_conductance)
     net = rival.network(ONE_WAY_LOOP, settings, "supply")
@@ -217,7 +217,7 @@ def shuttle_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side a commanded 3/2 valve joins to a charge line, after wang2017, fig. 1.6."""
-    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
@@ -255,7 +255,7 @@ def pilot_check_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side pilot-operated check valves join to a charge line, after wang2017, fig. 1.7."""
-    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
@@ -285,7 +285,7 @@ def four_valve_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """An open circuit: a pump that also motors, and four 2-way valves about the cylinder, after wang2017, fig. 1.8."""
-    moved = _loaded(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(OPEN_LOOP, rival.settings(variable_pump.largest_flow), "supply", reservoir.pressure)
     net.values["reservoir"] = reservoir
@@ -316,7 +316,7 @@ def far_side(side: float) -> float:
     return clip(-side, 0.0, 1.0)
 
 
-def _loaded(
+def _loaded_cylinder(
     cylinder: Cylinder, chambers: tuple[Vessel, Vessel], load: Load, friction: RodFriction, stops: EndStop
 ) -> LoadedCylinder:
     """A cylinder between its two chambers, with what it moves."""

@@ -177,7 +177,16 @@ class SupervisionMemory(NamedTuple):
 def supervision_start() -> SupervisionMemory:
     """The memory before the first sample."""
     rest = CircuitPressures(101325.0, 101325.0, 101325.0)
-    return SupervisionMemory(alarm_start(len(WATCHED)), repeat_start(6), 0.0, 0.0, rest, 0.0, 0.0, 0.0)
+    return SupervisionMemory(
+        alarm=alarm_start(len(WATCHED)),
+        repeated=repeat_start(6),
+        direction=0.0,
+        since=0.0,
+        slow=rest,
+        line_off=0.0,
+        flow_off=0.0,
+        spring_off=0.0,
+    )
 
 
 class Differences(NamedTuple):
@@ -243,10 +252,23 @@ def supervise(memory: SupervisionMemory, sight: MachineSight, settings: Supervis
     if sight.watched * settings.watches == 0.0:  # at rest a reading may stay the same, and the stop holds the spool
         residuals[:] = 0.0
         repeated, spring_off = RepeatMemory(repeated.last, np.zeros(len(readings))), 0.0
+    told = alarm_step(memory.alarm, sight.time, residuals, patiences(limits), settings.sample_period)
+    return SupervisionMemory(
+        alarm=told,
+        repeated=repeated,
+        direction=sight.direction,
+        since=since,
+        slow=sight.slow,
+        line_off=line_off,
+        flow_off=flow_off,
+        spring_off=spring_off,
+    )
+
+
+def patiences(limits: Supervision) -> tuple[float, ...]:
+    """For how long each limit may be passed [s], in the order of `WATCHED`: means have been waited for already."""
     brief, long = limits.brief_time, limits.patience
-    patience = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, 0.0, long, brief, brief, long, 0.0)
-    told = alarm_step(memory.alarm, sight.time, residuals, patience, settings.sample_period)
-    return SupervisionMemory(told, repeated, sight.direction, since, sight.slow, line_off, flow_off, spring_off)
+    return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, long, long, 0.0, long, brief, brief, long, 0.0)
 
 
 def sensor_residuals(sight: MachineSight, last: Array, repeats: Array, settings: Supervised) -> Array:
