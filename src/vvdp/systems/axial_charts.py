@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import ANGLE, ENERGY, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, TIME, Kind
+from vvdp.base.kinds import ANGLE, DURATION, ENERGY, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.systems.axial_loop import PROGRAM, RUN, SETTLED
@@ -33,7 +33,7 @@ def motion_columns(record: "Record", spool: str, period: float) -> Columns:
     true = record.states[spool].values
     sampled = np.interp(period * (np.ceil(record.times / period - 1e-6) - 1.0), record.times, true)
     return {
-        "time_s": (record.times, TIME, "time"),
+        "time_s": (record.times, DURATION, "time"),
         "position_m": (true, POSITION, "position"),
         "reference_m": (shown["reference"], POSITION, "reference"),
         "measured_m": (shown["measured"], POSITION, "shown by the sensor"),

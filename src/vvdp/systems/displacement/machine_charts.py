@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import COUNT, DUTY_RATIO, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, TIME, Kind
+from vvdp.base.kinds import COUNT, DURATION, DUTY_RATIO, FLOW, FRACTION, POSITION, PRESSURE_LEVEL, SIGNED_FRACTION, Kind
 from vvdp.control.pressure_modes import PressureBounds
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
@@ -37,7 +37,7 @@ def machine_columns(record: "Record") -> Columns:
     sampled = np.interp(SAMPLE_PERIOD * (np.ceil(times / SAMPLE_PERIOD - 1e-6) - 1.0), times, position)
     pressures = {f"{name}_Pa": record.states[name].values for name in ("chamber_a", "chamber_b", "line")}
     return {
-        "time_s": (times, TIME, "time"),
+        "time_s": (times, DURATION, "time"),
         "phase": (shown["phase"], COUNT, "phase"),
         "position_m": (position, POSITION, "position"),
         "wanted_m": (shown["wanted"], POSITION, "cycle"),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import EFFICIENCY, POWER, Kind
+from vvdp.base.kinds import EFFICIENCY, MEAN_POWER, Kind
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import leaves
 from vvdp.systems.extras import Summary
@@ -56,7 +56,7 @@ SHARES: Mapping[str, tuple[str, str]] = MappingProxyType(
 """Label of each share of the pump power, and whose it is."""
 
 POWERS: Mapping[str, tuple[Kind, str]] = MappingProxyType(
-    {key: (POWER, label) for key, (label, _) in PARTS.items()}
+    {key: (MEAN_POWER, label) for key, (label, _) in PARTS.items()}
     | {key: (EFFICIENCY, label) for key, (label, _) in SHARES.items()}
 )
 """Kind and label of what `mean_powers` gives."""
