@@ -119,7 +119,9 @@ def _stack(figure: "Figure", grid: Sequence["Axes"], chart: Chart, tables: Mappi
 def _named_rows(panel: Panel, table: Table) -> int:
     """Rows that the names of lines and bars take above a panel."""
     if isinstance(panel, Lines):
-        return -(-len(_names(panel, table)) // 4)
+        names = _names(panel, table)
+        levels = {level.label for level in panel.levels if level.label} if names else set()
+        return -(-(len(names) + len(levels)) // 4)
     return -(-len(panel.values) // BESIDE) if isinstance(panel, Bars) and panel.stacked else 1
 
 
