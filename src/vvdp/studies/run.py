@@ -228,6 +228,7 @@ def _check_outputs(study: Study, base: System) -> None:
         stiff=False,
         seconds=0.0,
         finished=True,
+        memory=base.case.memory,
     )
     own = () if base.extras is None else (*base.extras.CLOSED_FORMS, *base.extras.QUANTITIES)
     known = [*simulated_summary(still, base), *own]
