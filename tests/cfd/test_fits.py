@@ -40,7 +40,15 @@ def result():
             settled=True,
             mesh=SimpleNamespace(cells=16256),
         )
-        runs.append(RailRun(solved, mouths, (12.1e-6,) * 3, 1.0))
+        run = RailRun(
+            solved=solved,
+            mouths=mouths,
+            mesh_areas=(12.1e-6,) * 3,
+            flows=(flow / 3.0,) * 3,
+            volume=12.7e-6,
+            seconds=1.0,
+        )
+        runs.append(run)
     return sweep_result(order, runs, Told("prototype", "coarse", "oil", rows))
 
 

@@ -60,6 +60,17 @@ def test_grids_out_of_order_are_refused():
         grid_convergence((4.0, 2.0, 1.0), (1.0, 2.0, 3.0))
 
 
+def rail_run(solved) -> RailRun:
+    return RailRun(
+        solved=solved,
+        mouths=(Mouth(12.17e-6, 7.94e-6),) * 3,
+        mesh_areas=(12.1e-6,) * 3,
+        flows=(4e-4 / 3.0,) * 3,
+        volume=12.7e-6,
+        seconds=1.0,
+    )
+
+
 @pytest.fixture(scope="module")
 def result():
     """Of three runs that have never been: cells halved in size, an error of the first order."""
@@ -77,7 +88,7 @@ def result():
             settled=True,
             mesh=SimpleNamespace(cells=cells),
         )
-        runs.append(RailRun(solved, (Mouth(12.17e-6, 7.94e-6),) * 3, (12.1e-6,) * 3, 1.0))
+        runs.append(rail_run(solved))
     return grids_result(order, runs, ("coarse", "medium", "fine"), Told("prototype", "coarse", "oil", rows))
 
 

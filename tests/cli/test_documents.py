@@ -63,8 +63,10 @@ def verbs(command=None, name=""):
 
 @pytest.mark.parametrize(("verb", "options"), [("valve", ()), ("run", ("--until", "1.5 s", "--no-report"))])
 def test_keys_are_those_described(vvdp, here, keys_as_described, verb, options):
+    """Mean powers of the whole machine need a whole period of its cycle."""
     systems = [name for name in shipped_systems() if verb == "run" or isinstance(load_system(name).extras, RotaryBench)]
-    found = [json.loads(vvdp(verb, name, "--json", *options).out) for name in systems]
+    own = {name: ("--no-report",) for name in systems if name.startswith("displacement-control")}
+    found = [json.loads(vvdp(verb, name, "--json", *own.get(name, options)).out) for name in systems]
     keys_as_described(verb, *found)
 
 
