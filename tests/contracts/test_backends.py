@@ -354,6 +354,7 @@ def components():
         pipe,
         proportional_valve,
         reducing_valve,
+        relief_valve,
         rod,
         seat_valve,
         shaft,
@@ -416,6 +417,10 @@ def components():
         ),
         seat_valve.SeatValve(rated_flow=1e-3, rated_drop=5e5, lag=0.01),
         flow_control_valve.FlowControlValve(rated_flow=1e-3, minimum_drop=8e5, maximum_drop=5e6, flow_rise=0.04),
+        relief_valve.LoadReliefValve(
+            cracking_pressure=1.2e7, override_pressure=1e6, rated_flow=6.7e-4, reseat_drop=0.0, opening_time=0.0,
+            margin=2e6, least_pressure=3e6,
+        ),
         reducing_valve.ReducingValve(
             closing_pressure=1e7, override_pressure=9e6, rated_flow=1e-3, rated_drop=5e5, opening_time=5e-3
         ),

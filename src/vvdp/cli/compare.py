@@ -27,7 +27,7 @@ Scenarios = Annotated[
 
 @app.callback()
 def compare() -> None:
-    """Compare runs, estimators, controllers or circuits on simulated data."""
+    """Compare runs, estimators, controllers, or circuits."""
 
 
 @app.command(cls=Verb)

@@ -47,7 +47,7 @@ def fit(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Fit a law of the valve to a table from flow simulation or a rig.
+    """Fit a law of the valve to a table of values.
 
     Columns: drop needs flow and pressure_drop, and takes diameter; jet needs opening and torque, and takes flow and
     port (closing or opening); leakage needs pressure_drop and leakage, and takes temperature.

@@ -12,6 +12,7 @@ SMALL = 1e-3
 OF_THE_RUN = frozenset(
     (
         *("duration_s", "averaged_from_s", "averaged_to_s", "averaged_periods", "wall_time_s"),
+        "real_time_factor",
         *("steps", "rejected_steps", "evaluations", "energy_residual", "mass_residual"),
     )
 )

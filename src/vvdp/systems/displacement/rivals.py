@@ -51,6 +51,7 @@ from vvdp.systems.displacement.rival_loop import (
     RivalLoop,
     loop_gain,
 )
+from vvdp.systems.extras import Extras
 
 LOOP = "loop"
 """Name of the program of a position loop."""
@@ -83,6 +84,12 @@ class Reservoir(Params):
     """The tank of an open circuit, under `pressure` so that the low side fills."""
 
     pressure: PressureSignal
+
+
+class RoundOfWork(Extras):
+    """What a rival brings along: its means are those of a round of its cycle, never steady."""
+
+    STEADY = False
 
 
 @dataclass(frozen=True)
@@ -122,6 +129,7 @@ class Rival:
         tank  its pressure, where it is not the oil's reference pressure [Pa, absolute]
         """
         net = Network(self.oil, initial=self.initial)
+        net.extras = RoundOfWork
         net.tank("tank", tank)
         add_cylinder(net, self.moved, f"{LOOP}.force")
         reads = {
