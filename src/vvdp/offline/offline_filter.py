@@ -118,9 +118,10 @@ class OfflineFilter:
         """When the wheel nearly stood still, and did not turn back as far as is known [s]."""
         self.reversals: list[float] = []
         """When it turned back [s]."""
-        self._row = np.full(len(self._replay.columns), np.nan)  # the last row
         self._next: int | None = None  # number of the next row
         self.pieces = 0
+        nothing = self._by_name(np.zeros(1), np.full((1, len(self._replay.columns)), np.nan))
+        self._row = {name: float(values[0]) for name, values in nothing.items()}  # the last row
         self.left_out = 0
         """Edges of pieces that were too short."""
         self.left_out_times: list[float] = []
@@ -325,16 +326,16 @@ class OfflineFilter:
         if (begin - self._next) / self.rate <= LONGEST_FILL:
             for start in range(self._next, begin, ROWS_AT_ONCE):
                 grid = np.arange(start, min(start + ROWS_AT_ONCE, begin)) / self.rate
-                shown = np.tile(self._row, (grid.size, 1))
-                shown[~self._stands(grid)] = np.nan
-                shown[:, STANDSTILL] = self._row[STANDSTILL]
-                yield FilteredRows(self._by_name(grid, shown), self._no_edges(), np.zeros(grid.size, bool))
+                stands = self._stands(grid)
+                rows = {name: np.where(stands, value, np.nan) for name, value in self._row.items()}
+                rows |= {name: np.full(grid.size, self._row[name]) for name in ("piece", "standstill")} | {"time": grid}
+                yield FilteredRows(rows, self._no_edges(), np.zeros(grid.size, bool))
         self._next = max(begin, self._next)
 
     def _stands(self, grid: Array) -> Chosen:
         """At which of the times of rows after the last one the wheel stands still, as far as is known."""
         first = min((begin for begin, _ in self._gaps), default=np.inf)
-        found: Chosen = (grid < first) & bool(self._row[STANDSTILL] > 0.5)
+        found: Chosen = (grid < first) & bool(self._row["standstill"] > 0.5)
         return found
 
     def _step(self, piece: _Piece, edges: Edges, grid: Array) -> FilteredRows:
@@ -354,13 +355,14 @@ class OfflineFilter:
             piece.memory = done.memory
             shown[order[part_of_rows]] = done.shown
         columns = self._of_edges(piece, edges, shown[:m]) if m else self._no_edges()
+        named = self._by_name(grid, shown[m : m + grid.size])
         if grid.size:
-            self.reached, self._row = float(grid[-1]), shown[m + grid.size - 1]
+            self.reached, self._row = float(grid[-1]), {name: float(values[-1]) for name, values in named.items()}
             if self._last is not None and grid[-1] >= self._last.time:
                 speed, standstill = shown[m + grid.size - 1, [SPEED, STANDSTILL]].tolist()
                 self._last = self._last._replace(speed=speed, standstill=standstill)
         settled = grid >= piece.settled_at
-        return FilteredRows(self._by_name(grid, shown[m : m + grid.size]), columns, settled)
+        return FilteredRows(named, columns, settled)
 
     def _heard_parts(self, times: Array, known: Array) -> Iterator[tuple[slice, bool]]:
         """The rows at `times` in parts in which a silence tells something and in which it does not: within a gap of the
