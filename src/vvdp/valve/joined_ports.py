@@ -122,8 +122,7 @@ def _at(tank_opening: float, whole: float, ends: Ends) -> JoinedPorts:
     for _ in range(RELIEF_STEPS):
         load, tank = np.sqrt(H_L + x), np.sqrt(H_T + x)
         slope = 1.0 + 0.5 * ends.rise * (g_L / load + g_T / tank)
-        x = x - (ends.rise * (g_L * load + g_T * tank - 1.0) + x) / slope
-    x = maximum(x, 0.0)
+        x = maximum(x - (ends.rise * (g_L * load + g_T * tank - 1.0) + x) / slope, 0.0)
     forward = g_T * g_T * D < 1.0
     side = select(forward, 1.0, -1.0)
     b = side * g_L * g_L
