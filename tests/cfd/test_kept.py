@@ -34,5 +34,5 @@ def test_command_of_a_row_holds_its_values():
 
 
 def test_a_study_that_is_not_kept_is_refused_with_those_that_are():
-    with pytest.raises(ParameterError, match="no study 'nothing' is kept; expected one of .*rail-arm"):
+    with pytest.raises(ParameterError, match=r"no study 'nothing' is kept; expected one of .*rail-arm"):
         kept_study("nothing")
