@@ -70,7 +70,7 @@ def made_up(order, rows, share):
             judgement=Judgement(160, total, 300.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=22765)
         )
         runs.append(CentreRun(order._replace(flow=float(flow)), solved, 0.1, 27.5e-6, 1.0))
-    return centre_result(order, runs, Told("prototype", "coarse", "oil", rows))
+    return centre_result(runs, Told("prototype", "coarse", "oil", rows))
 
 
 def test_the_law_of_the_system_comes_back(order, shaped):

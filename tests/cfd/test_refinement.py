@@ -12,8 +12,8 @@ from vvdp.base.errors import ParameterError
 from vvdp.cfd import rail
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.convergence import History, Judgement
-from vvdp.cfd.grids_result import grids_result
-from vvdp.cfd.rail import RailOrder, outlets
+from vvdp.cfd.grids_result import grids_result, rail_on_grids
+from vvdp.cfd.rail import RailOrder, outlets, three_grids
 from vvdp.cfd.rail_result import Told
 from vvdp.cfd.rail_study import RailRun
 from vvdp.cfd.refinement import grid_convergence
@@ -87,9 +87,16 @@ def result():
             judgement=Judgement(160, drop, 10.0, 0.0, 1e-5),
             settled=True,
             mesh=SimpleNamespace(cells=cells),
+            seconds={"second order": 1.0},
         )
         runs.append(rail_run(solved))
-    return grids_result(order, runs, ("coarse", "medium", "fine"), Told("prototype", "coarse", "oil", rows))
+    about = Told("prototype", "coarse", "oil", rows)
+    return grids_result(order, rail_on_grids(runs, about), ("coarse", "medium", "fine"), about)
+
+
+def test_three_grids_of_the_family_end_with_the_finest():
+    assert list(three_grids(16.0)) == ["coarse", "medium", "fine"]
+    assert three_grids(8.0) == pytest.approx({"R/4": 4.0, "R/5.66": 4.0 * math.sqrt(2.0), "coarse": 8.0})
 
 
 def test_the_drop_is_extrapolated(result):
@@ -104,12 +111,12 @@ def test_every_key_of_the_grids_is_described(result, keys_as_described):
 
 @pytest.mark.slow
 def test_three_small_grids_are_meshed_and_solved(openfoam, tmp_path, monkeypatch):
-    monkeypatch.setattr(rail, "GRIDS", {"coarse": 4.0, "medium": 5.0, "fine": 6.25})
-    words = ("--flow", "40 lpm", "--cores", "1", "--out", str(tmp_path / "grids"), "--json")
+    monkeypatch.setattr(rail, "GRIDS", {"small": 6.4})
+    words = ("--grid", "small", "--flow", "40 lpm", "--cores", "1", "--out", str(tmp_path / "grids"), "--json")
     said = say("prototype", *words, verb="grids")
     assert said.code == 0, said.err
     told = json.loads(said.out)
-    assert told["grid"] == ["coarse", "medium", "fine"]
+    assert told["grid"] == ["R/3.2", "R/4.53", "small"]
     assert told["cells"] == sorted(told["cells"])
     assert (tmp_path / "grids" / "case-3" / "log.snappyHexMesh").is_file()
     assert (tmp_path / "grids" / "report.html").is_file()

@@ -67,8 +67,8 @@ def result(order, shaped):
             judgement=Judgement(160, 2.1e5, 300.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=33702)
         )
         torque = outlet_torque(order.flow, speed, 876.0, order.valve)
-        runs.append(TurbineRun(speed, solved, torque, 1e-4, 2.0e4, 1.0))
-    return turbine_result(order, runs, Told("prototype", "coarse", "oil", shaped[2]))
+        runs.append(TurbineRun(order._replace(speed=speed), solved, torque, 1e-4, 2.0e4, 1.0))
+    return turbine_result(runs, Told("prototype", "coarse", "oil", shaped[2]))
 
 
 def test_the_law_of_the_system_comes_back(result, order):

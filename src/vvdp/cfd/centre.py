@@ -1,6 +1,7 @@
 """The centre section: jets from short nozzle stubs meet the pockets of the spool at rest and leave by its windows."""
 
 import math
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -41,6 +42,25 @@ class CentreOrder(NamedTuple):
     grid: float
     turbulence: Turbulence = STANDARD
     phases: tuple[Phase, ...] = (UPWIND, SECOND_ORDER)
+
+
+def scale_radially(order: CentreOrder, diameter: float) -> CentreOrder:
+    """The same section with a spool of another diameter [m], every length along the spool as before.
+
+    Pockets, nozzles and the arm of the jets grow with the diameter, and the helix angle shrinks.
+
+    Source  wang2017, section 2.4.2
+    """
+    valve, shape = order.valve, order.shape
+    factor = 0.5 * diameter / valve.spool_radius
+    wider = replace(
+        valve,
+        spool_radius=factor * valve.spool_radius,
+        inlet_radius=factor * valve.inlet_radius,
+        nozzle_area=factor * valve.nozzle_area,
+    )
+    made = replace(shape, hub_radius=factor * shape.hub_radius, nozzle_arm=factor * shape.nozzle_arm)
+    return order._replace(valve=wider, shape=made)
 
 
 def turned_centre(order: CentreOrder) -> Domain:

@@ -1,7 +1,8 @@
-"""What the flow through a centre section comes to over a range of flows: laws of its drop, torque of the jets."""
+"""What the flow through a centre section comes to over flow and diameter: laws of its drop, torque of the jets."""
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,20 +16,23 @@ from vvdp.base.kinds import (
     EFFICIENCY,
     FLAG,
     FLOW,
+    LENGTH,
     NUMBER,
     POSITION,
+    PRESSURE_DIFFERENCE,
     SIGNED_PRESSURE,
     TORQUE,
 )
-from vvdp.cfd.centre import CentreOrder
+from vvdp.base.params import field_kinds
 from vvdp.cfd.centre_study import CentreRun
 from vvdp.cfd.rail_result import METHOD, Told
 from vvdp.geometry.result import origin_rows
 from vvdp.geometry.shape import perpendicular_area
-from vvdp.numerics.least_squares import Fit, fit
+from vvdp.numerics.least_squares import fit
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
 from vvdp.valve.branch import turbulent_drops
+from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import inlet_torque
 
 VERB = "cfd centre"
@@ -46,28 +50,33 @@ QUANTITIES = {
     "flow_exponent": (NUMBER, "exponent of the flow in the static drop"),
     "flow_exponent_error": (NUMBER, "half of its interval"),
     "flow_exponent_law": (NUMBER, "exponent of the system"),
+    "diameter_exponent": (NUMBER, "exponent of the diameter under the static drop; the system's where one is given"),
+    "diameter_exponent_error": (NUMBER, "half of its interval"),
+    "diameter_exponent_law": (NUMBER, "exponent of the system"),
+    "largest_misfit_Pa": (PRESSURE_DIFFERENCE, "largest distance of the static drop from its law"),
     "total_exponent": (NUMBER, "exponent of the flow in the total drop"),
     "total_exponent_error": (NUMBER, "half of its interval"),
+    "total_diameter_exponent": (NUMBER, "exponent of the diameter under the total drop"),
+    "total_diameter_exponent_error": (NUMBER, "half of its interval"),
     "centre_coefficient": (NUMBER, "coefficient k of the static drop Q^m/(k D^n), SI"),
     "centre_coefficient_law": (NUMBER, "coefficient of the system, SI"),
     "jet_area_m2": (AREA, "section across all jets"),
     "stub_area_m2": (AREA, "area of the stubs' ends in the mesh"),
     "spool_angle_rad": (ANGLE, "spool angle"),
     "axial_position_m": (POSITION, "axial position of the spool"),
-    "cells": (COUNT, "cells"),
     "density_kg_m3": (DENSITY, "density"),
 }
 
 
-def centre_result(order: CentreOrder, runs: Sequence[CentreRun], told: Told) -> Result:
-    """The result of runs of one order at several flows; its sections name drawings that the page has.
+def centre_result(runs: Sequence[CentreRun], told: Told) -> Result:
+    """The result of runs at several flows, of one diameter or more; its sections name drawings that the page has.
 
-    Raises ParameterError where there are fewer than three.
+    Raises ParameterError where there are too few for the laws.
     """
-    table = _runs(order, runs)
-    flows, static, total = (table[key] for key in ("flow_m3_s", "static_drop_Pa", "total_drop_Pa"))
-    powers = [_power(flows, drops) for drops in (static, total)]
-    numbers = _numbers(order, runs, powers)
+    order = runs[0].order
+    table = _runs(runs)
+    flows, static = table["flow_m3_s"], table["static_drop_Pa"]
+    numbers = _numbers(runs, table)
     span = f"{with_unit(flows.min(), FLOW)} to {with_unit(flows.max(), FLOW)}"
     return Result(
         verb=VERB,
@@ -81,7 +90,7 @@ def centre_result(order: CentreOrder, runs: Sequence[CentreRun], told: Told) -> 
         numbers=numbers_of(numbers, QUANTITIES),
         listings={"fits": _fits(numbers), "lengths": centre_lengths(told)},
         tables={"runs": table},
-        charts={"drop-over-flow": _chart()},
+        charts={"drop-over-flow": _chart(Stroke.POINTS if np.ptp(table["diameter_m"]) else Stroke.MARKED)},
         findings=tuple(_findings(numbers, span, runs, static)),
         sections=(
             Section(title="Drop and torque", words=(DROPS,), shows=("fits", "drop-over-flow", "runs")),
@@ -93,19 +102,49 @@ def centre_result(order: CentreOrder, runs: Sequence[CentreRun], told: Told) -> 
     )  # fmt: skip
 
 
-def _power(flows: Array, drops: Array) -> Fit | None:
-    """The power of the flow that comes closest; None where a drop is negative, as a mesh too coarse may have it."""
-    return fit([np.ones_like(flows), np.log(flows)], np.log(drops)) if (drops > 0.0).all() else None
+class _Power(NamedTuple):
+    """A drop Q^m/(k D^n): k [SI], m and n with half of their intervals, and the largest distance from it [Pa]."""
+
+    coefficient: float
+    exponent: float
+    exponent_error: float
+    diameter_exponent: float
+    diameter_exponent_error: float
+    misfit: float
 
 
-def _runs(order: CentreOrder, runs: Sequence[CentreRun]) -> Table:
-    flows = np.array([run.order.flow for run in runs])
+def _power(table: Table, key: str, usual: float) -> _Power:
+    """The law that comes closest to the logarithm of a drop; of one diameter alone its exponent is the `usual` one.
+
+    All are nan where a drop is negative, as a mesh too coarse may have it.
+    """
+    drops, flows, diameters = (table[name] for name in (key, "flow_m3_s", "diameter_m"))
+    if not (drops > 0.0).all():
+        return _Power(*[math.nan] * 6)
+    several = np.ptp(diameters) > 0.0
+    columns = [np.ones_like(drops), np.log(flows), *((-np.log(diameters),) if several else ())]
+    found = fit(columns, np.log(drops) + (0.0 if several else usual) * np.log(diameters))
+    (log_c, m), (_, error) = found.coefficients[:2], found.half_widths[:2]
+    misfit = drops - drops * np.exp(-found.residuals)
+    return _Power(
+        coefficient=float(np.exp(-log_c)),
+        exponent=float(m),
+        exponent_error=float(error),
+        diameter_exponent=float(found.coefficients[2]) if several else usual,
+        diameter_exponent_error=float(found.half_widths[2]) if several else math.nan,
+        misfit=float(np.abs(misfit).max()),
+    )
+
+
+def _runs(runs: Sequence[CentreRun]) -> Table:
+    orders, density = [run.order for run in runs], runs[0].order.fluid.density
+    flows = np.array([order.flow for order in orders])
     total = np.array([run.solved.judgement.value for run in runs])
-    density, valve = order.fluid.density, order.valve
-    jets = flows / perpendicular_area(order.shape, valve)
-    law = np.array([turbulent_drops(run.order.flow, 1.0, density, valve).centre_section for run in runs])
-    torque = np.array([inlet_torque(run.order.flow, 1.0, density, valve) for run in runs])
+    jets = flows / np.array([perpendicular_area(order.shape, order.valve) for order in orders])
+    law = np.array([turbulent_drops(order.flow, 1.0, density, order.valve).centre_section for order in orders])
+    torque = np.array([inlet_torque(order.flow, 1.0, density, order.valve) for order in orders])
     columns = {
+        "diameter_m": Column(np.array([2.0 * order.valve.spool_radius for order in orders]), LENGTH, "spool diameter"),
         "flow_m3_s": Column(flows, FLOW, "flow"),
         "total_drop_Pa": Column(total, SIGNED_PRESSURE, "total drop"),
         "static_drop_Pa": Column(total - 0.5 * density * jets**2, SIGNED_PRESSURE, "static drop"),
@@ -113,32 +152,34 @@ def _runs(order: CentreOrder, runs: Sequence[CentreRun]) -> Table:
         "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
         "torque_law_N_m": Column(torque, TORQUE, "torque, law of the system"),
         "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
+        "cells": Column(np.array([float(run.solved.mesh.cells) for run in runs]), COUNT, "cells"),
         "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
         "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
     }
-    return Table(title="Runs", columns=columns, axes=("flow_m3_s",))
+    return Table(title="Runs", columns=columns, axes=("diameter_m", "flow_m3_s"))
 
 
-def _numbers(order: CentreOrder, runs: Sequence[CentreRun], powers: Sequence[Fit | None]) -> dict[str, float]:
-    """Of a power law c Q^m, k is 1 / (c D^n)."""
-    valve, (static, total) = order.valve, powers
-    nothing = np.full(2, np.nan)
-    (log_c, m), (_, error) = (static.coefficients, static.half_widths) if static else (nothing, nothing)
-    (_, all_m), (_, all_error) = (total.coefficients, total.half_widths) if total else (nothing, nothing)
-    diameter = 2.0 * valve.spool_radius
+def _numbers(runs: Sequence[CentreRun], table: Table) -> dict[str, float]:
+    order, valve = runs[0].order, runs[0].order.valve
+    static, total = (_power(table, key, valve.centre_diameter_exponent) for key in ("static_drop_Pa", "total_drop_Pa"))
     return {
-        "flow_exponent": float(m),
-        "flow_exponent_error": float(error),
+        "flow_exponent": static.exponent,
+        "flow_exponent_error": static.exponent_error,
         "flow_exponent_law": valve.centre_flow_exponent,
-        "total_exponent": float(all_m),
-        "total_exponent_error": float(all_error),
-        "centre_coefficient": float(np.exp(-log_c) / diameter**valve.centre_diameter_exponent),
+        "diameter_exponent": static.diameter_exponent,
+        "diameter_exponent_error": static.diameter_exponent_error,
+        "diameter_exponent_law": valve.centre_diameter_exponent,
+        "largest_misfit_Pa": static.misfit,
+        "total_exponent": total.exponent,
+        "total_exponent_error": total.exponent_error,
+        "total_diameter_exponent": total.diameter_exponent,
+        "total_diameter_exponent_error": total.diameter_exponent_error,
+        "centre_coefficient": static.coefficient,
         "centre_coefficient_law": valve.centre_coefficient,
         "jet_area_m2": perpendicular_area(order.shape, valve),
         "stub_area_m2": runs[0].stub_area,
         "spool_angle_rad": order.angle,
         "axial_position_m": order.position,
-        "cells": float(runs[0].solved.mesh.cells),
         "density_kg_m3": order.fluid.density,
     }
 
@@ -154,15 +195,16 @@ def centre_lengths(told: Told) -> Listing:
     return Listing(title="", heads=("value",), rows=origin_rows(rows))
 
 
-def _chart() -> Chart:
+def _chart(stroke: Stroke) -> Chart:
+    law = Stroke.POINTS if stroke is Stroke.POINTS else Stroke.DOTTED
     drops = (
-        Line(x="flow_m3_s", y="total_drop_Pa", stroke=Stroke.MARKED, colour=Colour.TANK),
-        Line(x="flow_m3_s", y="static_drop_Pa", stroke=Stroke.MARKED, colour=Colour.LOAD),
-        Line(x="flow_m3_s", y="static_drop_law_Pa", stroke=Stroke.DOTTED, colour=Colour.RELIEF),
+        Line(x="flow_m3_s", y="total_drop_Pa", stroke=stroke, colour=Colour.TANK),
+        Line(x="flow_m3_s", y="static_drop_Pa", stroke=stroke, colour=Colour.LOAD),
+        Line(x="flow_m3_s", y="static_drop_law_Pa", stroke=law, colour=Colour.RELIEF),
     )
     torques = (
-        Line(x="flow_m3_s", y="torque_N_m", stroke=Stroke.MARKED, colour=Colour.LOAD),
-        Line(x="flow_m3_s", y="torque_law_N_m", stroke=Stroke.DOTTED, colour=Colour.RELIEF),
+        Line(x="flow_m3_s", y="torque_N_m", stroke=stroke, colour=Colour.LOAD),
+        Line(x="flow_m3_s", y="torque_law_N_m", stroke=law, colour=Colour.RELIEF),
     )
     return Chart(
         name="drop-over-flow",
@@ -183,6 +225,12 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[CentreRun], s
         text=f"From {span} the static drop grows with the flow to the power {exponent} ± {error}; the system has "
         f"{number(numbers['flow_exponent_law'], 3)}."
     )
+    if not math.isnan(numbers["diameter_exponent_error"]):
+        fall, error = number(numbers["diameter_exponent"], 3), number(numbers["diameter_exponent_error"], 2)
+        yield Finding(
+            text=f"It falls with the diameter to the power {fall} ± {error}, lengths along the spool as they are; the "
+            f"system has {number(numbers['diameter_exponent_law'], 3)}."
+        )
     if not (static > 0.0).all():
         yield Finding(title="No static drop", grade=Grade.WARNING, text="The mesh is too coarse for the static drop.",
                       remedy="Take a finer grid.")  # fmt: skip
@@ -193,14 +241,24 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[CentreRun], s
 
 
 def fitted_settings(result: Result) -> tuple[str, ...]:
-    """Exponent and coefficient that were found, as settings of a system with their origin, where there are any."""
+    """Exponents and coefficient that were found, as settings of a system with their origin, where there are any."""
     numbers = {key: each.value for key, each in result.numbers.items()}
     if math.isnan(numbers["flow_exponent"]):
         return ()
     made = result.conditions
-    note = f"fitted to computed flow, {made['flow']}, {made['turbulence']}, {numbers['cells']:.0f} cells"
+    note = (
+        f"fitted to computed flow, {made['flow']}, {made['turbulence']}, {result.tables['runs']['cells'][0]:.0f} cells"
+    )
     values = {
-        "centre_flow_exponent": f"{numbers['flow_exponent']:.6g}",
+        "centre_flow_exponent": f"{_within_range('centre_flow_exponent', numbers['flow_exponent']):.6g}",
+        "centre_diameter_exponent": f"{_within_range('centre_diameter_exponent', numbers['diameter_exponent']):.6g}",
         "centre_coefficient": f"{numbers['centre_coefficient']:.6g} SI",
     }
     return tuple(f'valve.{key}={{value="{text}", status="derived", note="{note}"}}' for key, text in values.items())
+
+
+def _within_range(key: str, value: float) -> float:
+    """A value of the valve, moved into the range that the valve takes."""
+    kind = field_kinds(RotaryValve)[key]
+    assert kind is not None
+    return min(max(value, kind.low), kind.high)

@@ -35,6 +35,13 @@ class RailOrder(NamedTuple):
     phases: tuple[Phase, ...] = (UPWIND, SECOND_ORDER)
 
 
+def three_grids(finest: float) -> dict[str, float]:
+    """Three grids of the family by name, the coarsest first [cells per spool radius]."""
+    names = {f"{cells:.4g}": name for name, cells in GRIDS.items()}
+    family = (0.5 * finest, math.sqrt(0.5) * finest, finest)
+    return {names.get(f"{cells:.4g}", f"R/{cells:.3g}"): cells for cells in family}
+
+
 def outlets(valve: RotaryValve) -> tuple[str, ...]:
     """The patches of the mouths, in the order of the nozzles."""
     return tuple(f"outlet{number + 1}" for number in range(round(valve.sections)))

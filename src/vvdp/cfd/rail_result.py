@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from vvdp.base.tables import Sourced
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
 from vvdp.cfd.rail import RailOrder, outlets
 from vvdp.cfd.rail_study import RailRun
+from vvdp.cfd.solve import Solved
 from vvdp.geometry.result import origin_rows
 from vvdp.results.chart import Bars, Chart, Colour, Level, Line, Lines
 from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Section, Table, numbers_of
@@ -152,15 +153,23 @@ def drop_columns(runs: Sequence[RailRun]) -> dict[str, Column]:
     }
 
 
-def state_columns(runs: Sequence[RailRun]) -> dict[str, Column]:
-    """Columns of the same table: how many iterations each run took, and whether it has settled."""
+class Run(Protocol):
+    """Of any part of the valve."""
+
+    @property
+    def solved(self) -> Solved: ...
+
+
+def state_columns(runs: Sequence[Run]) -> dict[str, Column]:
+    """Columns of the same table: balance of each run, how many iterations it took, and whether it has settled."""
     return {
+        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
         "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
         "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
     }
 
 
-def restless_findings(runs: Sequence[RailRun]) -> Iterator[Finding]:
+def restless_findings(runs: Sequence[Run]) -> Iterator[Finding]:
     """A warning where some of several runs have not settled."""
     if restless := [run for run in runs if not run.solved.settled]:
         yield Finding(

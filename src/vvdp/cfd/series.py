@@ -31,7 +31,7 @@ def case_folder(directory: Path, place: int) -> Path:
 
 
 def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, cores: int, hear: Hear) -> Iterator[Solved]:
-    """Yields each case as it is computed, with the section `plane` cut; one that is meshed as the first has its mesh.
+    """Yields each case as it is computed, with the section `plane` cut; one that is meshed as another has its mesh.
 
     See `solve` for what is raised and kept.
     """
@@ -43,8 +43,9 @@ def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, core
             hear(Progress(words, place * now.most + now.done, len(cases) * now.most, now.judgement))
 
         folder = case_folder(directory, place)
-        has_mesh = place > 0 and case.mesh_files == cases[0].case.mesh_files
-        yield solve(case, folder, openfoam, cores, hear_of_all, case_folder(directory, 0) if has_mesh else None)
+        like = next((k for k in range(place) if cases[k].case.mesh_files == case.mesh_files), None)
+        mesh_of = None if like is None else case_folder(directory, like)
+        yield solve(case, folder, openfoam, cores, hear_of_all, mesh_of)
         cut_sections({MIDDLE: plane}, folder, openfoam)
 
 

@@ -11,7 +11,6 @@ from vvdp.base.kinds import (
     AREA,
     COUNT,
     DENSITY,
-    EFFICIENCY,
     FLOW,
     NUMBER,
     PRESSURE_DIFFERENCE,
@@ -107,7 +106,6 @@ def _sweep(order: RailOrder, runs: Sequence[RailRun]) -> Table:
         "spread_Pa": Column(np.array([run.solved.judgement.spread for run in runs]), PRESSURE_DIFFERENCE, "its range"),
         "pressure_drop_law_Pa": Column(_law(order, flows), SIGNED_PRESSURE, "law of the system"),
         "point_coefficient": Column(flows / opening / jets, NUMBER, "discharge coefficient"),
-        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
         **state_columns(runs),
     }
     return Table(title="Runs", columns=columns, axes=("flow_m3_s",))

@@ -1,4 +1,4 @@
-"""What the flow through an outlet turbine comes to over the speed of its spool: torque, drops, and their laws."""
+"""What the flow through an outlet turbine comes to over flow and speed: torque, drops, and their laws."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -32,8 +32,8 @@ from vvdp.valve.torque import outlet_torque
 VERB = "cfd turbine"
 FRAME = (
     "The oil within the spool's radius is solved in the frame that turns with the spool, which stands at one angle to "
-    "the collector: what the passing of the channels does to the flow is left out. Torque is fitted by a straight line "
-    "over the speed."
+    "the collector: what the passing of the channels does to the flow is left out. Torque is fitted by the square of "
+    "the flow, and flow times speed."
 )
 LENGTHS = (
     "None of these is published. Arm and entry taper of the channels were chosen so that flow simulation of a turbine "
@@ -41,8 +41,9 @@ LENGTHS = (
 )
 SHOWN_LENGTHS = ("outlet_", "chamber_", "collector_", "groove_", "port_")
 SLOPE = Kind("torque over speed", "N*m*s", -1e6, 1e6, "1e-4 N*m*s")
+RAIL = Kind("quadratic flow resistance", "Pa*s^2/m^6", 0.0, 1e18, "2e10 Pa*s^2/m^6")
 QUANTITIES = {
-    "flow_m3_s": (FLOW, "flow"),
+    "flow_m3_s": (FLOW, "flow, the largest"),
     "torque_at_rest_N_m": (TORQUE, "torque at rest, fitted"),
     "torque_at_rest_error_N_m": (TORQUE, "half of its interval"),
     "torque_slope_N_m_s": (SLOPE, "torque over speed, fitted"),
@@ -52,6 +53,7 @@ QUANTITIES = {
     "effective_area_law_m2": (AREA, "effective area of the system"),
     "turbine_drop_Pa": (PRESSURE_DIFFERENCE, "drop of the turbine, slowest run"),
     "collector_drop_Pa": (PRESSURE_DIFFERENCE, "drop of collector and port, slowest run"),
+    "rail_coefficient_Pa_s2_m6": (RAIL, "drop of collector and port over the square of the flow"),
     "discharge_coefficient": (NUMBER, "discharge coefficient of the turbine"),
     "discharge_coefficient_law": (NUMBER, "discharge coefficient of the system"),
     "cells": (COUNT, "cells"),
@@ -59,15 +61,17 @@ QUANTITIES = {
 }
 
 
-def turbine_result(order: TurbineOrder, runs: Sequence[TurbineRun], told: Told) -> Result:
-    """The result of runs of one order at several speeds; its sections name drawings that the page has.
+def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
+    """The result of runs at several speeds and one flow or more; its sections name drawings that the page has.
 
     Raises ParameterError where there are fewer than three.
     """
-    table = _runs(order, runs)
-    speeds = table["speed_rad_s"]
-    line = fit([np.ones_like(speeds), speeds], table["torque_N_m"])
-    numbers = _numbers(order, runs, line)
+    order = max((run.order for run in runs), key=lambda each: each.flow)
+    table = _runs(runs)
+    flows, speeds = table["flow_m3_s"], table["speed_rad_s"]
+    law = fit([flows**2, flows * speeds], table["torque_N_m"])
+    line = law.scale(np.array([order.flow**2, order.flow]))
+    numbers = _numbers(order, table, line)
     return Result(
         verb=VERB,
         title="Torque of the outlet turbine over the speed",
@@ -75,7 +79,7 @@ def turbine_result(order: TurbineOrder, runs: Sequence[TurbineRun], told: Told) 
         manner=f"{METHOD} {FRAME}",
         references=tuple(dict.fromkeys(("wang2017", *(row.source for row in told.rows if row.source)))),
         conditions={
-            "flow": with_unit(order.flow, FLOW),
+            "flow": " to ".join(with_unit(each, FLOW) for each in sorted({flows.min(), flows.max()})),
             "oil": told.oil,
             "grid": told.grid,
             "turbulence": order.turbulence.model,
@@ -83,7 +87,7 @@ def turbine_result(order: TurbineOrder, runs: Sequence[TurbineRun], told: Told) 
         left_out=("Centre section and windows upstream: the oil enters the chamber along the axis, without swirl.",
                   "Leakage, cavitation, and the warming of the oil."),
         numbers=numbers_of(numbers, QUANTITIES),
-        listings={"fits": _fits(numbers), "lengths": _lengths(told)},
+        listings={"fits": _fits(numbers), "lengths": turbine_lengths(told)},
         tables={"runs": table, "line": _line(order, speeds, line)},
         charts={"torque-over-speed": _chart()},
         findings=tuple(_findings(order, numbers, runs)),
@@ -97,34 +101,34 @@ def turbine_result(order: TurbineOrder, runs: Sequence[TurbineRun], told: Told) 
     )  # fmt: skip
 
 
-def _runs(order: TurbineOrder, runs: Sequence[TurbineRun]) -> Table:
-    speeds = np.array([run.speed for run in runs])
+def _runs(runs: Sequence[TurbineRun]) -> Table:
     total = np.array([run.solved.judgement.value for run in runs])
     behind = np.array([run.behind for run in runs])
     columns = {
-        "speed_rad_s": Column(speeds, SPEED, "spool speed"),
+        "flow_m3_s": Column(np.array([run.order.flow for run in runs]), FLOW, "flow"),
+        "speed_rad_s": Column(np.array([run.order.speed for run in runs]), SPEED, "spool speed"),
         "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
         "torque_spread_N_m": Column(np.array([run.torque_spread for run in runs]), TORQUE, "its range"),
-        "torque_law_N_m": Column(_law(order, speeds), TORQUE, "law of the system"),
+        "torque_law_N_m": Column(np.array([_law(run.order) for run in runs]), TORQUE, "law of the system"),
         "turbine_drop_Pa": Column(total - behind, PRESSURE_DIFFERENCE, "drop of the turbine"),
         "collector_drop_Pa": Column(behind, PRESSURE_DIFFERENCE, "drop of the collector"),
         "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
+        "cells": Column(np.array([float(run.solved.mesh.cells) for run in runs]), COUNT, "cells"),
         "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
         "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
     }
-    return Table(title="Runs", columns=columns, axes=("speed_rad_s",))
+    return Table(title="Runs", columns=columns, axes=("flow_m3_s", "speed_rad_s"))
 
 
-def _law(order: TurbineOrder, speeds: Array) -> Array:
-    return np.array([outlet_torque(order.flow, float(w), order.fluid.density, order.valve) for w in speeds])
+def _law(order: TurbineOrder) -> float:
+    return outlet_torque(order.flow, order.speed, order.fluid.density, order.valve)
 
 
-def _numbers(order: TurbineOrder, runs: Sequence[TurbineRun], line: Fit) -> dict[str, float]:
-    """Torque rho R Q^2 / A_eff - rho R^2 Q omega; drop of the turbine rho Q^2 / (2 Cd^2 A^2)."""
+def _numbers(order: TurbineOrder, table: Table, line: Fit) -> dict[str, float]:
+    """Torque rho R Q^2 / A_eff - rho R^2 Q omega; drop of the turbine rho Q^2 / (2 Cd^2 A^2), of the rail k Q^2."""
     valve, density, flow = order.valve, order.fluid.density, order.flow
     (at_rest, slope), (at_rest_error, slope_error) = line.coefficients.tolist(), line.half_widths.tolist()
-    slowest = min(runs, key=lambda run: abs(run.speed))
-    drop = slowest.solved.judgement.value - slowest.behind
+    drop, behind = (_over_square(table, key) for key in ("turbine_drop_Pa", "collector_drop_Pa"))
     radius = valve.outlet_radius
     return {
         "flow_m3_s": flow,
@@ -135,13 +139,22 @@ def _numbers(order: TurbineOrder, runs: Sequence[TurbineRun], line: Fit) -> dict
         "torque_slope_law_N_m_s": -density * radius**2 * flow,
         "effective_area_m2": density * radius * flow**2 / at_rest,
         "effective_area_law_m2": valve.outlet_effective_area,
-        "turbine_drop_Pa": drop,
-        "collector_drop_Pa": slowest.behind,
-        "discharge_coefficient": flow / valve.outlet_area / math.sqrt(2.0 * drop / density),
+        "turbine_drop_Pa": drop * flow**2,
+        "collector_drop_Pa": behind * flow**2,
+        "rail_coefficient_Pa_s2_m6": behind,
+        "discharge_coefficient": 1.0 / valve.outlet_area / math.sqrt(2.0 * drop / density),
         "discharge_coefficient_law": valve.outlet_discharge_coefficient,
-        "cells": float(runs[0].solved.mesh.cells),
+        "cells": float(table["cells"][0]),
         "density_kg_m3": density,
     }
+
+
+def _over_square(table: Table, key: str) -> float:
+    """Of the slowest runs, a drop over the square of the flow by least squares [Pa s^2/m^6]."""
+    speeds = np.abs(table["speed_rad_s"])
+    slowest = speeds == speeds.min()
+    square = table["flow_m3_s"][slowest] ** 2
+    return float(square @ table[key][slowest] / (square @ square))
 
 
 def _fits(numbers: dict[str, float]) -> Listing:
@@ -149,7 +162,8 @@ def _fits(numbers: dict[str, float]) -> Listing:
     return Listing(title="", heads=("value",), rows=tuple(rows))
 
 
-def _lengths(told: Told) -> Listing:
+def turbine_lengths(told: Told) -> Listing:
+    """The lengths of an outlet turbine with their origin."""
     rows = [row for row in told.rows if row.key.startswith(SHOWN_LENGTHS)]
     return Listing(title="", heads=("value",), rows=origin_rows(rows))
 
@@ -163,7 +177,9 @@ def _line(order: TurbineOrder, speeds: Array, line: Fit) -> Table:
         columns={
             "speed_rad_s": Column(over, SPEED, "spool speed"),
             "fitted_N_m": Column(at_rest + slope * over, TORQUE, "straight line, fitted"),
-            "law_N_m": Column(_law(order, over), TORQUE, "law of the system"),
+            "law_N_m": Column(
+                np.array([_law(order._replace(speed=speed)) for speed in over.tolist()]), TORQUE, "law of the system"
+            ),
         },
         is_data=True,
     )
@@ -177,13 +193,13 @@ def _chart() -> Chart:
         Line(x=x, y="torque_N_m", label="computed", colour=Colour.INK, stroke=Stroke.POINTS, width=2),
     )
     drops = (
-        Line(x=x, y="turbine_drop_Pa", colour=Colour.LOAD, stroke=Stroke.MARKED),
-        Line(x=x, y="collector_drop_Pa", colour=Colour.TANK, stroke=Stroke.MARKED),
+        Line(x=x, y="turbine_drop_Pa", colour=Colour.LOAD, stroke=Stroke.POINTS, width=2),
+        Line(x=x, y="collector_drop_Pa", colour=Colour.TANK, stroke=Stroke.POINTS, width=2),
     )
     return Chart(
         name="torque-over-speed",
-        caption="Left: torque of the outlet turbine on the spool. Right: drop of the turbine, from its chamber to the "
-        "walls of the collector, and that of collector and port.",
+        caption="Left: torque of the outlet turbine on the spool, with its law at the largest flow. Right: drop of the "
+        "turbine, from its chamber to the walls of the collector, and that of collector and port.",
         table="runs",
         panels=(Lines(lines=lines, label="torque", low=0.0), Lines(lines=drops, label="pressure drop", low=0.0)),
         side_by_side=True,
@@ -224,5 +240,6 @@ def fitted_settings(result: Result) -> tuple[str, ...]:
     values = {
         "outlet_effective_area": f"{1e6 * numbers['effective_area_m2']:.6g} mm^2",
         "outlet_discharge_coefficient": f"{numbers['discharge_coefficient']:.6g}",
+        "rail_coefficient": f"{numbers['rail_coefficient_Pa_s2_m6']:.6g} Pa*s^2/m^6",
     }
     return tuple(f'valve.{key}={{value="{text}", status="derived", note="{note}"}}' for key, text in values.items())

@@ -1,14 +1,12 @@
-"""The flow through an outlet turbine at several speeds of its spool, from a valve's shape to what was computed."""
+"""The flow through an outlet turbine at several flows and speeds of its spool, or on several grids."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from vvdp.base.display import with_unit
-from vvdp.base.kinds import SPEED
 from vvdp.cfd.monitor import read_monitor
 from vvdp.cfd.section import Plane
 from vvdp.cfd.series import NamedCase, case_folder, solve_series
@@ -20,7 +18,7 @@ from vvdp.cfd.watching import read_torque
 class TurbineRun(NamedTuple):
     """A turbine that was computed: the run, torque on the spool about z [N m] and its range, drop behind it [Pa]."""
 
-    speed: float
+    order: TurbineOrder
     solved: Solved
     torque: float
     torque_spread: float
@@ -28,31 +26,28 @@ class TurbineRun(NamedTuple):
     seconds: float
 
 
-def run_turbine(
-    order: TurbineOrder, speeds: Sequence[float], directory: Path, cores: int, hear: Hear
-) -> tuple[TurbineRun, ...]:
-    """Computes an order at each of several speeds [rad/s] on one mesh, or goes on with it; see `solve`."""
-    domain = turned_turbine(order)
+def run_turbine(orders: Mapping[str, TurbineOrder], directory: Path, cores: int, hear: Hear) -> tuple[TurbineRun, ...]:
+    """Computes orders of one shape by name, those of one grid on one mesh, or goes on with them; see `solve`."""
+    domain = turned_turbine(next(iter(orders.values())))
     heights = domain.mesh.of("channels")[:, :, 2]
     plane = Plane((0.0, 0.0, 0.5 * float(heights.min() + heights.max())), (0.0, 0.0, 1.0))
-    orders = [order._replace(speed=speed) for speed in speeds]
-    cases = [NamedCase(with_unit(each.speed, SPEED), turbine_case(each, domain)) for each in orders]
-    runs, began, window = [], time.perf_counter(), order.phases[-1].window
-    for place, solved in enumerate(solve_series(cases, plane, directory, cores, hear)):
+    cases = [NamedCase(name, turbine_case(order, domain)) for name, order in orders.items()]
+    runs, began = [], time.perf_counter()
+    solved_cases = solve_series(cases, plane, directory, cores, hear)
+    for place, (order, solved) in enumerate(zip(orders.values(), solved_cases, strict=True)):
         folder, now = case_folder(directory, place), time.perf_counter()
-        last = slice(len(solved.history.iterations) - window, len(solved.history.iterations))
+        count = len(solved.history.iterations)
+        last = slice(count - order.phases[-1].window, count)
         torque = read_torque(folder).value[last]
         behind = order.fluid.density * read_monitor(folder, BEHIND).values[last, 0]
-        spread = float(np.ptp(torque))
-        runs.append(
-            TurbineRun(
-                speed=speeds[place],
-                solved=solved,
-                torque=float(torque.mean()),
-                torque_spread=spread,
-                behind=float(behind.mean()),
-                seconds=now - began,
-            )
+        run = TurbineRun(
+            order=order,
+            solved=solved,
+            torque=float(torque.mean()),
+            torque_spread=float(np.ptp(torque)),
+            behind=float(behind.mean()),
+            seconds=now - began,
         )
+        runs.append(run)
         began = now
     return tuple(runs)

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
@@ -16,9 +17,11 @@ if TYPE_CHECKING:
 
     from vvdp.base.kinds import Kind
     from vvdp.cfd.centre import CentreOrder
+    from vvdp.cfd.grids_result import OnGrids
     from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.rail_result import Told
     from vvdp.cfd.solve import Progress
+    from vvdp.cfd.turbine import TurbineOrder
     from vvdp.results.result import Result
     from vvdp.systems.system import System
 
@@ -81,12 +84,12 @@ def rail(
     """
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.rail_result import VERB, rail_result
-    from vvdp.cfd.rail_study import run_rail
+    from vvdp.cfd.rail_study import run_rails
 
     loaded, order, told = _order(system, settings, shape, grid, model)
     order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
     with _place(VERB, out, f"rail-{loaded.name}-{grid}", force=force) as (directory, hear):
-        run = run_rail(order, directory, cores or _all_cores(), hear)
+        (run,) = run_rails({"": order}, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, rail_result(order, run, told), no_report=no_report)
     show_result(reported.result, directory, json=json, reported=reported.page, names=("found", "flow"))
 
@@ -110,22 +113,36 @@ def sweep(
     One mesh is solved at every flow. The file fitted.toml is the system with the discharge coefficient that was found.
     Rerun the same command to resume; what is finished is not computed again.
     """
+    from vvdp.base.display import with_unit
     from vvdp.base.kinds import FLOW
-    from vvdp.cfd.rail_study import run_sweep
+    from vvdp.cfd.rail_study import run_rails
     from vvdp.cfd.sweep_result import VERB, fitted_settings, sweep_result
 
     loaded, order, told = _order(system, settings, shape, grid, model)
     flows = _stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * order.flow for share in USUAL_SHARES)
     with _place(VERB, out, f"sweep-{loaded.name}-{grid}", force=force) as (directory, hear):
-        runs = run_sweep(order, flows, directory, cores or _all_cores(), hear)
+        orders = {with_unit(each, FLOW): order._replace(flow=each) for each in flows}
+        runs = run_rails(orders, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, sweep_result(order, runs, told), no_report=no_report)
     _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "sweep"))
 
 
+class Part(StrEnum):
+    """A part of the valve that is computed by itself."""
+
+    RAIL = "rail"
+    CENTRE = "centre"
+    TURBINE = "turbine"
+
+
 @app.command(cls=Verb)
 def grids(
     system: SystemName,
+    part: Annotated[Part, typer.Option("--part", help="Part of the valve.")] = Part.RAIL,
+    grid: Annotated[
+        str, typer.Option("--grid", metavar="GRID", help="The finest of the three, each 1.4 times as fine.")
+    ] = "fine",
     flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
     model: Model = "k-epsilon",
     shape: Shape = None,
@@ -136,22 +153,45 @@ def grids(
     json: AsJson = False,
     no_report: NoReport = False,
 ) -> None:
-    """Compute the inlet rail on all three grids and tell how far the drop is off.
+    """Compute a part of the valve on three grids and tell how far the drop is off.
 
-    Observed order, extrapolation and grid convergence index. Rerun the same command to resume; what is finished is not
+    Observed order, extrapolation and grid convergence index. With another finest grid, those below it are coarser
+    still. Rerun the same command to resume; what is finished is not
     computed again.
     """
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.grids_result import VERB, grids_result
-    from vvdp.cfd.rail import GRIDS
-    from vvdp.cfd.rail_study import run_grids
+    from vvdp.cfd.rail import three_grids
 
-    loaded, order, about = _order(system, settings, shape, next(iter(GRIDS)), model)
+    loaded, order, about = _order(system, settings, shape, grid, model)
     order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
+    orders = {name: order._replace(grid=cells) for name, cells in three_grids(order.grid).items()}
     with _place(VERB, out, f"grids-{loaded.name}", force=force) as (directory, hear):
-        runs = run_grids(order, GRIDS, directory, cores or _all_cores(), hear)
-    reported = _write(directory, loaded, grids_result(order, runs, tuple(GRIDS), about), no_report=no_report)
+        found = _on_grids(part, orders, about, (directory, cores or _all_cores(), hear))
+    reported = _write(directory, loaded, grids_result(order, found, tuple(orders), about), no_report=no_report)
     show_result(reported.result, directory, json=json, reported=reported.page, names=("convergence", "grids"))
+
+
+def _on_grids(
+    part: Part,
+    orders: "Mapping[str, RailOrder]",
+    about: "Told",
+    place: "tuple[Path, int, Callable[[Progress], None]]",
+) -> "OnGrids":
+    from vvdp.cfd.centre_study import run_centre
+    from vvdp.cfd.grids_result import centre_on_grids, rail_on_grids, turbine_on_grids
+    from vvdp.cfd.rail_study import run_rails
+    from vvdp.cfd.turbine_study import run_turbine
+
+    match part:
+        case Part.RAIL:
+            return rail_on_grids(run_rails(orders, *place), about)
+        case Part.CENTRE:
+            found = {name: _centre_order(order, 0.0) for name, order in orders.items()}
+            return centre_on_grids(run_centre(found, *place), about)
+        case Part.TURBINE:
+            still = {name: _turbine_order(order) for name, order in orders.items()}
+            return turbine_on_grids(run_turbine(still, *place), about)
 
 
 @app.command(cls=Verb)
@@ -178,7 +218,7 @@ def designs(
     """
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.designs_result import VERB, designs_result
-    from vvdp.cfd.rail_study import run_designs
+    from vvdp.cfd.rail_study import run_rails
 
     names = _shapes(shape)
     found = {name: _order(system, settings, name, grid, model) for name in names}
@@ -186,7 +226,7 @@ def designs(
     rate = parsed_option("--flow", flow, FLOW) if flow else first.flow
     orders = {name: order._replace(flow=rate) for name, (_, order, _) in found.items()}
     with _place(VERB, out, f"designs-{loaded.name}-{grid}", force=force) as (directory, hear):
-        runs = run_designs(orders, directory, cores or _all_cores(), hear)
+        runs = run_rails(orders, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, designs_result(orders, runs, told), no_report=no_report)
     show_result(reported.result, directory, json=json, reported=reported.page, names=("designs",))
 
@@ -210,6 +250,10 @@ def centre(
     angle: Annotated[
         str, typer.Option("--angle", metavar="ANGLE", help="Spool angle; at 0 the nozzles are open.")
     ] = "0 deg",
+    diameter: Annotated[
+        list[str] | None,
+        typer.Option("--diameter", metavar="D", help="Spool diameters, lengths along it as they are (repeatable)."),
+    ] = None,
     model: Model = "k-epsilon",
     shape: Shape = None,
     settings: Settings = None,
@@ -221,20 +265,29 @@ def centre(
 ) -> None:
     """Fit laws to the drop of the centre section over the flow.
 
-    One mesh is solved at every flow, the spool at rest half-way along its stroke. The file fitted.toml is the system
-    with the exponent and the coefficient that were found. Rerun the same command to resume; what is finished is not
-    computed again.
+    One mesh of each diameter is solved at every flow, the spool at rest half-way along its stroke. The file fitted.toml
+    is the system with the exponents and the coefficient that were found. Rerun the same command to resume; what is
+    finished is not computed again.
     """
-    from vvdp.base.kinds import ANGLE, FLOW
+    from vvdp.base.display import with_unit
+    from vvdp.base.kinds import ANGLE, FLOW, LENGTH
+    from vvdp.cfd.centre import scale_radially
     from vvdp.cfd.centre_result import VERB, centre_result, fitted_settings
     from vvdp.cfd.centre_study import run_centre
 
     loaded, rail, told = _order(system, settings, shape, grid, model)
     order = _centre_order(rail, parsed_option("--angle", angle, ANGLE))
     flows = _stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * rail.flow for share in USUAL_SHARES)
+    diameters = [parsed_option("--diameter", text, LENGTH) for text in diameter or ()]
+    wide = [scale_radially(order, each) for each in diameters] or [order]
+    orders = {
+        f"{with_unit(2.0 * each.valve.spool_radius, LENGTH)}, {with_unit(rate, FLOW)}": each._replace(flow=rate)
+        for each in wide
+        for rate in flows
+    }
     with _place(VERB, out, f"centre-{loaded.name}-{grid}", force=force) as (directory, hear):
-        runs = run_centre(order, flows, directory, cores or _all_cores(), hear)
-    reported = _write(directory, loaded, centre_result(order, runs, told), no_report=no_report)
+        runs = run_centre(orders, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, centre_result(runs, told), no_report=no_report)
     _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "runs"))
 
@@ -262,8 +315,9 @@ def openings(
     The centre section is solved with open nozzles and, at each angle, with nozzles that close and that open; the spool
     stands still. Rerun the same command to resume; what is finished is not computed again.
     """
+    from vvdp.base.display import with_unit
     from vvdp.base.kinds import ANGLE, FLOW
-    from vvdp.cfd.centre_study import run_angles
+    from vvdp.cfd.centre_study import run_centre
     from vvdp.cfd.openings_result import VERB, both_ways, openings_result
 
     loaded, rail, told = _order(system, settings, shape, grid, model)
@@ -271,7 +325,8 @@ def openings(
     order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
     angles = both_ways(_two_or_more("--angle", angle or ["16.5 deg", "21 deg"], ANGLE))
     with _place(VERB, out, f"openings-{loaded.name}-{grid}", force=force) as (directory, hear):
-        runs = run_angles(order, angles, directory, cores or _all_cores(), hear)
+        orders = {with_unit(each, ANGLE): order._replace(angle=each) for each in angles}
+        runs = run_centre(orders, directory, cores or _all_cores(), hear)
     reported = _write(directory, loaded, openings_result(runs, told), no_report=no_report)
     show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "angles"))
 
@@ -306,7 +361,10 @@ def _centre_order(rail: "RailOrder", angle: float) -> "CentreOrder":
 def turbine(
     system: SystemName,
     grid: Grid = "coarse",
-    flow: Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")] = "",
+    flow: Annotated[
+        list[str] | None,
+        typer.Option("--flow", metavar="FLOW", help="Flow (repeatable; default: that of the pump)."),
+    ] = None,
     speed: Annotated[
         tuple[str, str, int],
         typer.Option("--speed", metavar="FROM TO COUNT", help="Spool speeds, 3 or more."),
@@ -322,32 +380,45 @@ def turbine(
 ) -> None:
     """Compute torque and drop of the outlet turbine over the speed.
 
-    One mesh is solved at every speed, in the frame of the spool. The file fitted.toml is the system with the effective
-    area and the discharge coefficient that were found. Rerun the same command to resume; what is finished is not
-    computed again.
+    One mesh is solved at every flow and speed, in the frame of the spool. The file fitted.toml is the system with the
+    effective area, the discharge coefficient and the drop of the outlet rail that were found. Rerun the same command to
+    resume; what is finished is not computed again.
     """
+    from vvdp.base.display import with_unit
     from vvdp.base.kinds import FLOW, SPEED
-    from vvdp.cfd.turbine import TurbineOrder
     from vvdp.cfd.turbine_result import VERB, fitted_settings, turbine_result
     from vvdp.cfd.turbine_study import run_turbine
 
     loaded, rail, told = _order(system, settings, shape, grid, model)
-    order = TurbineOrder(
+    order = _turbine_order(rail)
+    flows = [parsed_option("--flow", text, FLOW) for text in flow or ()] or [rail.flow]
+    speeds = _stretch("--speed", speed, SPEED, 0.0)
+    orders = {
+        f"{with_unit(rate, FLOW)}, {with_unit(each, SPEED)}": order._replace(flow=rate, speed=each)
+        for rate in flows
+        for each in speeds
+    }
+    with _place(VERB, out, f"turbine-{loaded.name}-{grid}", force=force) as (directory, hear):
+        runs = run_turbine(orders, directory, cores or _all_cores(), hear)
+    reported = _write(directory, loaded, turbine_result(runs, told), no_report=no_report)
+    _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
+    show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "runs"))
+
+
+def _turbine_order(rail: "RailOrder") -> "TurbineOrder":
+    """The outlet turbine to a rail, the spool at rest half-way along its stroke."""
+    from vvdp.cfd.turbine import TurbineOrder
+
+    return TurbineOrder(
         valve=rail.valve,
         shape=rail.shape,
         fluid=rail.fluid,
-        flow=parsed_option("--flow", flow, FLOW) if flow else rail.flow,
+        flow=rail.flow,
         speed=0.0,
         position=0.5 * rail.valve.helix_length,
         grid=rail.grid,
         turbulence=rail.turbulence,
     )
-    speeds = _stretch("--speed", speed, SPEED, 0.0)
-    with _place(VERB, out, f"turbine-{loaded.name}-{grid}", force=force) as (directory, hear):
-        runs = run_turbine(order, speeds, directory, cores or _all_cores(), hear)
-    reported = _write(directory, loaded, turbine_result(order, runs, told), no_report=no_report)
-    _write_fitted(directory, system, [*(settings or ()), *fitted_settings(reported.result)])
-    show_result(reported.result, directory, json=json, reported=reported.page, names=("fits", "runs"))
 
 
 class _Reported(NamedTuple):
