@@ -1,4 +1,4 @@
-"""Two-port valves that a command moves: proportional, metering, unloading and dump valves; throttles in series."""
+"""Two-port valves that a command moves: proportional, metering, compensated, unloading, dump; throttles in series."""
 
 from typing import NamedTuple
 
@@ -8,6 +8,12 @@ from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.characteristic import Characteristic, dead_band_side, flow_share
+from vvdp.hydraulics.compensated_throttle import (
+    CompensatedThrottle,
+    compensator_rate,
+    compensator_side,
+    metering_share,
+)
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.proportional_valve import OpeningState, ProportionalValve, opening_rate, proportional_flow
 from vvdp.hydraulics.seat_valve import SeatValve, seat_flow, seat_rate
@@ -66,6 +72,22 @@ class SeriesPassage(NamedTuple):
     losses: SeriesLosses
 
 
+class CompensatedLosses(NamedTuple):
+    """What is lost over a metering throttle, and over the compensator before it."""
+
+    metering: Power
+    compensator: Power
+
+
+class CompensatedPassage(NamedTuple):
+    """What goes through a compensated throttle, the rate of its compensator, and where that stands."""
+
+    flow: Flow
+    losses: CompensatedLosses
+    rates: OpeningState
+    side: Kink
+
+
 def proportional_valve(
     a: FluidState, b: FluidState, command: Fraction, state: OpeningState, values: ProportionalValve
 ) -> ValvePassage:
@@ -117,8 +139,28 @@ def series_throttles(
     return SeriesPassage(flow, SeriesLosses(share * loss, (1.0 - share) * loss))
 
 
+def compensated_throttle(
+    a: FluidState, b: FluidState, command: Fraction, state: OpeningState, values: CompensatedThrottle
+) -> CompensatedPassage:
+    """Throttle open by `command` [1] behind a pressure compensator, from a to b, without a volume between them."""
+    opening, lift = clip(command, 0.0, 1.0), clip(state.opening, 0.0, 1.0)
+    drop = a.pressure - b.pressure
+    first, second = values.compensator_conductance * lift, values.conductance * opening
+    flow, loss = passage(series_flow(drop, first, second, values.transition_pressure), a, b)
+    share = metering_share(opening, lift, values)
+    rates = OpeningState(compensator_rate(share * drop, state.opening, values))
+    losses = CompensatedLosses(share * loss, (1.0 - share) * loss)
+    return CompensatedPassage(flow, losses, rates, compensator_side(share * drop, values))
+
+
+def compensated_start(values: CompensatedThrottle) -> OpeningState:
+    """Fully open, as its spring leaves the compensator without pressure."""
+    return OpeningState(1.0)
+
+
 PROPORTIONAL_VALVE = Component(proportional_valve, symbol="proportional_valve")
 METERING_VALVE = Component(metering_valve, symbol="proportional_valve")
 UNLOADING_VALVE = Component(unloading_valve, symbol="unloading_valve")
 DUMP_VALVE = Component(dump_valve, symbol="switching_valve_2_2", start=dump_start)
 SERIES_THROTTLES = Component(series_throttles, symbol="two_orifices")
+COMPENSATED_THROTTLE = Component(compensated_throttle, symbol="flow_control_valve", start=compensated_start)

@@ -12,6 +12,7 @@ from vvdp.base.kinds import (
     ThermalExpansion,
 )
 from vvdp.components.controlled_valves import (
+    COMPENSATED_THROTTLE,
     DUMP_VALVE,
     METERING_VALVE,
     PROPORTIONAL_VALVE,
@@ -28,7 +29,7 @@ from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.flow_sources import FLOW_SOURCE
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
-from vvdp.components.machines import MOTOR, PUMP
+from vvdp.components.machines import CONTROLLED_PUMP, MOTOR, PUMP
 from vvdp.components.pipes import LAYERED_PIPE, PIPE
 from vvdp.components.resistances import LAMINAR_GAP, ORIFICE
 from vvdp.components.rods import CYLINDER, END_STOP, LOAD_FORCE, PLUNGER, ROD_BRAKE, ROD_FRICTION, SPRING, WEIGHT
@@ -82,6 +83,8 @@ COMPONENTS = _by_name(
     CALIBRATED_GEROTOR_DRIVE,
     CHECK_VALVE,
     COLUMN,
+    COMPENSATED_THROTTLE,
+    CONTROLLED_PUMP,
     CYLINDER,
     DIRECTED_RETURN,
     DIRECTED_SOURCE,

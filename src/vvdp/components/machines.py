@@ -1,14 +1,15 @@
-"""Machines between two volumes and a shaft: pump and hydraulic motor."""
+"""Machines between two volumes and a shaft: fixed and variable pump, hydraulic motor."""
 
 from typing import NamedTuple
 
-from vvdp.base.kinds import Flow, Power, Torque
+from vvdp.base.kinds import Flow, Fraction, Kink, Power, Pressure, Torque
 from vvdp.fluid.mixture import FluidState
 from vvdp.hydraulics.flow import passage
 from vvdp.hydraulics.friction import shaft_friction_torque
 from vvdp.hydraulics.motor import Motor, motor_compression_loss, motor_flow, motor_torque
 from vvdp.hydraulics.ports import ShaftSpeed, ShaftState
 from vvdp.hydraulics.pump import Pump, against, delivery, is_ideal, pump_friction_power, tank_displacement
+from vvdp.hydraulics.variable_pump import PumpControl, SwivelState, swivel_rate, swivel_share, swivel_side
 from vvdp.network.component import Component
 
 
@@ -45,6 +46,19 @@ class ChamberEffect(NamedTuple):
     shaft: Torque
     losses: ChamberLosses
     leakage_flow: Flow
+
+
+class ControlledPumpEffect(NamedTuple):
+    """As `ChamberEffect`, with the share of its displacement, the rate of its control, and at which end that stands."""
+
+    inlet: Flow
+    outlet: Flow
+    shaft: Torque
+    losses: ChamberLosses
+    leakage_flow: Flow
+    share: Fraction
+    rates: SwivelState
+    side: Kink
 
 
 class MotorLosses(NamedTuple):
@@ -88,7 +102,40 @@ def chamber_pump(inlet: FluidState, outlet: FluidState, shaft: ShaftState, value
 
     What fills chambers from the outlet that were not compressed before is lost, forwards and backwards.
     """
-    displacement, unused = delivery(shaft.angle, inlet, outlet, values)
+    return _swivelled(inlet, outlet, shaft, 1.0, values)
+
+
+def controlled_pump(
+    inlet: FluidState,
+    outlet: FluidState,
+    shaft: ShaftState,
+    level: Pressure,
+    state: SwivelState,
+    values: Pump,
+    control: PumpControl,
+) -> ControlledPumpEffect:
+    """A variable pump whose control swivels it so that its outlet is held at `level` [Pa, absolute].
+
+    At a share of its displacement it leaks and rubs as at the full one.
+    """
+    shortfall = level - outlet.pressure
+    swivel = swivel_share(shortfall, state.swivel, control)
+    done = _swivelled(inlet, outlet, shaft, swivel, values)
+    return ControlledPumpEffect(
+        inlet=done.inlet,
+        outlet=done.outlet,
+        shaft=done.shaft,
+        losses=done.losses,
+        leakage_flow=done.leakage_flow,
+        share=swivel,
+        rates=SwivelState(swivel_rate(shortfall, state.swivel, control)),
+        side=swivel_side(shortfall, state.swivel, control),
+    )
+
+
+def _swivelled(inlet: FluidState, outlet: FluidState, shaft: ShaftState, swivel: float, values: Pump) -> ChamberEffect:
+    """What a pump does at a share of its displacement."""
+    displacement, unused = delivery(shaft.angle, inlet, outlet, values, swivel)
     q = displacement * shaft.speed
     leak = passage(values.leakage_conductance * (outlet.pressure - inlet.pressure), outlet, inlet)
     hindrance = against(values.friction_torque + unused, shaft.speed)
@@ -126,6 +173,7 @@ def motor_inertia(values: Motor) -> float:
 
 
 CHAMBER_PUMP = Component(chamber_pump, symbol="pump", averages=("leakage_flow",))
+CONTROLLED_PUMP = Component(controlled_pump, symbol="variable_pump", averages=("leakage_flow", "share"))
 
 
 def suited_pump(values: Pump) -> Component:

@@ -55,17 +55,18 @@ def tank_displacement(shaft_angle: float, inlet: FluidState, pump: Pump) -> floa
     return pump.displacement * (1.0 + flow_ripple(shaft_angle, pump)) * (1.0 / inlet.volume_ratio)
 
 
-def delivery(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump) -> Delivery:
+def delivery(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pump, swivel: float = 1.0) -> Delivery:
     """What a pump displaces per angle, and which torque of its chambers goes into no oil.
 
     d = D (1 + r sin(z theta))/nu_in - V_d (1/nu_out - 1/nu_in), not below zero: what its dead volume V_d held more at
     the outlet's pressure is not taken in. The oil takes the torque d (h_out - h_in). Without precompression the shaft
     works against the whole difference of pressure: (1 - c) (D (1 + r) (P_out - P_in) - d (h_out - h_in)) is lost, never
-    negative, c the precompression.
+    negative, c the precompression. A variable pump has s D in place of D, and the same dead volume.
 
     shaft_angle  theta [rad]
     inlet        oil where the pump fills
     outlet       oil where it delivers
+    swivel       s, share of its displacement to which it is swivelled [1]
 
     >>> from vvdp.fluid.mixture import fluid_state
     >>> inlet, outlet = fluid_state(1e5, oil), fluid_state(100e5, oil)
@@ -73,7 +74,7 @@ def delivery(shaft_angle: float, inlet: FluidState, outlet: FluidState, pump: Pu
     >>> print(round(delivery(0.0, inlet, outlet, pump).unused_torque / (3.63e-6 * 99e5), 4))  # of the work
     0.0126
     """
-    filled = tank_displacement(shaft_angle, inlet, pump)
+    filled = swivel * tank_displacement(shaft_angle, inlet, pump)
     swept = filled * inlet.volume_ratio
     kept = pump.dead_volume * (1.0 / outlet.volume_ratio - 1.0 / inlet.volume_ratio)
     d = filled - minimum(kept, filled)

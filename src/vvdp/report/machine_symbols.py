@@ -1,5 +1,7 @@
 """Symbols of pumps, motors, cylinders, stores and what they move, in the manner of ISO 1219-1, about their centres."""
 
+from dataclasses import replace
+
 from vvdp.report import symbols as draw
 from vvdp.report.symbol import Side, Symbol, Terminal
 from vvdp.report.symbols import arrow, arrow_head, filled_polygon, pipe
@@ -20,6 +22,12 @@ def pump() -> Symbol:
     """A pump of fixed displacement."""
     drawn = _circle(ROUND) + filled_polygon((0, -26), (-9, -11), (9, -11))
     return Symbol((-26, -26, 26, 26), drawn, _round_shape("suction", "outlet"), (-26, 26))
+
+
+def variable_pump() -> Symbol:
+    """A pump of variable displacement."""
+    fixed = pump()
+    return replace(fixed, svg=fixed.svg + arrow((-24, 24), (24, -24), 9))
 
 
 def hydraulic_motor() -> Symbol:

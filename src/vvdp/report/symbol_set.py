@@ -30,6 +30,7 @@ def _adjustable() -> Symbol:
 
 
 _PUMP, _FLOW = Entry(machine.pump, "P", 0), Entry(machine.flow_source, "P", 0)
+_VARIABLE = Entry(machine.variable_pump, "P", 0)
 _MOTOR, _RELIEF = Entry(machine.hydraulic_motor, "M", 6), Entry(valve.relief_valve, "V", 5)
 _ORIFICE, _ADJUSTABLE = Entry(valve.orifice, "R", 4), Entry(_adjustable, "R", 4)
 _UNLOADING, _CHECK = Entry(valve.unloading_valve, "V", 5), Entry(valve.check_valve, "V", 3)
@@ -41,6 +42,7 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
     {
         "pump": _PUMP,
         "fixed_pump": _PUMP,
+        "variable_pump": _VARIABLE,
         "flow_source": _FLOW,
         "motor": _MOTOR,
         "hydraulic_motor": _MOTOR,
@@ -140,7 +142,7 @@ def entry(symbol: str) -> Entry | None:
 
 def is_source(symbol: str) -> bool:
     """Whether it delivers flow."""
-    return entry(symbol) in (_PUMP, _FLOW)
+    return entry(symbol) in (_PUMP, _VARIABLE, _FLOW)
 
 
 def fit_symbol(component: GraphComponent, kinds: Mapping[str, NodeKind], fed: frozenset[str] = frozenset()) -> Fitted:

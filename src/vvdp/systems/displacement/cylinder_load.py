@@ -13,8 +13,11 @@ from vvdp.hydraulics.friction import RodFriction
 from vvdp.hydraulics.rod import EndStop
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
-from vvdp.network.nodes import Load, Source, Start
+from vvdp.network.nodes import Load, Source
+from vvdp.systems.displacement.duty_cycle import DutyCycle, resting_pressures
 
+LOW_SIDE = 5e5
+"""At which a side that carries nothing starts where no supply holds it, gauge [Pa]."""
 CHAMBERS = ("chamber_a", "chamber_b")
 """Names of the volumes at both sides of the piston, with their hoses."""
 
@@ -40,19 +43,39 @@ class LoadedCylinder:
     end_stops: EndStop
 
 
-def add_cylinder(net: Network, parts: LoadedCylinder, force: Source, position: Start = "initial.position") -> None:
+def start_at_rest(
+    cycle: DutyCycle, cylinder: Cylinder, reference_pressure: float, level: float, supply: float | None = None
+) -> InitialCylinder:
+    """Where a run starts: at rest under the first force of a cycle, the lower side at `level`, absolute [Pa].
+
+    reference_pressure  that of the outside, absolute [Pa]
+    supply              pressure of what feeds the cylinder, absolute [Pa]; that of the higher side where none is given
+    """
+    a, b = resting_pressures(cycle.forces[0], level - reference_pressure, cylinder)
+    return InitialCylinder(
+        position=cycle.positions[0],
+        pressure_a=reference_pressure + a,
+        pressure_b=reference_pressure + b,
+        supply_pressure=reference_pressure + max(a, b) if supply is None else supply,
+    )
+
+
+def add_cylinder(
+    net: Network, parts: LoadedCylinder, force: Source, position: str = "position", suffix: str = ""
+) -> None:
     """Add a cylinder with its load to a network that has values `initial` with the fields of `InitialCylinder`.
 
     Its nodes are `chamber_a`, `chamber_b` and `rod`, its components `cylinder`, `friction`, `end_stops` and
-    `load_force`.
+    `load_force`. `suffix` goes behind all of these names, and behind `initial`, where there are several.
 
     force     on the rod from outside, in the direction of its position [N]
-    position  at which the rod starts
+    position  field of `initial` with the position at which the rod starts
     """
-    net.volume("chamber_a", parts.chamber_a, start="initial.pressure_a")
-    net.volume("chamber_b", parts.chamber_b, start="initial.pressure_b")
-    net.rod("rod", parts.load, position=position)
-    net.add("cylinder", CYLINDER, parts.cylinder, a="chamber_a", b="chamber_b", rod="rod")
-    net.add("friction", ROD_FRICTION, parts.friction, rod="rod")
-    net.add("end_stops", END_STOP, parts.end_stops, rod="rod")
-    net.add("load_force", LOAD_FORCE, rod="rod", force=force)
+    a, b, rod, initial = (name + suffix for name in (*CHAMBERS, "rod", "initial"))
+    net.volume(a, parts.chamber_a, start=f"{initial}.pressure_a")
+    net.volume(b, parts.chamber_b, start=f"{initial}.pressure_b")
+    net.rod(rod, parts.load, position=f"{initial}.{position}")
+    net.add("cylinder" + suffix, CYLINDER, parts.cylinder, a=a, b=b, rod=rod)
+    net.add("friction" + suffix, ROD_FRICTION, parts.friction, rod=rod)
+    net.add("end_stops" + suffix, END_STOP, parts.end_stops, rod=rod)
+    net.add("load_force" + suffix, LOAD_FORCE, rod=rod, force=force)

@@ -172,7 +172,7 @@ def add_machine(net: Network, parts: MachineParts, commands: MachineCommands, sp
 def add_actuator(net: Network, parts: MachineParts, commands: MachineCommands, operation: MachineOperation) -> None:
     """Add directional valve, cylinder and load between line and tank, with the meters of their powers."""
     refuse_stops(parts.loaded.cylinder, parts.loaded.end_stops)
-    add_cylinder(net, parts.loaded, operation.load_force, "initial.cylinder_position")
+    add_cylinder(net, parts.loaded, operation.load_force, "cylinder_position")
     if parts.weight is not None:
         net.add("weight", WEIGHT, parts.weight, rod="rod")
     net.add(

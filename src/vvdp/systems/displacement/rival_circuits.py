@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.simulation.run import Run
-from vvdp.systems.displacement.cylinder_load import InitialCylinder
+from vvdp.systems.displacement.cylinder_load import LOW_SIDE, InitialCylinder, start_at_rest
 from vvdp.systems.displacement.duties import Duty
-from vvdp.systems.displacement.duty_cycle import resting_pressures
 from vvdp.systems.displacement.machine_loop import PROGRAM
 from vvdp.systems.displacement.rival_machine import (
     control_begin,
@@ -20,9 +19,6 @@ from vvdp.systems.displacement.rival_machine import (
 )
 from vvdp.systems.displacement.rivals import LOOP
 from vvdp.systems.system import load_system
-
-LOW_SIDE = 5e5
-"""At which a side that carries nothing starts where no supply holds it, gauge [Pa]."""
 
 
 class Sink(NamedTuple):
@@ -65,18 +61,8 @@ class RivalCircuit:
 
 
 def start_of(tables: Tables, duty: Duty, level: float, supply: float | None = None) -> InitialCylinder:
-    """Where a run starts: at rest under the first force, the lower side at `level`, absolute [Pa].
-
-    supply  pressure of what feeds the cylinder, absolute [Pa]; that of the higher side where none is given
-    """
-    reference = tables["oil"].reference_pressure
-    a, b = resting_pressures(duty.cycle.forces[0], level - reference, tables["cylinder"])
-    return InitialCylinder(
-        position=duty.cycle.positions[0],
-        pressure_a=reference + a,
-        pressure_b=reference + b,
-        supply_pressure=reference + max(a, b) if supply is None else supply,
-    )
+    """Where a run on a duty starts; see `start_at_rest`."""
+    return start_at_rest(duty.cycle, tables["cylinder"], tables["oil"].reference_pressure, level, supply)
 
 
 def _relief(tables: Tables, name: str, duty: Duty) -> Any:

@@ -34,6 +34,8 @@ FLAT = 0.05
 """Share of the supply's force below which the pressure that is left over a valve is taken to be that."""
 SLOW = 1e-3
 """Velocity at which a one-way pump's directional valve changes over [m/s]."""
+LEAST_SUPPLY = 1e5
+"""Pressure of a supply below which a throttle beside it opens no further [Pa]."""
 FEWEST = 1e-12
 """A conductance below which a valve counts as none [m^3/(s Pa^0.5)]."""
 
@@ -67,7 +69,7 @@ class RivalLoop(Params):
     """What a position loop works with: the cycle, the plant as it knows it, and its table.
 
     `valve_conductance` is that of an edge of the valve that moves the cylinder, or of the throttle in its return;
-    `largest_flow` what the pump can give.
+    `largest_flow` what the pump can give; `bleed_conductance` that of a throttle from the supply to the tank.
     """
 
     cycle: DutyCycle
@@ -79,6 +81,7 @@ class RivalLoop(Params):
     reference_pressure: Pressure
     largest_flow: Flow
     valve_conductance: Conductance = FEWEST
+    bleed_conductance: Conductance = FEWEST
 
 
 class CylinderReading(NamedTuple):
@@ -114,7 +117,8 @@ class LoopMemory(NamedTuple):
 
 
 class CylinderCommand(NamedTuple):
-    """What a loop commands: the pump's `flow`, the 4/3 valve, the throttle in the return, how the circuit is joined.
+    """What a loop commands: the `flow` of the supply side, the 4/3 valve, the throttle in the return, that which
+    bleeds the supply, how the circuit is joined.
 
     What a circuit does not have stays 0. `reference` is shown, and `force` is what the duty cycle puts on the rod.
     """
@@ -122,6 +126,7 @@ class CylinderCommand(NamedTuple):
     flow: Flow
     valve: SignedFraction
     opening: Fraction
+    bleed: Fraction
     side: SignedFraction
     reference: Position
     force: Force
@@ -134,7 +139,7 @@ class Wanted(NamedTuple):
     force: Force
 
 
-AT_REST = CylinderCommand(flow=0.0, valve=0.0, opening=0.0, side=1.0, reference=0.0, force=0.0)
+AT_REST = CylinderCommand(flow=0.0, valve=0.0, opening=0.0, bleed=0.0, side=1.0, reference=0.0, force=0.0)
 """The command before the first sample."""
 
 
@@ -238,6 +243,7 @@ def cylinder_command(
         flow=flow,
         valve=valve,
         opening=opening,
+        bleed=0.0,
         side=memory.joint.side,
         reference=memory.reference.position,
         force=cycle_point(t, settings.cycle).force,
@@ -269,6 +275,33 @@ def one_way_step(
     opening = return_opening(side * max(speed, SLOW), wanted.force, settings)
     joined = LoopMemory(kept.reference, kept.pressures, Joint(side, side))
     return joined, cylinder_command(t, joined, settings, flow=flow, valve=side, opening=opening)
+
+
+def bleed_opening(flow: float, supply: float, loop: RivalLoop) -> float:
+    """How far a throttle beside the supply opens for what the cylinder does not take [1]: (Q_p - Q)/(K root(P_s)).
+
+    flow    Q, to the cylinder [m^3/s]
+    supply  P_s, gauge [Pa]
+    """
+    left = max(loop.largest_flow - flow, 0.0)
+    return float(min(left / (loop.bleed_conductance * np.sqrt(max(supply, LEAST_SUPPLY))), 1.0))
+
+
+def bleed_step(
+    t: float, memory: LoopMemory, seen: CylinderReading, settings: RivalLoop
+) -> tuple[LoopMemory, CylinderCommand]:
+    """Program: as `one_way_step` with a pump that gives the largest flow; a throttle lets the rest to the tank."""
+    kept, command = one_way_step(t, memory, seen, settings)
+    supply = kept.pressures.supply - settings.reference_pressure
+    return kept, CylinderCommand(
+        flow=command.flow,
+        valve=command.valve,
+        opening=command.opening,
+        bleed=bleed_opening(command.flow, supply, settings),
+        side=command.side,
+        reference=command.reference,
+        force=command.force,
+    )
 
 
 def closed_step(
@@ -324,5 +357,6 @@ def _program(step: object) -> ProgramType:
 
 THROTTLE_LOOP = _program(throttle_step)
 ONE_WAY_LOOP = _program(one_way_step)
+BLEED_LOOP = _program(bleed_step)
 CLOSED_LOOP = _program(closed_step)
 OPEN_LOOP = _program(open_step)

@@ -103,7 +103,9 @@ class Rival:
     loop: LoopTable
     initial: InitialCylinder
 
-    def settings(self, largest_flow: float, valve_conductance: float = FEWEST) -> RivalLoop:
+    def settings(
+        self, largest_flow: float, valve_conductance: float = FEWEST, bleed_conductance: float = FEWEST
+    ) -> RivalLoop:
         """The values of the position loop. Raises ParameterError for a cycle that pump or cylinder cannot follow."""
         cylinder, stops = self.moved.cylinder, self.moved.end_stops
         refuse_long_cycle(self.duty_cycle, stops.lower_end, stops.upper_end)
@@ -119,6 +121,7 @@ class Rival:
             reference_pressure=self.oil.reference_pressure,
             largest_flow=largest_flow,
             valve_conductance=valve_conductance,
+            bleed_conductance=bleed_conductance,
         )
 
     def network(
@@ -128,18 +131,25 @@ class Rival:
 
         tank  its pressure, where it is not the oil's reference pressure [Pa, absolute]
         """
-        net = Network(self.oil, initial=self.initial)
+        net = Network(self.oil)
         net.extras = RoundOfWork
         net.tank("tank", tank)
-        add_cylinder(net, self.moved, f"{LOOP}.force")
+        self.add_actuator(net, program, settings, supply)
+        return net
+
+    def add_actuator(
+        self, net: Network, program: ProgramType, settings: RivalLoop, supply: str, suffix: str = ""
+    ) -> None:
+        """Add the cylinder and the loop that moves it; `suffix` goes behind their names where there are several."""
+        net.values["initial" + suffix] = self.initial
+        add_cylinder(net, self.moved, f"{LOOP}{suffix}.force", suffix=suffix)
         reads = {
-            "position": "rod.position",
-            "pressure_a": "chamber_a.pressure",
-            "pressure_b": "chamber_b.pressure",
+            "position": f"rod{suffix}.position",
+            "pressure_a": f"chamber_a{suffix}.pressure",
+            "pressure_b": f"chamber_b{suffix}.pressure",
             "supply_pressure": f"{supply}.pressure",
         }
-        net.program(LOOP, program, settings, reads=reads, period=self.loop.sample_period)
-        return net
+        net.program(LOOP + suffix, program, settings, reads=reads, period=self.loop.sample_period)
 
 
 def throttle_control(
@@ -161,7 +171,7 @@ def throttle_control(
     initial: InitialCylinder,
 ) -> Network:
     """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve."""
-    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance)
     net = rival.network(THROTTLE_LOOP, settings, "supply")
@@ -192,15 +202,14 @@ def ideal_pump_control(
     initial: InitialCylinder,
 ) -> Network:
     """An ideal variable pump that gives flow one way, a directional valve for the sign, a throttle in the return."""
-    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     settings = rival.settings(variable_pump.largest_flow, directional_valve.return_conductance)
     net = rival.network(ONE_WAY_LOOP, settings, "supply")
     net.volume("supply", supply_line, start="initial.supply_pressure")
     _add_variable_pump(net, variable_pump, "tank", "supply")
     net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
-    commands = {"command": f"{LOOP}.valve", "return_command": f"{LOOP}.opening"}
-    net.add("directional_valve", THROTTLED_DIRECTIONAL_VALVE, directional_valve, **commands, **VALVE_PORTS)
+    add_throttled_valve(net, directional_valve)
     return net
 
 
@@ -225,7 +234,7 @@ def shuttle_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side a commanded 3/2 valve joins to a charge line, after wang2017, fig. 1.6."""
-    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
@@ -263,7 +272,7 @@ def pilot_check_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """A closed circuit whose low side pilot-operated check valves join to a charge line, after wang2017, fig. 1.7."""
-    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(CLOSED_LOOP, rival.settings(variable_pump.largest_flow), "charge_line")
     _add_closed_pump(net, variable_pump, charge, (charge_line, charge_relief_valve, relief_valves))
@@ -293,7 +302,7 @@ def four_valve_circuit(
     initial: InitialCylinder,
 ) -> Network:
     """An open circuit: a pump that also motors, and four 2-way valves about the cylinder, after wang2017, fig. 1.8."""
-    moved = _loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
     net = rival.network(OPEN_LOOP, rival.settings(variable_pump.largest_flow), "supply", reservoir.pressure)
     net.values["reservoir"] = reservoir
@@ -324,7 +333,14 @@ def far_side(side: float) -> float:
     return clip(-side, 0.0, 1.0)
 
 
-def _loaded_cylinder(
+def add_throttled_valve(net: Network, valve: ThrottledDirectionalValve, suffix: str = "") -> None:
+    """A directional valve with a throttle in its return, between `supply` and the chambers; `suffix` as there."""
+    commands = {"command": f"{LOOP}{suffix}.valve", "return_command": f"{LOOP}{suffix}.opening"}
+    ports = {port: node if node == "tank" else node + suffix for port, node in VALVE_PORTS.items()}
+    net.add("directional_valve" + suffix, THROTTLED_DIRECTIONAL_VALVE, valve, **commands, **ports)
+
+
+def loaded_cylinder(
     cylinder: Cylinder, chambers: tuple[Vessel, Vessel], load: Load, friction: RodFriction, stops: EndStop
 ) -> LoadedCylinder:
     """A cylinder between its two chambers, with what it moves."""
