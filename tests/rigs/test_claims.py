@@ -20,19 +20,13 @@ from vvdp.rigs.actuation_claim import (
 from vvdp.rigs.claims import claims
 from vvdp.rigs.driving_claim import area_scale, best_frequency, scaled_open_loss, self_against_driven
 from vvdp.rigs.ripple import power_of, ripple
-from vvdp.rigs.throttling_claim import against_throttling, bled_off_loss, break_even_share, metered_loss
+from vvdp.rigs.throttling_claim import against_throttling, break_even_share
 from vvdp.steady.steady_states import steady_states
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency
 
 LPM = 1e-3 / 60.0
-
-
-def test_throttling_by_hand():
-    """40 lpm at 120 bar is 8 kW; of it 20 lpm at 100 bar, 3.333 kW, are used. Bled off: 20 lpm at 100 bar lost."""
-    assert metered_loss(40 * LPM, 20 * LPM, 100e5, 120e5) == pytest.approx(8000.0 - 3333.33, abs=0.01)
-    assert bled_off_loss(40 * LPM, 20 * LPM, 100e5) == pytest.approx(3333.33, abs=0.01)
 
 
 def test_pwm_valve_loses_less_than_throttling(source_stand):
