@@ -20,19 +20,15 @@ from vvdp.rigs.actuation_claim import (
 from vvdp.rigs.claims import claims
 from vvdp.rigs.driving_claim import area_scale, best_frequency, scaled_open_loss, self_against_driven
 from vvdp.rigs.ripple import power_of, ripple
-from vvdp.rigs.throttling_claim import against_throttling, bled_off_loss, break_even_share, metered_loss
+from vvdp.rigs.throttling_claim import against_throttling, break_even_share
 from vvdp.steady.steady_states import steady_states
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency
 
 LPM = 1e-3 / 60.0
-
-
-def test_throttling_by_hand():
-    """40 lpm at 120 bar is 8 kW; of it 20 lpm at 100 bar, 3.333 kW, are used. Bled off: 20 lpm at 100 bar lost."""
-    assert metered_loss(40 * LPM, 20 * LPM, 100e5, 120e5) == pytest.approx(8000.0 - 3333.33, abs=0.01)
-    assert bled_off_loss(40 * LPM, 20 * LPM, 100e5) == pytest.approx(3333.33, abs=0.01)
+SUPPLY = ("supply", "duty_cycles", "supply_assumed")
+"""Tables of what else there is."""
 
 
 def test_pwm_valve_loses_less_than_throttling(source_stand):
@@ -200,7 +196,7 @@ def test_drives_need_a_load_line(source_stand):
 
 def test_claims_without_a_load_line_say_what_is_missing(source_stand):
     found = claims(source_stand)
-    assert set(found.tables) == {"throttling", "actuation"}
+    assert set(found.tables) == {"throttling", *SUPPLY, "actuation"}
     assert any("need a load line" in sentence for sentence in found.left_out)
     assert found.numbers["rotary_power_exponent"].value == pytest.approx(2.0)
     assert found.numbers["linear_power_exponent"].value == pytest.approx(3.0)
@@ -222,7 +218,7 @@ def test_driven_spool_that_the_flow_cannot_turn(orifice_stand, quick_claims):
     """Twenty times the friction of 1.3349e-3 N m s, 0.0267: beside it there is no self-spinning spool, all else is."""
     area = orifice_stand.bench.valve.friction_area
     found = quick_claims(orifice_stand.with_tables(valve={"friction_area": 20.0 * area}).with_motor(60.0))
-    assert set(found.tables) == {"throttling", "ripple_frequency", "ripple_volume", "actuation"}
+    assert set(found.tables) == {"throttling", *SUPPLY, "ripple_frequency", "ripple_volume", "actuation"}
     words = "Self-spinning against driven: left to itself the spool does not turn: with a friction of 0.0267 N*m*s"
     assert any(sentence.startswith(words) for sentence in found.left_out)
     assert "largest_drive_power_W" not in found.numbers

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers, chosen_engine
-from vvdp.cli.options import AsJson, Force, NoReport, Verb, default_directory, out_option, parsed_option
+from vvdp.cli.options import AsJson, Force, NoReport, OwnCycles, Verb, default_directory, out_option, parsed_option
 from vvdp.cli.printing import show_result, write_with_report
 
 if TYPE_CHECKING:
@@ -162,14 +162,7 @@ def circuits(
     circuit: Annotated[
         list[str] | None, typer.Option("--circuit", metavar="NAME", help="Run this circuit only (repeatable).")
     ] = None,
-    own: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--own-cycle",
-            metavar="FILE",
-            help="Run a cycle of your own: CSV with the columns time, position, force in s, m, N (repeatable).",
-        ),
-    ] = None,
+    own: OwnCycles = None,
     valve: Annotated[
         str | None,
         typer.Option(

@@ -56,6 +56,14 @@ Settings = Annotated[
         autocompletion=setting_keys,
     ),
 ]
+OwnCycles = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--own-cycle",
+        metavar="FILE",
+        help="Run a cycle of your own: CSV with the columns time, position, force in s, m, N (repeatable).",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object in SI units and nothing else.")]
 Cores = Annotated[int | None, typer.Option("--cores", metavar="N", min=1, help="Number of cores (default: all).")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing result.")]

@@ -12,6 +12,7 @@ from vvdp.cli.options import (
     Cores,
     Force,
     NoReport,
+    OwnCycles,
     Restart,
     Settings,
     SystemName,
@@ -186,6 +187,7 @@ def pump(
 def claims(
     system: SystemName,
     settings: Settings = None,
+    own: OwnCycles = None,
     out: Out = None,
     force: Force = False,
     cores: Cores = None,
@@ -194,12 +196,20 @@ def claims(
 ) -> None:
     """Check the published claims for the rotary valve.
 
-    They compare it with throttling and with a linear valve, self-spinning with driven, and judge its ripple.
+    They compare it with throttling, load sensing, variable pumps and linear valves, self-spinning with driven, and
+    judge its ripple.
     """
     from vvdp.cli.screen import say
     from vvdp.rigs.claims import claims as worked_out
+    from vvdp.systems.displacement.duties import known_cylinder, read_duty
 
-    _run("claims", system, settings, lambda held: worked_out(held, cores=cores, say=say), out, force, json, no_report)
+    moved = known_cylinder()
+    duties = [read_duty(path, *moved) for path in own or ()]
+
+    def work(held: "Stand") -> "Result":
+        return worked_out(held, duties, cores=cores, say=say)
+
+    _run("claims", system, settings, work, out, force, json, no_report)
 
 
 def _run(

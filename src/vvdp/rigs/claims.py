@@ -2,7 +2,7 @@
 ripple."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -15,9 +15,11 @@ from vvdp.rigs.claim import Claim
 from vvdp.rigs.conditions import conditions
 from vvdp.rigs.driving_claim import driving_claim, driving_point, self_spinning
 from vvdp.rigs.ripple_claim import ripple_claim
+from vvdp.rigs.supply_claim import supply_claim
 from vvdp.rigs.throttling_claim import throttling_claim
 from vvdp.simulation.link import quiet
 from vvdp.steady.test_stand import Stand
+from vvdp.systems.displacement.duties import Duty
 from vvdp.valve.geometry import transition_fraction
 
 LEFT_OUT = (
@@ -35,13 +37,16 @@ DRIVING, RIPPLE = "self-spinning against driven", "ripple"
 
 def claims(
     stand: Stand,
+    duties: Sequence[Duty] = (),
     *,
     cores: int | None = None,
     cache: Path | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Result:
-    """All claims for one system; those that need a load line are left out, and said to be, where there is none.
-    So is a driven spool beside a self-spinning one where the flow cannot turn it.
+    """All claims for one system, its rivals on `duties`, the shipped ones unless given.
+
+    Those that need a load line are left out, and said to be, where there is none. So is a driven spool beside a
+    self-spinning one where the flow cannot turn it.
 
     Ctrl-C leaves out those that are not yet worked out; before the first of them is, it is raised. Raises
     ParameterError where the spool does not turn.
@@ -53,6 +58,8 @@ def claims(
     began = time.perf_counter()
     say("against throttling")
     found = [throttling_claim(stand, cores=cores, cache=cache, say=say)]
+    say("against what else there is")
+    found.append(supply_claim(stand, duties, cores=cores, cache=cache, say=say))
     pending, left_out = _with_load_line(stand, cores, cache, say)
     finished = True
     while pending and finished:

@@ -143,7 +143,7 @@ def analytic_map(
     rows = np.column_stack(np.broadcast_arrays(*stand.cycle_point(points)))
     means = averages(rows, stand.bench.valve, cores=cores, cache=cache, say=say)
     stuck = _standstills(stand, axes.points, means)
-    columns = _averaged_columns(stand, points, means)
+    columns = averaged_columns(stand, points, means)
     if stand.makes_pressure:
         columns |= _ripple_columns(stand, points, columns)
     turns = np.array([reason is None for reason in stuck])
@@ -167,8 +167,8 @@ def analytic_map(
     )
 
 
-def _averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
-    """What quasi-steady averages give at many set points at once."""
+def averaged_columns(stand: Stand, points: Any, means: Any) -> dict[str, Array]:
+    """What quasi-steady averages `means` give at many set points at once, which `points` has as arrays."""
     d, p, n, _ = points
     bench, tank = stand.bench, stand.tank_pressure
     pump, oil, valve = bench.pump, bench.oil, bench.valve

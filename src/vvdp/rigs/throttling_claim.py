@@ -11,6 +11,7 @@ from vvdp.base.display import display_unit, percent, with_unit
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import DUTY_RATIO, EFFICIENCY, FLOW, GAUGE_PRESSURE, MEAN_POWER, Kind
 from vvdp.hydraulics.pump import pump_friction_power
+from vvdp.hydraulics.supply_losses import bled_off_loss, metered_loss
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table, numbers_of, sentences
 from vvdp.rigs.claim import Claim
@@ -21,32 +22,6 @@ from vvdp.steady.test_stand import Stand
 DUTY_RATIOS = (0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85, 1.0)
 PRESSURE_SHARES = (0.4, 0.6, 0.8)
 """Load pressures, over the relief setting."""
-
-
-def metered_loss(pump_flow: float, delivered: float, load_rise: float, relief_rise: float) -> float:
-    """Power lost when a fixed pump runs at its relief setting and a throttle meters the load's flow [W].
-
-    Q (P_R - P_T) - q (P_L - P_T)
-
-    pump_flow, delivered    Q, q [m^3/s]
-    load_rise, relief_rise  of load and relief setting over the tank [Pa]
-
-    Source  wang2017, chapter 1
-    """
-    return pump_flow * relief_rise - delivered * load_rise
-
-
-def bled_off_loss(pump_flow: float, delivered: float, load_rise: float) -> float:
-    """Power lost when a fixed pump runs at load pressure and a throttle sends what is too much to the tank [W].
-
-    (Q - q) (P_L - P_T): the best that throttling can do, without any drop on the way to the load.
-
-    pump_flow, delivered  Q, q [m^3/s]
-    load_rise             of the load over the tank [Pa]
-
-    Source  ours, docs/rigs.md
-    """
-    return (pump_flow - delivered) * load_rise
 
 
 @dataclass(frozen=True)

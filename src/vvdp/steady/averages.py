@@ -17,6 +17,20 @@ from vvdp.simulation.values import flat
 from vvdp.steady.cycle_means import CycleMeans, CyclePoint, cycle_step
 from vvdp.valve.rotary import RotaryValve
 
+EXAMPLE = CyclePoint(
+    duty_ratio=0.5,
+    load_pressure=100e5,
+    tank_pressure=1e5,
+    relief_pressure=120e5,
+    relief_override=0.0,
+    relief_rated_flow=1e-3,
+    flow=1e-4,
+    pump_leakage=0.0,
+    density=870.0,
+    viscosity=0.04,
+)
+"""A row, for its shape alone: one that plain Python works out quickly."""
+
 
 def averages(
     rows: Array,
@@ -34,10 +48,9 @@ def averages(
 
     Source  ours, docs/models/rotary-valve.md
     """
-    example = CyclePoint(**dict(zip(CyclePoint._fields, rows[0].tolist(), strict=True)))
 
     def make() -> Array:
-        replay = Replay(cycle_step, NOTHING, example, valve, cache=cache, say=say)
+        replay = Replay(cycle_step, NOTHING, EXAMPLE, valve, cache=cache, say=say)
         threads = min(cores or len(os.sched_getaffinity(0)), len(rows))
         # Neighbours take alike long: deal them out in turn.
         parts = [np.arange(first, len(rows), threads) for first in range(threads)]
@@ -48,7 +61,7 @@ def averages(
             found[part] = some
         return found
 
-    digest = replay_digest(cycle_step, NOTHING, example, valve)
+    digest = replay_digest(cycle_step, NOTHING, EXAMPLE, valve)
     columns: Any = kept_table(table_key(digest, rows, flat(valve)), make, cache).T
     return CycleMeans(**dict(zip(CycleMeans._fields, columns, strict=True)))
 

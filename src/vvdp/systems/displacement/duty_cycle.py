@@ -3,17 +3,22 @@
 Source  ours, docs/circuits-compared.md
 """
 
+from itertools import pairwise
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import FORCE, POSITION, TIME, Force, Position
 from vvdp.base.params import Params
 from vvdp.hydraulics.cylinder import Cylinder
+from vvdp.hydraulics.friction import RodFriction
 
 SAME_PLACE = 1e-6
 """A cycle ends where it began when it does so within this [m]."""
+PIECES = 8
+"""Into which each line of a cycle is cut where its demand is asked for."""
 
 
 class DutyCycle(Params):
@@ -73,6 +78,32 @@ def cycle_point(time: float, cycle: DutyCycle) -> CyclePoint:
         cycle.positions[low] + share * (cycle.positions[high] - cycle.positions[low]),
         cycle.forces[low] + share * (cycle.forces[high] - cycle.forces[low]),
     )
+
+
+class CycleDemand(NamedTuple):
+    """What a cycle asks of what feeds its cylinder, piece by piece: how long, which flow, which pressure over the tank.
+
+    A load that overruns asks for no pressure, and neither does a rod at rest, whose valve is shut.
+    """
+
+    time: Array  # [s]
+    flow: Array  # [m^3/s]
+    rise: Array  # [Pa]
+
+
+def cycle_demand(cycle: DutyCycle, cylinder: Cylinder, friction: RodFriction) -> CycleDemand:
+    """The demand of a cycle at steady velocities, `PIECES` for each of its lines.
+
+    Source  ours, docs/when-switching-pays.md
+    """
+    times = np.concatenate([np.linspace(a, b, PIECES, endpoint=False) for a, b in pairwise(cycle.times)])
+    length = np.repeat(np.diff(cycle.times) / PIECES, PIECES)
+    force = np.array([cycle_point(float(t), cycle).force for t in times + 0.5 * length])
+    velocity = np.repeat(cycle_speeds(cycle), PIECES)
+    way, speed = np.sign(velocity), np.abs(velocity)
+    area = np.where(way > 0.0, cylinder.area_a, cylinder.area_b)
+    held = friction.viscous_friction * speed + friction.coulomb_friction - way * force
+    return CycleDemand(length, area * speed, np.where(way == 0.0, 0.0, np.clip(held, 0.0, None) / area))
 
 
 def resting_pressures(force: float, low: float, cylinder: Cylinder) -> tuple[float, float]:
