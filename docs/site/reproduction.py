@@ -1,26 +1,28 @@
-"""Writes the verdicts and pictures of the reproduction into its page, and the list of expected verdicts.
+"""Writes the pages of the reproduction, their pictures, and the lists of expected verdicts.
 
-`vvdp reproduce all --out DIR`, then `python docs/site/reproduction.py DIR`
+`vvdp reproduce all --out DIR`, then `python docs/site/reproduction.py DIR`; or `chapter-3` for a single chapter
 """
 
 import csv
 import io
 import re
 import sys
-from collections.abc import Iterator, Sequence
-from itertools import groupby
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from PIL import Image
 
-from vvdp.reproduction.expectation import expectation_text
+from vvdp.reproduction.expectation import FILE, expectation_text, expected_verdicts
 from vvdp.reproduction.item import Item
 from vvdp.reproduction.items import ITEMS
+from vvdp.results.verdict import Verdict
 
 DOCS = Path(__file__).parents[1]
-PAGE, PICTURES = DOCS / "reproduction.md", DOCS / "images" / "reproduction"
-EXPECTED = DOCS.parent / "src" / "vvdp" / "reproduction" / "expected.csv"
+PAGE, PAGES = "reproduction.md", "reproduction"
+PICTURES = "images/reproduction"
+PACKAGE = DOCS.parent / "src" / "vvdp" / "reproduction"
 BEGIN, END = "<!-- made by docs/site/reproduction.py -->\n", "<!-- to here -->\n"
 TITLES = {
     1: "Digital hydraulics and its valves",
@@ -47,7 +49,7 @@ def cell(text: str) -> str:
 
 def item_lines(item: Item, rows: Rows, pictures: Sequence[str]) -> Iterator[str]:
     """An item: its verdicts, then its pictures."""
-    yield f"#### {item.name}: {item.title}\n"
+    yield f"## {item.name}: {item.title}\n"
     yield "| | source | vvdp | tolerance | verdict | remark |"
     yield "|---|---|---|---|---|---|"
     for row in rows:
@@ -56,40 +58,71 @@ def item_lines(item: Item, rows: Rows, pictures: Sequence[str]) -> Iterator[str]
         yield f"| {' | '.join(map(cell, cells))} |"
     yield ""
     for picture in pictures:
-        yield f"![{item.title}](images/reproduction/{picture})\n"
+        yield f"![{item.title}](../{PICTURES}/{picture})\n"
 
 
 def keep_pictures(item: Item, folder: Path, pictures: Path) -> list[str]:
-    """Copies the pictures of an item, in few colours; their names."""
+    """Copies the pictures of an item, in few colours; drawings that are lines alone stay SVG. Their names."""
     names = []
-    for path in sorted((folder / item.name).glob("*.png")):
-        with Image.open(path) as picture:
-            few = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-            few.save(pictures / path.name, "PNG", optimize=True)
-        names.append(path.name)
+    for path in sorted((folder / item.name).glob("*.svg")):
+        raster = path.with_suffix(".png")
+        if raster.exists():
+            with Image.open(raster) as picture:
+                few = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+                few.save(pictures / raster.name, "PNG", optimize=True)
+        else:
+            (pictures / path.name).write_bytes(path.read_bytes())
+        names.append(raster.name if raster.exists() else path.name)
     return names
 
 
-def chapters(rows: Rows, folder: Path, pictures: Path) -> Iterator[str]:
-    """All items by chapter, and at the end how many there are."""
-    for chapter, items in groupby(ITEMS, key=lambda item: item.chapter):
-        yield f"## Chapter {chapter}: {TITLES[chapter]}\n"
-        for item in items:
-            own = [row for row in rows if row["item"] == item.name]
-            yield from item_lines(item, own, keep_pictures(item, folder, pictures))
-    yield f"{len(ITEMS)} items, {len(rows)} statements.\n"
+def chapter_lines(chapter: int, rows: Rows, folder: Path, docs: Path) -> Iterator[str]:
+    """The page of a chapter: all of its items."""
+    yield f"# Chapter {chapter}: {TITLES[chapter]}\n"
+    yield f"`vvdp reproduce chapter-{chapter}`; [what the verdicts mean](../{PAGE})\n"
+    for item in items_of(chapter):
+        own = [row for row in rows if row["item"] == item.name]
+        yield from item_lines(item, own, keep_pictures(item, folder, docs / PICTURES))
 
 
-def main(folder: Path, docs: Path = DOCS, expected: Path = EXPECTED) -> None:
-    """Writes page, pictures and expectation from the run in `folder`."""
+def items_of(chapter: int) -> list[Item]:
+    """The items of a chapter."""
+    return [item for item in ITEMS if item.chapter == chapter]
+
+
+def count_lines(expected: Mapping[tuple[str, str], str]) -> Iterator[str]:
+    """How many items and statements each chapter has, and how many of each verdict."""
+    chapter_of = {item.name: item.chapter for item in ITEMS}
+    counts = Counter((chapter_of[item], verdict) for (item, _), verdict in expected.items())
+    yield f"| chapter | items | statements | {' | '.join(verdict.value for verdict in Verdict)} |"
+    yield "|---|" + "---|" * (len(Verdict) + 2)
+    chapters = sorted({*chapter_of.values()})
+    for chapter in chapters:
+        own = [counts[chapter, verdict.value] for verdict in Verdict]
+        name = f"[{chapter}: {TITLES[chapter]}]({PAGES}/chapter-{chapter}.md)"
+        yield f"| {name} | {len(items_of(chapter))} | {sum(own)} | {' | '.join(map(str, own))} |"
+    sums = [sum(counts[chapter, verdict.value] for chapter in chapters) for verdict in Verdict]
+    yield f"| all | {len(ITEMS)} | {sum(sums)} | {' | '.join(map(str, sums))} |"
+
+
+def main(folder: Path, docs: Path = DOCS, package: Path = PACKAGE) -> None:
+    """Writes the pages, pictures and expectations of the chapters that were worked out in `folder`."""
     rows = read_verdicts(folder)
-    pictures = docs / PICTURES.relative_to(DOCS)
-    pictures.mkdir(parents=True, exist_ok=True)
-    text = "\n".join(chapters(rows, folder, pictures))
-    page = PAGE.read_text("utf-8")
+    (docs / PICTURES).mkdir(parents=True, exist_ok=True)
+    (docs / PAGES).mkdir(exist_ok=True)
+    found = {row["item"] for row in rows}
+    for chapter in TITLES:
+        names = {item.name for item in items_of(chapter)}
+        if names and names <= found:
+            own = [row for row in rows if row["item"] in names]
+            text = "\n".join(chapter_lines(chapter, own, folder, docs))
+            (docs / PAGES / f"chapter-{chapter}.md").write_text(text.rstrip("\n") + "\n", "utf-8")
+            verdicts = {(row["item"], row["what"]): row["verdict"] for row in own}
+            (package / f"chapter_{chapter}" / FILE).write_text(expectation_text(verdicts), "utf-8")
+    text = "\n".join(count_lines(expected_verdicts()))
+    page = (DOCS / PAGE).read_text("utf-8")
     pattern = re.compile(f"{re.escape(BEGIN)}.*{re.escape(END)}", re.DOTALL)
-    (docs / PAGE.name).write_text(pattern.sub(lambda _: f"{BEGIN}\n{text}\n{END}", page), "utf-8")
-    expected.write_text(expectation_text({(row["item"], row["what"]): row["verdict"] for row in rows}), "utf-8")
+    (docs / PAGE).write_text(pattern.sub(lambda _: f"{BEGIN}\n{text}\n\n{END}", page), "utf-8")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ CHANGED, INTERRUPTED = 1, 130
 def reproduce(
     items: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[ITEM]...", help="Items such as figure-3.9 or 3.9, equation-2.4, section-3.5; or all."),
+        typer.Argument(metavar="[ITEM]...", help="Such as 3.9 (a figure), section-3.5, chapter-3, or all."),
     ] = None,
     show: Annotated[bool, typer.Option("--list", help="List the items (default without an ITEM).")] = False,
     out: Annotated[Path | None, out_option("results/reproduce-DATE-TIME")] = None,

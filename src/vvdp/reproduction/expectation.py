@@ -1,6 +1,6 @@
 """The verdicts that are expected, and those that have changed.
 
-`expected.csv` has a line for every statement: its item, what it is about, its verdict.
+`expected.csv` of each chapter has a line for every statement: its item, what it is about, its verdict.
 """
 
 import csv
@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from typing import TypeAlias
 
+from vvdp.reproduction.items import CHAPTERS
 from vvdp.results.verdict import Statement
 
 FILE = "expected.csv"
@@ -18,9 +19,12 @@ Verdicts: TypeAlias = Mapping[tuple[str, str], str]
 
 
 def expected_verdicts() -> Verdicts:
-    """What the committed list says."""
-    text = resources.files("vvdp.reproduction").joinpath(FILE).read_text("utf-8")
-    return {(row["item"], row["what"]): row["verdict"] for row in csv.DictReader(io.StringIO(text))}
+    """What the committed lists say."""
+    return {
+        (row["item"], row["what"]): row["verdict"]
+        for chapter in CHAPTERS
+        for row in csv.DictReader(io.StringIO(resources.files(chapter).joinpath(FILE).read_text("utf-8")))
+    }
 
 
 def verdicts_of(statements: Iterable[tuple[str, Statement]]) -> Verdicts:
