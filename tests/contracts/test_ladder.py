@@ -19,8 +19,9 @@ RUNGS = [
     {"runs", "studies"},
     {"steady"},
     {"rigs", "design", "cfd", "offline", "comparison", "export", "fitting"},
-    {"report", "reproduction"},
+    {"report"},
     {"api"},
+    {"reproduction"},
     {"cli"},
 ]
 RUNG = {package: i for i, packages in enumerate(RUNGS) for package in packages}

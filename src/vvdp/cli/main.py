@@ -31,6 +31,7 @@ from vvdp.cli import (
     observability,
     plot,
     report,
+    reproduce,
     rig,
     run,
     show,
@@ -61,6 +62,7 @@ ORDER = (
     "geometry",
     "cfd",
     "fit",
+    "reproduce",
 )
 """Verbs that compute, in the order of their use; the others follow."""
 
@@ -97,6 +99,7 @@ app.command("observability", cls=Verb)(observability.observability)
 app.command("geometry", cls=Verb)(geometry.geometry)
 app.add_typer(cfd.app, name="cfd")
 app.command("fit", cls=Verb)(fit.fit)
+app.command("reproduce", cls=Verb)(reproduce.reproduce)
 app.command("show", cls=Verb)(show.show)
 app.command("list", cls=Verb)(listing.systems)
 app.command("new", cls=Verb)(new.new)

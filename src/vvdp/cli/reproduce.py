@@ -1,0 +1,86 @@
+"""`vvdp reproduce`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vvdp.cli.options import AsJson, Force, NoReport, default_directory, out_option
+
+if TYPE_CHECKING:
+    from vvdp.reproduction.item import Item
+
+CHANGED, INTERRUPTED = 1, 130
+
+
+def reproduce(
+    items: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[ITEM]...", help="Such as 3.9 (a figure), section-3.5, chapter-3, or all."),
+    ] = None,
+    show: Annotated[bool, typer.Option("--list", help="List the items (default without an ITEM).")] = False,
+    out: Annotated[Path | None, out_option("results/reproduce-DATE-TIME")] = None,
+    force: Force = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Reproduce the source dissertation, item by item.
+
+    Each figure, table, equation and claimed number stands beside what vvdp finds, with a verdict. Exit code 1 if a
+    verdict is not the expected one.
+    """
+    from vvdp.reproduction.items import ITEMS, chosen_items
+
+    if show or not items:
+        _list(ITEMS, json)
+        return
+    _work(chosen_items(items), out if out is not None else default_directory("reproduce"), force, json, no_report)
+
+
+def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, no_report: bool) -> None:
+    """Works the items out, writes and shows them, and exits with what came of it."""
+    import time
+
+    from vvdp.base.files import result_directory
+    from vvdp.cli.printing import MOST_ROWS, print_result, write_with_report
+    from vvdp.cli.screen import print_json, say, tell
+    from vvdp.reproduction.expectation import expected_verdicts, verdict_changes, verdicts_of
+    from vvdp.reproduction.result import json_rows, verdict_result
+    from vvdp.reproduction.runner import all_statements, reproduce
+
+    began, outcomes = time.perf_counter(), []
+    with result_directory(directory, force=force) as folder:
+        try:
+            for outcome in reproduce(items, folder, say):
+                outcomes.append(outcome)
+        except KeyboardInterrupt:
+            if not outcomes:
+                raise
+        names = [each.item.name for each in outcomes]
+        changes = verdict_changes(verdicts_of(all_statements(outcomes)), expected_verdicts(), names)
+        finished = len(outcomes) == len(items)
+        result = verdict_result(outcomes, changes, time.perf_counter() - began, finished)
+        write_with_report(folder, result, "", no_report=no_report)
+    if json:
+        print_json({"items": json_rows(outcomes), **result.flat, "changed": changes, "out": str(directory)})
+    else:
+        short = result.tables["verdicts"].rows <= MOST_ROWS
+        print_result(result, ("verdicts",) if short else ("chapters",))
+        tell(f"results: {directory}")
+    if not finished:
+        raise typer.Exit(INTERRUPTED)
+    if changes or any(each.failure for each in outcomes):
+        raise typer.Exit(CHANGED)
+
+
+def _list(items: "tuple[Item, ...]", json: bool) -> None:
+    from vvdp.cli.screen import console, grid, print_json
+
+    if json:
+        rows = [{"item": each.name, "kind": each.kind.value, "title": each.title} for each in items]
+        print_json({"items": rows})
+        return
+    shown = grid("item", "what it is", title="Items of the dissertation")
+    for each in items:
+        shown.add_row(each.name, each.title)
+    console().print(shown)

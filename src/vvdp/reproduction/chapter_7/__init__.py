@@ -1,0 +1,5 @@
+"""Chapter 7: what is proposed for later."""
+
+from vvdp.reproduction.item import Item
+
+ITEMS: tuple[Item, ...] = ()

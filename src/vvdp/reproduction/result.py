@@ -1,0 +1,69 @@
+"""All verdicts as one result."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.kinds import COUNT
+from vvdp.reproduction.runner import VERB, Outcome, all_statements
+from vvdp.results.result import Column, Finding, Grade, Number, Result, Table
+from vvdp.results.verdict import Statement, Verdict, verdict_table
+
+
+def verdict_result(outcomes: Sequence[Outcome], changes: Sequence[str], seconds: float, finished: bool) -> Result:
+    """The table of all verdicts, how many there are of each, and what differs from what is expected."""
+    statements = all_statements(outcomes)
+    counts = Counter(each.verdict for _, each in statements)
+    words = ", ".join(f"{counts[verdict]} {verdict.value}" for verdict in Verdict if counts[verdict])
+    failures = [f"{each.item.name} failed: {each.failure}" for each in outcomes if each.failure]
+    numbers = {
+        f"{verdict.name.lower()}_count": Number(float(counts[verdict]), COUNT, f"statements: {verdict.value}")
+        for verdict in Verdict
+    }
+    return Result(
+        verb=VERB,
+        title="The dissertation, item by item",
+        system="wang2017",
+        references=("wang2017",),
+        tables={"chapters": chapter_table(outcomes), "verdicts": verdict_table(statements)},
+        numbers={"item_count": Number(float(len(outcomes)), COUNT, "items"), **numbers},
+        findings=(
+            Finding(text=f"{len(outcomes)} items, {len(statements)} statements: {words}."),
+            *(Finding(text=text, grade=Grade.BAD) for text in failures),
+            *(Finding(text=text, grade=Grade.BAD, title="Verdict changed") for text in changes),
+        ),
+        seconds=seconds,
+        finished=finished,
+    )
+
+
+def chapter_table(outcomes: Sequence[Outcome]) -> Table:
+    """How many statements of each chapter have each verdict."""
+    chapters = sorted({each.item.chapter for each in outcomes})
+    found = Counter((each.item.chapter, s.verdict) for each in outcomes for _, s in each.statements)
+    columns = {"chapter": Column(np.array([str(chapter) for chapter in chapters]), None, "chapter")}
+    for verdict in Verdict:
+        counts = np.array([float(found[chapter, verdict]) for chapter in chapters])
+        columns[verdict.name.lower()] = Column(counts, COUNT, verdict.value)
+    return Table(title="Verdicts by chapter", columns=columns)
+
+
+def json_rows(outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
+    """Every statement as one object: numbers in SI units, words where the source has no number."""
+    return [_json_row(item, each) for item, each in all_statements(outcomes)]
+
+
+def _json_row(item: str, each: Statement) -> dict[str, Any]:
+    return {
+        "item": item,
+        "what": each.what,
+        "source_value": each.low if each.low == each.high else each.source_text,
+        "vvdp_value": each.found if each.found == each.found and not each.result else each.found_text,
+        "unit": "" if each.is_drawing else each.kind.unit,
+        "tolerance": each.tolerance,
+        "tolerance_source": each.because,
+        "verdict": each.verdict.value,
+        "remark": each.remark,
+    }

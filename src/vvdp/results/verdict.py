@@ -1,0 +1,153 @@
+"""What a source states beside what was found, and the verdict: one set of words for it, everywhere."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from vvdp.base.display import number, plain, value_and_unit, with_unit
+from vvdp.base.kinds import NUMBER, Kind
+from vvdp.results.result import Column, Table
+
+
+class Verdict(StrEnum):
+    """How a statement stands."""
+
+    REPRODUCED = "reproduced"
+    NOT_REPRODUCED = "not reproduced"
+    INCONSISTENT = "source inconsistent"
+    UNDETERMINED = "not determined by the text"
+    DRAWING = "drawing, nothing to reproduce"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statement:
+    """What a source states, and what was found. `number_statement` and its kin make one.
+
+    It holds where `found` [SI] lies between `low` and `high`, or outside by `tolerance` at most; `because` says where
+    the tolerance comes from. `source` and `result` are words that stand for the numbers. Where the text leaves the
+    number open, `assumption` is what decides it; where the source contradicts itself, `inconsistency` says how.
+    """
+
+    what: str
+    kind: Kind = NUMBER
+    low: float = -math.inf
+    high: float = math.inf
+    found: float = math.nan
+    tolerance: float = 0.0
+    because: str = ""
+    source: str = ""
+    result: str = ""
+    assumption: str = ""
+    inconsistency: str = ""
+    note: str = ""
+    is_drawing: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether what was found is what the source says."""
+        return self.low - self.tolerance <= self.found <= self.high + self.tolerance
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict that follows from the numbers, and from what is known of the text."""
+        if self.is_drawing:
+            return Verdict.DRAWING
+        if self.assumption:
+            return Verdict.UNDETERMINED
+        if self.holds:
+            return Verdict.REPRODUCED
+        return Verdict.INCONSISTENT if self.inconsistency else Verdict.NOT_REPRODUCED
+
+    @property
+    def source_text(self) -> str:
+        """What the source says, as a person reads it."""
+        if self.source:
+            return self.source
+        if self.low == self.high:
+            return with_unit(self.low, self.kind)
+        if math.isinf(self.low):
+            return f"at most {with_unit(self.high, self.kind)}"
+        if math.isinf(self.high):
+            return f"at least {with_unit(self.low, self.kind)}"
+        return f"{value_and_unit(self.low, self.kind, digits=4)[0]} to {with_unit(self.high, self.kind)}"
+
+    @property
+    def found_text(self) -> str:
+        """What was found, as a person reads it."""
+        return self.result or with_unit(self.found, self.kind)
+
+    @property
+    def tolerance_text(self) -> str:
+        """By how much it may be off: as a share of a printed number, else with its unit."""
+        if not self.tolerance:
+            return ""
+        if self.low == self.high != 0.0 and self.tolerance < abs(self.low):
+            return f"{plain(100.0 * self.tolerance / abs(self.low), 3)} %"
+        return number(self.tolerance, 2) if self.kind is NUMBER else _width(self.tolerance, self.kind)
+
+    @property
+    def remark(self) -> str:
+        """What there is to say about the verdict."""
+        assumed = f"decided by: {self.assumption}" if self.assumption else ""
+        inconsistency = "" if self.holds else self.inconsistency
+        return "; ".join(filter(None, (assumed, inconsistency, self.note)))
+
+
+def _width(value: float, kind: Kind) -> str:
+    """A difference of two values [SI] with the unit of their kind."""
+    zero, unit = value_and_unit(0.0, kind)
+    return f"{plain(float(value_and_unit(value, kind)[0].replace('−', '-')) - float(zero.replace('−', '-')), 3)} {unit}"
+
+
+def number_statement(
+    what: str, printed: float, found: float, kind: Kind = NUMBER, *, share: float = 0.0, **more: Any
+) -> Statement:
+    """A printed number [SI]: what was found may differ by a `share` of it, or by a `tolerance` [SI].
+
+    `more` are fields of the statement.
+    """
+    chosen = {"tolerance": share * abs(printed)} | more
+    return Statement(what=what, kind=kind, low=printed, high=printed, found=float(found), **chosen)
+
+
+def bound_statement(
+    what: str, found: float, kind: Kind = NUMBER, *, low: float = -math.inf, high: float = math.inf, **more: Any
+) -> Statement:
+    """A bound or a band [SI], or `source=` words that a number within a band bears out. `more` are further fields."""
+    return Statement(what=what, kind=kind, low=low, high=high, found=float(found), **more)
+
+
+def drawing_statement(what: str, result: str) -> Statement:
+    """A drawing: it states no number; `result` says what is drawn here in its place."""
+    return Statement(what=what, source="drawing", result=result, is_drawing=True)
+
+
+def missing_statement(what: str, source: str, missing: str) -> Statement:
+    """What could not be worked out, since something is `missing`; `source` are the words of the source."""
+    return Statement(what=what, source=source, result=f"missing: {missing}")
+
+
+def verdict_table(statements: Sequence[tuple[str, Statement]], heading: str = "item") -> Table:
+    """Statements under the name of what makes them, a line each, as a person reads them."""
+
+    def texts(values: Iterable[str], label: str) -> Column:
+        return Column(np.array(list(values), str), None, label)
+
+    each = [statement for _, statement in statements]
+    return Table(
+        title="Verdicts",
+        columns={
+            "item": texts((name for name, _ in statements), heading),
+            "what": texts((s.what for s in each), "what"),
+            "source": texts((s.source_text for s in each), "source"),
+            "found": texts((s.found_text for s in each), "vvdp"),
+            "tolerance": texts((s.tolerance_text for s in each), "tolerance"),
+            "tolerance_source": texts((s.because for s in each), "where it comes from"),
+            "verdict": texts((s.verdict.value for s in each), "verdict"),
+            "remark": texts((s.remark for s in each), "remark"),
+        },
+    )

@@ -1,0 +1,93 @@
+"""What a run writes, that it goes on past a failure, and when it says that a verdict has changed."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+
+from vvdp.base.kinds import PRESSURE_DIFFERENCE, TIME
+from vvdp.cli.main import main
+from vvdp.reproduction import items as known
+from vvdp.reproduction.expectation import expectation_text, expected_verdicts, verdict_changes
+from vvdp.reproduction.item import Item, ItemKind, Reproduction
+from vvdp.reproduction.runner import reproduce
+from vvdp.results.chart import Chart, Line, Lines
+from vvdp.results.result import Column, Table
+from vvdp.results.store import read_result
+from vvdp.results.verdict import number_statement
+
+
+def drawn():
+    time = np.array([0.0, 1.0])
+    columns = {"time_s": Column(time, TIME, "time"), "drop_Pa": Column(1e5 * time, PRESSURE_DIFFERENCE, "drop")}
+    chart = Chart(
+        name="figure-9.1",
+        caption="A line.",
+        table="drops",
+        panels=(Lines(lines=(Line(x="time_s", y="drop_Pa"),)),),
+    )
+    statement = number_statement("drop", 1e5, 1.01e5, PRESSURE_DIFFERENCE, share=0.02, because="digits")
+    return Reproduction(
+        statements=(statement,), tables={"drops": Table(title="Drops", columns=columns)}, charts=(chart,)
+    )
+
+
+def fails():
+    raise ZeroDivisionError("nothing to divide by")
+
+
+GOOD = Item(ItemKind.FIGURE, "9.1", "A line", drawn)
+BAD = Item(ItemKind.SECTION, "9.2", "A failure", fails)
+
+
+def test_an_item_writes_picture_and_data_and_the_next_follows_a_failure(tmp_path):
+    heard = []
+    failed, done = reproduce([BAD, GOOD], tmp_path, heard.append)
+    assert failed.failure == "ZeroDivisionError: nothing to divide by" and not done.failure
+    assert heard == ["1 of 2: section-9.2, A failure", "2 of 2: figure-9.1, A line"]
+    folder = tmp_path / "figure-9.1"
+    assert (folder / "figure-9.1.svg").read_bytes().startswith(b"<?xml")
+    assert (folder / "figure-9.1.png").read_bytes().startswith(b"\x89PNG")
+    result = read_result(folder)
+    assert result.tables["drops"]["drop_Pa"].tolist() == [0.0, 1e5]
+    assert result.tables["verdicts"]["verdict"].tolist() == ["reproduced"]
+
+
+def test_changes_are_those_of_the_items_that_were_worked_out():
+    expected = {("figure-9.1", "drop"): "reproduced", ("figure-9.2", "drop"): "reproduced"}
+    assert verdict_changes({("figure-9.1", "drop"): "reproduced"}, expected, ["figure-9.1"]) == []
+    found = {("figure-9.1", "drop"): "not reproduced", ("figure-9.1", "other"): "reproduced"}
+    assert verdict_changes(found, expected, ["figure-9.1"]) == [
+        "figure-9.1, drop: not reproduced; expected reproduced",
+        "figure-9.1, other: reproduced; expected no such statement",
+    ]
+    assert len(verdict_changes({}, expected, ["figure-9.1"])) == 1
+
+
+def test_the_expectation_is_written_as_it_is_read():
+    expected = expected_verdicts()
+    written = csv.DictReader(io.StringIO(expectation_text(expected)))
+    assert {(row["item"], row["what"]): row["verdict"] for row in written} == expected
+
+
+def test_list_as_json(capsys):
+    with pytest.raises(SystemExit):
+        main(["reproduce", "--list", "--json"])
+    items = json.loads(capsys.readouterr().out)["items"]
+    assert [each["item"] for each in items] == [item.name for item in known.ITEMS]
+
+
+def test_a_verdict_that_is_expected_exits_with_0_and_another_with_1(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for out, code in (("as-expected", 0), ("changed", 1)):
+        with pytest.raises(SystemExit) as ended:
+            main(["reproduce", "equation-3.4", "--json", "--no-report", "--out", out])
+        assert ended.value.code == code
+        shown = json.loads(capsys.readouterr().out)
+        first = shown["items"][0]
+        assert {"item", "source_value", "vvdp_value", "tolerance", "verdict"} <= {*first}
+        assert first["source_value"] == pytest.approx(first["vvdp_value"], abs=first["tolerance"])
+        assert bool(shown["changed"]) is bool(code)
+        monkeypatch.setattr("vvdp.reproduction.expectation.expected_verdicts", dict)
