@@ -65,7 +65,7 @@ class Statement:
     @property
     def source_text(self) -> str:
         """What the source says, as a person reads it."""
-        if self.source:
+        if self.source or (math.isinf(self.low) and math.isinf(self.high)):
             return self.source
         if self.low == self.high:
             return with_unit(self.low, self.kind)
@@ -97,10 +97,19 @@ class Statement:
         return "; ".join(filter(None, (assumed, inconsistency, self.note)))
 
 
+SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
 def _width(value: float, kind: Kind) -> str:
     """A difference of two values [SI] with the unit of their kind."""
-    zero, unit = value_and_unit(0.0, kind)
-    return f"{plain(float(value_and_unit(value, kind)[0].replace('−', '-')) - float(zero.replace('−', '-')), 3)} {unit}"
+    (zero, unit), (text, _) = (value_and_unit(each, kind) for each in (0.0, value))
+    return f"{plain(_parsed(text) - _parsed(zero), 3)} {unit}"
+
+
+def _parsed(text: str) -> float:
+    """A number that was written for a person."""
+    mantissa, _, exponent = text.replace("−", "-").partition("·10")
+    return float(mantissa) * 10.0 ** int(exponent.translate(SUPERSCRIPTS) or 0)
 
 
 def number_statement(

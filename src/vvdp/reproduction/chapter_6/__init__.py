@@ -1,5 +1,5 @@
 """Chapter 6: displacement control of a cylinder."""
 
-from vvdp.reproduction.item import Item
+from vvdp.reproduction.chapter_6 import experiment, laws, modes
 
-ITEMS: tuple[Item, ...] = ()
+ITEMS = (*experiment.ITEMS, *laws.ITEMS, *modes.ITEMS)

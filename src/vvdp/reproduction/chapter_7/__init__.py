@@ -1,5 +1,5 @@
 """Chapter 7: what is proposed for later."""
 
-from vvdp.reproduction.item import Item
+from vvdp.reproduction.chapter_7 import later
 
-ITEMS: tuple[Item, ...] = ()
+ITEMS = later.ITEMS
