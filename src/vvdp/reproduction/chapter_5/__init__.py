@@ -1,5 +1,5 @@
 """Chapter 5: passivity-based control of the axial position."""
 
-from vvdp.reproduction.item import Item
+from vvdp.reproduction.chapter_5 import compressed_oil, experiment, laws
 
-ITEMS: tuple[Item, ...] = ()
+ITEMS = (*compressed_oil.ITEMS, *laws.ITEMS, *experiment.ITEMS)
