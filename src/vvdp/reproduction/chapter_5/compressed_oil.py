@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.kinds import BULK_MODULUS, ENERGY_DENSITY, NUMBER, PRESSURE_LEVEL, RATIO
+from vvdp.base.kinds import BULK_MODULUS, ENERGY_DENSITY, GAUGE_PRESSURE, NUMBER, RATIO
 from vvdp.fluid.mixture import compression_energy_per_mass, compression_energy_per_volume, fluid_density
 from vvdp.fluid.modulus import YuAir, mean_modulus, specific_volume_exponent, yu_bulk_modulus
 from vvdp.fluid.modulus import compression_energy_per_volume as energy_of_law
@@ -37,7 +37,7 @@ def entrained(air: float) -> YuAir:
 def moduli() -> Table:
     """Bulk modulus and mean bulk modulus against the atmosphere, for three shares of air."""
     pressures: Array = np.geomspace(LOW, HIGH, POINTS) * BAR
-    columns = {"pressure_Pa": Column(pressures, PRESSURE_LEVEL, "pressure, absolute")}
+    columns = {"pressure_Pa": Column(pressures, GAUGE_PRESSURE, "pressure, absolute")}
     for air in AIR:
         oil = entrained(air)
         beta = [yu_bulk_modulus(float(P), oil) for P in pressures]
@@ -108,7 +108,7 @@ def energy_shares() -> Table:
     """W_V over the pressure error, for several desired pressures and 30 % of air."""
     oil = entrained(0.3)
     pressures: Array = np.geomspace(1.0, HIGH, 71) * BAR
-    columns = {"pressure_Pa": Column(pressures, PRESSURE_LEVEL, "pressure, absolute")}
+    columns = {"pressure_Pa": Column(pressures, GAUGE_PRESSURE, "pressure, absolute")}
     for desired in DESIRED:
         values = []
         for P in pressures:

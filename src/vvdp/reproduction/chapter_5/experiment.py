@@ -21,7 +21,7 @@ from vvdp.reproduction.chapter_5.chamber import (
 )
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.reproduction.variant import variant
-from vvdp.results.chart import Chart, Level, Line, Lines, Stroke
+from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import bound_statement, drawing_statement, missing_statement, number_statement
 from vvdp.simulation.run import Run, simulate
@@ -95,9 +95,10 @@ def figure_5_6() -> Reproduction:
             note=f"{1e6 * errors[0]:.2f} µm and {1e6 * errors[1]:.2f} µm; the range is 5 mm, what 190 psi reach",
         ),
     )
-    names = ("reference", "passive", "backstepping")
-    course = tuple(Line(x="time_s", y=f"{name}_m") for name in names)
-    errors_drawn = tuple(Line(x="time_s", y=f"{name}_error_m") for name in names[1:])
+    laws = (("passive", Colour.LOAD), ("backstepping", Colour.INLET))
+    reference = Line(x="time_s", y="reference_m", colour=Colour.FAINT, width=3.0)
+    course = (reference, *(Line(x="time_s", y=f"{name}_m", colour=colour) for name, colour in laws))
+    errors_drawn = tuple(Line(x="time_s", y=f"{name}_error_m", colour=colour) for name, colour in laws)
     chart = Chart(
         name="figure-5.6",
         caption="The spool on a filtered trapezoid in 50 ms under both laws, and the errors.",
@@ -227,7 +228,7 @@ def spinning_run(raw: bool) -> Run:
         "initial": {"spool_speed": "1350 rpm", "load_pressure": "27.6 bar"},
         "load": {"area": "6.556 mm^2"},
         "load_line": {"gas_volume": "0 cc", "precharge_pressure": "15 bar"},
-        "run": {"until": "2.6 s", "average_from": "2.1 s"},
+        "run": {"until": "2.6 s", "average_from": "2.1 s", "record_interval": "0.2 ms"},
     }
     if raw:
         tables["raw_feedback"] = {"velocity_rate": f"{60.0 * TURN} 1/s"}
@@ -251,15 +252,24 @@ def witness(raw: bool) -> Table:
 
     load = at(run.state.load_line) - ATMOSPHERE
     window = round(1.0 / (3.0 * 22.5) / STEP)
-    mean = np.convolve(np.pad(load, (window // 2, window - window // 2 - 1), "edge"), np.ones(window) / window, "valid")
+    mean = np.convolve(load, np.ones(window) / window, "same")
+    whole = slice(window, -window)
     columns = {
-        "time_s": Column(times, TIME, "time"),
-        "position_m": Column(at(run.state.slide.position), POSITION, "raw signal" if raw else "estimate"),
-        "inlet_Pa": Column(at(run.state.inlet) - ATMOSPHERE, GAUGE_PRESSURE, "inlet"),
-        "load_Pa": Column(load, GAUGE_PRESSURE, "load"),
-        "mean_Pa": Column(mean, GAUGE_PRESSURE, "raw signal" if raw else "estimate"),
+        "time_s": Column(times[whole], TIME, "time"),
+        "position_m": Column(at(run.state.slide.position)[whole], POSITION, "raw signal" if raw else "estimate"),
+        "inlet_Pa": Column(at(run.state.inlet)[whole] - ATMOSPHERE, GAUGE_PRESSURE, "inlet"),
+        "load_Pa": Column(load[whole], GAUGE_PRESSURE, "load"),
+        "mean_Pa": Column(mean[whole], GAUGE_PRESSURE, "raw signal" if raw else "estimate"),
     }
     return Table(title="Spinning spool", columns=columns, axes=("time_s",), is_data=True)
+
+
+def _both(column: str) -> tuple[Line, Line]:
+    """A column of both runs, the raw signal's first."""
+    return (
+        Line(x="time_s", y=column, table="raw", label="raw signal", colour=Colour.INLET),
+        Line(x="time_s", y=column, table="held", label="estimate", colour=Colour.LOAD),
+    )
 
 
 def figure_5_8() -> Reproduction:
@@ -277,7 +287,7 @@ def figure_5_8() -> Reproduction:
             note=f"{1e6 * swing[0]:.0f} µm and {1e6 * swing[1]:.0f} µm, peak to peak",
         ),
     )
-    lines = tuple(Line(x="time_s", y="position_m", table=name) for name in ("raw", "held"))
+    lines = _both("position_m")
     chart = Chart(
         name="figure-5.8",
         caption="Position of the spool that spins at 22.5 Hz, with the raw signal and with the estimate fed back.",
@@ -291,9 +301,8 @@ def figure_5_8() -> Reproduction:
 def figure_5_9() -> Reproduction:
     """The load pressure through an orifice as the witness of the duty ratio."""
     held, raw = witness(raw=False), witness(raw=True)
-    inside = slice(200, -200)
-    off = float(np.max(np.abs(held["mean_Pa"][inside] / LOAD - 1.0)))
-    swings = [float(np.ptp(each["mean_Pa"][inside])) for each in (held, raw)]
+    off = float(np.max(np.abs(held["mean_Pa"] / LOAD - 1.0)))
+    swings = [float(np.ptp(each["mean_Pa"])) for each in (held, raw)]
     statements = (
         bound_statement(
             "largest deviation of the load pressure from 400 psi",
@@ -313,12 +322,14 @@ def figure_5_9() -> Reproduction:
         ),
     )
     pressures = tuple(Line(x="time_s", y=name, width=0.6) for name in ("inlet_Pa", "load_Pa"))
-    means = tuple(Line(x="time_s", y="mean_Pa", table=name) for name in ("raw", "held"))
     chart = Chart(
         name="figure-5.9",
         caption="Inlet and load pressure of the driven valve, and the load's mean over a PWM period.",
         table="held",
-        panels=(Lines(lines=pressures, label="pressure", right=SETTLED + 0.1), Lines(lines=means, label="mean load")),
+        panels=(
+            Lines(lines=pressures, label="pressure", right=SETTLED + 0.1),
+            Lines(lines=_both("mean_Pa"), label="mean load"),
+        ),
         height=4.0,
     )
     return Reproduction(statements=statements, tables={"held": held, "raw": raw}, charts=(chart,))
