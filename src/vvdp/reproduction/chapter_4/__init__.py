@@ -1,5 +1,5 @@
-"""Chapter 4: the axial position of the spool under a periodic noise."""
+"""Chapter 4: the axial position under a periodic measurement noise."""
 
-from vvdp.reproduction.item import Item
+from vvdp.reproduction.chapter_4 import noise, observer, tracking
 
-ITEMS: tuple[Item, ...] = ()
+ITEMS = (*noise.ITEMS, *observer.ITEMS, *tracking.ITEMS)
