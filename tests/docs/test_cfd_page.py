@@ -1,6 +1,5 @@
 """Numbers that docs/models/cfd.md spells out, from the studies that are kept."""
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,11 +7,9 @@ import numpy as np
 import pytest
 
 from vvdp.cfd.kept import KeptStudy, kept_study
-from vvdp.cfd.refinement import grid_convergence
-from vvdp.numerics.least_squares import fit
+from vvdp.fitting.jet import jet_law
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "cfd.md").read_text("utf-8").split())
-RADIUS = 12.7e-3
 
 
 def shares(study: KeptStudy, row: int) -> str:
@@ -26,7 +23,8 @@ def cells(study: KeptStudy, row: int) -> str:
 def arms() -> Iterator[str]:
     study = kept_study("rail-arm")
     for k in range(study.rows):
-        yield f"| {1e3 * study['nozzle_arm_m'][k]:.1f} mm | {cells(study, k)} | {1e-5 * study['pressure_drop_Pa'][k]:.2f} bar |"
+        arm, drop = 1e3 * study["nozzle_arm_m"][k], 1e-5 * study["pressure_drop_Pa"][k]
+        yield f"| {arm:.1f} mm | {cells(study, k)} | {drop:.2f} bar |"
 
 
 def designs() -> Iterator[str]:
@@ -39,7 +37,27 @@ def designs() -> Iterator[str]:
         yield f"| {force} |"
 
 
-@pytest.mark.parametrize("rows", [arms, designs], ids=lambda rows: rows.__name__)
+def openings() -> Iterator[str]:
+    study = kept_study("openings")
+    angles = np.degrees(study["spool_angle_rad"])
+    for k in range(1, study.rows):
+        way = "closing" if angles[k] > 0.0 else "opening"
+        effective = f"{study['opening_effective'][k]:.3f} ({100.0 * study['difference'][k]:+.0f} %)"
+        torques = f"{study['torque_N_m'][k]:.3f} N m | {study['torque_law_N_m'][k]:.3f} N m"
+        yield f"| {abs(angles[k]):.4g}°, {way} | {study['opening_formula'][k]:.3f} | {effective} | {torques} |"
+    closing, opening = (100.0 * study["difference"][k::2].mean() for k in (1, 2))
+    yield f"is {-closing:.0f} % below the formula while closing and {opening:.0f} % above it while opening"
+    yield f"in the mean it is {-0.5 * (closing + opening):.0f} % below"
+    found = jet_law(study["opening_formula"], study["torque_N_m"], np.sign(angles))
+    exponent, asymmetry = zip(found.coefficients[1:], found.half_widths[1:], strict=True)
+    yield f"$s$ = {exponent[0]:.2f} ± {exponent[1]:.2f}"
+    yield f"$\\varepsilon_j$ = {asymmetry[0]:.2f} ± {asymmetry[1]:.2f}"
+    yield f"leave up to {100.0 * np.abs(found.residuals).max():.0f} %"
+    law = study["torque_N_m"] / study["torque_law_N_m"] - 1.0
+    yield f"the torque is within {100.0 * law[1::2].max():.0f} % of the law of the system"
+
+
+@pytest.mark.parametrize("rows", [arms, designs, openings], ids=lambda rows: rows.__name__)
 def test_rows_are_those_of_the_kept_studies(rows):
     for row in rows():
         assert row in PAGE
