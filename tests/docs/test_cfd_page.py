@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from vvdp.cfd.kept import KeptStudy, kept_study
+from vvdp.cfd.refinement import grid_convergence
 from vvdp.fitting.jet import jet_law
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "cfd.md").read_text("utf-8").split())
@@ -57,7 +58,28 @@ def openings() -> Iterator[str]:
     yield f"the torque is within {100.0 * law[1::2].max():.0f} % of the law of the system"
 
 
-@pytest.mark.parametrize("rows", [arms, designs, openings], ids=lambda rows: rows.__name__)
+def grids() -> Iterator[str]:
+    for name, words in PARTS.items():
+        study = kept_study(name)
+        quantities = {"pressure_drop_Pa": (1e-5, "bar", 2), "torque_N_m": (1.0, "N m", 4)}
+        for key in (key for key in quantities if key in study.columns):
+            scale, unit, digits = quantities[key]
+            found = grid_convergence(tuple(study["cell_size_m"][::-1]), tuple(study[key][::-1]))
+            values = " / ".join(f"{scale * value:.{digits}f}" for value in study[key])
+            many = " / ".join(cells(study, k) for k in range(study.rows))
+            order = f"{found.order:.1f} | {100.0 * found.band:.1f} %" if found.is_monotone else "swings |"
+            yield f"| {words[key]} | {many} | {values} {unit} | {order} | {100.0 * found.spread:.1f} % |"
+
+
+PARTS = {
+    "rail-grids": {"pressure_drop_Pa": "rail (a), drop"},
+    "rail-final-grids": {"pressure_drop_Pa": "final rail, drop"},
+    "centre-grids": {"pressure_drop_Pa": "centre section, total drop", "torque_N_m": "its torque"},
+    "turbine-grids": {"pressure_drop_Pa": "turbine, drop", "torque_N_m": "its torque"},
+}
+
+
+@pytest.mark.parametrize("rows", [arms, designs, openings, grids], ids=lambda rows: rows.__name__)
 def test_rows_are_those_of_the_kept_studies(rows):
     for row in rows():
         assert row in PAGE
