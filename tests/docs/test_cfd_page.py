@@ -67,7 +67,8 @@ def grids() -> Iterator[str]:
             found = grid_convergence(tuple(study["cell_size_m"][::-1]), tuple(study[key][::-1]))
             values = " / ".join(f"{scale * value:.{digits}f}" for value in study[key])
             many = " / ".join(cells(study, k) for k in range(study.rows))
-            order = f"{found.order:.1f} | {100.0 * found.band:.1f} %" if found.is_monotone else "swings |"
+            order = f"{found.order:.1f} | {100.0 * found.band:.1f} %" if found.order > 0.0 else "none |"
+            order = order if found.is_monotone else "swings |"
             yield f"| {words[key]} | {many} | {values} {unit} | {order} | {100.0 * found.spread:.1f} % |"
 
 
