@@ -1,12 +1,16 @@
 """Studies on finer grids: what is kept of them agrees with itself."""
 
+import json
 import re
+import shlex
 
 import numpy as np
 import pytest
+from tests.cfd.conftest import say
 
 from vvdp.base.errors import ParameterError
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
+from vvdp.cfd.designs_result import radial_force
 from vvdp.cfd.kept import kept_studies, kept_study
 
 
@@ -26,6 +30,51 @@ def test_shares_of_the_flow_are_one(name):
     study = kept_study(name)
     shares = [study[key] for key in study.columns if re.fullmatch(r"split_\d", key)]
     assert np.sum(shares, axis=0) == pytest.approx(np.ones(study.rows), abs=3e-6)
+
+
+@pytest.mark.parametrize("name", [name for name in kept_studies() if name.endswith("-grids")])
+def test_grids_are_finer_by_a_quarter_and_more(name):
+    """The background by the root of two, the cells, by the cube root of their number, by a little less."""
+    cells = kept_study(name)["cells"]
+    assert (np.diff(np.log(cells)) / 3.0 > np.log(1.27)).all()
+
+
+def test_the_nozzle_with_the_largest_share_is_the_published_one():
+    """Table 2.1 of Wang (2017): 1, 2, 1, 1, 2, the smallest in (c) nozzle 2; (d) is decided by 0.3 points there."""
+    study = kept_study("rail-designs")
+    largest = dict(zip(study["design"], study["largest_nozzle"], strict=True))
+    assert {name: largest[name] for name in largest if name != "rail-d"} == {
+        "rail-a": 1, "rail-b": 2, "rail-c": 1, "rail-final": 2,
+    }  # fmt: skip
+    assert study["smallest_nozzle"][2] == 2
+
+
+def test_radial_forces_are_those_of_the_shares():
+    study = kept_study("rail-designs")
+    for row in range(study.rows):
+        flows = study["flow_m3_s"][row] * np.array([study[f"split_{k}"][row] for k in (1, 2, 3)])
+        found = radial_force(flows, np.full(3, 36.5e-6 / 3.0), 876.0)
+        assert found == pytest.approx(study["radial_force_N"][row], rel=2e-3, abs=2e-4)
+
+
+def test_the_drop_of_the_published_flow_lies_between_the_arms():
+    """A drop goes with the flow to the power 1.77 (the source's 4.17 bar is at 40 lpm, the study at 41.04 lpm)."""
+    study = kept_study("rail-arm")
+    drops = study["pressure_drop_Pa"] * (40.0 / 60e3 / study["flow_m3_s"]) ** 1.77
+    arm = 8.8e-3 + (4.17e5 - drops[0]) * 0.4e-3 / (drops[1] - drops[0])
+    assert arm == pytest.approx(8.74e-3, abs=0.02e-3)
+
+
+@pytest.mark.slow
+def test_a_row_is_repeated_by_its_command(openfoam, tmp_path):
+    study = kept_study("rail-arm")
+    words = shlex.split(study.command_of(0))[4:]
+    said = say("prototype", *words, "--cores", "1", "--out", str(tmp_path / "row"), "--json", "--no-report")
+    assert said.code == 0, said.err
+    told = json.loads(said.out)
+    assert told["cells"] == pytest.approx(study["cells"][0], rel=0.02)
+    assert told["pressure_drop_Pa"] == pytest.approx(study["pressure_drop_Pa"][0], rel=0.01)
+    assert told["flow_split"] == pytest.approx([study[f"split_{k}"][0] for k in (1, 2, 3)], abs=2e-3)
 
 
 def test_command_of_a_row_holds_its_values():

@@ -22,7 +22,7 @@ from vvdp.systems.system import load_system
 
 SMALL = 5.0
 """Cells per spool radius: 16 000 in all, meshed and solved in some ten seconds each."""
-DROP, SPLIT = 4.926e5, (0.333, 0.335, 0.332)
+DROP, SPLIT = 3.906e5, (0.333, 0.335, 0.332)
 """Of the small case at 40 lpm, as this version of OpenFOAM has computed it: 2 % and half a point are allowed."""
 
 
@@ -65,7 +65,7 @@ def test_drop_split_and_balance_are_what_they_were(made):
     assert sum(told["flow_split"]) == pytest.approx(1.0)
     assert told["mass_imbalance"] < 1e-3
     assert told["has_settled"] is True
-    assert told["cells"] == pytest.approx(16256, rel=0.02)
+    assert told["cells"] == pytest.approx(16558, rel=0.02)
     assert told["warnings"] == []
 
 

@@ -53,13 +53,10 @@ def scale_radially(order: CentreOrder, diameter: float) -> CentreOrder:
     """
     valve, shape = order.valve, order.shape
     factor = 0.5 * diameter / valve.spool_radius
-    wider = replace(
-        valve,
-        spool_radius=factor * valve.spool_radius,
-        inlet_radius=factor * valve.inlet_radius,
-        nozzle_area=factor * valve.nozzle_area,
-    )
-    made = replace(shape, hub_radius=factor * shape.hub_radius, nozzle_arm=factor * shape.nozzle_arm)
+    across = {name: factor * getattr(valve, name) for name in ("spool_radius", "inlet_radius", "outlet_radius")}
+    wider = replace(valve, nozzle_area=factor * valve.nozzle_area, **across)
+    lengths = {name: factor * getattr(shape, name) for name in ("hub_radius", "nozzle_arm", "rail_radius")}
+    made = replace(shape, **lengths)
     return order._replace(valve=wider, shape=made)
 
 

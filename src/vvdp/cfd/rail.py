@@ -37,9 +37,9 @@ class RailOrder(NamedTuple):
 
 def three_grids(finest: float) -> dict[str, float]:
     """Three grids of the family by name, the coarsest first [cells per spool radius]."""
-    names = {f"{cells:.4g}": name for name, cells in GRIDS.items()}
     family = (0.5 * finest, math.sqrt(0.5) * finest, finest)
-    return {names.get(f"{cells:.4g}", f"R/{cells:.3g}"): cells for cells in family}
+    known = {f"{cells:.6g}": (name, cells) for name, cells in GRIDS.items()}
+    return dict(known.get(f"{cells:.6g}", (f"R/{cells:.3g}", cells)) for cells in family)
 
 
 def outlets(valve: RotaryValve) -> tuple[str, ...]:

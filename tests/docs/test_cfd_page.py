@@ -1,0 +1,184 @@
+"""Numbers that docs/models/cfd.md spells out, from the studies that are kept."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vvdp.cfd.kept import KeptStudy, kept_study
+from vvdp.cfd.refinement import grid_convergence
+from vvdp.fitting.drop import fit_centre, fit_nozzle, fit_outlet
+from vvdp.fitting.fitted import Host, settings
+from vvdp.fitting.jet import jet_law
+from vvdp.numerics.least_squares import fit
+from vvdp.systems.bench import rotary_bench
+from vvdp.systems.system import load_system
+from vvdp.valve.condition import Condition
+from vvdp.valve.flow_map import averaged_spool_speed
+from vvdp.valve.torque import equilibrium_speed, pwm_frequency
+
+PAGE = " ".join((Path(__file__).parents[2] / "docs" / "models" / "cfd.md").read_text("utf-8").split())
+
+Q40 = 40.0 / 60e3
+
+
+def shares(study: KeptStudy, row: int) -> str:
+    return " / ".join(f"{100.0 * study[f'split_{k}'][row]:.1f}" for k in (1, 2, 3)) + " %"
+
+
+def cells(study: KeptStudy, row: int) -> str:
+    return f"{study['cells'][row]:,.0f}".replace(",", " ")
+
+
+def arms() -> Iterator[str]:
+    study = kept_study("rail-arm")
+    for k in range(study.rows):
+        arm, drop = 1e3 * study["nozzle_arm_m"][k], 1e-5 * study["pressure_drop_Pa"][k]
+        yield f"| {arm:.1f} mm | {cells(study, k)} | {drop:.2f} bar |"
+
+
+def designs() -> Iterator[str]:
+    study = kept_study("rail-designs")
+    for k in range(study.rows):
+        change = f"{100.0 * study['drop_change'][k]:+.0f} %" if k else ""
+        force = f"{study['radial_force_N'][k]:.2f} N"
+        yield f"| {1e-5 * study['pressure_drop_Pa'][k]:.2f} bar | {change} |".replace("  ", " ")
+        yield f"| {shares(study, k)} |"
+        yield f"| {force} |"
+
+
+def openings() -> Iterator[str]:
+    study = kept_study("openings")
+    angles = np.degrees(study["spool_angle_rad"])
+    for k in range(1, study.rows):
+        way = "closing" if angles[k] > 0.0 else "opening"
+        effective = f"{study['opening_effective'][k]:.3f} ({100.0 * study['difference'][k]:+.0f} %)"
+        torques = f"{study['torque_N_m'][k]:.3f} N m | {study['torque_law_N_m'][k]:.3f} N m"
+        yield f"| {abs(angles[k]):.4g}°, {way} | {study['opening_formula'][k]:.3f} | {effective} | {torques} |"
+    closing, opening = (100.0 * study["difference"][k::2].mean() for k in (1, 2))
+    yield f"is {-closing:.0f} % below the formula while closing and {opening:.0f} % above it while opening"
+    yield f"in the mean it is {-0.5 * (closing + opening):.0f} % below"
+    found = jet_law(study["opening_formula"], study["torque_N_m"], np.sign(angles))
+    exponent, asymmetry = zip(found.coefficients[1:], found.half_widths[1:], strict=True)
+    yield f"$s$ = {exponent[0]:.2f} ± {exponent[1]:.2f}"
+    yield f"$\\varepsilon_j$ = {asymmetry[0]:.2f} ± {asymmetry[1]:.2f}"
+    yield f"leave up to {100.0 * np.abs(found.residuals).max():.0f} %"
+    law = study["torque_N_m"] / study["torque_law_N_m"] - 1.0
+    yield f"the torque is within {100.0 * law[1::2].max():.0f} % of the law of the system"
+
+
+def grids() -> Iterator[str]:
+    for name, words in PARTS.items():
+        study = kept_study(name)
+        quantities = {"pressure_drop_Pa": (1e-5, "bar", 2), "torque_N_m": (1.0, "N m", 4)}
+        for key in (key for key in quantities if key in study.columns):
+            scale, unit, digits = quantities[key]
+            found = grid_convergence(tuple(study["cell_size_m"][::-1]), tuple(study[key][::-1]))
+            values = " / ".join(f"{scale * value:.{digits}f}" for value in study[key])
+            many = " / ".join(cells(study, k) for k in range(study.rows))
+            order = f"{found.order:.1f} | {100.0 * found.band:.1f} %" if found.order > 0.0 else "none |"
+            order = order if found.is_monotone else "swings |"
+            yield f"| {words[key]} | {many} | {values} {unit} | {order} | {100.0 * found.spread:.1f} % |"
+
+
+PARTS = {
+    "rail-grids": {"pressure_drop_Pa": "rail (a), drop"},
+    "rail-final-grids": {"pressure_drop_Pa": "final rail, drop"},
+    "centre-grids": {"pressure_drop_Pa": "centre section, total drop", "torque_N_m": "its torque"},
+}
+
+
+def turbines() -> Iterator[str]:
+    study = kept_study("turbine-lengths")
+    for arm in dict.fromkeys(study["outlet_arm_m"].tolist()):
+        mine = study["outlet_arm_m"] == arm
+        speeds, torques = study["speed_rad_s"][mine], study["torque_N_m"][mine]
+        at_rest, slope = fit([np.ones_like(speeds), speeds], torques).coefficients
+        drop, behind = study["turbine_drop_Pa"][mine][0], study["collector_drop_Pa"][mine][0]
+        flow = study["flow_m3_s"][mine][0]
+        area = 876.0 * 12.7e-3 * flow**2 / at_rest
+        coefficient = flow / 46.8e-6 / np.sqrt(2.0 * drop / 876.0)
+        yield (
+            f"| {1e3 * arm:.1f} mm | {study['outlet_entry_taper'][mine][0]:.2f} | {at_rest:.4f} N m | "
+            f"{1e6 * area:.1f} mm² | {1e4 * slope:.2f}e-4 N m s | {1e-5 * drop:.2f} bar | {coefficient:.3f} | "
+            f"{1e-5 * behind:.2f} bar |"
+        )
+
+
+def centre() -> Iterator[str]:
+    study = kept_study("centre-flows")
+    for k in range(study.rows):
+        static, total = 1e-5 * study["static_drop_Pa"][k], 1e-5 * study["total_drop_Pa"][k]
+        yield (
+            f"| {1e3 * study['diameter_m'][k]:.2f} mm | {60e3 * study['flow_m3_s'][k]:.0f} lpm | {total:.3f} bar | "
+            f"{static:.3f} bar | {1e-5 * study['static_drop_law_Pa'][k]:.3f} bar | {study['torque_N_m'][k]:.4f} N m | "
+            f"{study['torque_law_N_m'][k]:.4f} N m |"
+        )
+    columns = {"flow": study["flow_m3_s"], "diameter": study["diameter_m"]}
+    for key, words in (("static_drop_Pa", "static"), ("total_drop_Pa", "total")):
+        found = fit_centre({**columns, "pressure_drop": study[key]}, None).coefficients
+        m, n = (found[name].interval for name in ("exponent", "diameter_exponent"))
+        told = (f"${name}$ = {each.value:.2f} ± {each.high - each.value:.2f}" for name, each in (("m", m), ("n", n)))
+        yield f"{words} drop: {', '.join(told)}"
+
+
+def flows() -> Iterator[str]:
+    study = kept_study("turbine-flows")
+    Q, w = study["flow_m3_s"], study["speed_rad_s"]
+    for k in range(study.rows):
+        drop, behind = 1e-5 * study["turbine_drop_Pa"][k], 1e-5 * study["collector_drop_Pa"][k]
+        torques = f"{study['torque_N_m'][k]:.4f} N m | {study['torque_law_N_m'][k]:.4f} N m"
+        at = f"| {60e3 * Q[k]:.0f} lpm | {w[k] * 30.0 / np.pi:.0f} rpm"
+        yield f"{at} | {torques} | {drop:.3f} bar | {behind:.3f} bar |"
+    c, b = fit([Q**2, -Q * w], study["torque_N_m"]).coefficients
+    errors = fit([Q**2, -Q * w], study["torque_N_m"]).half_widths
+    area, error = 876.0 * 12.7e-3 / c, 876.0 * 12.7e-3 / c * errors[0] / c
+    yield f"effective area of {1e6 * area:.1f} ± {1e6 * error:.1f} mm²"
+    yield f"{b / (876.0 * 12.7e-3**2):.2f} ± {errors[1] / (876.0 * 12.7e-3**2):.2f} times"
+
+
+def computed_laws() -> tuple[str, ...]:
+    """What the kept studies make of the valve's laws, as settings of a system."""
+    loaded = load_system("prototype-constant-load")
+    bench = rotary_bench(loaded, "fit")
+    host = Host("prototype", bench.valve, bench.oil, 313.15, bench.load_pressure, bench.tank_pressure)
+    rail, centre_section, turbine = (kept_study(name) for name in ("rail-flows", "centre-flows", "turbine-flows"))
+    drops = {"flow": centre_section["flow_m3_s"], "diameter": centre_section["diameter_m"]}
+    found = (
+        (fit_nozzle({"flow": rail["flow_m3_s"], "pressure_drop": rail["pressure_drop_Pa"]}, host), "rail-flows.csv"),
+        (fit_centre({**drops, "pressure_drop": centre_section["static_drop_Pa"]}, host), "centre-flows.csv"),
+        (
+            fit_outlet({"flow": turbine["flow_m3_s"], "pressure_drop": turbine["turbine_drop_Pa"]}, host),
+            "turbine-flows.csv",
+        ),
+    )
+    Q, w = turbine["flow_m3_s"], turbine["speed_rad_s"]
+    area = 876.0 * 12.7e-3 / fit([Q**2, -Q * w], turbine["torque_N_m"]).coefficients[0]
+    return (
+        *(text for each, name in found for text in settings(each, Path(name))),
+        f"valve.outlet_effective_area={1e6 * area} mm^2",
+    )
+
+
+def frequencies() -> Iterator[str]:
+    """Of the ideal machine at 40 lpm, with the published laws and with those that were computed."""
+    at = Condition(flow=Q40, load_pressure=1.01e7, relief_pressure=1.21e7, tank_pressure=101325.0, density=876.0)
+    jets = ("valve.jet_exponent=0.65", "valve.jet_asymmetry=0.85")
+    told = []
+    for laws in ((), computed_laws()):
+        valve = load_system("prototype-constant-load", [*jets, *laws]).tables["valve"]
+        full = pwm_frequency(equilibrium_speed(Q40, 876.0, 0.0387, valve), valve)
+        switching = pwm_frequency(averaged_spool_speed(0.5, at, 0.0387, valve), valve)
+        told.append(f"{full:.1f} Hz fully open and {switching:.1f} Hz switching at duty ratio 0.5")
+    yield f"the published laws give {told[0]}"
+    yield f"those that were computed {told[1]}"
+
+
+ROWS = (arms, designs, openings, grids, turbines)
+
+
+@pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)
+def test_rows_are_those_of_the_kept_studies(rows):
+    for row in rows():
+        assert row in PAGE
