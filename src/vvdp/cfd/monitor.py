@@ -111,7 +111,7 @@ def patch_faces(case: Path) -> dict[str, int]:
 
 
 def _patches(text: str) -> Iterator[tuple[str, int]]:
-    for name, body in re.findall(r"(\w+)\s*\{([^{}]*)\}", text):
+    for name, body in re.findall(r"([\w-]+)\s*\{([^{}]*)\}", text):
         if count := re.search(r"nFaces\s+(\d+)", body):
             yield name, int(count[1])
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vvdp.base.errors import unusable
+from vvdp.cfd.balance import openings
 from vvdp.cfd.case import Case
 from vvdp.cfd.engine import find_openfoam
 from vvdp.cfd.section import Plane, cut_sections
@@ -45,8 +46,9 @@ def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, core
         folder = case_folder(directory, place)
         like = next((k for k in range(place) if cases[k].case.mesh_files == case.mesh_files), None)
         mesh_of = None if like is None else case_folder(directory, like)
-        yield solve(case, folder, openfoam, cores, hear_of_all, mesh_of)
-        cut_sections({MIDDLE: plane}, folder, openfoam)
+        solved = solve(case, folder, openfoam, cores, hear_of_all, mesh_of)
+        cut_sections({MIDDLE: plane}, openings(case), folder, openfoam)
+        yield solved
 
 
 def make_place(directory: Path, verb: str, *, force: bool) -> None:

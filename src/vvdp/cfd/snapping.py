@@ -43,12 +43,12 @@ class Cylinder(NamedTuple):
 
 
 class Refinement(NamedTuple):
-    """Size of the background's cells [m], how often they are halved at each patch, along edges, and in a cylinder."""
+    """Size of the background's cells [m], how often they are halved at each patch, along edges, and in cylinders."""
 
     cell: float
     patches: Mapping[str, int]
     edges: int
-    within: Cylinder
+    within: tuple[Cylinder, ...]
 
 
 def meshing_files(domain: Domain, kinds: Mapping[str, str], fine: Refinement) -> dict[str, str]:
@@ -89,19 +89,13 @@ def _background(points: Floats, cell: float) -> str:
 
 
 def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
-    within = fine.within
-    cylinder: Mapping[str, Entry] = {
-        "type": "searchableCylinder",
-        "point1": (0, 0, within.low),
-        "point2": (0, 0, within.high),
-        "radius": within.radius,
-    }
+    cylinders: Mapping[str, Entry] = {name: _cylinder(within) for name, within in _near(fine).items()}
     named: Mapping[str, Entry] = {name: {"name": name} for name in fine.patches}
     return {
         "castellatedMesh": True,
         "snap": True,
         "addLayers": False,
-        "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, "near": cylinder},
+        "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, **cylinders},
         "castellatedMeshControls": _castellation(inside, kinds, fine),
         "snapControls": {
             "nSmoothPatch": 3,
@@ -119,6 +113,20 @@ def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapp
     }
 
 
+def _near(fine: Refinement) -> dict[str, Cylinder]:
+    """The cylinders by their names."""
+    return {f"near{place}": within for place, within in enumerate(fine.within)}
+
+
+def _cylinder(within: Cylinder) -> Mapping[str, Entry]:
+    return {
+        "type": "searchableCylinder",
+        "point1": (0, 0, within.low),
+        "point2": (0, 0, within.high),
+        "radius": within.radius,
+    }
+
+
 def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
     """How cells are halved before they are moved to the surface."""
     regions: Mapping[str, Entry] = {
@@ -133,7 +141,9 @@ def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> 
         "resolveFeatureAngle": 30,
         "features": ({"file": '"oil.eMesh"', "level": fine.edges},),
         "refinementSurfaces": {"oil": {"level": (lowest, lowest), "regions": regions}},
-        "refinementRegions": {"near": {"mode": "inside", "levels": ((1e15, fine.within.level),)}},
+        "refinementRegions": {
+            name: {"mode": "inside", "levels": ((1e15, within.level),)} for name, within in _near(fine).items()
+        },
         "locationInMesh": inside,
         "allowFreeStandingZoneFaces": False,
     }

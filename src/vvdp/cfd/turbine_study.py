@@ -5,23 +5,21 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
+from vvdp.cfd.balance import Torques, read_torques
 from vvdp.cfd.monitor import read_monitor
+from vvdp.cfd.passage import BEHIND
 from vvdp.cfd.section import Plane
 from vvdp.cfd.series import NamedCase, case_folder, solve_series
 from vvdp.cfd.solve import Hear, Solved
-from vvdp.cfd.turbine import BEHIND, TurbineOrder, turbine_case, turned_turbine
-from vvdp.cfd.watching import read_torque
+from vvdp.cfd.turbine import TurbineOrder, turbine_case, turned_turbine
 
 
 class TurbineRun(NamedTuple):
-    """A turbine that was computed: the run, torque on the spool about z [N m] and its range, drop behind it [Pa]."""
+    """A turbine that was computed: the run, torques on the spool, drop behind it [Pa]."""
 
     order: TurbineOrder
     solved: Solved
-    torque: float
-    torque_spread: float
+    torques: Torques
     behind: float
     seconds: float
 
@@ -37,14 +35,12 @@ def run_turbine(orders: Mapping[str, TurbineOrder], directory: Path, cores: int,
     for place, (order, solved) in enumerate(zip(orders.values(), solved_cases, strict=True)):
         folder, now = case_folder(directory, place), time.perf_counter()
         count = len(solved.history.iterations)
-        last = slice(count - order.phases[-1].window, count)
-        torque = read_torque(folder).value[last]
-        behind = order.fluid.density * read_monitor(folder, BEHIND).values[last, 0]
+        window = order.phases[-1].window
+        behind = order.fluid.density * read_monitor(folder, BEHIND).values[count - window : count, 0]
         run = TurbineRun(
             order=order,
             solved=solved,
-            torque=float(torque.mean()),
-            torque_spread=float(np.ptp(torque)),
+            torques=read_torques(cases[place].case, folder, count),
             behind=float(behind.mean()),
             seconds=now - began,
         )
