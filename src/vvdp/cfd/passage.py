@@ -1,14 +1,15 @@
 """Oil that passes a part of the valve: in by its inlet, out by its outlets at pressure 0, along walls that may turn."""
 
+from collections.abc import Mapping
 from functools import partial
 from typing import NamedTuple
 
 from vvdp.cfd.balance import torque_monitors
-from vvdp.cfd.boundary import flow_inlet, pressure_outlet, rotation, wall
+from vvdp.cfd.boundary import constraint, flow_inlet, pressure_outlet, rotation, wall
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import Phase, patch_mean
 from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
-from vvdp.cfd.snapping import PROGRAMS, Refinement, meshing_files
+from vvdp.cfd.snapping import PARTING_PROGRAM, PROGRAMS, RING_PATCHES, Refinement, meshing_files, parting_files
 from vvdp.cfd.turbulence import Inflow, Turbulence
 from vvdp.cfd.watching import drop_monitors, read_drop
 from vvdp.geometry.domains import Domain
@@ -55,15 +56,16 @@ def passage_case(passage: Passage) -> Case:
     walls = tuple(name for name in names if name not in (*openings, *turning))
     patches = {
         INLET: flow_inlet(passage.flow, entering),
-        **dict.fromkeys(openings[1:], pressure_outlet(entering)),
         **dict.fromkeys(walls, wall(entering)),
+        **dict.fromkeys(openings[1:], pressure_outlet(entering)),
         **dict.fromkeys(turning, wall(entering, rotation(passage.speed))),
     }
     kinds = {name: patch.kind for name, patch in patches.items()}
+    files, program, sides = _zone(passage) if turning else ({}, (), ())
     return Case(
-        mesh_files={**meshing_files(domain, kinds, passage.fine), **(zone_files(passage.radius) if turning else {})},
-        mesh_programs=(*PROGRAMS, *([ZONE_PROGRAM] if turning else [])),
-        patches=patches,
+        mesh_files={**meshing_files(domain, kinds, passage.fine), **files},
+        mesh_programs=(*PROGRAMS, *program),
+        patches={**patches, **dict.fromkeys(sides, constraint("cyclicAMI"))},
         monitors={
             **drop_monitors(INLET, openings),
             **({BEHIND: patch_mean(COLLECTOR, "areaAverage", "p")} if COLLECTOR in walls else {}),
@@ -75,5 +77,12 @@ def passage_case(passage: Passage) -> Case:
         start=entering,
         phases=passage.phases,
         largest=IMPOSSIBLE * 0.5 * density * passage.jet**2,
-        further_files=frame_files(passage.speed, (*openings, *walls)) if turning else {},
+        further_files=frame_files(passage.speed, (*openings, *walls, *sides)) if turning else {},
     )
+
+
+def _zone(passage: Passage) -> tuple[Mapping[str, str], tuple[tuple[str, ...], ...], tuple[str, ...]]:
+    """What makes the zone of cells that turn: files, programs, and the patches at its edge where the mesh is parted."""
+    if passage.fine.ring:
+        return parting_files(), (PARTING_PROGRAM,), RING_PATCHES
+    return zone_files(passage.radius), (ZONE_PROGRAM,), ()

@@ -5,13 +5,16 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+import numpy as np
+
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase
-from vvdp.cfd.passage import COLLECTOR, Passage, passage_case
-from vvdp.cfd.snapping import Cylinder, Refinement, turn_domain
+from vvdp.cfd.passage import COLLECTOR, INLET, Passage, passage_case
+from vvdp.cfd.snapping import TURN, Cylinder, Refinement, Sphere, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Inflow, Turbulence, duct_turbulence
 from vvdp.geometry.domains import Domain, open_domain, rail_domain
 from vvdp.geometry.shape import ValveShape, perpendicular_area
+from vvdp.valve.geometry import nozzle_length
 from vvdp.valve.rotary import RotaryValve
 
 GRIDS: Mapping[str, float] = MappingProxyType({"coarse": 8.0, "medium": 8.0 * math.sqrt(2.0), "fine": 16.0})
@@ -56,7 +59,8 @@ def rail_case(order: RailOrder, domain: Domain) -> Case:
 
     Source  ours, docs/models/cfd.md
     """
-    levels = {**dict.fromkeys(domain.mesh.names, 1), **NOZZLE_LEVELS, **dict.fromkeys(outlets(order.valve), 3)}
+    levels = {INLET: 1, **dict.fromkeys(domain.mesh.names, 1), **NOZZLE_LEVELS}
+    levels |= dict.fromkeys(outlets(order.valve), 3)
     return passage_case(_passage(order, domain, levels))
 
 
@@ -68,13 +72,12 @@ def turned_sleeve(order: RailOrder) -> Domain:
 def sleeve_case(order: RailOrder, domain: Domain) -> Case:
     """The case of an order on the domain `turned_sleeve`: the jets enter the bore, which both collectors drain.
 
-    Here the mouths are no patches: edges are as fine as these, so that mouths keep their area.
-
     Source  wang2017, section 2.4: how the drop of rail and nozzles is measured
     """
     levels = {**dict.fromkeys(domain.mesh.names, 1), **NOZZLE_LEVELS, COLLECTOR: 0}
     passage = _passage(order, domain, levels)
-    return passage_case(passage._replace(fine=passage.fine._replace(edges=3)))
+    within = (*passage.fine.within, *near_mouths(order.valve))
+    return passage_case(passage._replace(fine=passage.fine._replace(within=within)))
 
 
 def port_turbulence(flow: float, shape: ValveShape) -> Inflow:
@@ -86,6 +89,14 @@ def port_turbulence(flow: float, shape: ValveShape) -> Inflow:
 def near_nozzles(radius: float) -> Cylinder:
     """Within it lie the nozzles up to their roots."""
     return Cylinder(1.73 * radius, -0.32 * radius, 0.32 * radius, 2)
+
+
+def near_mouths(valve: RotaryValve) -> tuple[Sphere, ...]:
+    """What holds a mouth each, where they are no patches: as fine as those, so that they keep their area."""
+    angles = TURN + 2.0 * math.pi / valve.sections * np.arange(round(valve.sections))
+    reach = 0.55 * nozzle_length(valve)
+    radius = valve.spool_radius
+    return tuple(Sphere((radius * math.cos(a), radius * math.sin(a), 0.0), reach, 3) for a in angles.tolist())
 
 
 def _passage(order: RailOrder, domain: Domain, levels: Mapping[str, int]) -> Passage:

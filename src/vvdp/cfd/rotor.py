@@ -33,6 +33,21 @@ def zone_files(radius: float) -> dict[str, str]:
     return {"system/topoSetDict": dictionary_text({"actions": actions}, "topoSetDict")}
 
 
+def motion_files(speed: float) -> dict[str, str]:
+    """What turns the mesh of the zone [rad/s]."""
+    motion: Mapping[str, Entry] = {
+        "dynamicFvMesh": "dynamicMotionSolverFvMesh",
+        "motionSolverLibs": ("fvMotionSolvers",),
+        "motionSolver": "solidBody",
+        "cellZone": ROTOR,
+        "solidBodyMotionFunction": "rotatingMotion",
+        "origin": (0, 0, 0),
+        "axis": (0, 0, 1),
+        "omega": speed,
+    }
+    return {"constant/dynamicMeshDict": dictionary_text(motion, "dynamicMeshDict")}
+
+
 def frame_files(speed: float, still: Sequence[str]) -> dict[str, str]:
     """The frame of the zone [rad/s] and the patches `still`; one that is not named is taken to turn with it."""
     frame: Mapping[str, Entry] = {

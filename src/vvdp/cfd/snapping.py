@@ -41,14 +41,41 @@ class Cylinder(NamedTuple):
     high: float
     level: int
 
+    @property
+    def entry(self) -> Mapping[str, Entry]:
+        """As snappyHexMesh knows it."""
+        ends: Mapping[str, Entry] = {"point1": (0, 0, self.low), "point2": (0, 0, self.high)}
+        return {"type": "searchableCylinder", **ends, "radius": self.radius}
+
+
+class Sphere(NamedTuple):
+    """A sphere [m] within which cells are halved `level` times."""
+
+    centre: Point
+    radius: float
+    level: int
+
+    @property
+    def entry(self) -> Mapping[str, Entry]:
+        """As snappyHexMesh knows it."""
+        return {"type": "searchableSphere", "centre": self.centre, "radius": self.radius}
+
+
+class Ring(NamedTuple):
+    """A cylinder [m] that parts the mesh: what lies within is a zone of its own, and may slide along what does not."""
+
+    cylinder: Cylinder
+    zone: str
+
 
 class Refinement(NamedTuple):
-    """Size of the background's cells [m], how often they are halved at each patch, along edges, and in cylinders."""
+    """Size of the background's cells [m], how often they are halved at each patch, along edges, and in some bodies."""
 
     cell: float
     patches: Mapping[str, int]
     edges: int
-    within: tuple[Cylinder, ...]
+    within: tuple[Cylinder | Sphere, ...]
+    ring: Ring | None = None
 
 
 def meshing_files(domain: Domain, kinds: Mapping[str, str], fine: Refinement) -> dict[str, str]:
@@ -76,6 +103,10 @@ PROGRAMS = (("blockMesh",), ("surfaceFeatureExtract",), ("snappyHexMesh", "-over
 """What makes the mesh, one after the other; renumbered it is solved faster."""
 
 
+RING, RING_PATCHES = "ring", ("ring1", "ring2")
+PARTING_PROGRAM = ("createPatch", "-overwrite")
+
+
 def _background(points: Floats, cell: float) -> str:
     """A box of cubes round all points."""
     low = points.min(0) - MARGIN * cell
@@ -89,13 +120,14 @@ def _background(points: Floats, cell: float) -> str:
 
 
 def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
-    cylinders: Mapping[str, Entry] = {name: _cylinder(within) for name, within in _near(fine).items()}
+    bodies: Mapping[str, Entry] = {name: within.entry for name, within in _near(fine).items()}
+    rings: Mapping[str, Entry] = {RING: fine.ring.cylinder.entry} if fine.ring else {}
     named: Mapping[str, Entry] = {name: {"name": name} for name in fine.patches}
     return {
         "castellatedMesh": True,
         "snap": True,
         "addLayers": False,
-        "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, **cylinders},
+        "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, **bodies, **rings},
         "castellatedMeshControls": _castellation(inside, kinds, fine),
         "snapControls": {
             "nSmoothPatch": 3,
@@ -113,18 +145,32 @@ def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapp
     }
 
 
-def _near(fine: Refinement) -> dict[str, Cylinder]:
-    """The cylinders by their names."""
-    return {f"near{place}": within for place, within in enumerate(fine.within)}
+def _near(fine: Refinement) -> dict[str, Cylinder | Sphere]:
+    """The bodies within which cells are smaller, by their names."""
+    return {f"near{place or ''}": within for place, within in enumerate(fine.within)}
 
 
-def _cylinder(within: Cylinder) -> Mapping[str, Entry]:
-    return {
-        "type": "searchableCylinder",
-        "point1": (0, 0, within.low),
-        "point2": (0, 0, within.high),
-        "radius": within.radius,
-    }
+def _parting(ring: Ring | None) -> Mapping[str, Entry]:
+    """What makes the faces on a ring a zone, and the cells within another."""
+    if ring is None:
+        return {}
+    level = ring.cylinder.level
+    zones: Mapping[str, Entry] = {"faceZone": RING, "cellZone": ring.zone, "cellZoneInside": "inside"}
+    zones = {"faceType": "boundary", **zones}
+    return {RING: {"level": (level, level), **zones}}
+
+
+def parting_files() -> dict[str, str]:
+    """What makes the two sides of a ring see each other, by `PARTING_PROGRAM`."""
+    sides: list[Mapping[str, Entry]] = [
+        {"name": name, "patchInfo": _seeing(other), "constructFrom": "patches", "patches": (side,)}
+        for name, other, side in zip(RING_PATCHES, RING_PATCHES[::-1], (RING, f"{RING}_slave"), strict=True)
+    ]
+    return {"system/createPatchDict": dictionary_text({"pointSync": False, "patches": sides}, "createPatchDict")}
+
+
+def _seeing(other: str) -> Mapping[str, Entry]:
+    return {"type": "cyclicAMI", "matchTolerance": 1e-4, "neighbourPatch": other, "transform": "noOrdering"}
 
 
 def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
@@ -140,7 +186,7 @@ def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> 
         "nCellsBetweenLevels": 2,
         "resolveFeatureAngle": 30,
         "features": ({"file": '"oil.eMesh"', "level": fine.edges},),
-        "refinementSurfaces": {"oil": {"level": (lowest, lowest), "regions": regions}},
+        "refinementSurfaces": {"oil": {"level": (lowest, lowest), "regions": regions}, **_parting(fine.ring)},
         "refinementRegions": {
             name: {"mode": "inside", "levels": ((1e15, within.level),)} for name, within in _near(fine).items()
         },

@@ -3,11 +3,13 @@
 import math
 from typing import NamedTuple
 
+from vvdp.cfd.boundary import MOVING
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase
 from vvdp.cfd.passage import COLLECTOR, Passage, passage_case
-from vvdp.cfd.rail import NOZZLE_LEVELS, near_nozzles, port_turbulence
-from vvdp.cfd.snapping import Cylinder, Refinement, turn_domain
+from vvdp.cfd.rail import NOZZLE_LEVELS, near_mouths, near_nozzles, port_turbulence
+from vvdp.cfd.rotor import ROTOR, motion_files
+from vvdp.cfd.snapping import Cylinder, Refinement, Ring, Sphere, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Turbulence, duct_turbulence
 from vvdp.geometry.domains import Domain, turbine_domain, valve_domain
 from vvdp.geometry.shape import ValveShape, perpendicular_area
@@ -41,8 +43,10 @@ def turned_valve(order: TurbineOrder) -> Domain:
     return turn_domain(valve_domain(order.shape, order.valve, 0.0, order.position))
 
 
-def turbine_case(order: TurbineOrder, domain: Domain) -> Case:
+def turbine_case(order: TurbineOrder, domain: Domain, *, parted: bool = False) -> Case:
     """The case of an order on its domain, `turned_turbine`: the oil enters the chamber along the axis.
+
+    The mesh may be `parted` by a cylinder round the spool, as `sliding_case` needs it.
 
     Source  ours, docs/models/cfd.md
     """
@@ -53,8 +57,32 @@ def turbine_case(order: TurbineOrder, domain: Domain) -> Case:
     fine = Refinement(
         cell=order.valve.spool_radius / order.grid, patches=levels, edges=2, within=(_near_channels(order, domain),)
     )
+    if parted:
+        around = order.valve.spool_radius + 0.5 * shape.groove_depth
+        fine = fine._replace(ring=Ring(Cylinder(around, *_beyond(domain), 2), ROTOR))
     entering = duct_turbulence(order.flow / annulus, 2.0 * width)
     return passage_case(_passage(order, domain, fine)._replace(entering=entering))
+
+
+def _beyond(domain: Domain) -> tuple[float, float]:
+    """Heights below and above all of a domain [m]."""
+    heights = domain.mesh.vertices[:, 2]
+    low, high = float(heights.min()), float(heights.max())
+    return 2.0 * low - high, 2.0 * high - low
+
+
+def sliding_case(frozen: Case, speed: float, phase: Phase, step: float) -> Case:
+    """A parted case in which what turns does turn [rad/s], in steps of time [s]; it begins with the flow of `frozen`.
+
+    Source  ours, docs/models/cfd.md
+    """
+    moving = {
+        name: patch._replace(conditions={**patch.conditions, "U": MOVING})
+        for name, patch in frozen.patches.items()
+        if patch.conditions["U"]["type"] == "rotatingWallVelocity"
+    }
+    patches = {**frozen.patches, **moving}
+    return frozen._replace(patches=patches, phases=(phase,), further_files=motion_files(speed), step=step)
 
 
 def valve_case(order: TurbineOrder, domain: Domain) -> Case:
@@ -64,9 +92,13 @@ def valve_case(order: TurbineOrder, domain: Domain) -> Case:
     """
     radius = order.valve.spool_radius
     levels = {**dict.fromkeys(domain.mesh.names, 1), **NOZZLE_LEVELS, "channels": 2, "windows": 2, COLLECTOR: 0}
-    within = (near_nozzles(radius), _near_channels(order, domain))
+    within: tuple[Cylinder | Sphere, ...] = (
+        near_nozzles(radius),
+        _near_channels(order, domain),
+        *near_mouths(order.valve),
+    )
     return passage_case(
-        _passage(order, domain, Refinement(cell=radius / order.grid, patches=levels, edges=3, within=within))
+        _passage(order, domain, Refinement(cell=radius / order.grid, patches=levels, edges=2, within=within))
     )
 
 
