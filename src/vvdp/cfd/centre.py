@@ -17,7 +17,7 @@ from vvdp.cfd.monitor import Monitor, read_monitor
 from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase, patch_mean
 from vvdp.cfd.passage import IMPOSSIBLE, OUTLET
 from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
-from vvdp.cfd.snapping import PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
+from vvdp.cfd.snapping import ORDERING, PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Turbulence, duct_turbulence
 from vvdp.cfd.watching import Monitors, align, flow_monitors, flow_name
 from vvdp.geometry.domains import Domain, centre_domain
@@ -98,7 +98,7 @@ def centre_case(order: CentreOrder, domain: Domain) -> Case:
     surface = meshing_files(domain, kinds, _refinement(order, domain))
     return Case(
         mesh_files={**surface, **(zone_files(valve.spool_radius) if spins else {})},
-        mesh_programs=(*PROGRAMS, *([ZONE_PROGRAM] if spins else [])),
+        mesh_programs=(*PROGRAMS, ORDERING, *([ZONE_PROGRAM] if spins else [])),
         patches=patches,
         monitors={
             **flow_monitors(openings),

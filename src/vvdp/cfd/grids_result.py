@@ -124,7 +124,7 @@ def turbine_on_grids(runs: Sequence[TurbineRun], about: Told) -> OnGrids:
     columns = {
         "pressure_drop_Pa": Column(total - behind, PRESSURE_DIFFERENCE, "drop of the turbine"),
         "collector_drop_Pa": Column(behind, PRESSURE_DIFFERENCE, "drop of the collector"),
-        "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
+        "torque_N_m": Column(np.array([run.torques.forces for run in runs]), TORQUE, "torque"),
     }
     return OnGrids(
         title="The outlet turbine",

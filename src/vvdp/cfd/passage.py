@@ -9,7 +9,15 @@ from vvdp.cfd.boundary import constraint, flow_inlet, pressure_outlet, rotation,
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import Phase, patch_mean
 from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
-from vvdp.cfd.snapping import PARTING_PROGRAM, PROGRAMS, RING_PATCHES, Refinement, meshing_files, parting_files
+from vvdp.cfd.snapping import (
+    ORDERING,
+    PARTING_PROGRAM,
+    PROGRAMS,
+    RING_PATCHES,
+    Refinement,
+    meshing_files,
+    parting_files,
+)
 from vvdp.cfd.turbulence import Inflow, Turbulence
 from vvdp.cfd.watching import drop_monitors, read_drop
 from vvdp.geometry.domains import Domain
@@ -61,10 +69,10 @@ def passage_case(passage: Passage) -> Case:
         **dict.fromkeys(turning, wall(entering, rotation(passage.speed))),
     }
     kinds = {name: patch.kind for name, patch in patches.items()}
-    files, program, sides = _zone(passage) if turning else ({}, (), ())
+    files, programs, sides = _zone(passage) if turning else ({}, (ORDERING,), ())
     return Case(
         mesh_files={**meshing_files(domain, kinds, passage.fine), **files},
-        mesh_programs=(*PROGRAMS, *program),
+        mesh_programs=(*PROGRAMS, *programs),
         patches={**patches, **dict.fromkeys(sides, constraint("cyclicAMI"))},
         monitors={
             **drop_monitors(INLET, openings),
@@ -84,5 +92,5 @@ def passage_case(passage: Passage) -> Case:
 def _zone(passage: Passage) -> tuple[Mapping[str, str], tuple[tuple[str, ...], ...], tuple[str, ...]]:
     """What makes the zone of cells that turn: files, programs, and the patches at its edge where the mesh is parted."""
     if passage.fine.ring:
-        return parting_files(), (PARTING_PROGRAM,), RING_PATCHES
-    return zone_files(passage.radius), (ZONE_PROGRAM,), ()
+        return parting_files(), (PARTING_PROGRAM, ORDERING), RING_PATCHES
+    return zone_files(passage.radius), (ORDERING, ZONE_PROGRAM), ()

@@ -102,9 +102,7 @@ def figure_6_3() -> Reproduction:
         panels=(Lines(lines=lines, label="return chamber"),),
         height=4.6,
     )
-    statement = number_statement(
-        "modes that occur", 9, modes.size, COUNT, source="1 to 5 and four between them"
-    )
+    statement = number_statement("modes that occur", 9, modes.size, COUNT, source="1 to 5 and four between them")
     return Reproduction(statements=(statement,), tables={"modes": table}, charts=(chart,))
 
 
