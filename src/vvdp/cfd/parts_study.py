@@ -1,6 +1,5 @@
 """Several parts of the valve computed side by side at one flow, each on a mesh of its own."""
 
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -9,6 +8,7 @@ from vvdp.cfd.balance import Torques, read_torques
 from vvdp.cfd.section import Plane
 from vvdp.cfd.series import NamedCase, case_folder, solve_series
 from vvdp.cfd.solve import Hear, Solved
+from vvdp.studies.engine import Engine
 
 
 class PartRun(NamedTuple):
@@ -20,12 +20,13 @@ class PartRun(NamedTuple):
     seconds: float
 
 
-def run_parts(parts: Sequence[NamedCase], plane: Plane, directory: Path, cores: int, hear: Hear) -> tuple[PartRun, ...]:
+def run_parts(
+    parts: Sequence[NamedCase], plane: Plane, directory: Path, engine: Engine, hear: Hear
+) -> tuple[PartRun, ...]:
     """Computes parts, or goes on with them; see `solve` for what is raised and kept."""
-    runs, began = [], time.perf_counter()
-    for place, solved in enumerate(solve_series(parts, plane, directory, cores, hear)):
-        part, now = parts[place], time.perf_counter()
+    runs = []
+    for place, solved in enumerate(solve_series(parts, plane, directory, engine, hear)):
+        part = parts[place]
         torques = read_torques(part.case, case_folder(directory, place), len(solved.history.iterations))
-        runs.append(PartRun(part.name, solved, torques, now - began))
-        began = now
+        runs.append(PartRun(part.name, solved, torques, solved.took))
     return tuple(runs)

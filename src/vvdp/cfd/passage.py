@@ -11,7 +11,7 @@ from vvdp.cfd.numerics import Phase, patch_mean
 from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
 from vvdp.cfd.snapping import (
     ORDERING,
-    PARTING_PROGRAM,
+    PARTING_PROGRAMS,
     PROGRAMS,
     RING_PATCHES,
     Refinement,
@@ -92,5 +92,5 @@ def passage_case(passage: Passage) -> Case:
 def _zone(passage: Passage) -> tuple[Mapping[str, str], tuple[tuple[str, ...], ...], tuple[str, ...]]:
     """What makes the zone of cells that turn: files, programs, and the patches at its edge where the mesh is parted."""
     if passage.fine.ring:
-        return parting_files(), (PARTING_PROGRAM, ORDERING), RING_PATCHES
+        return parting_files(), (*PARTING_PROGRAMS, ORDERING), RING_PATCHES
     return zone_files(passage.radius), (ORDERING, ZONE_PROGRAM), ()

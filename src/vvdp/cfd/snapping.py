@@ -106,7 +106,7 @@ ORDERING = ("renumberMesh", "-overwrite")
 
 
 RING, RING_PATCHES = "ring", ("ring1", "ring2")
-PARTING_PROGRAM = ("createPatch", "-overwrite")
+PARTING_PROGRAMS = (("createBaffles", "-overwrite"), ("mergeOrSplitBaffles", "-split", "-overwrite"))
 
 
 def _background(points: Floats, cell: float) -> str:
@@ -158,21 +158,18 @@ def _parting(ring: Ring | None) -> Mapping[str, Entry]:
         return {}
     level = ring.cylinder.level
     zones: Mapping[str, Entry] = {"faceZone": RING, "cellZone": ring.zone, "cellZoneInside": "inside"}
-    zones = {"faceType": "boundary", **zones}
     return {RING: {"level": (level, level), **zones}}
 
 
 def parting_files() -> dict[str, str]:
-    """What makes the two sides of a ring see each other, by `PARTING_PROGRAM`."""
-    sides: list[Mapping[str, Entry]] = [
-        {"name": name, "patchInfo": _seeing(other), "constructFrom": "patches", "patches": (side,)}
-        for name, other, side in zip(RING_PATCHES, RING_PATCHES[::-1], (RING, f"{RING}_slave"), strict=True)
-    ]
-    return {"system/createPatchDict": dictionary_text({"pointSync": False, "patches": sides}, "createPatchDict")}
-
-
-def _seeing(other: str) -> Mapping[str, Entry]:
-    return {"type": "cyclicAMI", "matchTolerance": 1e-4, "neighbourPatch": other, "transform": "noOrdering"}
+    """What splits the mesh along its ring, by `PARTING_PROGRAMS`: two patches that see each other."""
+    sides: Mapping[str, Entry] = {
+        side: {"name": name, "type": "cyclicAMI", "neighbourPatch": other, "transform": "noOrdering"}
+        for side, name, other in zip(("master", "slave"), RING_PATCHES, RING_PATCHES[::-1], strict=True)
+    }
+    ring: Mapping[str, Entry] = {"type": "faceZone", "zoneName": RING, "patches": sides}
+    content: Mapping[str, Entry] = {"internalFacesOnly": True, "noFields": True, "baffles": {RING: ring}}
+    return {"system/createBafflesDict": dictionary_text(content, "createBafflesDict")}
 
 
 def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:

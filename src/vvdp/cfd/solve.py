@@ -50,6 +50,11 @@ class Solved(NamedTuple):
     since: int
     seconds: dict[str, float]
 
+    @property
+    def took(self) -> float:
+        """Time that all its programs have taken [s]."""
+        return sum(self.seconds.values())
+
 
 Hear = Callable[[Progress], None]
 

@@ -46,7 +46,7 @@ def turned_valve(order: TurbineOrder) -> Domain:
 def turbine_case(order: TurbineOrder, domain: Domain, *, parted: bool = False) -> Case:
     """The case of an order on its domain, `turned_turbine`: the oil enters the chamber along the axis.
 
-    The mesh may be `parted` by a cylinder round the spool, as `sliding_case` needs it.
+    The mesh may be `parted` by a cylinder through the collector, as `sliding_case` needs it.
 
     Source  ours, docs/models/cfd.md
     """
@@ -58,8 +58,9 @@ def turbine_case(order: TurbineOrder, domain: Domain, *, parted: bool = False) -
         cell=order.valve.spool_radius / order.grid, patches=levels, edges=2, within=(_near_channels(order, domain),)
     )
     if parted:
-        around = order.valve.spool_radius + 0.5 * shape.groove_depth
-        fine = fine._replace(ring=Ring(Cylinder(around, *_beyond(domain), 2), ROTOR))
+        # Half-way from the groove to the middle of the torus, where no wall is near.
+        around = 0.5 * (order.valve.spool_radius + shape.groove_depth + shape.collector_radius)
+        fine = fine._replace(ring=Ring(Cylinder(around, *_beyond(domain), 1), ROTOR))
     entering = duct_turbulence(order.flow / annulus, 2.0 * width)
     return passage_case(_passage(order, domain, fine)._replace(entering=entering))
 

@@ -5,16 +5,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vvdp.cli.cfd import Grid, Model, Shape, _all_cores, _centre_order, _order, _place, _write
-from vvdp.cli.options import AsJson, Cores, NoReport, Restart, Settings, SystemName, out_option, parsed_option
+from vvdp.cli.cfd_place import (
+    Flow,
+    Grid,
+    Model,
+    Shape,
+    Where,
+    centre_order,
+    rail_order,
+    turbine_order,
+    workplace,
+    write_reported,
+)
+from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers
+from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, out_option, parsed_option
 from vvdp.cli.printing import show_result
 
 if TYPE_CHECKING:
     from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.section import Plane
-    from vvdp.cfd.turbine import TurbineOrder
-
-Flow = Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")]
 
 
 def sleeve(
@@ -25,6 +34,9 @@ def sleeve(
     shape: Shape = None,
     settings: Settings = None,
     cores: Cores = None,
+    on: On = HERE,
+    workers: Workers = None,
+    sbatch: Sbatch = None,
     out: Annotated[Path | None, out_option("results/cfd-sleeve-SYSTEM-GRID")] = None,
     force: Restart = False,
     json: AsJson = False,
@@ -39,12 +51,13 @@ def sleeve(
     from vvdp.cfd.parts_result import SLEEVE, sleeve_parts, sleeve_result
     from vvdp.cfd.parts_study import run_parts
 
-    loaded, order, told = _order(system, settings, shape, grid, model)
+    loaded, order, told = rail_order(system, settings, shape, grid, model)
     order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
-    with _place(SLEEVE, out, f"sleeve-{loaded.name}-{grid}", force=force) as (directory, hear):
-        runs = run_parts(sleeve_parts(order), _middle(order), directory, cores or _all_cores(), hear)
-    reported = _write(directory, loaded, sleeve_result(order, runs, told), no_report=no_report)
-    show_result(reported.result, directory, json=json, reported=reported.page, names=("found", "parts"))
+    where = Where(on, workers, cores, sbatch)
+    with workplace(SLEEVE, out, f"sleeve-{loaded.name}-{grid}", where, force=force) as place:
+        runs = run_parts(sleeve_parts(order), _middle(order), *place)
+    reported = write_reported(place.directory, loaded, sleeve_result(order, runs, told), no_report=no_report)
+    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
 
 
 def valve(
@@ -56,6 +69,9 @@ def valve(
     shape: Shape = None,
     settings: Settings = None,
     cores: Cores = None,
+    on: On = HERE,
+    workers: Workers = None,
+    sbatch: Sbatch = None,
     out: Annotated[Path | None, out_option("results/cfd-valve-SYSTEM-GRID")] = None,
     force: Restart = False,
     json: AsJson = False,
@@ -70,31 +86,16 @@ def valve(
     from vvdp.cfd.parts_result import VALVE, valve_parts, valve_result
     from vvdp.cfd.parts_study import run_parts
 
-    loaded, rail, told = _order(system, settings, shape, grid, model)
+    loaded, rail, told = rail_order(system, settings, shape, grid, model)
     rail = rail._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else rail
-    turbine = _turbine_order(rail, parsed_option("--speed", speed, SPEED))
-    centre = _centre_order(rail, 0.0)._replace(speed=turbine.speed)
-    with _place(VALVE, out, f"valve-{loaded.name}-{grid}", force=force) as (directory, hear):
+    turbine = turbine_order(rail)._replace(speed=parsed_option("--speed", speed, SPEED))
+    centre = centre_order(rail, 0.0)._replace(speed=turbine.speed)
+    where = Where(on, workers, cores, sbatch)
+    with workplace(VALVE, out, f"valve-{loaded.name}-{grid}", where, force=force) as place:
         parts = valve_parts(rail, centre, turbine)
-        runs = run_parts(parts, _middle(rail), directory, cores or _all_cores(), hear)
-    reported = _write(directory, loaded, valve_result(turbine, runs, told), no_report=no_report)
-    show_result(reported.result, directory, json=json, reported=reported.page, names=("found", "parts"))
-
-
-def _turbine_order(rail: "RailOrder", speed: float) -> "TurbineOrder":
-    """Turbine and whole valve to a rail, the spool half-way along its stroke."""
-    from vvdp.cfd.turbine import TurbineOrder
-
-    return TurbineOrder(
-        valve=rail.valve,
-        shape=rail.shape,
-        fluid=rail.fluid,
-        flow=rail.flow,
-        speed=speed,
-        position=0.5 * rail.valve.helix_length,
-        grid=rail.grid,
-        turbulence=rail.turbulence,
-    )
+        runs = run_parts(parts, _middle(rail), *place)
+    reported = write_reported(place.directory, loaded, valve_result(turbine, runs, told), no_report=no_report)
+    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
 
 
 def _middle(rail: "RailOrder") -> "Plane":
