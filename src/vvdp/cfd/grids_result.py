@@ -164,7 +164,7 @@ def grids_result(order: RailOrder, part: OnGrids, told: Sequence[str], about: To
         sections=(
             Section(title="Convergence", words=(INDEX,), shows=("convergence", "drop-over-cells", "grids")),
             Section(title=part.title, words=(words,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow on the coarsest grid", shows=("sections",), starts_page=True),
+            Section(title="The flow on the coarsest grid", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(part.manner,), shows=("conditions",)),
         ),
         seconds=float(table["time_s"].sum()),

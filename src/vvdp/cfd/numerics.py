@@ -90,7 +90,7 @@ def solution_text(phase: Phase) -> str:
             '"(U|k|epsilon|omega).*"': smooth,
         },
         "SIMPLE": {"nNonOrthogonalCorrectors": 1, "consistent": False, "pRefCell": 0, "pRefValue": 0},
-        "PIMPLE": {"nOuterCorrectors": OUTER, "nCorrectors": 1, "nNonOrthogonalCorrectors": 1},
+        "PIMPLE": {"correctPhi": False, "nOuterCorrectors": OUTER, "nCorrectors": 1, "nNonOrthogonalCorrectors": 1},
         "relaxationFactors": {
             "fields": {'"p.*"': pressure},
             "equations": {'"U.*"': velocity, '"(k|epsilon|omega).*"': turbulence},

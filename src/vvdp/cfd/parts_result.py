@@ -188,7 +188,7 @@ def _result(
         sections=(
             Section(title="The whole beside its parts", words=(words,), shows=("found", "drops", "parts")),
             Section(title="The oil", shows=("geometry",), starts_page=True),
-            Section(title="The flow", shows=("sections",), starts_page=True),
+            Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=math.fsum(run.seconds for run in runs),

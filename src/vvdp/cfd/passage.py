@@ -9,6 +9,7 @@ from vvdp.cfd.boundary import constraint, flow_inlet, pressure_outlet, rotation,
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import Phase, patch_mean
 from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
+from vvdp.cfd.section import INLET
 from vvdp.cfd.snapping import (
     ORDERING,
     PARTING_PROGRAMS,
@@ -22,7 +23,7 @@ from vvdp.cfd.turbulence import Inflow, Turbulence
 from vvdp.cfd.watching import drop_monitors, read_drop
 from vvdp.geometry.domains import Domain
 
-INLET, COLLECTOR, OUTLET = "inlet", "collector", "outlet"
+COLLECTOR, OUTLET = "collector", "outlet"
 BEHIND = "pressure-collector"
 """Function object of the mean pressure on the collector's walls: what the turbine alone leaves."""
 IMPOSSIBLE = 1e3

@@ -9,7 +9,8 @@ import numpy as np
 
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase
-from vvdp.cfd.passage import COLLECTOR, INLET, Passage, passage_case
+from vvdp.cfd.passage import COLLECTOR, Passage, passage_case
+from vvdp.cfd.section import INLET
 from vvdp.cfd.snapping import TURN, Cylinder, Refinement, Sphere, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Inflow, Turbulence, duct_turbulence
 from vvdp.geometry.domains import Domain, open_domain, rail_domain

@@ -15,9 +15,10 @@ from vvdp.cfd.dictionary import Entry, dictionary_text
 from vvdp.cfd.engine import OpenFoam
 from vvdp.cfd.monitor import starts
 from vvdp.cfd.programs import run_program
+from vvdp.cfd.streamlines import STREAMLINES, streamline_function
 from vvdp.geometry.mesh import Floats, Indices
 
-SECTIONS = "sections"
+SECTIONS, INLET = "sections", "inlet"
 DICTIONARY = f"system/{SECTIONS}"
 
 
@@ -66,7 +67,10 @@ class Section(NamedTuple):
 
 
 def cut_sections(planes: Mapping[str, Plane], patches: Sequence[str], case: Path, openfoam: OpenFoam) -> float:
-    """Lets OpenFOAM cut the last state of a case, and show it on patches, as `read_section` reads it; the seconds."""
+    """Lets OpenFOAM cut the last state of a case and show it on patches, as `read_section` reads it; the seconds.
+
+    From patches that are inlets streamlines are followed.
+    """
     surfaces: list[Entry] = []
     for name, plane in planes.items():
         through: Mapping[str, Entry] = {"point": plane.point, "normal": plane.normal}
@@ -88,7 +92,10 @@ def cut_sections(planes: Mapping[str, Plane], patches: Sequence[str], case: Path
         "writeControl": "timeStep",
         "surfaces": surfaces,
     }
-    write_files(case, {DICTIONARY: dictionary_text({"functions": {SECTIONS: sampled}}, SECTIONS)})
+    functions: dict[str, Entry] = {SECTIONS: sampled}
+    if inlets := [patch for patch in patches if patch.startswith(INLET)]:
+        functions[STREAMLINES] = streamline_function(inlets)
+    write_files(case, {DICTIONARY: dictionary_text({"functions": functions}, SECTIONS)})
     return run_program(("postProcess", "-latestTime", "-dict", DICTIONARY, "-fields", "(p U)"), case, openfoam)
 
 

@@ -95,7 +95,7 @@ def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
         sections=(
             Section(title="Torque and drop", words=(FRAME,), shows=("fits", "torque-over-speed", "runs")),
             Section(title="The turbine", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow", shows=("sections",), starts_page=True),
+            Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=sum(run.seconds for run in runs),
