@@ -104,7 +104,13 @@ def test_another_flow_needs_another_place(made):
 
 def test_the_page_shows_geometry_sections_and_how_it_settled(made):
     page = (made.folder / "report.html").read_text("utf-8")
-    assert {path.stem for path in (made.folder / "figures").glob("*.svg")} == {"drop", "geometry", "sections", "split"}
+    assert {path.stem for path in (made.folder / "figures").glob("*.svg")} == {
+        "drop",
+        "geometry",
+        "sections",
+        "split",
+        "streamlines",
+    }
     assert "default-src 'none'" in page
     figures = {path: path.read_bytes() for path in (made.folder / "figures").glob("*.svg")}
     write_cfd_report(made.folder)

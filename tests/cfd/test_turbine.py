@@ -8,11 +8,13 @@ import pytest
 from tests.cfd.conftest import say
 
 from vvdp.cfd import rail
+from vvdp.cfd.balance import Torques
 from vvdp.cfd.case import Fluid, start_files
 from vvdp.cfd.convergence import Judgement
 from vvdp.cfd.kept import kept_study
 from vvdp.cfd.rail_result import Told
-from vvdp.cfd.turbine import TurbineOrder, rotor_patches, turbine_case, turned_turbine
+from vvdp.cfd.rotor import rotor_patches
+from vvdp.cfd.turbine import TurbineOrder, turbine_case, turned_turbine
 from vvdp.cfd.turbine_result import fitted_settings, turbine_result
 from vvdp.cfd.turbine_study import TurbineRun
 from vvdp.geometry.shape_tables import given_shape
@@ -68,7 +70,8 @@ def result(order, shaped):
             judgement=Judgement(160, 2.1e5, 300.0, 0.0, 1e-5), settled=True, mesh=SimpleNamespace(cells=33702)
         )
         torque = outlet_torque(order.flow, speed, 876.0, order.valve)
-        runs.append(TurbineRun(order._replace(speed=speed), solved, torque, 1e-4, 2.0e4, 1.0))
+        torques = Torques(torque, 1e-4, 0.97 * torque)
+        runs.append(TurbineRun(order._replace(speed=speed), solved, torques, 2.0e4, 1.0))
     return turbine_result(runs, Told("prototype", "coarse", "oil", shaped[2]))
 
 
@@ -78,6 +81,7 @@ def test_the_law_of_the_system_comes_back(result, order):
     assert found["torque_slope_N_m_s"] == pytest.approx(found["torque_slope_law_N_m_s"])
     assert found["torque_slope_error_N_m_s"] == pytest.approx(0.0, abs=1e-12)
     assert found["turbine_drop_Pa"] == pytest.approx(1.9e5)
+    assert found["momentum_imbalance"] == pytest.approx(0.03)
     ideal = order.valve.outlet_area * np.sqrt(2.0 * 1.9e5 / 876.0)
     assert found["discharge_coefficient"] == pytest.approx(order.flow / ideal)
 

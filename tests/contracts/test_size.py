@@ -117,6 +117,8 @@ ALLOWED = {
     "cli.cfd.rail": VERB,
     "cli.cfd.sweep": VERB,
     "cli.cfd.turbine": VERB,
+    "cli.cfd_parts.sleeve": VERB,
+    "cli.cfd_parts.valve": VERB,
     "cli.compare.circuits": VERB,
     "cli.compare.controllers": VERB,
     "cli.compare.estimators": VERB,

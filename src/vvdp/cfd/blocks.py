@@ -10,9 +10,15 @@ Faces = Mapping[str, tuple[str, Sequence[tuple[int, ...]]]]
 """Type and faces of each patch, a face as places of its corners."""
 
 
-def block(corners: Sequence[int], cells: tuple[int, int, int]) -> str:
-    """A block between eight corners, given by their places, with so many cells of one size along its directions."""
-    return f"hex ( {_words(corners)} ) ( {_words(cells)} ) simpleGrading ( 1 1 1 )"
+EVEN = (1.0, 1.0, 1.0)
+
+
+def block(corners: Sequence[int], cells: tuple[int, int, int], growth: tuple[float, float, float] = EVEN) -> str:
+    """A block between eight corners, given by their places, with so many cells along its directions.
+
+    `growth` is the size of the last cell over that of the first, along each.
+    """
+    return f"hex ( {_words(corners)} ) ( {_words(cells)} ) simpleGrading ( {_words(growth)} )"
 
 
 def arc(ends: tuple[int, int], middle: Point) -> str:

@@ -61,6 +61,10 @@ def rotation(speed: float) -> Mapping[str, Entry]:
     return {"type": "rotatingWallVelocity", **axis, "omega": speed, "value": uniform((0.0, 0.0, 0.0))}
 
 
+MOVING: Mapping[str, Entry] = {"type": "movingWallVelocity", "value": uniform((0.0, 0.0, 0.0))}
+"""The velocity of a wall whose mesh moves."""
+
+
 def wall(inflow: Inflow, velocity: Mapping[str, Entry] | None = None) -> Patch:
     """A wall at rest, or with a `velocity` of its own; k, epsilon, omega and viscosity by wall functions."""
     functions = {

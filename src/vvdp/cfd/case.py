@@ -10,7 +10,7 @@ from vvdp.base.files import write_whole
 from vvdp.cfd.boundary import Patch, field_files
 from vvdp.cfd.convergence import History
 from vvdp.cfd.dictionary import Entry
-from vvdp.cfd.numerics import Phase, control_text, property_files, schemes_text, solution_text
+from vvdp.cfd.numerics import STEADY, Phase, control_text, property_files, schemes_text, solution_text
 from vvdp.cfd.turbulence import Inflow, Turbulence
 
 
@@ -22,7 +22,7 @@ class Fluid(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A steady flow to be computed.
+    """A flow to be computed.
 
     mesh_files     dictionaries of the programs that make the mesh, and the surface where there is one, by path
     mesh_programs  what makes the mesh, one after the other
@@ -30,6 +30,7 @@ class Case(NamedTuple):
     read_history   reads what they have written in the folder of the case
     largest        size of the value that is watched beyond which the run diverges
     further_files  what else the solver reads, by path
+    step           of time [s] where the flow is unsteady; it begins with the flow of the case whose mesh it has
     """
 
     mesh_files: Mapping[str, str]
@@ -43,12 +44,15 @@ class Case(NamedTuple):
     phases: tuple[Phase, ...]
     largest: float
     further_files: Mapping[str, str] = MappingProxyType({})
+    step: float = STEADY
 
     @property
     def identity(self) -> str:
         """What tells this case from any other: all its files, and its phases."""
         files = sorted({**self.mesh_files, **start_files(self)}.items())
-        return hashlib.sha256(repr((files, self.mesh_programs, self.monitors, self.phases)).encode()).hexdigest()
+        pace = () if self.step == STEADY else (self.step,)
+        parts = (files, self.mesh_programs, self.monitors, self.phases, *pace)
+        return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 def start_files(case: Case) -> dict[str, str]:
@@ -61,8 +65,8 @@ def start_files(case: Case) -> dict[str, str]:
 def phase_files(case: Case, phase: Phase, end: int) -> dict[str, str]:
     """What a phase that ends at the iteration `end` is solved by, by path."""
     return {
-        "system/controlDict": control_text(end, case.monitors),
-        "system/fvSchemes": schemes_text(phase),
+        "system/controlDict": control_text(end, case.monitors, case.step),
+        "system/fvSchemes": schemes_text(phase, unsteady=case.step != STEADY),
         "system/fvSolution": solution_text(phase),
     }
 

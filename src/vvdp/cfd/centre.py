@@ -1,4 +1,4 @@
-"""The centre section: jets from short nozzle stubs meet the pockets of the spool at rest and leave by its windows."""
+"""The centre section: jets from short nozzle stubs meet the pockets of the spool and leave by its windows."""
 
 import math
 from dataclasses import replace
@@ -9,28 +9,27 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.arrays import Array
+from vvdp.cfd.balance import torque_monitors
 from vvdp.cfd.boundary import flow_inlet, pressure_outlet, rotation, slip, wall
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.convergence import History
 from vvdp.cfd.monitor import Monitor, read_monitor
 from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase, patch_mean
-from vvdp.cfd.snapping import PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
+from vvdp.cfd.passage import IMPOSSIBLE, OUTLET
+from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
+from vvdp.cfd.snapping import ORDERING, PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Turbulence, duct_turbulence
-from vvdp.cfd.watching import Monitors, align, flow_monitors, flow_name, force_monitors
-from vvdp.geometry.domains import TURNING, Domain, centre_domain
+from vvdp.cfd.watching import Monitors, align, flow_monitors, flow_name
+from vvdp.geometry.domains import Domain, centre_domain
 from vvdp.geometry.shape import ValveShape, perpendicular_area
 from vvdp.valve.geometry import nozzle_length
 from vvdp.valve.rotary import RotaryValve
 
-OUTLET = "outlet"
-IMPOSSIBLE = 1e3
-"""Dynamic pressures of the jets: a drop beyond them is a run that diverges."""
-
 
 class CentreOrder(NamedTuple):
-    """What is to be computed: the centre section of a valve's shape at a flow [m^3/s], its spool at rest.
+    """What is to be computed: the centre section of a valve's shape at a flow [m^3/s].
 
-    `angle` and `position` are those of the spool [rad, m], `grid` the cells per spool radius.
+    `angle`, `position` and `speed` are those of the spool [rad, m, rad/s], `grid` the cells per spool radius.
     """
 
     valve: RotaryValve
@@ -42,6 +41,7 @@ class CentreOrder(NamedTuple):
     grid: float
     turbulence: Turbulence = STANDARD
     phases: tuple[Phase, ...] = (UPWIND, SECOND_ORDER)
+    speed: float = 0.0
 
 
 def scale_radially(order: CentreOrder, diameter: float) -> CentreOrder:
@@ -82,24 +82,25 @@ def centre_case(order: CentreOrder, domain: Domain) -> Case:
     sections, area = round(valve.sections), perpendicular_area(shape, valve)
     jet = order.flow / area
     entering = duct_turbulence(jet, math.sqrt(area / sections))
-    ends, turning = inlets(valve), tuple(name for name in domain.mesh.names if name in TURNING)
+    ends, turning = inlets(valve), rotor_patches(domain)
     patches = {
         **dict.fromkeys(ends, flow_inlet(order.flow / sections, entering)),
         OUTLET: pressure_outlet(entering),
         "nozzles": slip(),
         "sleeve": wall(entering),
-        **dict.fromkeys(turning, wall(entering, rotation(0.0))),
+        **dict.fromkeys(turning, wall(entering, rotation(order.speed))),
     }
     kinds = {name: patch.kind for name, patch in patches.items()}
-    openings = (*ends, OUTLET)
+    openings, spins = (*ends, OUTLET), order.speed != 0.0
+    surface = meshing_files(domain, kinds, _refinement(order, domain))
     return Case(
-        mesh_files=meshing_files(domain, kinds, _refinement(order, domain)),
-        mesh_programs=PROGRAMS,
+        mesh_files={**surface, **(zone_files(valve.spool_radius) if spins else {})},
+        mesh_programs=(*PROGRAMS, ORDERING, *([ZONE_PROGRAM] if spins else [])),
         patches=patches,
         monitors={
             **flow_monitors(openings),
             **_end_monitors(ends),
-            **force_monitors(turning, order.fluid.density),
+            **torque_monitors(turning, ("sleeve",), order.fluid.density),
         },
         read_history=partial(read_total_drop, ends, OUTLET, order.fluid.density),
         fluid=order.fluid,
@@ -107,6 +108,7 @@ def centre_case(order: CentreOrder, domain: Domain) -> Case:
         start=entering,
         phases=order.phases,
         largest=IMPOSSIBLE * 0.5 * order.fluid.density * jet**2,
+        further_files=frame_files(order.speed, (*openings, "nozzles", "sleeve")) if spins else {},
     )
 
 
@@ -146,4 +148,4 @@ def _refinement(order: CentreOrder, domain: Domain) -> Refinement:
         **dict.fromkeys(inlets(order.valve), 3),
     }
     within = Cylinder(1.05 * radius, -reach, reach, 2)
-    return Refinement(cell=radius / order.grid, patches=levels, edges=2, within=within)
+    return Refinement(cell=radius / order.grid, patches=levels, edges=2, within=(within,))

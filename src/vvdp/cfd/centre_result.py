@@ -95,7 +95,7 @@ def centre_result(runs: Sequence[CentreRun], told: Told) -> Result:
         sections=(
             Section(title="Drop and torque", words=(DROPS,), shows=("fits", "drop-over-flow", "runs")),
             Section(title="The centre section", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow", shows=("sections",), starts_page=True),
+            Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=math.fsum(run.seconds for run in runs),

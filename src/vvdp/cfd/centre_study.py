@@ -1,7 +1,6 @@
 """The flow through a centre section at several flows, spool angles, diameters, or on several grids."""
 
 import math
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +12,7 @@ from vvdp.cfd.series import NamedCase, case_folder, solve_series
 from vvdp.cfd.solve import Hear, Solved
 from vvdp.cfd.watching import flow_name, read_torque
 from vvdp.geometry.domains import Domain
+from vvdp.studies.engine import Engine
 
 
 class CentreRun(NamedTuple):
@@ -25,7 +25,7 @@ class CentreRun(NamedTuple):
     seconds: float
 
 
-def run_centre(orders: Mapping[str, CentreOrder], directory: Path, cores: int, hear: Hear) -> tuple[CentreRun, ...]:
+def run_centre(orders: Mapping[str, CentreOrder], directory: Path, engine: Engine, hear: Hear) -> tuple[CentreRun, ...]:
     """Computes orders by name, those of one shape, angle and grid on one mesh, or goes on with them; see `solve`.
 
     Raises ParameterError where the nozzles are shut.
@@ -38,13 +38,12 @@ def run_centre(orders: Mapping[str, CentreOrder], directory: Path, cores: int, h
         cases.append(NamedCase(name, centre_case(order, made[alike])))
     first = next(iter(orders.values()))
     plane = Plane((0.0, 0.0, 1e-3 * first.valve.spool_radius), (0.0, 0.0, 1.0))
-    runs, began = [], time.perf_counter()
-    solved_cases = solve_series(cases, plane, directory, cores, hear)
+    runs = []
+    solved_cases = solve_series(cases, plane, directory, engine, hear)
     for place, (order, solved) in enumerate(zip(orders.values(), solved_cases, strict=True)):
-        folder, now = case_folder(directory, place), time.perf_counter()
+        folder = case_folder(directory, place)
         count, window = len(solved.history.iterations), order.phases[-1].window
         torque = float(read_torque(folder).value[count - window : count].mean())
         area = math.fsum(read_monitor(folder, flow_name(end)).area for end in inlets(order.valve))
-        runs.append(CentreRun(order, solved, torque, area, now - began))
-        began = now
+        runs.append(CentreRun(order, solved, torque, area, solved.took))
     return tuple(runs)

@@ -60,7 +60,7 @@ def designs_result(orders: Mapping[str, RailOrder], runs: Sequence[RailRun], tol
         sections=(
             Section(title="The shapes", words=(FORCES,), shows=("shares", "designs")),
             Section(title="The first of them", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow through the first of them", shows=("sections",), starts_page=True),
+            Section(title="The flow through the first of them", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
         seconds=sum(run.seconds for run in runs),

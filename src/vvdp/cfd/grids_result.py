@@ -124,7 +124,7 @@ def turbine_on_grids(runs: Sequence[TurbineRun], about: Told) -> OnGrids:
     columns = {
         "pressure_drop_Pa": Column(total - behind, PRESSURE_DIFFERENCE, "drop of the turbine"),
         "collector_drop_Pa": Column(behind, PRESSURE_DIFFERENCE, "drop of the collector"),
-        "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
+        "torque_N_m": Column(np.array([run.torques.forces for run in runs]), TORQUE, "torque"),
     }
     return OnGrids(
         title="The outlet turbine",
@@ -164,7 +164,7 @@ def grids_result(order: RailOrder, part: OnGrids, told: Sequence[str], about: To
         sections=(
             Section(title="Convergence", words=(INDEX,), shows=("convergence", "drop-over-cells", "grids")),
             Section(title=part.title, words=(words,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow on the coarsest grid", shows=("sections",), starts_page=True),
+            Section(title="The flow on the coarsest grid", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(part.manner,), shows=("conditions",)),
         ),
         seconds=float(table["time_s"].sum()),

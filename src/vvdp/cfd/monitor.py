@@ -12,6 +12,9 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import RunError
 
 FOLDER = "postProcessing"
+TIME = re.compile(r"[0-9.]+(e-[0-9]+)?")
+HAIR = 1e-6
+"""Of a time, by which two may differ that are one."""
 END = b"* //"
 """How every field ends that a solver has written to its end."""
 
@@ -49,17 +52,21 @@ def read_monitor(case: Path, name: str, table: str = "surfaceFieldValue.dat") ->
 
 def starts(case: Path, name: str) -> list[Path]:
     """The folders of a function object, one for each iteration at which the solver was started, in order."""
-    folder = case / FOLDER / name
-    found = [path for path in folder.iterdir() if path.name.isdigit()] if folder.is_dir() else []
-    return sorted(found, key=lambda path: int(path.name))
+    return list(times(case / FOLDER / name).values())
 
 
-def forget_from(case: Path, iteration: int) -> None:
-    """Removes what was written by solvers that were started at `iteration` or later: it is about to be repeated."""
+def times(folder: Path) -> dict[float, Path]:
+    """The folders that are named by an iteration, or by a time [s], in order; none where `folder` is not there."""
+    found = [path for path in folder.iterdir() if TIME.fullmatch(path.name)] if folder.is_dir() else []
+    return {float(path.name): path for path in sorted(found, key=lambda path: float(path.name))}
+
+
+def forget_from(case: Path, begin: float) -> None:
+    """Removes what was written by solvers that were started at `begin` or later: it is about to be repeated."""
     names = [path.name for path in (case / FOLDER).iterdir()] if (case / FOLDER).is_dir() else []
     for name in names:
-        for start in starts(case, name):
-            if int(start.name) >= iteration:
+        for time, start in times(case / FOLDER / name).items():
+            if time > begin - HAIR * abs(begin) or time == begin:
                 shutil.rmtree(start)
 
 
@@ -111,19 +118,18 @@ def patch_faces(case: Path) -> dict[str, int]:
 
 
 def _patches(text: str) -> Iterator[tuple[str, int]]:
-    for name, body in re.findall(r"(\w+)\s*\{([^{}]*)\}", text):
+    for name, body in re.findall(r"([\w-]+)\s*\{([^{}]*)\}", text):
         if count := re.search(r"nFaces\s+(\d+)", body):
             yield name, int(count[1])
 
 
-def states(case: Path) -> list[int]:
-    """Iterations whose whole state lies in a case, in order; 0 is the start.
+def states(case: Path) -> list[Path]:
+    """The folders of whole states in a case, in order; 0 is the start.
 
     A state that a killed solver had not finished lacks a field, or the line at the end of one.
     """
     fields = [path.name for path in (case / "0").iterdir()]
-    times = sorted(int(path.name) for path in case.iterdir() if path.name.isdigit())
-    return [time for time in times if time == 0 or all(_is_whole(case / str(time) / name) for name in fields)]
+    return [path for time, path in times(case).items() if time == 0.0 or all(_is_whole(path / name) for name in fields)]
 
 
 def _is_whole(field: Path) -> bool:

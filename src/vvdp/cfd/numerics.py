@@ -14,11 +14,20 @@ KEPT = 2
 """States that are kept on the disk beside the start."""
 
 
+STEADY = 1.0
+"""Counts iterations instead of seconds."""
+
+
+def solver(step: float) -> str:
+    """The program that solves steady flow, or unsteady flow in steps of so many seconds."""
+    return "simpleFoam" if step == STEADY else "pimpleFoam"
+
+
 class Phase(NamedTuple):
     """A part of a run with one set of schemes, until it has settled or `most` iterations are done.
 
     convection  scheme of the velocity's convection
-    relaxation  of pressure, velocity and turbulence
+    relaxation  of pressure, velocity and turbulence; in unsteady flow of none
     window      iterations over which means are taken
     tolerance   change from one such mean of the drop to the next, over the mean, at which it has settled
     """
@@ -39,12 +48,18 @@ SECOND_ORDER = Phase(
 """With a limited gradient, without which it does not settle."""
 
 
-def schemes_text(phase: Phase) -> str:
+PASSING = Phase("passing", "bounded Gauss linearUpwind grad(U)", (1.0, 1.0, 1.0), most=240, window=60, tolerance=0.0)
+"""Unsteady flow of so many steps, means over its last ones."""
+OUTER = 2
+"""Rounds of pressure and velocity in a step of unsteady flow."""
+
+
+def schemes_text(phase: Phase, *, unsteady: bool = False) -> str:
     """system/fvSchemes."""
     upwind = "bounded Gauss upwind"
     convection = {f"div(phi,{name})": upwind for name in ("k", "epsilon", "omega")}
     content: Mapping[str, Entry] = {
-        "ddtSchemes": {"default": "steadyState"},
+        "ddtSchemes": {"default": "Euler" if unsteady else "steadyState"},
         "gradSchemes": {"default": "leastSquares", "grad(U)": "cellLimited leastSquares 1"},
         "divSchemes": {
             "default": "none",
@@ -61,7 +76,7 @@ def schemes_text(phase: Phase) -> str:
 
 
 def solution_text(phase: Phase) -> str:
-    """system/fvSolution."""
+    """system/fvSolution; in unsteady flow the last round of a step, and the flow through a mesh that moves, as any."""
     pressure, velocity, turbulence = phase.relaxation
     smooth: Mapping[str, Entry] = {
         "solver": "smoothSolver",
@@ -71,20 +86,24 @@ def solution_text(phase: Phase) -> str:
     }
     content: Mapping[str, Entry] = {
         "solvers": {
-            "p": {"solver": "GAMG", "smoother": "GaussSeidel", "tolerance": 1e-8, "relTol": 0.05},
-            '"(U|k|epsilon|omega)"': smooth,
+            '"(p|pcorr).*"': {"solver": "GAMG", "smoother": "GaussSeidel", "tolerance": 1e-8, "relTol": 0.05},
+            '"(U|k|epsilon|omega).*"': smooth,
         },
         "SIMPLE": {"nNonOrthogonalCorrectors": 1, "consistent": False, "pRefCell": 0, "pRefValue": 0},
+        "PIMPLE": {"correctPhi": False, "nOuterCorrectors": OUTER, "nCorrectors": 1, "nNonOrthogonalCorrectors": 1},
         "relaxationFactors": {
-            "fields": {"p": pressure},
-            "equations": {"U": velocity, '"(k|epsilon|omega)"': turbulence},
+            "fields": {'"p.*"': pressure},
+            "equations": {'"U.*"': velocity, '"(k|epsilon|omega).*"': turbulence},
         },
     }
     return dictionary_text(content, "fvSolution")
 
 
-def control_text(end: int, functions: Mapping[str, Mapping[str, Entry]]) -> str:
-    """system/controlDict: goes on from the last state to the iteration `end`, and writes now and then and there."""
+def control_text(end: int, functions: Mapping[str, Mapping[str, Entry]], step: float = STEADY) -> str:
+    """system/controlDict: goes on from the last state to the iteration `end`, and writes now and then and there.
+
+    `step` is the time of an iteration [s], `STEADY` where there is none.
+    """
     stop: Mapping[str, Entry] = {
         "type": "abort",
         "libs": ("utilityFunctionObjects",),
@@ -92,12 +111,12 @@ def control_text(end: int, functions: Mapping[str, Mapping[str, Entry]]) -> str:
         "action": "writeNow",
     }
     content: Mapping[str, Entry] = {
-        "application": "simpleFoam",
+        "application": solver(step),
         "startFrom": "latestTime",
         "startTime": 0,
         "stopAt": "endTime",
-        "endTime": end,
-        "deltaT": 1,
+        "endTime": end * step,
+        "deltaT": step,
         "writeControl": "timeStep",
         "writeInterval": INTERVAL,
         "purgeWrite": KEPT,

@@ -91,7 +91,7 @@ def openings_result(runs: Sequence[CentreRun], told: Told) -> Result:
         sections=(
             Section(title="Openings and jets", words=(STANDING, JETS), shows=("fits", "opening-over-angle", "angles")),
             Section(title="The open section", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow through open nozzles", shows=("sections",), starts_page=True),
+            Section(title="The flow through open nozzles", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=math.fsum(run.seconds for run in runs),

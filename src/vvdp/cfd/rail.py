@@ -1,26 +1,27 @@
-"""The inlet rail with its nozzles: a flow enters by the port and leaves by the mouths into the open bore."""
+"""The inlet rail: what enters by its port leaves by the nozzles, into an open bore or a sleeve without spool."""
 
 import math
 from collections.abc import Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
 
-from vvdp.cfd.boundary import flow_inlet, pressure_outlet, wall
+import numpy as np
+
 from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase
-from vvdp.cfd.snapping import PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
-from vvdp.cfd.turbulence import STANDARD, Turbulence, duct_turbulence
-from vvdp.cfd.watching import drop_monitors, read_drop
-from vvdp.geometry.domains import Domain, rail_domain
+from vvdp.cfd.passage import COLLECTOR, Passage, passage_case
+from vvdp.cfd.section import INLET
+from vvdp.cfd.snapping import TURN, Cylinder, Refinement, Sphere, turn_domain
+from vvdp.cfd.turbulence import STANDARD, Inflow, Turbulence, duct_turbulence
+from vvdp.geometry.domains import Domain, open_domain, rail_domain
 from vvdp.geometry.shape import ValveShape, perpendicular_area
+from vvdp.valve.geometry import nozzle_length
 from vvdp.valve.rotary import RotaryValve
 
 GRIDS: Mapping[str, float] = MappingProxyType({"coarse": 8.0, "medium": 8.0 * math.sqrt(2.0), "fine": 16.0})
 """Cells of the background per spool radius: grids of one family, each finer by the square root of two."""
-IMPOSSIBLE = 1e3
-"""Dynamic pressures of the jets: a drop beyond them is a run that diverges."""
-INLET = "inlet"
+NOZZLE_LEVELS: Mapping[str, int] = MappingProxyType({"nozzles": 2})
+"""How often cells at the nozzles' walls are halved; those at other walls once."""
 
 
 class RailOrder(NamedTuple):
@@ -59,35 +60,56 @@ def rail_case(order: RailOrder, domain: Domain) -> Case:
 
     Source  ours, docs/models/cfd.md
     """
-    valve, shape = order.valve, order.shape
-    mouths, diameter = outlets(valve), shape.rail_port_diameter
-    jet = order.flow / perpendicular_area(shape, valve)
-    entering = duct_turbulence(order.flow / (0.25 * math.pi * diameter**2), diameter)
-    patches = {
-        INLET: flow_inlet(order.flow, entering),
-        "rail": wall(entering),
-        "nozzles": wall(entering),
-        **{mouth: pressure_outlet(entering) for mouth in mouths},
-    }
-    kinds = {name: patch.kind for name, patch in patches.items()}
-    openings = (INLET, *mouths)
-    return Case(
-        mesh_files=meshing_files(domain, kinds, _refinement(order)),
-        mesh_programs=PROGRAMS,
-        patches=patches,
-        monitors=drop_monitors(INLET, openings),
-        read_history=partial(read_drop, openings, order.fluid.density),
-        fluid=order.fluid,
-        turbulence=order.turbulence,
-        start=entering,
-        phases=order.phases,
-        largest=IMPOSSIBLE * 0.5 * order.fluid.density * jet**2,
-    )
+    levels = {INLET: 1, **dict.fromkeys(domain.mesh.names, 1), **NOZZLE_LEVELS}
+    levels |= dict.fromkeys(outlets(order.valve), 3)
+    return passage_case(_passage(order, domain, levels))
 
 
-def _refinement(order: RailOrder) -> Refinement:
+def turned_sleeve(order: RailOrder) -> Domain:
+    """The oil of the sleeve without its spool as it is meshed."""
+    return turn_domain(open_domain(order.shape, order.valve))
+
+
+def sleeve_case(order: RailOrder, domain: Domain) -> Case:
+    """The case of an order on the domain `turned_sleeve`: the jets enter the bore, which both collectors drain.
+
+    Source  wang2017, section 2.4: how the drop of rail and nozzles is measured
+    """
+    levels = {**dict.fromkeys(domain.mesh.names, 1), **NOZZLE_LEVELS, COLLECTOR: 0}
+    passage = _passage(order, domain, levels)
+    within = (*passage.fine.within, *near_mouths(order.valve))
+    return passage_case(passage._replace(fine=passage.fine._replace(within=within)))
+
+
+def port_turbulence(flow: float, shape: ValveShape) -> Inflow:
+    """What enters by the port of the rail."""
+    diameter = shape.rail_port_diameter
+    return duct_turbulence(flow / (0.25 * math.pi * diameter**2), diameter)
+
+
+def near_nozzles(radius: float) -> Cylinder:
+    """Within it lie the nozzles up to their roots."""
+    return Cylinder(1.73 * radius, -0.32 * radius, 0.32 * radius, 2)
+
+
+def near_mouths(valve: RotaryValve) -> tuple[Sphere, ...]:
+    """What holds a mouth each, where they are no patches: as fine as those, so that they keep their area."""
+    angles = TURN + 2.0 * math.pi / valve.sections * np.arange(round(valve.sections))
+    reach = 0.55 * nozzle_length(valve)
+    radius = valve.spool_radius
+    return tuple(Sphere((radius * math.cos(a), radius * math.sin(a), 0.0), reach, 3) for a in angles.tolist())
+
+
+def _passage(order: RailOrder, domain: Domain, levels: Mapping[str, int]) -> Passage:
     radius = order.valve.spool_radius
-    levels = {INLET: 1, "rail": 1, "nozzles": 2, **dict.fromkeys(outlets(order.valve), 3)}
-    # Within it lie the nozzles up to their roots.
-    near = Cylinder(1.73 * radius, -0.32 * radius, 0.32 * radius, 2)
-    return Refinement(cell=radius / order.grid, patches=levels, edges=2, within=near)
+    return Passage(
+        domain=domain,
+        fluid=order.fluid,
+        flow=order.flow,
+        entering=port_turbulence(order.flow, order.shape),
+        fine=Refinement(cell=radius / order.grid, patches=levels, edges=2, within=(near_nozzles(radius),)),
+        jet=order.flow / perpendicular_area(order.shape, order.valve),
+        turbulence=order.turbulence,
+        phases=order.phases,
+        radius=radius,
+    )

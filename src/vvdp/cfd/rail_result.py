@@ -107,7 +107,7 @@ def rail_result(order: RailOrder, run: RailRun, told: Told) -> Result:
         sections=(
             Section(title="What was found", shows=("found", "split", "flow")),
             Section(title="The rail", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow", shows=("sections",), starts_page=True),
+            Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it settled", shows=("drop", "steps"), starts_page=True),
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),

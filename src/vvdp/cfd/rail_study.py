@@ -1,6 +1,5 @@
 """The flow through inlet rails at several flows, of several shapes, or on several grids."""
 
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +11,7 @@ from vvdp.cfd.series import NamedCase, case_folder, solve_series
 from vvdp.cfd.solve import Hear, Solved
 from vvdp.cfd.watching import flow_name
 from vvdp.geometry.measure import Mouth, rail_mouths
+from vvdp.studies.engine import Engine
 
 
 class RailRun(NamedTuple):
@@ -26,17 +26,17 @@ class RailRun(NamedTuple):
     seconds: float
 
 
-def run_rails(orders: Mapping[str, RailOrder], directory: Path, cores: int, hear: Hear) -> tuple[RailRun, ...]:
+def run_rails(orders: Mapping[str, RailOrder], directory: Path, engine: Engine, hear: Hear) -> tuple[RailRun, ...]:
     """Computes orders by name, those of one shape and grid on one mesh, or goes on with them; see `solve`."""
     first = next(iter(orders.values()))
     domains = {order.shape: turned_rail(order) for order in orders.values()}
     # A hair off the middle, where the nozzles' corners lie.
     plane = Plane((0.0, 0.0, 1e-3 * first.valve.spool_radius), (0.0, 0.0, 1.0))
     cases = [NamedCase(name, rail_case(order, domains[order.shape])) for name, order in orders.items()]
-    runs, began, patches = [], time.perf_counter(), outlets(first.valve)
-    solved_cases = solve_series(cases, plane, directory, cores, hear)
+    runs, patches = [], outlets(first.valve)
+    solved_cases = solve_series(cases, plane, directory, engine, hear)
     for place, (order, solved) in enumerate(zip(orders.values(), solved_cases, strict=True)):
-        folder, now = case_folder(directory, place), time.perf_counter()
+        folder = case_folder(directory, place)
         window, domain = order.phases[-1].window, domains[order.shape]
         run = RailRun(
             solved=solved,
@@ -44,8 +44,7 @@ def run_rails(orders: Mapping[str, RailOrder], directory: Path, cores: int, hear
             mesh_areas=tuple(read_monitor(folder, flow_name(patch)).area for patch in patches),
             flows=tuple(float(solved.history.flows[patch][-window:].mean()) for patch in patches),
             volume=domain.volume,
-            seconds=now - began,
+            seconds=solved.took,
         )
         runs.append(run)
-        began = now
     return tuple(runs)

@@ -1,7 +1,7 @@
 """Plane sections through a computed flow: OpenFOAM cuts them, and what it writes is read back for pictures."""
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -15,9 +15,10 @@ from vvdp.cfd.dictionary import Entry, dictionary_text
 from vvdp.cfd.engine import OpenFoam
 from vvdp.cfd.monitor import starts
 from vvdp.cfd.programs import run_program
+from vvdp.cfd.streamlines import STREAMLINES, streamline_function
 from vvdp.geometry.mesh import Floats, Indices
 
-SECTIONS = "sections"
+SECTIONS, INLET = "sections", "inlet"
 DICTIONARY = f"system/{SECTIONS}"
 
 
@@ -51,9 +52,25 @@ class Section(NamedTuple):
         fans = [np.column_stack([np.full(len(each) - 2, each[0]), each[1:-1], each[2:]]) for each in self.polygons]
         return np.concatenate(fans)
 
+    @property
+    def axial_moment(self) -> float:
+        """Angular momentum about z that leaves through it with the moment of the pressure, over the density [m^5/s^2].
 
-def cut_sections(planes: Mapping[str, Plane], case: Path, openfoam: OpenFoam) -> float:
-    """Lets OpenFOAM cut the last state of a case, as `read_section` reads it; the seconds it took."""
+        A patch faces outwards, so that oil which leaves takes its momentum along.
+        """
+        corners = self.points[self.triangles]
+        areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        middles, speeds = corners.mean(1), self.velocity[self.triangles].mean(1)
+        pressures = self.pressure[self.triangles].mean(1)
+        pushed = speeds * (speeds * areas).sum(1)[:, None] + pressures[:, None] * areas
+        return float(np.cross(middles, pushed)[:, 2].sum())
+
+
+def cut_sections(planes: Mapping[str, Plane], patches: Sequence[str], case: Path, openfoam: OpenFoam) -> float:
+    """Lets OpenFOAM cut the last state of a case and show it on patches, as `read_section` reads it; the seconds.
+
+    From patches that are inlets streamlines are followed.
+    """
     surfaces: list[Entry] = []
     for name, plane in planes.items():
         through: Mapping[str, Entry] = {"point": plane.point, "normal": plane.normal}
@@ -63,6 +80,8 @@ def cut_sections(planes: Mapping[str, Plane], case: Path, openfoam: OpenFoam) ->
             "pointAndNormalDict": through,
         }
         surfaces += [name, {**cut, "triangulate": False, "interpolate": True}]
+    for patch in patches:
+        surfaces += [patch, {"type": "patch", "patches": (patch,), "triangulate": False, "interpolate": True}]
     sampled: Mapping[str, Entry] = {
         "type": "surfaces",
         "libs": ("sampling",),
@@ -73,7 +92,10 @@ def cut_sections(planes: Mapping[str, Plane], case: Path, openfoam: OpenFoam) ->
         "writeControl": "timeStep",
         "surfaces": surfaces,
     }
-    write_files(case, {DICTIONARY: dictionary_text({"functions": {SECTIONS: sampled}}, SECTIONS)})
+    functions: dict[str, Entry] = {SECTIONS: sampled}
+    if inlets := [patch for patch in patches if patch.startswith(INLET)]:
+        functions[STREAMLINES] = streamline_function(inlets)
+    write_files(case, {DICTIONARY: dictionary_text({"functions": functions}, SECTIONS)})
     return run_program(("postProcess", "-latestTime", "-dict", DICTIONARY, "-fields", "(p U)"), case, openfoam)
 
 

@@ -1,21 +1,35 @@
-"""Cases in one directory, solved one after the other, which a later call goes on with."""
+"""Cases in one directory, solved by an engine, which a later call goes on with."""
 
+import json
 import shutil
-from collections.abc import Iterator, Sequence
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from vvdp.base.errors import unusable
+from vvdp.base.files import write_whole
+from vvdp.cfd.balance import openings
 from vvdp.cfd.case import Case
+from vvdp.cfd.convergence import Judgement
 from vvdp.cfd.engine import find_openfoam
 from vvdp.cfd.section import Plane, cut_sections
-from vvdp.cfd.solve import STATE, Hear, Progress, Solved, solve
+from vvdp.cfd.solve import LOOK, STATE, Hear, Progress, Solved, solve
 from vvdp.results.store import DESCRIPTION, read_result
+from vvdp.studies.engine import Engine
+from vvdp.studies.work import Batching, batches
 
 CASE = "case"
 """Folder of the first case in the directory of a result; others have a number behind it."""
 MIDDLE = "middle"
 """The section that is cut through every flow."""
+
+
+PROGRESS = "progress.json"
+"""How far a case is, as whoever computes it has noted."""
+ONE_BY_ONE = Batching(least=1, seconds=0.0)
 
 
 class NamedCase(NamedTuple):
@@ -30,23 +44,94 @@ def case_folder(directory: Path, place: int) -> Path:
     return directory / (f"{CASE}-{place + 1}" if place else CASE)
 
 
-def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, cores: int, hear: Hear) -> Iterator[Solved]:
-    """Yields each case as it is computed, with the section `plane` cut; one that is meshed as another has its mesh.
+class _Item(NamedTuple):
+    """A case in its place, and the folder of the case whose mesh it has."""
 
-    See `solve` for what is raised and kept.
+    place: int
+    case: Case
+    folder: Path
+    mesh_of: Path | None
+
+    @property
+    def most(self) -> int:
+        """Iterations at most."""
+        return sum(phase.most for phase in self.case.phases)
+
+
+def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, engine: Engine, hear: Hear) -> list[Solved]:
+    """Computes cases on an engine whose workers see the directory, with the section `plane` cut, in their order.
+
+    One that is meshed as another has its mesh, and waits for it; the others are computed as workers are free. See
+    `solve` for what is raised and kept.
     """
-    openfoam = find_openfoam()
-    for place, (name, case) in enumerate(cases):
+    find_openfoam()
+    items = list(_items([case for _, case in cases], directory.resolve()))
+    solved: dict[int, Solved] = {}
+    with _listen(items, [name for name, _ in cases], solved, hear):
+        for has_mesh in (False, True):
+            ready = [item for item in items if (item.mesh_of is not None) == has_mesh]
+            for done in batches(partial(_solve_items, plane), ready, engine, threading.Event(), ONE_BY_ONE):
+                solved.update(done)
+    return [solved[place] for place in range(len(cases))]
 
-        def hear_of_all(now: Progress, place: int = place, name: str = name) -> None:
-            words = f"{name}, {now.words}" if now.judgement and name else now.words
-            hear(Progress(words, place * now.most + now.done, len(cases) * now.most, now.judgement))
 
-        folder = case_folder(directory, place)
-        like = next((k for k in range(place) if cases[k].case.mesh_files == case.mesh_files), None)
-        mesh_of = None if like is None else case_folder(directory, like)
-        yield solve(case, folder, openfoam, cores, hear_of_all, mesh_of)
-        cut_sections({MIDDLE: plane}, folder, openfoam)
+def _items(cases: Sequence[Case], directory: Path) -> Iterator[_Item]:
+    for place, case in enumerate(cases):
+        like = next((k for k in range(place) if cases[k].mesh_files == case.mesh_files), None)
+        yield _Item(place, case, case_folder(directory, place), None if like is None else case_folder(directory, like))
+
+
+def _solve_items(plane: Plane, items: Sequence[_Item], cores: int) -> list[tuple[int, Solved]]:
+    """Computes cases where a worker is, and cuts their flow."""
+    openfoam, done = find_openfoam(), []
+    for item in items:
+        solved = solve(item.case, item.folder, openfoam, cores, partial(_note, item.folder), item.mesh_of)
+        cut_sections({MIDDLE: plane}, openings(item.case), item.folder, openfoam)
+        done.append((item.place, solved))
+    return done
+
+
+def _note(folder: Path, now: Progress) -> None:
+    """Leaves in a folder how far its case is."""
+    write_whole(folder / PROGRESS, json.dumps(now))
+
+
+def _read_note(folder: Path) -> Progress | None:
+    """How far a case is, None where that is not known."""
+    try:
+        words, done, most, judgement = json.loads((folder / PROGRESS).read_text("utf-8"))
+    except (OSError, ValueError):
+        return None
+    return Progress(words, done, most, Judgement(*judgement) if judgement else None)
+
+
+@contextmanager
+def _listen(items: Sequence[_Item], names: Sequence[str], solved: Mapping[int, Solved], hear: Hear) -> Iterator[None]:
+    """Tells how far all cases are together, wherever they are computed, each time that one has left a note."""
+    for item in items:
+        (item.folder / PROGRESS).unlink(missing_ok=True)
+    most, ended = sum(item.most for item in items), threading.Event()
+
+    def listen() -> None:
+        told: dict[int, Progress] = {}
+        while not ended.wait(LOOK):
+            for item, name in zip(items, names, strict=True):
+                now = _read_note(item.folder)
+                if now is None or now == told.get(item.place):
+                    continue
+                told[item.place] = now
+                done = sum(each.most for each in items if each.place in solved)
+                done += sum(each.done for place, each in told.items() if place not in solved)
+                words = f"{name}, {now.words}" if now.judgement and name else now.words
+                hear(Progress(words, done, most, now.judgement))
+
+    listener = threading.Thread(target=listen, daemon=True)
+    listener.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        listener.join()
 
 
 def make_place(directory: Path, verb: str, *, force: bool) -> None:

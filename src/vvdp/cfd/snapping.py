@@ -41,14 +41,41 @@ class Cylinder(NamedTuple):
     high: float
     level: int
 
+    @property
+    def entry(self) -> Mapping[str, Entry]:
+        """As snappyHexMesh knows it."""
+        ends: Mapping[str, Entry] = {"point1": (0, 0, self.low), "point2": (0, 0, self.high)}
+        return {"type": "searchableCylinder", **ends, "radius": self.radius}
+
+
+class Sphere(NamedTuple):
+    """A sphere [m] within which cells are halved `level` times."""
+
+    centre: Point
+    radius: float
+    level: int
+
+    @property
+    def entry(self) -> Mapping[str, Entry]:
+        """As snappyHexMesh knows it."""
+        return {"type": "searchableSphere", "centre": self.centre, "radius": self.radius}
+
+
+class Ring(NamedTuple):
+    """A cylinder [m] that parts the mesh: what lies within is a zone of its own, and may slide along what does not."""
+
+    cylinder: Cylinder
+    zone: str
+
 
 class Refinement(NamedTuple):
-    """Size of the background's cells [m], how often they are halved at each patch, along edges, and in a cylinder."""
+    """Size of the background's cells [m], how often they are halved at each patch, along edges, and in some bodies."""
 
     cell: float
     patches: Mapping[str, int]
     edges: int
-    within: Cylinder
+    within: tuple[Cylinder | Sphere, ...]
+    ring: Ring | None = None
 
 
 def meshing_files(domain: Domain, kinds: Mapping[str, str], fine: Refinement) -> dict[str, str]:
@@ -72,8 +99,16 @@ def meshing_files(domain: Domain, kinds: Mapping[str, str], fine: Refinement) ->
     }
 
 
-PROGRAMS = (("blockMesh",), ("surfaceFeatureExtract",), ("snappyHexMesh", "-overwrite"), ("renumberMesh", "-overwrite"))
-"""What makes the mesh, one after the other; renumbered it is solved faster."""
+PROGRAMS = (("blockMesh",), ("surfaceFeatureExtract",), ("snappyHexMesh", "-overwrite"))
+"""What makes the mesh, one after the other."""
+ORDERING = ("renumberMesh", "-overwrite")
+"""Then it is solved faster."""
+
+
+LEAST_SEEN = 0.3
+"""Share of a face on the ring below which it sees only itself: rims are not quite round, and slide off each other."""
+RING, RING_PATCHES = "ring", ("ring1", "ring2")
+PARTING_PROGRAMS = (("createBaffles", "-overwrite"), ("mergeOrSplitBaffles", "-split", "-overwrite"))
 
 
 def _background(points: Floats, cell: float) -> str:
@@ -89,19 +124,14 @@ def _background(points: Floats, cell: float) -> str:
 
 
 def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
-    within = fine.within
-    cylinder: Mapping[str, Entry] = {
-        "type": "searchableCylinder",
-        "point1": (0, 0, within.low),
-        "point2": (0, 0, within.high),
-        "radius": within.radius,
-    }
+    bodies: Mapping[str, Entry] = {name: within.entry for name, within in _near(fine).items()}
+    rings: Mapping[str, Entry] = {RING: fine.ring.cylinder.entry} if fine.ring else {}
     named: Mapping[str, Entry] = {name: {"name": name} for name in fine.patches}
     return {
         "castellatedMesh": True,
         "snap": True,
         "addLayers": False,
-        "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, "near": cylinder},
+        "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, **bodies, **rings},
         "castellatedMeshControls": _castellation(inside, kinds, fine),
         "snapControls": {
             "nSmoothPatch": 3,
@@ -119,6 +149,34 @@ def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapp
     }
 
 
+def _near(fine: Refinement) -> dict[str, Cylinder | Sphere]:
+    """The bodies within which cells are smaller, by their names."""
+    return {f"near{place or ''}": within for place, within in enumerate(fine.within)}
+
+
+def _parting(ring: Ring | None) -> Mapping[str, Entry]:
+    """What makes the faces on a ring a zone, and the cells within another."""
+    if ring is None:
+        return {}
+    level = ring.cylinder.level
+    zones: Mapping[str, Entry] = {"faceZone": RING, "cellZone": ring.zone, "cellZoneInside": "inside"}
+    return {RING: {"level": (level, level), **zones}}
+
+
+_SEEING: Mapping[str, Entry] = {"type": "cyclicAMI", "transform": "noOrdering", "lowWeightCorrection": LEAST_SEEN}
+
+
+def parting_files() -> dict[str, str]:
+    """What splits the mesh along its ring, by `PARTING_PROGRAMS`: two patches that see each other."""
+    sides: Mapping[str, Entry] = {
+        side: {**_SEEING, "name": name, "neighbourPatch": other}
+        for side, name, other in zip(("master", "slave"), RING_PATCHES, RING_PATCHES[::-1], strict=True)
+    }
+    ring: Mapping[str, Entry] = {"type": "faceZone", "zoneName": RING, "patches": sides}
+    content: Mapping[str, Entry] = {"internalFacesOnly": True, "noFields": True, "baffles": {RING: ring}}
+    return {"system/createBafflesDict": dictionary_text(content, "createBafflesDict")}
+
+
 def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
     """How cells are halved before they are moved to the surface."""
     regions: Mapping[str, Entry] = {
@@ -132,8 +190,10 @@ def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> 
         "nCellsBetweenLevels": 2,
         "resolveFeatureAngle": 30,
         "features": ({"file": '"oil.eMesh"', "level": fine.edges},),
-        "refinementSurfaces": {"oil": {"level": (lowest, lowest), "regions": regions}},
-        "refinementRegions": {"near": {"mode": "inside", "levels": ((1e15, fine.within.level),)}},
+        "refinementSurfaces": {"oil": {"level": (lowest, lowest), "regions": regions}, **_parting(fine.ring)},
+        "refinementRegions": {
+            name: {"mode": "inside", "levels": ((1e15, within.level),)} for name, within in _near(fine).items()
+        },
         "locationInMesh": inside,
         "allowFreeStandingZoneFaces": False,
     }

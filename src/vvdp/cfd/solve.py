@@ -15,13 +15,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from vvdp.base.errors import RunError, unusable
 from vvdp.base.files import write_whole
 from vvdp.cfd.case import Case, phase_files, start_files, write_files
 from vvdp.cfd.convergence import History, Judgement, judge, require_sane, until_settled
 from vvdp.cfd.engine import OpenFoam
-from vvdp.cfd.monitor import MeshCheck, forget_from, patch_faces, read_mesh_check, states
-from vvdp.cfd.numerics import INTERVAL, STOP, Phase, parts_text
+from vvdp.cfd.monitor import MeshCheck, forget_from, patch_faces, read_mesh_check, states, times
+from vvdp.cfd.numerics import INTERVAL, STEADY, STOP, Phase, parts_text, solver
 from vvdp.cfd.programs import PATIENCE, log_path, run_program
 
 STATE, LOCK = "state.json", "lock"
@@ -48,6 +50,11 @@ class Solved(NamedTuple):
     since: int
     seconds: dict[str, float]
 
+    @property
+    def took(self) -> float:
+        """Time that all its programs have taken [s]."""
+        return sum(self.seconds.values())
+
 
 Hear = Callable[[Progress], None]
 
@@ -68,7 +75,7 @@ def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear, 
             _Solver(case, folder, openfoam, cores, (state, hear)).run(phase)
         last = case.phases[-1]
         since = state.begun[last.name]
-        history = until_settled(case.read_history(folder), since, last.window, last.tolerance)
+        history = until_settled(_history(case, folder), since, last.window, last.tolerance)
         judgement = judge(history, since, last.window)
         assert judgement is not None
         return Solved(
@@ -79,6 +86,12 @@ def solve(case: Case, folder: Path, openfoam: OpenFoam, cores: int, hear: Hear, 
             since=since,
             seconds=state.seconds,
         )
+
+
+def _history(case: Case, folder: Path) -> History:
+    """What was watched, over the iterations or steps."""
+    found = case.read_history(folder)
+    return found._replace(iterations=np.round(found.iterations / case.step))
 
 
 class _State:
@@ -120,6 +133,9 @@ def _make_mesh(case: Case, folder: Path, openfoam: OpenFoam, told: tuple["_State
     write_files(folder, {**start_files(case), **phase_files(case, case.phases[0], 0)})
     if mesh_of:
         shutil.copytree(mesh_of / "constant" / "polyMesh", folder / "constant" / "polyMesh")
+        if case.step != STEADY:
+            words = ("mapFields", str(mesh_of.resolve()), "-consistent", "-sourceTime", "latestTime")
+            state.spend(words[0], run_program(words, folder, openfoam))
     else:
         write_files(folder, case.mesh_files)
         for program in case.mesh_programs:
@@ -171,7 +187,7 @@ class _Solver:
         # A state is written at multiples of the interval, and the end has to be one.
         end = -(-(self.state.begun[phase.name] + phase.most) // INTERVAL) * INTERVAL
         if reached < end:
-            forget_from(self.folder, reached)
+            forget_from(self.folder, reached * self.case.step)
             (self.folder / STOP).unlink(missing_ok=True)
             write_files(self.folder, phase_files(self.case, phase, end))
             began = time.monotonic()
@@ -185,7 +201,7 @@ class _Solver:
         if self.cores > 1:
             write_files(self.folder, {"system/decomposeParDict": parts_text(self.cores)})
             run_program(("decomposePar", "-force", "-latestTime"), self.folder, self.openfoam)
-        run_program(("simpleFoam",), self.folder, self.openfoam, self.cores, lambda: self.watch(phase), STOP)
+        run_program((solver(self.case.step),), self.folder, self.openfoam, self.cores, lambda: self.watch(phase), STOP)
         self.gather()
 
     def watch(self, phase: Phase) -> None:
@@ -197,7 +213,7 @@ class _Solver:
     def look(self, phase: Phase) -> None:
         """Tells how the run stands, and stops it where it has settled. Raises RunError where it diverges."""
         since = self.state.begun[phase.name]
-        history = self.case.read_history(self.folder)
+        history = _history(self.case, self.folder)
         require_sane(history, self.case.largest)
         history = until_settled(history, since, phase.window, phase.tolerance)
         found = judge(history, since, phase.window)
@@ -212,15 +228,15 @@ class _Solver:
         """The iteration of the last whole state. Earlier ones go, and what a killed solver has left unfinished."""
         self.gather()
         whole = states(self.folder)[-1]
-        for path in self.folder.iterdir():
-            if path.name.isdigit() and int(path.name) not in (0, whole):
+        for reached, path in times(self.folder).items():
+            if reached != 0.0 and path != whole:
                 shutil.rmtree(path)
-        return whole
+        return round(float(whole.name) / self.case.step)
 
     def gather(self) -> None:
         """Puts the parts of the last state together that several cores have written, and removes them."""
         parts = sorted(self.folder.glob("processor*"))
-        if parts and any(path.name.isdigit() and path.name != "0" for path in parts[0].iterdir()):
+        if parts and any(times(parts[0])):
             run_program(("reconstructPar", "-latestTime"), self.folder, self.openfoam)
         for part in parts:
             shutil.rmtree(part)

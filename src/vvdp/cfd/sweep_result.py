@@ -87,7 +87,7 @@ def sweep_result(order: RailOrder, runs: Sequence[RailRun], told: Told) -> Resul
         sections=(
             Section(title="Laws of the drop", words=(FITS,), shows=("fits", "drop-over-flow", "sweep")),
             Section(title="The rail", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow", shows=("sections",), starts_page=True),
+            Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(MANNER,), shows=("conditions",)),
         ),
         seconds=sum(run.seconds for run in runs),

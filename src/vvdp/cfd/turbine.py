@@ -1,32 +1,23 @@
-"""The outlet turbine: the oil leaves the turning spool by its channels into the collector and the port."""
+"""The outlet turbine, and the whole way of the oil to the load: what turns is solved in the frame of the spool."""
 
 import math
-from collections.abc import Mapping
-from functools import partial
 from typing import NamedTuple
 
-from vvdp.cfd.boundary import flow_inlet, pressure_outlet, rotation, wall
+from vvdp.cfd.boundary import MOVING
 from vvdp.cfd.case import Case, Fluid
-from vvdp.cfd.dictionary import Entry, dictionary_text
-from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase, patch_mean
-from vvdp.cfd.snapping import PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
+from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase
+from vvdp.cfd.passage import COLLECTOR, Passage, passage_case
+from vvdp.cfd.rail import NOZZLE_LEVELS, near_mouths, near_nozzles, port_turbulence
+from vvdp.cfd.rotor import ROTOR, motion_files
+from vvdp.cfd.snapping import Cylinder, Refinement, Ring, Sphere, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Turbulence, duct_turbulence
-from vvdp.cfd.watching import drop_monitors, force_monitors, read_drop
-from vvdp.geometry.domains import TURNING, Domain, turbine_domain
-from vvdp.geometry.shape import ValveShape
+from vvdp.geometry.domains import Domain, turbine_domain, valve_domain
+from vvdp.geometry.shape import ValveShape, perpendicular_area
 from vvdp.valve.rotary import RotaryValve
-
-ROTOR = "rotor"
-"""The zone of cells that is solved in the frame of the spool."""
-INLET, OUTLET, COLLECTOR = "inlet", "outlet", "collector"
-BEHIND = "pressure-collector"
-"""Function object of the mean pressure on the collector's walls: what the turbine alone leaves."""
-IMPOSSIBLE = 1e3
-"""Dynamic pressures of the jets: a drop beyond them is a run that diverges."""
 
 
 class TurbineOrder(NamedTuple):
-    """What is to be computed: the outlet turbine of a valve's shape at a flow [m^3/s], its spool turning [rad/s].
+    """What is to be computed: outlet turbine or whole valve of a shape at a flow [m^3/s], its spool turning [rad/s].
 
     `position` is the axial position of the spool [m], `grid` the cells per spool radius.
     """
@@ -47,84 +38,89 @@ def turned_turbine(order: TurbineOrder) -> Domain:
     return turn_domain(turbine_domain(order.shape, order.valve, 0.0, order.position))
 
 
-def turbine_case(order: TurbineOrder, domain: Domain) -> Case:
-    """The case of an order on its domain, `turned_turbine`.
+def turned_valve(order: TurbineOrder) -> Domain:
+    """The oil of the whole way to the load as it is meshed, the spool at the angle 0, where its nozzles are open."""
+    return turn_domain(valve_domain(order.shape, order.valve, 0.0, order.position))
 
-    Oil within the spool's radius is solved in the frame that turns with it, as if the spool stood at this one angle.
+
+def turbine_case(order: TurbineOrder, domain: Domain, *, parted: bool = False) -> Case:
+    """The case of an order on its domain, `turned_turbine`: the oil enters the chamber along the axis.
+
+    The mesh may be `parted` by a cylinder through the collector, as `sliding_case` needs it.
 
     Source  ours, docs/models/cfd.md
     """
-    shape, speed = order.shape, order.speed
+    shape = order.shape
     width = shape.chamber_outer_radius - shape.chamber_inner_radius
     annulus = math.pi * (shape.chamber_outer_radius**2 - shape.chamber_inner_radius**2)
+    levels = {**dict.fromkeys(domain.mesh.names, 1), "channels": 2}
+    fine = Refinement(
+        cell=order.valve.spool_radius / order.grid, patches=levels, edges=2, within=(_near_channels(order, domain),)
+    )
+    if parted:
+        # Half-way from the groove to the middle of the torus, where no wall is near.
+        around = 0.5 * (order.valve.spool_radius + shape.groove_depth + shape.collector_radius)
+        fine = fine._replace(ring=Ring(Cylinder(around, *_beyond(domain), 1), ROTOR))
     entering = duct_turbulence(order.flow / annulus, 2.0 * width)
-    patches = {
-        INLET: flow_inlet(order.flow, entering),
-        OUTLET: pressure_outlet(entering),
-        COLLECTOR: wall(entering),
-        **{name: wall(entering, rotation(speed)) for name in rotor_patches(domain)},
+    return passage_case(_passage(order, domain, fine)._replace(entering=entering))
+
+
+def _beyond(domain: Domain) -> tuple[float, float]:
+    """Heights below and above all of a domain [m]."""
+    heights = domain.mesh.vertices[:, 2]
+    low, high = float(heights.min()), float(heights.max())
+    return 2.0 * low - high, 2.0 * high - low
+
+
+def sliding_case(frozen: Case, speed: float, phase: Phase, step: float) -> Case:
+    """A parted case in which what turns does turn [rad/s], in steps of time [s]; it begins with the flow of `frozen`.
+
+    Source  ours, docs/models/cfd.md
+    """
+    moving = {
+        name: patch._replace(conditions={**patch.conditions, "U": MOVING})
+        for name, patch in frozen.patches.items()
+        if patch.conditions["U"]["type"] == "rotatingWallVelocity"
     }
-    openings = (INLET, OUTLET)
-    kinds = {name: patch.kind for name, patch in patches.items()}
-    jet = order.flow / order.valve.outlet_area
-    return Case(
-        mesh_files={**meshing_files(domain, kinds, _refinement(order, domain)), **_zone_files(order)},
-        mesh_programs=(*PROGRAMS, ("topoSet",)),
-        patches=patches,
-        monitors={
-            **drop_monitors(INLET, openings),
-            BEHIND: patch_mean(COLLECTOR, "areaAverage", "p"),
-            **force_monitors(rotor_patches(domain), order.fluid.density),
-        },
-        read_history=partial(read_drop, openings, order.fluid.density),
-        fluid=order.fluid,
-        turbulence=order.turbulence,
-        start=entering,
-        phases=order.phases,
-        largest=IMPOSSIBLE * 0.5 * order.fluid.density * jet**2,
-        further_files=_frame_files(speed),
+    patches = {**frozen.patches, **moving}
+    return frozen._replace(patches=patches, phases=(phase,), further_files=motion_files(speed), step=step)
+
+
+def valve_case(order: TurbineOrder, domain: Domain) -> Case:
+    """The case of an order on the domain `turned_valve`, from the port of the rail to that of the collector.
+
+    Source  ours, docs/models/cfd.md
+    """
+    radius = order.valve.spool_radius
+    levels = {**dict.fromkeys(domain.mesh.names, 1), **NOZZLE_LEVELS, "channels": 2, "windows": 2, COLLECTOR: 0}
+    within: tuple[Cylinder | Sphere, ...] = (
+        near_nozzles(radius),
+        _near_channels(order, domain),
+        *near_mouths(order.valve),
+    )
+    return passage_case(
+        _passage(order, domain, Refinement(cell=radius / order.grid, patches=levels, edges=2, within=within))
     )
 
 
-def rotor_patches(domain: Domain) -> tuple[str, ...]:
-    """The patches of a domain that turn with the spool."""
-    return tuple(name for name in domain.mesh.names if name in TURNING)
+def _passage(order: TurbineOrder, domain: Domain, fine: Refinement) -> Passage:
+    valve, narrowest = order.valve, min(order.valve.outlet_area, perpendicular_area(order.shape, order.valve))
+    return Passage(
+        domain=domain,
+        fluid=order.fluid,
+        flow=order.flow,
+        entering=port_turbulence(order.flow, order.shape),
+        fine=fine,
+        jet=order.flow / narrowest,
+        turbulence=order.turbulence,
+        phases=order.phases,
+        radius=valve.spool_radius,
+        speed=order.speed,
+    )
 
 
-def _refinement(order: TurbineOrder, domain: Domain) -> Refinement:
-    """Cells are finest in the channels and where their jets leave."""
+def _near_channels(order: TurbineOrder, domain: Domain) -> Cylinder:
+    """Within it lie the channels and where their jets leave."""
     radius, heights = order.valve.spool_radius, domain.mesh.of("channels")[:, :, 2]
     margin = 0.08 * radius
-    near = Cylinder(1.12 * radius, float(heights.min()) - margin, float(heights.max()) + margin, 2)
-    levels = {**dict.fromkeys(domain.mesh.names, 1), "channels": 2}
-    return Refinement(cell=radius / order.grid, patches=levels, edges=2, within=near)
-
-
-def _zone_files(order: TurbineOrder) -> dict[str, str]:
-    """What makes a zone of the cells within the spool's radius."""
-    far = 100.0 * order.valve.spool_radius
-    cells = f"{ROTOR}Cells"
-    within: Mapping[str, Entry] = {
-        "source": "cylinderToCell",
-        "p1": (0, 0, -far),
-        "p2": (0, 0, far),
-        "radius": order.valve.spool_radius,
-    }
-    actions: tuple[Mapping[str, Entry], ...] = (
-        {"name": cells, "type": "cellSet", "action": "new", **within},
-        {"name": ROTOR, "type": "cellZoneSet", "action": "new", "source": "setToCellZone", "set": cells},
-    )
-    return {"system/topoSetDict": dictionary_text({"actions": actions}, "topoSetDict")}
-
-
-def _frame_files(speed: float) -> dict[str, str]:
-    """The frame of the rotor's zone; a patch that is not named here is taken to turn with it."""
-    frame: Mapping[str, Entry] = {
-        "cellZone": ROTOR,
-        "active": True,
-        "nonRotatingPatches": (INLET, OUTLET, COLLECTOR),
-        "origin": (0, 0, 0),
-        "axis": (0, 0, 1),
-        "omega": speed,
-    }
-    return {"constant/MRFProperties": dictionary_text({ROTOR: frame}, "MRFProperties")}
+    return Cylinder(1.12 * radius, float(heights.min()) - margin, float(heights.max()) + margin, 2)

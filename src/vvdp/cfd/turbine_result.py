@@ -56,6 +56,7 @@ QUANTITIES = {
     "rail_coefficient_Pa_s2_m6": (RAIL, "drop of collector and port over the square of the flow"),
     "discharge_coefficient": (NUMBER, "discharge coefficient of the turbine"),
     "discharge_coefficient_law": (NUMBER, "discharge coefficient of the system"),
+    "momentum_imbalance": (EFFICIENCY, "largest difference of the torque by angular momentum"),
     "cells": (COUNT, "cells"),
     "density_kg_m3": (DENSITY, "density"),
 }
@@ -94,7 +95,7 @@ def turbine_result(runs: Sequence[TurbineRun], told: Told) -> Result:
         sections=(
             Section(title="Torque and drop", words=(FRAME,), shows=("fits", "torque-over-speed", "runs")),
             Section(title="The turbine", words=(LENGTHS,), shows=("geometry", "lengths"), starts_page=True),
-            Section(title="The flow", shows=("sections",), starts_page=True),
+            Section(title="The flow", shows=("sections", "streamlines"), starts_page=True),
             Section(title="How it was done", words=(METHOD,), shows=("conditions",)),
         ),
         seconds=sum(run.seconds for run in runs),
@@ -107,8 +108,11 @@ def _runs(runs: Sequence[TurbineRun]) -> Table:
     columns = {
         "flow_m3_s": Column(np.array([run.order.flow for run in runs]), FLOW, "flow"),
         "speed_rad_s": Column(np.array([run.order.speed for run in runs]), SPEED, "spool speed"),
-        "torque_N_m": Column(np.array([run.torque for run in runs]), TORQUE, "torque"),
-        "torque_spread_N_m": Column(np.array([run.torque_spread for run in runs]), TORQUE, "its range"),
+        "torque_N_m": Column(np.array([run.torques.forces for run in runs]), TORQUE, "torque"),
+        "torque_spread_N_m": Column(np.array([run.torques.spread for run in runs]), TORQUE, "its range"),
+        "torque_momentum_N_m": Column(
+            np.array([run.torques.momentum for run in runs]), TORQUE, "torque by angular momentum"
+        ),
         "torque_law_N_m": Column(np.array([_law(run.order) for run in runs]), TORQUE, "law of the system"),
         "turbine_drop_Pa": Column(total - behind, PRESSURE_DIFFERENCE, "drop of the turbine"),
         "collector_drop_Pa": Column(behind, PRESSURE_DIFFERENCE, "drop of the collector"),
@@ -144,6 +148,7 @@ def _numbers(order: TurbineOrder, table: Table, line: Fit) -> dict[str, float]:
         "rail_coefficient_Pa_s2_m6": behind,
         "discharge_coefficient": 1.0 / valve.outlet_area / math.sqrt(2.0 * drop / density),
         "discharge_coefficient_law": valve.outlet_discharge_coefficient,
+        "momentum_imbalance": float(np.max(abs(table["torque_momentum_N_m"] / table["torque_N_m"] - 1.0))),
         "cells": float(table["cells"][0]),
         "density_kg_m3": density,
     }
@@ -221,6 +226,8 @@ def _findings(order: TurbineOrder, numbers: dict[str, float], runs: Sequence[Tur
         f"of {number(found, 3)} where the system has {number(given, 3)}; collector and port take "
         f"{with_unit(numbers['collector_drop_Pa'], PRESSURE_DIFFERENCE)} more."
     )
+    off = percent(numbers["momentum_imbalance"])
+    yield Finding(text=f"By angular momentum the torque is up to {off} off that of pressure and friction on the spool.")
     restless = [run for run in runs if not run.solved.settled]
     if restless:
         yield Finding(

@@ -11,7 +11,7 @@ from vvdp.cfd.dictionary import Entry
 from vvdp.cfd.monitor import Monitor, read_monitor
 from vvdp.cfd.numerics import patch_mean
 
-PRESSURE, FORCES = "pressure", "forces"
+PRESSURE, FORCES, STILL = "pressure", "forces", "forces-still"
 Monitors = Mapping[str, Mapping[str, Entry]]
 
 
@@ -39,7 +39,7 @@ def read_drop(openings: Sequence[str], density: float, case: Path) -> History:
     return History(pressure.iterations, density * pressure.values[:, 0], values)
 
 
-def force_monitors(walls: Sequence[str], density: float) -> Monitors:
+def force_monitors(walls: Sequence[str], density: float, name: str = FORCES) -> Monitors:
     """A function object for force and torque on walls about the axis z."""
     forces: Mapping[str, Entry] = {
         "type": "forces",
@@ -52,7 +52,7 @@ def force_monitors(walls: Sequence[str], density: float) -> Monitors:
         "executeControl": "timeStep",
         "writeControl": "timeStep",
     }
-    return {FORCES: forces}
+    return {name: forces}
 
 
 def read_axial_force(case: Path) -> History:
@@ -60,13 +60,13 @@ def read_axial_force(case: Path) -> History:
     return _read_along_axis("force.dat", case)
 
 
-def read_torque(case: Path) -> History:
+def read_torque(case: Path, name: str = FORCES) -> History:
     """The torque on the walls about z [N m]."""
-    return _read_along_axis("moment.dat", case)
+    return _read_along_axis("moment.dat", case, name)
 
 
-def _read_along_axis(table: str, case: Path) -> History:
-    found = read_monitor(case, FORCES, table)
+def _read_along_axis(table: str, case: Path, name: str = FORCES) -> History:
+    found = read_monitor(case, name, table)
     whole: Array = found.values[:, 2] if found.iterations.size else np.zeros(0)
     return History(found.iterations, whole, {})
 

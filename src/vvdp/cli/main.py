@@ -18,6 +18,7 @@ from typer.core import TyperGroup
 from vvdp.base.errors import ConfigError, NetworkError, ParameterError, VvdpError
 from vvdp.cli import (
     cfd,
+    cfd_parts,
     check,
     compare,
     design,
@@ -97,6 +98,8 @@ app.add_typer(export.app, name="export")
 app.command("estimate", cls=Verb)(estimate.estimate)
 app.command("observability", cls=Verb)(observability.observability)
 app.command("geometry", cls=Verb)(geometry.geometry)
+cfd.app.command("sleeve", cls=Verb)(cfd_parts.sleeve)
+cfd.app.command("valve", cls=Verb)(cfd_parts.valve)
 app.add_typer(cfd.app, name="cfd")
 app.command("fit", cls=Verb)(fit.fit)
 app.command("reproduce", cls=Verb)(reproduce.reproduce)

@@ -1,5 +1,6 @@
 """The page about a computed flow: its result, the geometry with its patches, and sections through the flow."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,10 +10,13 @@ from vvdp.base.arrays import Array
 from vvdp.cfd.section import Section, read_section
 from vvdp.cfd.series import CASE, MIDDLE
 from vvdp.cfd.snapping import SURFACE
+from vvdp.cfd.streamlines import Streamline, read_streamlines
 from vvdp.geometry.files import read_stl
+from vvdp.geometry.mesh import Floats, Mesh
 from vvdp.report.drawing import INK, Drawn, draw_figure
-from vvdp.report.geometry_figures import patches_figure
+from vvdp.report.geometry_figures import draw_solids, patches_figure
 from vvdp.report.result_page import Page, write_result_page
+from vvdp.report.shading import view_frame
 from vvdp.results.store import read_meta, read_result
 
 if TYPE_CHECKING:
@@ -22,6 +26,8 @@ if TYPE_CHECKING:
 MM = 1e3
 PICTURE, DOTS = 4.0, 170
 """Width of a painted field [inch], and its points per inch."""
+SPEEDS, PALE = "viridis", 0.25
+"""Colours of speeds; how strong the oil is behind its streamlines."""
 WINDOW = 4e-3
 """How far from the middle of their picture cells are shown [m]."""
 
@@ -34,9 +40,47 @@ def write_cfd_report(directory: Path) -> Path:
     """
     result, case = read_result(directory), directory / CASE
     drawings = [patches_figure(read_stl(case / SURFACE))]
+    if lines := read_streamlines(case):
+        drawings.append(streamlines_figure(read_stl(case / SURFACE), lines))
     if section := read_section(case, MIDDLE):
         drawings.append(section_figure(section, result.numbers["density_kg_m3"].value))
     return write_result_page(directory, Page(result, read_meta(directory), {}, {each.name: each for each in drawings}))
+
+
+def streamlines_figure(mesh: Mesh, lines: Sequence[Streamline]) -> Drawn:
+    """Streamlines from where the oil enters, coloured by speed, in the pale volume of oil."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    norm = Normalize(0.0, float(np.quantile(np.concatenate([each.speed for each in lines]), 0.99)))
+
+    def draw(figure: "Figure") -> None:
+        both = figure.subplots(1, 2)
+        for axes, azimuth in zip(both, (30.0, 210.0), strict=True):
+            frame = view_frame(azimuth, 38.0)
+            draw_solids(axes, [mesh], frame)
+            axes.images[0].set_alpha(PALE)
+            _paths(axes, lines, frame, norm)
+        figure.colorbar(ScalarMappable(norm, SPEEDS), ax=both, location="bottom", label="speed [m/s]", shrink=0.5)
+
+    caption = "Streamlines from where the oil enters, from both sides; colours are the speed."
+    return draw_figure("streamlines", caption, 3.6, draw)
+
+
+def _paths(axes: "Axes", lines: Sequence[Streamline], frame: Floats, norm: Any) -> None:
+    """Streamlines as the eye of a frame sees them, those behind first."""
+    from matplotlib.collections import LineCollection
+
+    pieces, values = [], []
+    for line in lines:
+        seen = MM * line.points @ frame.T
+        pieces.append(np.stack([seen[:-1], seen[1:]], axis=1))
+        values.append(0.5 * (line.speed[:-1] + line.speed[1:]))
+    segments = np.concatenate(pieces)
+    order = np.argsort(segments[:, :, 2].mean(1))
+    drawn = LineCollection(list(segments[order][:, :, :2]), cmap=SPEEDS, norm=norm, linewidth=0.6, rasterized=True)
+    drawn.set_array(np.concatenate(values)[order])
+    axes.add_collection(drawn)
 
 
 def section_figure(section: Section, density: float) -> Drawn:
@@ -45,7 +89,7 @@ def section_figure(section: Section, density: float) -> Drawn:
 
     def draw(figure: "Figure") -> None:
         left, middle, right = figure.subplots(1, 3)
-        _field(figure, left, section, (speed, "speed [m/s]", "viridis"))
+        _field(figure, left, section, (speed, "speed [m/s]", SPEEDS))
         _field(figure, middle, section, (1e-5 * density * section.pressure, "pressure [bar]", "cividis"))
         _cells(right, section, section.points[int(speed.argmax()), :2])
 

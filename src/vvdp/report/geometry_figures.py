@@ -64,8 +64,8 @@ def solids_figure(spool: Mesh, half_sleeve: Mesh) -> Drawn:
 
     def draw(figure: "Figure") -> None:
         above, below = figure.subplots(2, 1, height_ratios=(0.45, 1.0))
-        _picture(above, [spool], lying_frame(20.0, 30.0))
-        _picture(below, [half_sleeve], lying_frame(30.0, 30.0))
+        draw_solids(above, [spool], lying_frame(20.0, 30.0))
+        draw_solids(below, [half_sleeve], lying_frame(30.0, 30.0))
         above.set_title("spool", loc="left")
         below.set_title("sleeve, cut in half", loc="left")
 
@@ -83,7 +83,7 @@ def oil_figure(volumes: Mapping[str, Mesh]) -> Drawn:
     def draw(figure: "Figure") -> None:
         grid = figure.subplots(2, 2).flat
         for axes, (name, mesh) in zip(grid, volumes.items(), strict=False):
-            _picture(axes, [mesh], view_frame(30.0, 28.0), LARGEST_PICTURE // 2)
+            draw_solids(axes, [mesh], view_frame(30.0, 28.0), LARGEST_PICTURE // 2)
             axes.set_title(f"{name}, {with_unit(volume(mesh), VOLUME, 3)}", loc="left")
         for axes in figure.axes[len(volumes) :]:
             axes.axis("off")
@@ -102,7 +102,7 @@ def patches_figure(mesh: Mesh) -> Drawn:
 
     def draw(figure: "Figure") -> None:
         for axes, azimuth in zip(figure.subplots(1, 2), (30.0, 210.0), strict=True):
-            _picture(axes, [mesh], view_frame(azimuth, 38.0), LARGEST_PICTURE // 2)
+            draw_solids(axes, [mesh], view_frame(azimuth, 38.0), LARGEST_PICTURE // 2)
         groups = dict.fromkeys(name.rstrip("0123456789") for name in mesh.names)
         marks = [Patch(facecolor=patch_colour(name), edgecolor=EDGE, label=name) for name in groups]
         figure.legend(handles=marks, loc="outside lower center", ncols=len(marks))
@@ -277,7 +277,8 @@ def _every(step: float) -> Any:
     return MultipleLocator(step)
 
 
-def _picture(axes: "Axes", meshes: Sequence[Mesh], frame: Floats, width: int = LARGEST_PICTURE) -> None:
+def draw_solids(axes: "Axes", meshes: Sequence[Mesh], frame: Floats, width: int = LARGEST_PICTURE) -> None:
+    """Shaded solids as the eye of a frame sees them, and 10 mm to compare; the picture has `width` pixels."""
     colours = {name: patch_colour(name) for mesh in meshes for name in mesh.names}
     picture, (left, right, low, high) = shade(meshes, colours, frame, width)
     axes.imshow(picture, extent=(MM * left, MM * right, MM * low, MM * high), interpolation="antialiased")

@@ -1,0 +1,105 @@
+"""`vvdp cfd sleeve` and `vvdp cfd valve`: parts of the valve beside the whole."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vvdp.cli.cfd_place import (
+    Flow,
+    Grid,
+    Model,
+    Shape,
+    Where,
+    centre_order,
+    rail_order,
+    turbine_order,
+    workplace,
+    write_reported,
+)
+from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers
+from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, out_option, parsed_option
+from vvdp.cli.printing import show_result
+
+if TYPE_CHECKING:
+    from vvdp.cfd.rail import RailOrder
+    from vvdp.cfd.section import Plane
+
+
+def sleeve(
+    system: SystemName,
+    grid: Grid = "coarse",
+    flow: Flow = "",
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    on: On = HERE,
+    workers: Workers = None,
+    sbatch: Sbatch = None,
+    out: Annotated[Path | None, out_option("results/cfd-sleeve-SYSTEM-GRID")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute the sleeve without its spool beside the inlet rail alone.
+
+    That is how the drop of rail and nozzles is measured. Rerun the same command to resume; what is finished is not
+    computed again.
+    """
+    from vvdp.base.kinds import FLOW
+    from vvdp.cfd.parts_result import SLEEVE, sleeve_parts, sleeve_result
+    from vvdp.cfd.parts_study import run_parts
+
+    loaded, order, told = rail_order(system, settings, shape, grid, model)
+    order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
+    where = Where(on, workers, cores, sbatch)
+    with workplace(SLEEVE, out, f"sleeve-{loaded.name}-{grid}", where, force=force) as place:
+        runs = run_parts(sleeve_parts(order), _middle(order), *place)
+    reported = write_reported(place.directory, loaded, sleeve_result(order, runs, told), no_report=no_report)
+    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
+
+
+def valve(
+    system: SystemName,
+    grid: Grid = "coarse",
+    flow: Flow = "",
+    speed: Annotated[str, typer.Option("--speed", metavar="SPEED", help="Speed of the spool.")] = "1440 rpm",
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    on: On = HERE,
+    workers: Workers = None,
+    sbatch: Sbatch = None,
+    out: Annotated[Path | None, out_option("results/cfd-valve-SYSTEM-GRID")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute the whole way of the oil to the load beside its sections.
+
+    Drop and torque of the valve as one, of rail, centre section and outlet turbine, and by the system's laws. Rerun the
+    same command to resume; what is finished is not computed again.
+    """
+    from vvdp.base.kinds import FLOW, SPEED
+    from vvdp.cfd.parts_result import VALVE, valve_parts, valve_result
+    from vvdp.cfd.parts_study import run_parts
+
+    loaded, rail, told = rail_order(system, settings, shape, grid, model)
+    rail = rail._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else rail
+    turbine = turbine_order(rail)._replace(speed=parsed_option("--speed", speed, SPEED))
+    centre = centre_order(rail, 0.0)._replace(speed=turbine.speed)
+    where = Where(on, workers, cores, sbatch)
+    with workplace(VALVE, out, f"valve-{loaded.name}-{grid}", where, force=force) as place:
+        parts = valve_parts(rail, centre, turbine)
+        runs = run_parts(parts, _middle(rail), *place)
+    reported = write_reported(place.directory, loaded, valve_result(turbine, runs, told), no_report=no_report)
+    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
+
+
+def _middle(rail: "RailOrder") -> "Plane":
+    """The plane of the nozzles; a hair off it, where their corners lie."""
+    from vvdp.cfd.section import Plane
+
+    return Plane((0.0, 0.0, 1e-3 * rail.valve.spool_radius), (0.0, 0.0, 1.0))

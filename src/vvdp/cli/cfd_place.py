@@ -1,0 +1,226 @@
+"""What the verbs of `vvdp cfd` share: their options, the order of a system's valve, and where it is carried out."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
+
+import typer
+
+from vvdp.cli.engines import chosen_engine
+from vvdp.cli.options import parsed_option
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from vvdp.base.kinds import Kind
+    from vvdp.cfd.centre import CentreOrder
+    from vvdp.cfd.rail import RailOrder
+    from vvdp.cfd.rail_result import Told
+    from vvdp.cfd.solve import Progress
+    from vvdp.cfd.turbine import TurbineOrder
+    from vvdp.results.result import Result
+    from vvdp.studies.engine import Engine
+    from vvdp.systems.system import System
+
+T = TypeVar("T")
+LEAST_RUNS = 3
+"""Runs to which a law with its confidence can be fitted."""
+Grid = Annotated[
+    str, typer.Option("--grid", metavar="GRID", help="One of coarse, medium, fine, each 1.4 times as fine.")
+]
+Model = Annotated[
+    str, typer.Option("--turbulence", metavar="MODEL", help="One of k-epsilon, realizable, sst, laminar.")
+]
+Shape = Annotated[
+    str | None,
+    typer.Option(
+        "--shape",
+        metavar="NAME|FILE",
+        help="A shipped shape (rail-a to rail-d, rail-final), or a TOML file with a table [geometry].",
+    ),
+]
+Flow = Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")]
+
+
+class Reported(NamedTuple):
+    """A result that was written, and whether its page is there."""
+
+    result: "Result"
+    page: bool
+
+
+def write_reported(directory: Path, loaded: "System", result: "Result", *, no_report: bool) -> Reported:
+    from vvdp.cli.report import CFD, add_report
+    from vvdp.results.store import write_result
+    from vvdp.systems.resolved import resolved_text
+
+    write_result(directory, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
+    return Reported(result, not no_report and add_report(CFD, directory))
+
+
+def write_fitted(directory: Path, system: str, settings: list[str]) -> None:
+    """Writes the system with what was found."""
+    from vvdp.base.files import write_whole
+    from vvdp.systems.resolved import resolved_text
+    from vvdp.systems.system import load_system
+
+    kept = [text for text in settings if not text.strip().startswith("geometry.")]
+    write_whole(directory / "fitted.toml", resolved_text(load_system(system, kept)))
+
+
+class Where(NamedTuple):
+    """Where to compute, as the options of a verb have it."""
+
+    on: str
+    workers: int | None
+    cores: int | None
+    sbatch: list[str] | None
+
+
+class Place(NamedTuple):
+    """The directory of a study, the engine that carries it out, and what hears how far it is."""
+
+    directory: Path
+    engine: "Engine"
+    hear: "Callable[[Progress], None]"
+
+
+@contextmanager
+def workplace(verb: str, out: Path | None, name: str, where: Where, *, force: bool) -> Iterator[Place]:
+    """The place of a study of `verb`, for as long as it is at work."""
+    from vvdp.cfd.series import make_place
+    from vvdp.cli.screen import say
+
+    directory = out if out is not None else Path("results", f"cfd-{name}")
+    engine = chosen_engine(*where, directory)
+    make_place(directory, verb, force=force)
+    try:
+        with _progress() as hear:
+            yield Place(directory, engine, hear)
+    except KeyboardInterrupt:
+        say("interrupted; rerun the same command to resume")
+        raise
+
+
+def stretch(option: str, given: tuple[str, str, int], kind: "Kind", least: float) -> tuple[float, ...]:
+    """Evenly spaced values of an option. Raises ConfigError where they are too few for a law, or out of order."""
+    import numpy as np
+
+    from vvdp.base.display import with_unit
+    from vvdp.base.errors import ConfigError, Fault
+
+    low, high = (parsed_option(option, text, kind) for text in given[:2])
+    if not (least <= low < high and given[2] >= LEAST_RUNS):
+        words = f"expected the lower value first, {with_unit(least, kind)} or more, and at least {LEAST_RUNS} values"
+        raise ConfigError([Fault(option, 0, " ".join(map(str, given)), words)])
+    return tuple(float(value) for value in np.linspace(low, high, given[2]))
+
+
+def rail_order(
+    system: str, settings: list[str] | None, shape: str | None, grid: str, model: str
+) -> "tuple[System, RailOrder, Told]":
+    """A system, what is to be computed of it at the flow of its pump, and what is said of it."""
+    from vvdp.base.extras import require_solids
+
+    require_solids()
+    from vvdp.cfd.case import Fluid
+    from vvdp.cfd.rail import GRIDS, RailOrder
+    from vvdp.cfd.rail_result import Told
+    from vvdp.cfd.turbulence import MODELS
+    from vvdp.fluid.oil import density, dynamic_viscosity
+    from vvdp.geometry.shape_tables import given_shape
+    from vvdp.rigs.conditions import fluid
+    from vvdp.steady.test_stand import stand
+    from vvdp.systems.system import load_system
+
+    own = [text for text in settings or () if text.strip().startswith("geometry.")]
+    loaded = load_system(system, [text for text in settings or () if text not in own])
+    held = stand(loaded, "cfd")
+    oil, temperature, valve = held.bench.oil, held.set_point.oil_temperature, held.bench.valve
+    made, rows = given_shape(valve, shape, own, loaded.lengths)
+    order = RailOrder(
+        valve=valve,
+        shape=made,
+        fluid=Fluid(float(density(temperature, oil)), float(dynamic_viscosity(temperature, oil))),
+        flow=held.pump_flow(held.set_point),
+        grid=choice("--grid", grid, GRIDS),
+        turbulence=choice("--turbulence", model, MODELS),
+    )
+    return loaded, order, Told(loaded.name, grid, fluid(held), rows)
+
+
+def choice(option: str, name: str, known: "Mapping[str, T]") -> "T":
+    """What an option names. Raises ConfigError where it is none of those that are known."""
+    from vvdp.base.errors import ConfigError, Fault
+
+    if name not in known:
+        raise ConfigError([Fault(option, 0, "", f"{name!r}; expected one of {', '.join(known)}")])
+    return known[name]
+
+
+@contextmanager
+def _progress() -> "Iterator[Callable[[Progress], None]]":
+    """What is told how far a run is: a bar on a terminal, now and then a line elsewhere."""
+    from vvdp.cli.progress import report_reach
+    from vvdp.cli.screen import say
+
+    with ExitStack() as stack:
+        state: dict[str, Any] = {}
+
+        def hear(now: "Progress") -> None:
+            state["now"] = now
+            if now.judgement is None:
+                say(f"mesh: {now.words}")
+                return
+            if "reach" not in state:
+                state["reach"] = stack.enter_context(report_reach(now.most, lambda done: _words(state["now"])))
+            state["reach"](now.done)
+
+        yield hear
+
+
+def _words(now: "Progress") -> str:
+    """How a run stands, in words."""
+    from vvdp.base.display import percent, with_unit
+    from vvdp.base.kinds import SIGNED_PRESSURE
+
+    if now.judgement is None:
+        return now.words
+    found = now.judgement
+    change = f", its mean moves by {percent(found.change, 2)}" if found.change < 1.0 else ""
+    drop, balance = with_unit(found.value, SIGNED_PRESSURE), percent(found.imbalance, 3)
+    return f"{now.words}: iteration {found.iteration}, {drop}{change}, balance {balance}"
+
+
+def centre_order(rail: "RailOrder", angle: float) -> "CentreOrder":
+    """The centre section to a rail, the spool half-way along its stroke."""
+    from vvdp.cfd.centre import CentreOrder
+
+    return CentreOrder(
+        valve=rail.valve,
+        shape=rail.shape,
+        fluid=rail.fluid,
+        flow=rail.flow,
+        angle=angle,
+        position=0.5 * rail.valve.helix_length,
+        grid=rail.grid,
+        turbulence=rail.turbulence,
+    )
+
+
+def turbine_order(rail: "RailOrder") -> "TurbineOrder":
+    """The outlet turbine to a rail, the spool at rest half-way along its stroke."""
+    from vvdp.cfd.turbine import TurbineOrder
+
+    return TurbineOrder(
+        valve=rail.valve,
+        shape=rail.shape,
+        fluid=rail.fluid,
+        flow=rail.flow,
+        speed=0.0,
+        position=0.5 * rail.valve.helix_length,
+        grid=rail.grid,
+        turbulence=rail.turbulence,
+    )
