@@ -290,6 +290,24 @@ CIRCUITS = (
 """All circuits; another one is another value."""
 
 
+def with_value(circuit: RivalCircuit, name: str, table: str, field: str, value: float) -> RivalCircuit:
+    """A circuit with another value in one of its tables [SI], under a name of its own."""
+    return replace(circuit, name=name, size=partial(_size_with_value, circuit.size, (table, field, value)))
+
+
+def _size_with_value(
+    size: Callable[[Tables, Duty, float, int], Tables],
+    changed: tuple[str, str, float],
+    tables: Tables,
+    duty: Duty,
+    begin: float,
+    rounds: int,
+) -> Tables:
+    table, field, value = changed
+    other = {table: replace(tables[table], **{field: value})}
+    return {**other, **size({**tables, **other}, duty, begin, rounds)}
+
+
 def machine_with_valve(name: str) -> RivalCircuit:
     """The whole machine with the rotary valve of another system, such as `vvdp design` writes.
 
