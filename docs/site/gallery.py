@@ -172,6 +172,24 @@ ENTRIES: Mapping[str, Entry] = {
             HIGHEST_B,
         ),
     ),
+    "bleed-off-control": Entry(
+        "A fixed pump at the pressure of its load: a throttle beside the cylinder lets to the tank what that does not "
+        "take. [Compared](circuits-compared.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "W"),
+            Number("lost over the throttle", "loss_bleed_valve_W", POWER, "W"),
+            HIGHEST_B,
+        ),
+    ),
+    "load-sensing": Entry(
+        "A variable pump 20 bar above the highest load, for one to three cylinders behind pressure compensators. "
+        "[Compared](circuits-compared.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "W"),
+            Number("mean pressure of the pump", "pressure_mean_pump_line_Pa", PRESSURE_DIFFERENCE, "bar"),
+            Number("mean pressure behind the throttle", "pressure_mean_supply_Pa", PRESSURE_DIFFERENCE, "bar"),
+        ),
+    ),
     "shuttle-circuit": Entry(
         "A closed circuit: a pump over centre between both chambers, a shuttle valve joins the low side to a charge "
         "pump. [Compared](circuits-compared.md)",

@@ -8,6 +8,8 @@ from vvdp.components.controlled_valves import (
     DUMP_VALVE,
     MeteringValve,
     SeriesThrottles,
+    compensated_start,
+    compensated_throttle,
     dump_start,
     dump_valve,
     metering_valve,
@@ -59,6 +61,7 @@ from vvdp.components.unloading import (
 )
 from vvdp.fluid.mixture import fluid_state
 from vvdp.hydraulics.check_valve import CheckState, CheckValve
+from vvdp.hydraulics.compensated_throttle import CompensatedThrottle
 from vvdp.hydraulics.directional_valve import DirectionalState, DirectionalValve
 from vvdp.hydraulics.flow_control_valve import FlowControlValve
 from vvdp.hydraulics.flow_source import FlowSource
@@ -220,6 +223,23 @@ def test_throttles_in_series(at):
     assert series_throttles(a, b, -0.1, 1.0, values).flow == 0.0
     with pytest.raises(ParameterError, match="transition_pressure"):
         SeriesThrottles(first_conductance=6e-7, second_conductance=4e-7, transition_pressure=0.0)
+
+
+def test_throttle_behind_its_compensator(at):
+    """0.5 of 1.2e-6 and 0.5 of 8e-7 share 10 bar as 4 to 9; the compensator shuts from 7 bar on."""
+    a, b = at(11e5), at(1e5)
+    values = CompensatedThrottle(
+        conductance=8e-7, compensator_conductance=1.2e-6, metering_drop=7e5, override_pressure=1e5,
+        transition_pressure=2e4, opening_time=5e-3,
+    )  # fmt: skip
+    found = compensated_throttle(a, b, 0.5, OpeningState(0.5), values)
+    assert found.flow == pytest.approx(2.4e-4 / 0.52**0.5 * ROOT / a.volume_ratio, rel=1e-12)
+    assert found.losses.compensator / found.losses.metering == pytest.approx(4.0 / 9.0, rel=1e-12)
+    assert sum(found.losses) == pytest.approx(found.flow * (a.enthalpy - b.enthalpy), rel=1e-13)
+    open_by = (7e5 - 10e5 * 9.0 / 13.0) / 1e5
+    assert found.rates.opening == pytest.approx((open_by - 0.5) / 5e-3, rel=1e-9)
+    assert compensated_throttle(a, b, 0.0, OpeningState(0.5), values).flow == 0.0
+    assert compensated_start(values) == (1.0,)
 
 
 def test_directional_valve(at):

@@ -238,6 +238,8 @@ POSITIVE = {
     "clearance": (1e-5, 2e-5),
     "tank_pressure": (1e5, 3e5),
     "relief_override": (1e5, 1e6),
+    "second_pressure": (2e5, 2e7),
+    "third_pressure": (2e5, 2e7),
 }
 SIGNED = {
     "flow": (-1e-3, 1e-3),
@@ -250,6 +252,7 @@ SIGNED = {
     "volume_rate": (-1e-4, 1e-4),
     "pressure_drop": (-1e7, 1e7),
     "pressure_difference": (-1e7, 1e7),
+    "drop": (-1e6, 2e6),
     "pilot_difference": (-1e7, 1e7),
     "spool_angle": (-20.0, 20.0),
     "shaft_angle": (-20.0, 20.0),
@@ -264,6 +267,7 @@ SIGNED = {
     "command": (-1.5, 1.5),
     "load_force": (-1e4, 1e4),
     "exponent": (-0.15, 0.0),
+    "shortfall": (-1e7, 1e7),
 }
 ANY_NUMBER = (0.2, 0.9)
 GEROTOR_FLOWS = {"flow": (-4e-5, 4e-5)}
@@ -342,6 +346,7 @@ def components():
     from vvdp.hydraulics import (
         characteristic,
         check_valve,
+        compensated_throttle,
         cylinder,
         directional_valve,
         flow_control_valve,
@@ -360,6 +365,7 @@ def components():
         shaft,
         switching_valve,
         unsteady_friction,
+        variable_pump,
     )
     from vvdp.valve import branch, condition, geometry, joined_ports, torque
 
@@ -425,6 +431,11 @@ def components():
             closing_pressure=1e7, override_pressure=9e6, rated_flow=1e-3, rated_drop=5e5, opening_time=5e-3
         ),
         characteristic.Characteristic(dead_band=0.05, rangeability=30.0),
+        compensated_throttle.CompensatedThrottle(
+            conductance=8e-7, compensator_conductance=1.2e-6, metering_drop=7e5, override_pressure=1e5,
+            transition_pressure=2e4, opening_time=5e-3,
+        ),
+        variable_pump.PumpControl(margin=2e6, highest_pressure=1.2e7, proportional_band=1e7, reset_time=0.01),
         flow_source.FlowSource(counted_at_outlet=1.0),
         gerotor_drive.GerotorDrive(
             area=5e-4, lag=0.01, conductance=1.1e-10, viscous_friction=8.3, lower_end=-6e-3, upper_end=27e-3

@@ -242,6 +242,8 @@ ALLOWED = {
     "systems.drawing.Drawer": DRAWN_FILE,
     "systems.axial_benches.axial_chamber": "one argument for each table of its system file",
     "systems.axial_benches.axial_gerotor": "one argument for each table of its system file",
+    "systems.displacement.load_following.bleed_off_control": "one argument for each table of its system file",
+    "systems.displacement.load_following.load_sensing": "one argument for each table of its system file",
     "systems.displacement.rivals.four_valve_circuit": "one argument for each table of its system file",
     "systems.displacement.rivals.ideal_pump_control": "one argument for each table of its system file",
     "systems.displacement.rivals.pilot_check_circuit": "one argument for each table of its system file",

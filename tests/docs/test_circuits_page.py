@@ -5,13 +5,36 @@ import re
 import pytest
 
 from vvdp.systems.displacement.duties import shipped_duties
-from vvdp.systems.displacement.rival_circuits import CIRCUITS
+from vvdp.systems.displacement.rival_circuits import CIRCUITS, SINKS
+
+
+def duty(name):
+    return next(each for each in shipped_duties() if each.name == name)
+
+
+def kept_table(page, duty):
+    """The lines of the table of a cycle on the page."""
+    return page.partition(f"**{duty.name}**")[2].partition("\n\n**")[0].partition("<!--")[0].splitlines()
 
 
 def kept_rows(page, duty):
     """The rows of a cycle on the page, by circuit."""
-    table = page.partition(f"**{duty.name}**")[2].partition("\n\n**")[0].partition("<!--")[0]
-    return {line.split("`")[1]: line for line in table.splitlines() if line.startswith("| `")}
+    return {line.split("`")[1]: line for line in kept_table(page, duty) if line.startswith("| `")}
+
+
+def kept_sinks(page, duty):
+    """The places of the losses that the table of a cycle shows."""
+    (head,) = (line for line in kept_table(page, duty) if line.startswith("| circuit "))
+    labels = [cell.strip() for cell in head.split("|")]
+    return [place for place, sink in enumerate(SINKS) if sink.label in labels]
+
+
+def spread_rows(page):
+    """The rows of the spread, by circuit and what is changed."""
+    import circuits_compared
+
+    text = page.partition(circuits_compared.SPREAD_BEGIN)[2].partition(circuits_compared.SPREAD_END)[0]
+    return {line.split("|")[1].strip(): line for line in text.strip().splitlines()[2:]}
 
 
 def numbers(row):
@@ -23,7 +46,7 @@ def are_same(made, kept):
     assert made.keys() == kept.keys()
     for name, row in made.items():
         assert numbers(row) == pytest.approx(numbers(kept[name]), rel=0.011, abs=0.02), name
-        assert len(numbers(row)) == 13
+        assert len(numbers(row)) == row.count("|") - 2 > 1
     return True
 
 
@@ -31,8 +54,8 @@ def test_every_cycle_and_circuit_has_its_table_and_row():
     import circuits_compared
 
     page = circuits_compared.PAGE.read_text("utf-8")
-    for duty in shipped_duties():
-        assert list(kept_rows(page, duty)) == [each.name for each in CIRCUITS]
+    for each in shipped_duties():
+        assert list(kept_rows(page, each)) == [circuit.name for circuit in CIRCUITS]
     for each in CIRCUITS:
         assert f"| `{each.name}` | " in page.partition("## The position loops")[0] and f"`{each.system}` |" in page
 
@@ -44,16 +67,32 @@ def test_numbers_are_written_short():
     assert written == ["4240", "1040", "89", "0.0852", "0", "0", "5"]
 
 
-def test_the_rows_of_the_rivals_are_what_their_command_writes():
+@pytest.mark.parametrize("name", ["heavy", "three-loads"])
+def test_the_rows_of_the_rivals_are_what_their_command_writes(name):
     import circuits_compared
 
-    heavy = next(each for each in shipped_duties() if each.name == "heavy")
     page = circuits_compared.PAGE.read_text("utf-8")
     rivals = [each for each in CIRCUITS if each.begin is None]
-    found = circuits_compared.compared([heavy], rivals)
-    made = {line.split("`")[1]: line for line in circuits_compared.rows(found, heavy)}
-    kept = kept_rows(page, heavy)
+    found = circuits_compared.compared([duty(name)], rivals)
+    rows = circuits_compared.rows(found, duty(name), kept_sinks(page, duty(name)))
+    made = {line.split("`")[1]: line for line in rows}
+    kept = kept_rows(page, duty(name))
     assert are_same(made, {name: kept[name] for name in made})
+
+
+def test_the_spread_is_what_its_command_writes():
+    """Of the rivals; each assumed value with a range stands there with the ends at which it is not already."""
+    import circuits_compared
+
+    page = circuits_compared.PAGE.read_text("utf-8")
+    duties = [duty(name) for name in circuits_compared.SPREAD_DUTIES]
+    rivals = [each for each in circuits_compared.spread_circuits() if each.begin is None]
+    found = circuits_compared.compared(duties, rivals)
+    made = {line.split("|")[1].strip(): line for line in [*circuits_compared.spread_table(found)][2:] if line}
+    kept = spread_rows(page)
+    assert are_same(made, {name: kept[name] for name in made})
+    assert {name.partition(",")[0] for name in kept} == {*circuits_compared.SPREAD}
+    assert {"load-sensing, margin 10 bar", "load-sensing, margin 30 bar"} <= kept.keys()
 
 
 @pytest.mark.slow
@@ -63,5 +102,6 @@ def test_the_tables_are_what_their_command_writes(tmp_path):
     path = tmp_path / "circuits-compared.md"
     circuits_compared.main(path)
     made, kept = (each.read_text("utf-8") for each in (path, circuits_compared.PAGE))
-    for duty in shipped_duties():
-        assert are_same(kept_rows(made, duty), kept_rows(kept, duty))
+    for each in shipped_duties():
+        assert are_same(kept_rows(made, each), kept_rows(kept, each))
+    assert are_same(spread_rows(made), spread_rows(kept))

@@ -78,9 +78,11 @@ COLOURS = (
     Colour.OLIVE,
     Colour.RELIEF,
     Colour.INLET,
+    Colour.FAINT,
     Colour.RED,
     Colour.PURPLE,
     Colour.TANK,
+    Colour.INK,
     Colour.LOAD,
 )
 TRACES = (Colour.LOAD, Colour.INLET, Colour.GREEN, Colour.PURPLE, Colour.RED, Colour.OLIVE, Colour.TANK, Colour.RELIEF)

@@ -22,6 +22,7 @@ from vvdp.systems.displacement.rival_account import (
     begin_of,
     circuit_score,
     circuit_trace,
+    joint_score,
     refuse_unled,
     system_for,
 )
@@ -101,7 +102,9 @@ def compare_circuits(
     plan = _Plan({each.name: each for each in duties}, {each.name: each for each in circuits}, cache, say)
     pairs = [Pair(duty, circuit) for duty in plan.duties for circuit in plan.circuits]
     for pair in pairs:
-        system_for(plan.circuits[pair.circuit], plan.duties[pair.duty])
+        circuit, duty = plan.circuits[pair.circuit], plan.duties[pair.duty]
+        for each in (duty,) if circuit.shares else duty.alone:
+            system_for(circuit, each)
     compiled_loop(say)
     task = partial(_runs, replace(plan, say=quiet), vvdp.__version__)
     done = carry_out(task, pairs, engine, progress, Batching(least=1, seconds=2.0))
@@ -117,7 +120,22 @@ def compare_circuits(
 
 
 def run_pair(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> CircuitRun:
-    """The run of a circuit on a duty, with its score; one that breaks off says why."""
+    """The run of a circuit on a duty, with its score; one that breaks off says why.
+
+    Where a duty has several cylinders and the circuit moves one, each has a circuit of its own, and the trace is that
+    of the first.
+    """
+    if circuit.shares:
+        return _run_circuit(circuit, duty, cache)
+    runs = [_run_circuit(circuit, each, cache) for each in duty.alone]
+    scores = [run.score for run in runs if run.score is not None]
+    if len(scores) < len(runs):
+        return CircuitRun(duty.name, circuit.name, None, None, next(run.failure for run in runs if run.failure))
+    return CircuitRun(duty.name, circuit.name, joint_score(scores), runs[0].trace)
+
+
+def _run_circuit(circuit: RivalCircuit, duty: Duty, cache: Path | None) -> CircuitRun:
+    """The run of one circuit on a duty."""
     try:
         begin = begin_of(circuit, duty, cache)
         system = system_for(circuit, duty, begin)

@@ -90,4 +90,5 @@ def flow_opening(valve: CompensatedThrottle, flow: float) -> float:
     >>> flow_opening(section, 2e-4)
     0.2
     """
-    return flow / (valve.conductance * valve.metering_drop**0.5)
+    opening: float = flow / (valve.conductance * valve.metering_drop**0.5)
+    return opening

@@ -1,4 +1,4 @@
-"""Control of a variable pump that holds a pressure: a fixed one, or a margin above the highest load.
+"""Control of a variable pump: it holds a margin above the highest load, or one pressure whatever the load.
 
 Source  ours, docs/models/components.md, where a function names no other.
 """
@@ -13,33 +13,22 @@ from vvdp.base.select import clip, maximum, minimum
 
 
 class PumpControl(Params):
-    """A shortfall of the pressure by `proportional_band` swivels the pump from rest to its full displacement at once.
+    """Holds `margin` above the highest load, up to the level `highest_pressure`; with a margin as large as that, the
+    highest pressure whatever the load, as a pressure-compensated pump does.
 
-    What is missing is made up with the time constant `reset_time`, so that nothing is missing in the end.
+    A shortfall of the pressure by `proportional_band` swivels the pump from rest to its full displacement at once;
+    what is missing then is made up with the time constant `reset_time`, so that nothing is missing in the end.
     """
 
+    margin: PressureDifference
+    highest_pressure: Pressure
     proportional_band: PressureDifference
     reset_time: Time
 
     def check(self) -> None:
-        name = type(self).__name__
-        if self.proportional_band <= 0.0:
-            raise ParameterError(f"{name}.proportional_band: 0 Pa; expected a pressure above zero")
-        if self.reset_time <= 0.0:
-            raise ParameterError(f"{name}.reset_time: 0 s; expected a time above zero")
-
-
-class PressureControl(PumpControl):
-    """Holds the level `held_pressure`, whatever the load."""
-
-    held_pressure: Pressure
-
-
-class LoadSensingControl(PumpControl):
-    """Holds `margin` above the highest load, up to the level `highest_pressure`."""
-
-    margin: PressureDifference
-    highest_pressure: Pressure
+        for name in ("highest_pressure", "proportional_band", "reset_time"):
+            if not getattr(self, name) > 0.0:
+                raise ParameterError(f"PumpControl.{name}: 0; expected more than zero")
 
 
 class SwivelState(NamedTuple):
@@ -48,10 +37,8 @@ class SwivelState(NamedTuple):
     swivel: Fraction
 
 
-def load_sensing_level(
-    control: LoadSensingControl, load_pressure: float, second_pressure: float, third_pressure: float
-) -> float:
-    """The level that a load-sensing pump is to hold [Pa]: min(max(P_1, P_2, P_3) + margin, P_highest).
+def held_level(control: PumpControl, load_pressure: float, second_pressure: float, third_pressure: float) -> float:
+    """The level that a controlled pump is to hold at its outlet [Pa]: min(max(P_1, P_2, P_3) + margin, P_highest).
 
     load_pressure, second_pressure, third_pressure  of the loads that it feels, one of them again where there are fewer,
                                                     absolute [Pa]
@@ -59,11 +46,6 @@ def load_sensing_level(
     highest = maximum(maximum(load_pressure, second_pressure), third_pressure)
     level: float = minimum(highest + control.margin, control.highest_pressure)
     return level
-
-
-def held_level(control: PressureControl) -> float:
-    """The level that a pressure-compensated pump is to hold [Pa]."""
-    return control.held_pressure
 
 
 def wanted_swivel(shortfall: float, swivel: float, control: PumpControl) -> float:
@@ -81,7 +63,7 @@ def swivel_share(shortfall: float, swivel: float, control: PumpControl) -> float
     shortfall  P_set - P [Pa]
     swivel     s, the control's state [1]
 
-    >>> control = PumpControl(proportional_band=1e7, reset_time=0.01)
+    >>> control = PumpControl(margin=2e6, highest_pressure=2e7, proportional_band=1e7, reset_time=0.01)
     >>> print(round(swivel_share(1e6, 0.25, control), 3), swivel_share(-1e7, 0.25, control))
     0.35 0.0
     """

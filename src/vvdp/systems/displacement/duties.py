@@ -2,7 +2,7 @@
 
 import csv
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +26,10 @@ COLUMNS = ("time", "position", "force")
 @dataclass(frozen=True)
 class Duty:
     """A duty cycle with its load in words, and what circuits are sized for: pressure of relief valves, gauge, and
-    conductance of a throttle in the return, fully open."""
+    conductance of a throttle in the return, fully open.
+
+    `further` are those of a second and third cylinder that move at the same time, for as long a round.
+    """
 
     name: str
     title: str
@@ -34,6 +37,12 @@ class Duty:
     cycle: DutyCycle
     relief_pressure: float
     return_conductance: float
+    further: tuple["Duty", ...] = ()
+
+    @property
+    def alone(self) -> "tuple[Duty, ...]":
+        """The duty of each cylinder for itself."""
+        return (replace(self, further=()), *self.further)
 
     @property
     def period(self) -> float:
@@ -61,6 +70,15 @@ def duties(cylinder: Cylinder, friction: RodFriction) -> tuple[Duty, ...]:
         positions=(0.05, 0.24, 0.25, 0.25, 0.10, 0.09, 0.09, 0.20, 0.21, 0.21, 0.06, 0.05),
         forces=(-2e3, -2e3, -2e3, 1e3, 5e3, 5e3, 3e3, 3e3, 1e3, -4e3, -4e3, -2e3),
     )
+    alone = Duty(
+        name="heavy",
+        title="21.6 cm in 1.25 s and back",
+        load="10 kN against extending",
+        cycle=heavy,
+        relief_pressure=110e5,
+        return_conductance=3e-7,
+    )
+    medium, light = (_lighter(alone, cylinder, friction, *each) for each in ((0.15, -4000.0), (0.11, -1000.0)))
     return (
         Duty(
             name="triangle",
@@ -70,18 +88,32 @@ def duties(cylinder: Cylinder, friction: RodFriction) -> tuple[Duty, ...]:
             relief_pressure=60e5,
             return_conductance=1.2e-7,
         ),
-        Duty(
-            name="heavy",
-            title="21.6 cm in 1.25 s and back",
-            load="10 kN against extending",
-            cycle=heavy,
-            relief_pressure=110e5,
-            return_conductance=3e-7,
-        ),
+        alone,
         sized_duty(
             "digging", "reach, dig, dump and return", "5 kN either way, all four quadrants", digging, cylinder, friction
         ),
+        replace(
+            alone,
+            name="two-loads",
+            title="heavy, and a second cylinder that goes 10 cm",
+            load="10 and 4 kN against extending",
+            further=(medium,),
+        ),
+        replace(
+            alone,
+            name="three-loads",
+            title="the same, and a third one that goes 6 cm",
+            load="10, 4 and 1 kN against extending",
+            further=(medium, light),
+        ),
     )
+
+
+def _lighter(first: Duty, cylinder: Cylinder, friction: RodFriction, far: float, force: float) -> Duty:
+    """A cylinder beside another one that goes from 50 mm to `far` [m] under a `force` [N], with a valve like its."""
+    cycle = replace(first.cycle, positions=(0.05, far, 0.05), forces=(force,) * 3)
+    sized = sized_duty(f"{-1e-3 * force:g} kN", f"to {100.0 * far:g} cm", "", cycle, cylinder, friction)
+    return replace(sized, return_conductance=first.return_conductance)
 
 
 def sized_duty(name: str, title: str, load: str, cycle: DutyCycle, cylinder: Cylinder, friction: RodFriction) -> Duty:

@@ -3,8 +3,6 @@
 Source  wang2017, section 1.1
 """
 
-from dataclasses import replace
-
 from vvdp.components.controlled_valves import COMPENSATED_THROTTLE, PROPORTIONAL_VALVE
 from vvdp.components.directional_valves import ThrottledDirectionalValve
 from vvdp.components.machines import CONTROLLED_PUMP, PUMP
@@ -18,24 +16,29 @@ from vvdp.hydraulics.proportional_valve import ProportionalValve
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
 from vvdp.hydraulics.rod import EndStop
-from vvdp.hydraulics.variable_pump import LoadSensingControl, PressureControl, held_level, load_sensing_level
+from vvdp.hydraulics.variable_pump import PumpControl, held_level
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Connection, Load
-from vvdp.systems.displacement.cylinder_load import LOW_SIDE, InitialCylinder, start_at_rest
+from vvdp.systems.displacement.cylinder_load import InitialCylinder
 from vvdp.systems.displacement.duty_cycle import DutyCycle
 from vvdp.systems.displacement.rival_loop import BLEED_LOOP, ONE_WAY_LOOP, LoopTable
-from vvdp.systems.displacement.rivals import LOOP, PumpDrive, Rival, add_throttled_valve, loaded_cylinder
-
-SUFFIXES = ("", "_2", "_3")
-"""What stands behind the names of the first, second and third cylinder and of all that belongs to it."""
+from vvdp.systems.displacement.rival_tables import PumpDrive
+from vvdp.systems.displacement.rivals import (
+    LOOP,
+    SUFFIXES,
+    Rival,
+    add_throttled_valve,
+    further_rivals,
+    loaded_cylinder,
+)
 
 
 def load_sensing(
     oil: Oil,
     pump: Pump,
     pump_drive: PumpDrive,
-    pump_control: LoadSensingControl | PressureControl,
+    pump_control: PumpControl,
     pump_line: Vessel,
     relief_valve: ReliefValve,
     flow_valve: CompensatedThrottle,
@@ -54,31 +57,28 @@ def load_sensing(
     second: DutyCycle | None = None,
     third: DutyCycle | None = None,
 ) -> Network:
-    """A variable pump that holds a margin above the highest load, or one pressure, as its control says; before each
-    cylinder a pressure compensator and a metering throttle.
+    """A variable pump that holds a margin above the highest load; before each cylinder a pressure compensator and a
+    metering throttle.
 
     Cylinders and valves are alike; `second` and `third` are the duty cycles of further ones, which start at rest.
     """
     moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     first = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    largest, throttle = pump.displacement * pump_drive.speed.extremes[0], directional_valve.return_conductance
-    net = first.network(ONE_WAY_LOOP, first.settings(largest, throttle), "supply")
+    limits = pump.displacement * pump_drive.speed.extremes[0], directional_valve.return_conductance
+    net = first.network(ONE_WAY_LOOP, first.settings(*limits), "supply")
     net.values["pump_drive"] = pump_drive
     net.driven_shaft("pump_shaft", pump_drive.speed)
     net.volume("pump_line", pump_line, start="initial.supply_pressure")
-    cycles = {suffix: cycle for suffix, cycle in zip(SUFFIXES, (duty_cycle, second, third), strict=True) if cycle}
-    for suffix, cycle in cycles.items():
+    rivals = further_rivals(first, second, third)
+    for suffix, rival in rivals.items():
+        supply = "supply" + suffix
         if suffix:
-            reference_pressure = oil.reference_pressure
-            start = start_at_rest(cycle, cylinder, reference_pressure, reference_pressure + LOW_SIDE)
-            rival = replace(first, duty_cycle=cycle, initial=start)
-            rival.add_actuator(net, ONE_WAY_LOOP, rival.settings(largest, throttle), f"supply{suffix}", suffix)
-        net.volume(f"supply{suffix}", supply_line, start=f"initial{suffix}.supply_pressure")
-        joints = {"a": "pump_line", "b": f"supply{suffix}"}
+            rival.add_actuator(net, ONE_WAY_LOOP, rival.settings(*limits), supply, suffix)
+        net.volume(supply, supply_line, start=f"initial{suffix}.supply_pressure")
         opening = Connection(flow_opening, (flow_valve, f"{LOOP}{suffix}.flow"))
-        net.add(f"flow_valve{suffix}", COMPENSATED_THROTTLE, flow_valve, command=opening, **joints)
+        net.add("flow_valve" + suffix, COMPENSATED_THROTTLE, flow_valve, a="pump_line", b=supply, command=opening)
         add_throttled_valve(net, directional_valve, suffix)
-    _add_pump(net, pump, pump_control, relief_valve, [f"supply{suffix}.pressure" for suffix in cycles])
+    _add_pump(net, pump, pump_control, relief_valve, [f"supply{suffix}.pressure" for suffix in rivals])
     return net
 
 
@@ -117,18 +117,10 @@ def bleed_off_control(
     return net
 
 
-def _add_pump(
-    net: Network,
-    pump: Pump,
-    control: LoadSensingControl | PressureControl,
-    relief_valve: ReliefValve,
-    loads: list[str],
-) -> None:
+def _add_pump(net: Network, pump: Pump, control: PumpControl, relief_valve: ReliefValve, loads: list[str]) -> None:
     """A controlled pump that feels the pressures at the paths `loads`, and the relief valve of its line."""
-    level = Connection(held_level, (control,))
-    if isinstance(control, LoadSensingControl):
-        felt = (loads * len(SUFFIXES))[: len(SUFFIXES)]
-        level = Connection(load_sensing_level, (control, *felt))
+    felt = (loads * len(SUFFIXES))[: len(SUFFIXES)]
+    level = Connection(held_level, (control, *felt))
     ports = {"inlet": "tank", "outlet": "pump_line", "shaft": "pump_shaft"}
     net.add("pump", CONTROLLED_PUMP, pump, control, level=level, **ports)
     net.add("relief_valve", RELIEF_VALVE, relief_valve, a="pump_line", b="tank")

@@ -3,7 +3,7 @@
 Source  ours, docs/circuits-compared.md
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -16,8 +16,10 @@ from vvdp.simulation.balance import balance_between
 from vvdp.simulation.outcome import outcome
 from vvdp.simulation.record import record_of
 from vvdp.simulation.run import Run, simulate
+from vvdp.systems.displacement.cylinder_load import CHAMBERS
 from vvdp.systems.displacement.duties import Duty
 from vvdp.systems.displacement.rival_circuits import SINKS, RivalCircuit
+from vvdp.systems.displacement.rivals import SUFFIXES
 from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import System, load_system
 
@@ -31,8 +33,12 @@ LONGEST_START = 8.0
 """Within which control has begun [s]."""
 RECORD = 1e-3
 """Between two recorded rows [s]."""
-OUTSIDE = ("supplied.load_force", "supplied.tank", "supplied.pilot_tank")
+OUTSIDE = (*(f"supplied.load_force{suffix}" for suffix in SUFFIXES), "supplied.tank", "supplied.pilot_tank")
 """What brings energy in but is no drive."""
+ADDED = ("drawn", "returned", "delivered", "received", "friction", "stored")
+"""Powers of a score."""
+WORST = ("tracking_max", "tracking_rms", "tracking_first", "pressure_max", "energy_residual", "mass_residual")
+"""Of what in a score the largest counts."""
 MOST_POINTS = 1000
 """Points of a trace."""
 
@@ -63,7 +69,8 @@ class CircuitScore(NamedTuple):
 
 
 class CircuitTrace(NamedTuple):
-    """The last round of a run, thinned: times from its begin [s], reference, position [m] and both pressures [Pa]."""
+    """The last round of a run's first cylinder, thinned: times from its begin [s], reference, position [m], both
+    pressures [Pa]."""
 
     time: Array
     reference: Array
@@ -97,44 +104,71 @@ def begin_of(circuit: RivalCircuit, duty: Duty, cache: Path | None = None) -> fl
 
 
 def refuse_unled(circuit: RivalCircuit, system: System, duty: Duty, run: Run) -> None:
-    """Raises RunError where the reference of the last round has not gone through the duty cycle: control was left."""
-    reference = getattr(run.command, circuit.program).reference[run.times >= system.average_from]
-    gone, asked = float(np.ptp(reference)), float(np.ptp(duty.cycle.positions))
-    if gone < LEAST_STROKE * asked:
-        raise RunError(
-            f"the reference went through {1e3 * gone:.3g} of {1e3 * asked:.3g} mm in the last round: control was left"
-        )
+    """Raises RunError where a reference of the last round has not gone through its duty cycle: control was left."""
+    for suffix, each in zip(SUFFIXES, duty.alone, strict=False):
+        reference = getattr(run.command, circuit.program + suffix).reference[run.times >= system.average_from]
+        gone, asked = float(np.ptp(reference)), float(np.ptp(each.cycle.positions))
+        if gone < LEAST_STROKE * asked:
+            travel = f"{1e3 * gone:.3g} of {1e3 * asked:.3g} mm"
+            raise RunError(f"the reference went through {travel} in the last round: control was left")
 
 
 def circuit_score(circuit: RivalCircuit, system: System, run: Run, begin: float = 0.0) -> CircuitScore:
     """The score of a run that came to its end, controlled from `begin` [s] on."""
     found = simulated_summary(outcome(run, system.average_from), system)
     since = run.times - begin
-    error = np.abs(run.state.rod.position - getattr(run.command, circuit.program).reference)
+    error = np.max([_error(circuit, run, suffix) for suffix in _suffixes(run)], axis=0)
     early, late = (since >= 0.0) & (since < SETTLED), since >= SETTLED
     last = np.flatnonzero(run.times >= system.average_from - 0.5 * RECORD)
     books = _books(run)
     drawn, returned = _drive_powers(books, run.times, last)
-    delivered, received = _rod_powers(system, run, last)
+    delivered, received = np.sum([_rod_powers(system, run, last, suffix) for suffix in _suffixes(run)], axis=0)
     reference = system.tables["oil"].reference_pressure
-    volumes = [name for name in ("chamber_a", "chamber_b", "supply", "line") if f"pressure_max_{name}_Pa" in found]
+    chambers = [name + suffix for suffix in _suffixes(run) for name in CHAMBERS]
+    lines = ["line", "pump_line", *("supply" + suffix for suffix in SUFFIXES)]
+    highest = [float(found[key]) for name in (*chambers, *lines) if (key := f"pressure_max_{name}_Pa") in found]
     return CircuitScore(
         tracking_max=float(np.max(error[late])),
         tracking_rms=float(np.sqrt(np.mean(error[late] ** 2))),
         tracking_first=float(np.max(error[early])),
         drawn=drawn,
         returned=returned,
-        delivered=delivered,
-        received=received,
+        delivered=float(delivered),
+        received=float(received),
         friction=_lost_power(books, run.times, last, ("friction", "end_stops")),
         stored=_storing_power(run, last),
         sinks=tuple(_lost_power(books, run.times, last, circuit.sinks.get(sink, ())) for sink in SINKS),
-        pressure_max=max(float(found[f"pressure_max_{name}_Pa"]) for name in volumes),
-        pressure_min=min(float(found[f"pressure_min_{name}_Pa"]) for name in volumes[:2]),
+        pressure_max=max(highest),
+        pressure_min=min(float(found[f"pressure_min_{name}_Pa"]) for name in chambers),
         charge=np.nan if circuit.charge is None else circuit.charge(system.tables) - reference,
         energy_residual=float(found["energy_residual"]),
         mass_residual=float(found["mass_residual"]),
     )
+
+
+def joint_score(scores: Sequence[CircuitScore]) -> CircuitScore:
+    """The score of circuits that move a cylinder each: powers add up, errors and pressures are the worst of all."""
+    added = {name: float(sum(getattr(each, name) for each in scores)) for name in ADDED}
+    worst = {name: float(max((getattr(each, name) for each in scores), key=abs)) for name in WORST}
+    return CircuitScore(
+        **added,
+        **worst,
+        sinks=tuple(map(sum, zip(*(each.sinks for each in scores), strict=True))),
+        pressure_min=min(each.pressure_min for each in scores),
+        charge=scores[0].charge,
+    )
+
+
+def _suffixes(run: Run) -> tuple[str, ...]:
+    """What stands behind the names of the cylinders of a run."""
+    return tuple(suffix for suffix in SUFFIXES if hasattr(run.state, f"rod{suffix}"))
+
+
+def _error(circuit: RivalCircuit, run: Run, suffix: str) -> Array:
+    """How far a rod is from its reference [m]."""
+    position = getattr(run.state, f"rod{suffix}").position
+    error: Array = np.abs(position - getattr(run.command, circuit.program + suffix).reference)
+    return error
 
 
 def _books(run: Run) -> dict[str, Array]:
@@ -144,8 +178,10 @@ def _books(run: Run) -> dict[str, Array]:
 
 
 def _lost_power(books: Mapping[str, Array], times: Array, rows: Rows, parts: tuple[str, ...]) -> float:
-    """Mean power that some parts of a circuit turn to heat over `rows` [W]."""
-    paths = [path for path in books for part in parts if f"{path}.".startswith(f"spent.{part}.")]
+    """Mean power that some parts of a circuit, for all its cylinders, turn to heat over `rows` [W]."""
+    split = [part.partition(".") for part in parts]
+    named = [f"{head}{suffix}{dot}{rest}" for head, dot, rest in split for suffix in SUFFIXES]
+    paths = [path for path in books for part in named if f"{path}.".startswith(f"spent.{part}.")]
     lost = sum(float(books[path][rows[-1]] - books[path][rows[0]]) for path in paths)
     return lost / float(times[rows[-1]] - times[rows[0]])
 
@@ -165,11 +201,12 @@ def _drive_powers(books: Mapping[str, Array], times: Array, rows: Rows) -> tuple
     return float(np.sum(steps[steps > 0.0])) / lasts, abs(float(np.sum(steps[steps < 0.0]))) / lasts
 
 
-def _rod_powers(system: System, run: Run, rows: Rows) -> tuple[float, float]:
+def _rod_powers(system: System, run: Run, rows: Rows, suffix: str) -> tuple[float, float]:
     """Mean power of the oil on the rod while it pushes, and of the rod on the oil while the load overruns [W]."""
-    cylinder, reference, state = system.tables["cylinder"], system.tables["oil"].reference_pressure, run.state
-    force = (state.chamber_a - reference) * cylinder.area_a - (state.chamber_b - reference) * cylinder.area_b
-    times, power = run.times[rows], (force * state.rod.velocity)[rows]
+    cylinder, reference = system.tables["cylinder"], system.tables["oil"].reference_pressure
+    a, b, rod = (getattr(run.state, name + suffix) for name in (*CHAMBERS, "rod"))
+    force = (a - reference) * cylinder.area_a - (b - reference) * cylinder.area_b
+    times, power = run.times[rows], (force * rod.velocity)[rows]
     lasts = float(times[-1] - times[0])
     pushing, driven = (float(np.trapezoid(np.clip(sign * power, 0.0, None), times)) for sign in (1.0, -1.0))
     return pushing / lasts, driven / lasts

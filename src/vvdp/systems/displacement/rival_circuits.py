@@ -20,6 +20,9 @@ from vvdp.systems.displacement.rival_machine import (
 from vvdp.systems.displacement.rivals import LOOP
 from vvdp.systems.system import load_system
 
+SAFETY = 20e5
+"""By how much the relief valve of a pump that holds its pressure lies above that [Pa]."""
+
 
 class Sink(NamedTuple):
     """Where power is lost: a key of the table, and what a person calls it."""
@@ -30,11 +33,13 @@ class Sink(NamedTuple):
 
 RELIEF = Sink("loss_relief_W", "relief valve")
 METERING = Sink("loss_valves_W", "valves")
+COMPENSATORS = Sink("loss_compensators_W", "compensators")
 RETURN = Sink("loss_return_W", "return throttle")
 SWITCHING = Sink("loss_rotary_W", "rotary valve")
 LEAKAGE = Sink("loss_leakage_W", "leakage")
+PUMP_FRICTION = Sink("loss_pump_friction_W", "pump friction")
 CHARGE = Sink("loss_charge_W", "charge relief")
-SINKS = (RELIEF, METERING, RETURN, SWITCHING, LEAKAGE, CHARGE)
+SINKS = (RELIEF, METERING, COMPENSATORS, RETURN, SWITCHING, LEAKAGE, PUMP_FRICTION, CHARGE)
 """Where power is lost before the rod, in the order in which it is shown."""
 
 Tables = Mapping[str, Any]
@@ -47,7 +52,8 @@ class RivalCircuit:
 
     `size(tables, duty, begin, rounds)` gives the tables that follow; `program` is that whose command has the reference.
     `begin` tells of a run when control began, where that is not at once. `charge` gives the pressure below which, less
-    a margin, its low side must not fall; None where nothing charges it.
+    a margin, its low side must not fall; None where nothing charges it. Where `shares` holds, one pump feeds all
+    cylinders of a duty, by the tables [second] and [third]; else each has a circuit of its own.
     """
 
     name: str
@@ -58,6 +64,7 @@ class RivalCircuit:
     charge: Callable[[Tables], float] | None = None
     program: str = LOOP
     begin: Callable[[Run], float] | None = None
+    shares: bool = False
 
 
 def start_of(tables: Tables, duty: Duty, level: float, supply: float | None = None) -> InitialCylinder:
@@ -72,13 +79,33 @@ def _relief(tables: Tables, name: str, duty: Duty) -> Any:
 def _size_throttle(tables: Tables, duty: Duty) -> Tables:
     relief, reference = _relief(tables, "relief_valve", duty), tables["oil"].reference_pressure
     start = start_of(tables, duty, reference + LOW_SIDE, relief.cracking_pressure)
-    return {"relief_valve": relief, "initial": start}
+    return {"relief_valve": relief, "initial": start, **_further(duty)}
+
+
+def _further(duty: Duty) -> Tables:
+    """The tables of the further cylinders of a duty."""
+    return {name: each.cycle for name, each in zip(("second", "third"), duty.further, strict=False)}
 
 
 def _size_one_way(tables: Tables, duty: Duty) -> Tables:
     valve = replace(tables["directional_valve"], return_conductance=duty.return_conductance)
     start = start_of(tables, duty, tables["oil"].reference_pressure + LOW_SIDE)
     return {"relief_valve": _relief(tables, "relief_valve", duty), "directional_valve": valve, "initial": start}
+
+
+def _size_load_sensing(tables: Tables, duty: Duty) -> Tables:
+    """The pump's pressure ends where relief valves of others open; its own one opens 20 bar above."""
+    highest = tables["oil"].reference_pressure + duty.relief_pressure
+    relief = replace(tables["relief_valve"], cracking_pressure=highest + SAFETY)
+    control = replace(tables["pump_control"], highest_pressure=highest)
+    return {**_size_one_way(tables, duty), "relief_valve": relief, "pump_control": control, **_further(duty)}
+
+
+def _size_constant_pressure(tables: Tables, duty: Duty) -> Tables:
+    """The same with a pump that holds the pressure at which load sensing ends: its margin is as large."""
+    found = _size_load_sensing(tables, duty)
+    control = found["pump_control"]
+    return {**found, "pump_control": replace(control, margin=control.highest_pressure)}
 
 
 def _size_closed(tables: Tables, duty: Duty) -> Tables:
@@ -114,6 +141,15 @@ def reservoir_pressure(tables: Tables) -> float:
     return float(tables["reservoir"].pressure.extremes[0])
 
 
+PUMP_LEAKAGE = ("pump.leakage", "pump.compression", "cylinder")
+LOAD_SENSING_SINKS: Mapping[Sink, tuple[str, ...]] = {
+    RELIEF: ("relief_valve",),
+    METERING: ("flow_valve.metering", "directional_valve.edges"),
+    COMPENSATORS: ("flow_valve.compensator",),
+    RETURN: ("directional_valve.return_throttle",),
+    LEAKAGE: PUMP_LEAKAGE,
+    PUMP_FRICTION: ("pump.friction",),
+}
 CLOSED_SINKS: Mapping[Sink, tuple[str, ...]] = {
     RELIEF: ("relief_valve_a", "relief_valve_b"),
     LEAKAGE: ("pump_leakage", "cylinder"),
@@ -137,7 +173,8 @@ MACHINE_SINKS: Mapping[Sink, tuple[str, ...]] = {
         "axial_friction",
         "axial_stops",
     ),
-    LEAKAGE: ("pump", "valve.leakage", "cylinder"),
+    LEAKAGE: (*PUMP_LEAKAGE, "valve.leakage"),
+    PUMP_FRICTION: ("pump.friction",),
 }
 CIRCUITS = (
     RivalCircuit(
@@ -175,8 +212,39 @@ CIRCUITS = (
         sinks={
             RELIEF: ("relief_valve",),
             METERING: ("directional_valve",),
-            LEAKAGE: ("pump", "cylinder"),
+            LEAKAGE: PUMP_LEAKAGE,
+            PUMP_FRICTION: ("pump.friction",),
         },
+        shares=True,
+    ),
+    RivalCircuit(
+        name="bleed-off",
+        title="fixed pump of 40 lpm at the load's pressure, a throttle beside the cylinder lets the rest to the tank",
+        system="bleed-off-control",
+        size=_at_once(_size_one_way),
+        sinks={
+            RELIEF: ("relief_valve",),
+            METERING: ("bleed_valve", "directional_valve.edges"),
+            RETURN: ("directional_valve.return_throttle",),
+            LEAKAGE: PUMP_LEAKAGE,
+            PUMP_FRICTION: ("pump.friction",),
+        },
+    ),
+    RivalCircuit(
+        name="constant-pressure",
+        title="variable pump that holds one pressure, compensated throttles, directional valves",
+        system="load-sensing",
+        size=_at_once(_size_constant_pressure),
+        sinks=LOAD_SENSING_SINKS,
+        shares=True,
+    ),
+    RivalCircuit(
+        name="load-sensing",
+        title="variable pump 20 bar above the highest load, compensated throttles, directional valves",
+        system="load-sensing",
+        size=_at_once(_size_load_sensing),
+        sinks=LOAD_SENSING_SINKS,
+        shares=True,
     ),
     RivalCircuit(
         name="ideal-pump",
@@ -220,6 +288,24 @@ CIRCUITS = (
     ),
 )
 """All circuits; another one is another value."""
+
+
+def with_value(circuit: RivalCircuit, name: str, table: str, field: str, value: float) -> RivalCircuit:
+    """A circuit with another value in one of its tables [SI], under a name of its own."""
+    return replace(circuit, name=name, size=partial(_size_with_value, circuit.size, (table, field, value)))
+
+
+def _size_with_value(
+    size: Callable[[Tables, Duty, float, int], Tables],
+    changed: tuple[str, str, float],
+    tables: Tables,
+    duty: Duty,
+    begin: float,
+    rounds: int,
+) -> Tables:
+    table, field, value = changed
+    other = {table: replace(tables[table], **{field: value})}
+    return {**other, **size({**tables, **other}, duty, begin, rounds)}
 
 
 def machine_with_valve(name: str) -> RivalCircuit:

@@ -5,11 +5,10 @@ The functions that return a `Network` are what a system file names as its circui
 Source  wang2017, section 1.3
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
-from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Conductance, Flow, FlowSignal, PressureSignal, SpeedSignal
-from vvdp.base.params import Params
+from vvdp.base.kinds import PressureSignal
 from vvdp.base.select import clip
 from vvdp.components.controlled_valves import PROPORTIONAL_VALVE
 from vvdp.components.directional_valves import (
@@ -39,7 +38,13 @@ from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
 from vvdp.network.nodes import Connection, Load
 from vvdp.network.program import ProgramType
-from vvdp.systems.displacement.cylinder_load import InitialCylinder, LoadedCylinder, add_cylinder
+from vvdp.systems.displacement.cylinder_load import (
+    LOW_SIDE,
+    InitialCylinder,
+    LoadedCylinder,
+    add_cylinder,
+    start_at_rest,
+)
 from vvdp.systems.displacement.duty_cycle import DutyCycle, refuse_fast_cycle, refuse_long_cycle
 from vvdp.systems.displacement.rival_loop import (
     CLOSED_LOOP,
@@ -51,39 +56,15 @@ from vvdp.systems.displacement.rival_loop import (
     RivalLoop,
     loop_gain,
 )
+from vvdp.systems.displacement.rival_tables import ChargeSupply, PumpDrive, Reservoir, VariablePump
 from vvdp.systems.extras import Extras
 
 LOOP = "loop"
 """Name of the program of a position loop."""
 
 
-class PumpDrive(Params):
-    """What turns a fixed pump."""
-
-    speed: SpeedSignal
-
-
-class VariablePump(Params):
-    """An ideal variable pump but for what leaks back: it gives any flow up to `largest_flow`."""
-
-    largest_flow: Flow
-    leakage_conductance: Conductance
-
-    def check(self) -> None:
-        if not self.largest_flow > 0.0:
-            raise ParameterError("VariablePump.largest_flow: 0 m^3/s; the rod would never move, expected above 0")
-
-
-class ChargeSupply(Params):
-    """A charge pump's constant `flow`; what is not needed goes over the charge relief valve."""
-
-    flow: FlowSignal
-
-
-class Reservoir(Params):
-    """The tank of an open circuit, under `pressure` so that the low side fills."""
-
-    pressure: PressureSignal
+SUFFIXES = ("", "_2", "_3")
+"""What stands behind the names of the first, second and third cylinder and of all that belongs to it."""
 
 
 class RoundOfWork(Extras):
@@ -152,6 +133,17 @@ class Rival:
         net.program(LOOP + suffix, program, settings, reads=reads, period=self.loop.sample_period)
 
 
+def further_rivals(first: Rival, second: DutyCycle | None, third: DutyCycle | None) -> Mapping[str, Rival]:
+    """The rival with the further ones that one pump feeds, by suffix: alike but for their cycles, at rest at first."""
+    level, cylinder = first.oil.reference_pressure, first.moved.cylinder
+    found = {"": first}
+    for suffix, cycle in zip(SUFFIXES[1:], (second, third), strict=True):
+        if cycle is not None:
+            start = start_at_rest(cycle, cylinder, level, level + LOW_SIDE)
+            found[suffix] = replace(first, duty_cycle=cycle, initial=start)
+    return found
+
+
 def throttle_control(
     oil: Oil,
     pump: Pump,
@@ -169,18 +161,29 @@ def throttle_control(
     reference: ReferenceFilter,
     loop: LoopTable,
     initial: InitialCylinder,
+    second: DutyCycle | None = None,
+    third: DutyCycle | None = None,
 ) -> Network:
-    """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve."""
+    """Fixed pump, relief valve, 4/3 proportional valve: what the cylinder does not take goes over the relief valve.
+
+    `second` and `third` are the duty cycles of further cylinders, each with such a valve of its own.
+    """
     moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance)
-    net = rival.network(THROTTLE_LOOP, settings, "supply")
+    limits = pump.displacement * pump_drive.speed.extremes[0], directional_valve.conductance
+    net = rival.network(THROTTLE_LOOP, rival.settings(*limits), "supply")
     net.values["pump_drive"] = pump_drive
     net.volume("supply", supply_line, start="initial.supply_pressure")
     net.driven_shaft("pump_shaft", pump_drive.speed)
     net.add("pump", PUMP, pump, inlet="tank", outlet="supply", shaft="pump_shaft")
     net.add("relief_valve", RELIEF_VALVE, relief_valve, a="supply", b="tank")
-    net.add("directional_valve", DIRECTIONAL_VALVE, directional_valve, command=f"{LOOP}.valve", **VALVE_PORTS)
+    for suffix, each in further_rivals(rival, second, third).items():
+        if suffix:
+            each.add_actuator(net, THROTTLE_LOOP, each.settings(*limits), "supply", suffix)
+        ports = valve_ports("supply", suffix)
+        net.add(
+            "directional_valve" + suffix, DIRECTIONAL_VALVE, directional_valve, command=f"{LOOP}{suffix}.valve", **ports
+        )
     return net
 
 
@@ -319,10 +322,6 @@ def four_valve_circuit(
     return net
 
 
-VALVE_PORTS = {"pressure": "supply", "tank": "tank", "a": "chamber_a", "b": "chamber_b"}
-"""Where the ports of a 4/3 valve lead."""
-
-
 def load_side(side: float) -> float:
     """How far the valves that belong to chamber A's carrying the load are open [1], for a `side` from -1 to 1."""
     return clip(side, 0.0, 1.0)
@@ -333,10 +332,15 @@ def far_side(side: float) -> float:
     return clip(-side, 0.0, 1.0)
 
 
+def valve_ports(supply: str, suffix: str) -> Mapping[str, str]:
+    """Where the ports of a 4/3 valve lead; `suffix` stands behind the names of its cylinder's chambers."""
+    return {"pressure": supply, "tank": "tank", "a": f"chamber_a{suffix}", "b": f"chamber_b{suffix}"}
+
+
 def add_throttled_valve(net: Network, valve: ThrottledDirectionalValve, suffix: str = "") -> None:
     """A directional valve with a throttle in its return, between `supply` and the chambers; `suffix` as there."""
     commands = {"command": f"{LOOP}{suffix}.valve", "return_command": f"{LOOP}{suffix}.opening"}
-    ports = {port: node if node == "tank" else node + suffix for port, node in VALVE_PORTS.items()}
+    ports = valve_ports("supply" + suffix, suffix)
     net.add("directional_valve" + suffix, THROTTLED_DIRECTIONAL_VALVE, valve, **commands, **ports)
 
 
