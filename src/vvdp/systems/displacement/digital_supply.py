@@ -179,9 +179,7 @@ def linear_valves(
     """Fixed pump whose flow pulsed linear valves send to the line or back to the tank."""
     moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
     rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
-    settings = rival.settings(
-        pump.displacement * pump_drive.speed.extremes[0], directional_valve.return_conductance
-    )
+    settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.return_conductance)
     net = rival.network(ONE_WAY_LOOP, settings, "supply")
     net.volume("pump_line", inlet, start="initial.supply_pressure")
     _add_fixed_pump(net, pump, pump_drive, relief_valve)
