@@ -26,6 +26,7 @@ from vvdp.components.directional_valves import (
     THROTTLED_DIRECTIONAL_VALVE,
 )
 from vvdp.components.drives import DRIVE_COUPLING
+from vvdp.components.flow_control_units import UNIT_VALVE
 from vvdp.components.flow_sources import FLOW_SOURCE
 from vvdp.components.gerotor_drives import CALIBRATED_GEROTOR_DRIVE, GEROTOR_DRIVE
 from vvdp.components.lines import COLUMN, LINE
@@ -129,6 +130,7 @@ COMPONENTS = _by_name(
     THROTTLED_DIRECTIONAL_VALVE,
     TORSION_SPRING,
     TWO_WAY_VALVE,
+    UNIT_VALVE,
     UNLOADING_VALVE,
     WEIGHT,
 )

@@ -107,6 +107,23 @@ def spool_rate(
     return SpoolState((1.0 - held) * v, acceleration - held * STOP_DAMPING * omega * v)
 
 
+def spool_frequency(switching_time: float, damping_ratio: float) -> float:
+    """Natural frequency of a spool that is at its other end so long after a command at rest [Hz].
+
+    x = 1 - exp(-zeta w t) (cos(v t) + zeta w/v sin(v t)) with v = w root(1 - zeta^2) is 1 first where tan(v t) is
+    -v/(zeta w): w t = (pi - arccos zeta)/root(1 - zeta^2).
+
+    switching_time  from the command to the end of the stroke [s]
+    damping_ratio   zeta, between 0 and 1 [1]
+
+    >>> round(spool_frequency(1e-3, 0.7), 1)
+    522.9
+    """
+    root = np.sqrt(1.0 - damping_ratio * damping_ratio)
+    frequency: float = (np.pi - np.arccos(damping_ratio)) / (2.0 * np.pi * switching_time * root)
+    return frequency
+
+
 def spool_ends(spool: SpoolState, at_first: float, at_second: float, valve: SwitchingValve) -> SpoolEnds:
     """Whether an end of the stroke holds a switching spool, from when it comes there until it turns back [1].
 

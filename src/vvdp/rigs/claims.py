@@ -14,6 +14,7 @@ from vvdp.rigs.actuation_claim import LIGHT_MASS, actuation_claim, annular_strok
 from vvdp.rigs.claim import Claim
 from vvdp.rigs.conditions import conditions
 from vvdp.rigs.driving_claim import driving_claim, driving_point, self_spinning
+from vvdp.rigs.linear_valve_claim import linear_valve_claim
 from vvdp.rigs.ripple_claim import ripple_claim
 from vvdp.rigs.supply_claim import supply_claim
 from vvdp.rigs.throttling_claim import throttling_claim
@@ -25,6 +26,7 @@ from vvdp.valve.geometry import transition_fraction
 LEFT_OUT = (
     "Pump and motor losses beyond the parameters, the same for both ways of control.",
     "What the throttling valve itself adds: its lowest drop and its actuation.",
+    "Power that moves the published linear valves: the source tells it of one, 300 V and up to 30 A while it switches.",
     "Stiction, flow forces and springs of the linear valve; energy put into its braking is not recovered.",
     "Seals and bearings of a driven spool's shaft, and the efficiency of its motor.",
 )
@@ -74,6 +76,9 @@ def claims(
             left_out.append(f"{_title(list(pending))}: interrupted before.")
         pending.pop(name)
     found.append(actuation_claim(stand))
+    if finished:
+        say("linear valves")
+        found.append(linear_valve_claim(stand, cores=cores, cache=cache, say=say))
     return Result(
         verb="rig claims",
         title="Published claims for the rotary PWM valve",

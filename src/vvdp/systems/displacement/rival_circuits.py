@@ -35,7 +35,7 @@ RELIEF = Sink("loss_relief_W", "relief valve")
 METERING = Sink("loss_valves_W", "valves")
 COMPENSATORS = Sink("loss_compensators_W", "compensators")
 RETURN = Sink("loss_return_W", "return throttle")
-SWITCHING = Sink("loss_rotary_W", "rotary valve")
+SWITCHING = Sink("loss_rotary_W", "PWM valve")
 LEAKAGE = Sink("loss_leakage_W", "leakage")
 PUMP_FRICTION = Sink("loss_pump_friction_W", "pump friction")
 CHARGE = Sink("loss_charge_W", "charge relief")
@@ -245,6 +245,31 @@ CIRCUITS = (
         size=_at_once(_size_load_sensing),
         sinks=LOAD_SENSING_SINKS,
         shares=True,
+    ),
+    RivalCircuit(
+        name="flow-control-unit",
+        title="fixed pump of 40 lpm, relief valve, five on/off valves in parallel, directional valve",
+        system="flow-control-unit",
+        size=_at_once(_size_one_way),
+        sinks={
+            RELIEF: ("relief_valve",),
+            METERING: (*(f"unit_{number}" for number in range(1, 6)), "directional_valve.edges"),
+            RETURN: ("directional_valve.return_throttle",),
+            LEAKAGE: ("pump", "cylinder"),
+        },
+    ),
+    RivalCircuit(
+        name="linear-valves",
+        title="the machine's circuit with fast linear on/off valves at 75 Hz in the place of the rotary one",
+        system="linear-valves",
+        size=_at_once(_size_one_way),
+        sinks={
+            RELIEF: ("relief_valve",),
+            METERING: ("directional_valve.edges",),
+            RETURN: ("directional_valve.return_throttle",),
+            SWITCHING: ("switching_valve",),
+            LEAKAGE: ("pump", "cylinder"),
+        },
     ),
     RivalCircuit(
         name="ideal-pump",

@@ -106,7 +106,7 @@ class Rival:
         )
 
     def network(
-        self, program: ProgramType, settings: RivalLoop, supply: str, tank: PressureSignal | None = None
+        self, program: ProgramType, settings: Params, supply: str, tank: PressureSignal | None = None
     ) -> Network:
         """A network with the cylinder and the loop that moves it; `supply` is the volume that feeds it.
 
@@ -118,9 +118,7 @@ class Rival:
         self.add_actuator(net, program, settings, supply)
         return net
 
-    def add_actuator(
-        self, net: Network, program: ProgramType, settings: RivalLoop, supply: str, suffix: str = ""
-    ) -> None:
+    def add_actuator(self, net: Network, program: ProgramType, settings: Params, supply: str, suffix: str = "") -> None:
         """Add the cylinder and the loop that moves it; `suffix` goes behind their names where there are several."""
         net.values["initial" + suffix] = self.initial
         add_cylinder(net, self.moved, f"{LOOP}{suffix}.force", suffix=suffix)

@@ -1,0 +1,214 @@
+"""Rivals whose fixed pump is metered by on/off valves: parallel ones with a code, or fast linear ones with pulses.
+
+Both stand in the place of the rotary valve, in the machine's circuit: a line behind them, a directional valve for the
+sign, a throttle in the return.
+
+Source  wang2017, sections 1.2.1 and 1.2.2
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Count, Force, Fraction, Position, Pressure, SignedFraction
+from vvdp.base.params import Params
+from vvdp.components.directional_valves import ThrottledDirectionalValve
+from vvdp.components.flow_control_units import add_flow_control_unit
+from vvdp.components.machines import PUMP
+from vvdp.components.self_acting_valves import RELIEF_VALVE
+from vvdp.components.switching_valves import MODULATED_SWITCHING_VALVE, ModulatedThreeWayValve
+from vvdp.control.reference import ReferenceFilter
+from vvdp.fluid.oil import Oil
+from vvdp.hydraulics.cylinder import Cylinder
+from vvdp.hydraulics.flow_control_unit import OnOffValve, UnitValve, binary_valves, equal_valves
+from vvdp.hydraulics.friction import RodFriction
+from vvdp.hydraulics.pump import Pump
+from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.rod import EndStop
+from vvdp.hydraulics.volume import Vessel
+from vvdp.network.network import Network
+from vvdp.network.nodes import Chamber, Connection, Load
+from vvdp.network.program import ProgramType
+from vvdp.systems.displacement.cylinder_load import InitialCylinder
+from vvdp.systems.displacement.duty_cycle import DutyCycle
+from vvdp.systems.displacement.rival_loop import (
+    ONE_WAY_LOOP,
+    CylinderReading,
+    LoopMemory,
+    LoopTable,
+    RivalLoop,
+    loop_start,
+    one_way_step,
+)
+from vvdp.systems.displacement.rivals import LOOP, PumpDrive, Rival, add_throttled_valve, loaded_cylinder
+
+LEAST_DROP = 1e5
+"""Drop over a unit below which its loop reckons with this one [Pa]."""
+
+
+class FlowControlUnit(OnOffValve):
+    """A unit of `valves` on/off valves: the values are those of the smallest.
+
+    Sizes double from valve to valve; where `equal_sizes` is 1, all are as large as the smallest.
+    """
+
+    valves: Count
+    equal_sizes: Fraction = 0.0
+
+    def check(self) -> None:
+        super().check()
+        if self.valves < 1.0 or self.valves != round(self.valves):
+            raise ParameterError(f"FlowControlUnit.valves: {self.valves:g}; expected a whole number from 1 on")
+        if self.equal_sizes not in (0.0, 1.0):
+            raise ParameterError(f"FlowControlUnit.equal_sizes: {self.equal_sizes:g}; expected 0 or 1")
+
+    @property
+    def parts(self) -> tuple[UnitValve, ...]:
+        """Its valves, the smallest first."""
+        return (equal_valves if self.equal_sizes else binary_valves)(int(self.valves), self)
+
+
+class CodedLoop(Params):
+    """A position loop that opens a unit by codes up to `highest_code`, from a supply that it takes to be at a level."""
+
+    loop: RivalLoop
+    smallest: OnOffValve
+    highest_code: Count
+    supply_level: Pressure
+
+
+class CodedCommand(NamedTuple):
+    """What it commands: the unit's code, the directional valve, the throttle in the return; `reference` is shown,
+    and `force` is what the duty cycle puts on the rod."""
+
+    code: Count
+    valve: SignedFraction
+    opening: Fraction
+    reference: Position
+    force: Force
+
+
+def coded_step(
+    t: float, memory: LoopMemory, seen: CylinderReading, settings: CodedLoop
+) -> tuple[LoopMemory, CodedCommand]:
+    """Program: as `one_way_step`, with the code whose flow is closest to the one that is wanted."""
+    kept, command = one_way_step(t, memory, seen, settings.loop)
+    drop = max(settings.supply_level - kept.pressures.supply, LEAST_DROP)
+    unit = settings.smallest.rated_flow * np.sqrt(drop / settings.smallest.rated_drop)
+    code = min(float(np.floor(command.flow / unit + 0.5)), settings.highest_code)
+    coded = CodedCommand(
+        code=code, valve=command.valve, opening=command.opening, reference=command.reference, force=command.force
+    )
+    return kept, coded
+
+
+def coded_start(settings: CodedLoop) -> LoopMemory:
+    """The memory before the first sample: at rest at the beginning of the cycle."""
+    return loop_start(settings.loop)
+
+
+CODED_LOOP = ProgramType(
+    step=coded_step,
+    reading=CylinderReading,
+    command=CodedCommand(code=0.0, valve=0.0, opening=0.0, reference=0.0, force=0.0),
+    settings=CodedLoop,
+    start=coded_start,
+)
+
+
+def flow_control_unit(
+    oil: Oil,
+    pump: Pump,
+    pump_drive: PumpDrive,
+    pump_line: Vessel,
+    relief_valve: ReliefValve,
+    unit: FlowControlUnit,
+    supply_line: Vessel,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    load: Load,
+    friction: RodFriction,
+    end_stops: EndStop,
+    duty_cycle: DutyCycle,
+    reference: ReferenceFilter,
+    loop: LoopTable,
+    initial: InitialCylinder,
+) -> Network:
+    """Fixed pump at its relief setting, metered by a digital flow control unit."""
+    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
+    flow, parts = pump.displacement * pump_drive.speed.extremes[0], unit.parts
+    settings = CodedLoop(
+        loop=rival.settings(flow, directional_valve.return_conductance),
+        smallest=unit,
+        highest_code=max(valve.modulus for valve in parts) - 1.0,
+        supply_level=relief_valve.cracking_pressure,
+    )
+    net = rival.network(CODED_LOOP, settings, "supply")
+    net.volume("pump_line", pump_line, start=relief_valve.cracking_pressure)
+    _add_fixed_pump(net, pump, pump_drive, relief_valve)
+    net.volume("supply", supply_line, start="initial.supply_pressure")
+    add_flow_control_unit(net, "unit", parts, ("pump_line", "supply"), f"{LOOP}.code")
+    add_throttled_valve(net, directional_valve)
+    return net
+
+
+def linear_valves(
+    oil: Oil,
+    pump: Pump,
+    pump_drive: PumpDrive,
+    inlet: Chamber,
+    relief_valve: ReliefValve,
+    switching_valve: ModulatedThreeWayValve,
+    supply_line: Vessel,
+    directional_valve: ThrottledDirectionalValve,
+    cylinder: Cylinder,
+    chamber_a: Vessel,
+    chamber_b: Vessel,
+    load: Load,
+    friction: RodFriction,
+    end_stops: EndStop,
+    duty_cycle: DutyCycle,
+    reference: ReferenceFilter,
+    loop: LoopTable,
+    initial: InitialCylinder,
+) -> Network:
+    """Fixed pump whose flow pulsed linear valves send to the line or back to the tank."""
+    moved = loaded_cylinder(cylinder, (chamber_a, chamber_b), load, friction, end_stops)
+    rival = Rival(oil=oil, moved=moved, duty_cycle=duty_cycle, reference=reference, loop=loop, initial=initial)
+    settings = rival.settings(pump.displacement * pump_drive.speed.extremes[0], directional_valve.return_conductance)
+    net = rival.network(ONE_WAY_LOOP, settings, "supply")
+    net.volume("pump_line", inlet, start="initial.supply_pressure")
+    _add_fixed_pump(net, pump, pump_drive, relief_valve)
+    net.volume("supply", supply_line, start="initial.supply_pressure")
+    net.add(
+        "switching_valve",
+        MODULATED_SWITCHING_VALVE,
+        switching_valve,
+        pressure="pump_line",
+        first="supply",
+        second="tank",
+        duty_ratio=Connection(pump_share, (pump, pump_drive.speed, f"{LOOP}.flow")),
+    )
+    add_throttled_valve(net, directional_valve)
+    return net
+
+
+def pump_share(pump: Pump, speed: float, flow: float) -> float:
+    """A flow over that of a pump [1].
+
+    speed  of its shaft [rad/s]
+    flow   [m^3/s]
+    """
+    return flow / (pump.displacement * speed)
+
+
+def _add_fixed_pump(net: Network, pump: Pump, drive: PumpDrive, relief_valve: ReliefValve) -> None:
+    """A pump that turns steadily between tank and `pump_line`, and the relief valve of that."""
+    net.values["pump_drive"] = drive
+    net.driven_shaft("pump_shaft", drive.speed)
+    net.add("pump", PUMP, pump, inlet="tank", outlet="pump_line", shaft="pump_shaft")
+    net.add("relief_valve", RELIEF_VALVE, relief_valve, a="pump_line", b="tank")
