@@ -36,8 +36,6 @@ SIZES = 6
 """Designs of least nominal loss, from small to large, that the evolution begins with."""
 STEP, STRIDE = 0.06, 0.7
 """Of a child: scatter of the logarithms of its variables, and how far it goes along the difference of two others."""
-UNTIL = "0.4 s"
-"""How long each scenario is run; means are over the part of it that the system's own run has."""
 
 
 @dataclass(frozen=True)
@@ -233,7 +231,7 @@ class _Trials:
         cases = [self.case(values, each) for values in designs for each in self.met]
         directory, engine, progress, say, cache = self.study
         results = run_study(
-            Study(self.asked.system, cases, OUTPUTS, until=UNTIL),
+            Study(self.asked.system, cases, OUTPUTS),
             directory,
             engine=engine,
             progress=lambda done, _: progress(self.wanted + done),

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.kinds import Flow, Frequency, Power, Volume
 from vvdp.design.quantities import Quantities, Setup, quantities, switching_condition
 from vvdp.fluid.oil import density, film_viscosity
@@ -21,11 +22,14 @@ from vvdp.valve.geometry import EVEN, Openings, port_shape, shape_openings
 from vvdp.valve.torque import friction_coefficient, pwm_frequency, spool_torque
 
 ANGLES = 400
-COARSE = 160
+COARSE = 100
 """Equally spaced over a PWM period, and as many as a search takes."""
+FINER = 16
+"""Pieces of an angle in which the chamber is released or locked, which takes only a part of it."""
 PERIODS = 4
 """Until the oil in the chamber comes back: it empties in each of them, where it can."""
 MOUTH = Orifice()
+SHUT = BranchFlow(0.0, 0.0, 1.0, 0.0, 0.0)
 
 
 class Softening(NamedTuple):
@@ -82,19 +86,21 @@ def soft_means(at: Setup, soft: Softening, angles: int = ANGLES) -> SoftMeans:
     frequency at which the torques balance. What it keeps from period to period counts as lost, at the load's pressure.
     """
     circuit = _circuit(at, soft)
-    openings = _openings(at, angles)
+    parts = _parts(at, soft, angles)
     held, first, most, frequency = 0.0, 0.0, 0.0, float(quantities(at).pwm_frequency)
-    rows = np.zeros((angles, 4))
+    rows = np.zeros((len(parts), 5))
     for _ in range(PERIODS):
-        now, last, first, most = None, None, held, 0.0
-        for number, each in enumerate(openings):
-            if now is None or (each, held) != last:
-                now, last = circuit.instant(each, held), (each, held)
-                torques = _torques(now, each, at)
-            rows[number] = now.inlet_pressure, now.load_flow, *torques
-            held = max(held + now.chamber_flow / (frequency * angles), 0.0)
+        last, first, most = None, held, 0.0
+        for number, part in enumerate(parts):
+            duration = part.share / frequency
+            middle = max(held + 0.5 * duration * rows[number - 1][4], 0.0)
+            if (part.openings, middle) != last:
+                rows[number], last = circuit.row(part.openings, middle, held / duration), (part.openings, middle)
+            else:
+                rows[number] = rows[number - 1]
+            held = max(held + duration * rows[number][4], 0.0)
             most = max(most, held)
-        pressure, load_flow, at_rest, lost = np.mean(rows, axis=0)
+        pressure, load_flow, at_rest, lost, _ = np.average(rows, axis=0, weights=[part.share for part in parts])
         speed = (at_rest + at.coupling * at.spool_motor_speed) / (lost + at.coupling)
         frequency = float(pwm_frequency(speed, at.valve))
     rise = at.load_pressure - at.tank_pressure
@@ -119,7 +125,7 @@ def soft_quantities(at: Setup, soft: Softening) -> Quantities:
 
 
 def best_chamber(at: Setup, bypass: CheckValve) -> SwitchChamber:
-    """The chamber whose precharge loses least, sought from the drop of the open valve to five times that.
+    """The chamber whose precharge loses least, sought from 1.1 to 4 times the drop of the open valve.
 
     It hardly depends on the load: the chamber stands between the inlet and the tank port.
     """
@@ -131,16 +137,35 @@ def best_chamber(at: Setup, bypass: CheckValve) -> SwitchChamber:
         chamber = usual_chamber(at.tank_pressure + over_drop * drop)
         return soft_means(at, Softening(bypass, chamber), COARSE).loss
 
-    found = minimize_scalar(loss, bounds=(1.0, 5.0), method="bounded", options={"xatol": 0.02})
+    found = minimize_scalar(loss, bounds=(1.1, 4.0), method="bounded", options={"xatol": 0.05})
     return usual_chamber(at.tank_pressure + float(found.x) * drop)
 
 
-def _openings(at: Setup, count: int) -> list[Openings]:
-    """Open fractions at equally spaced angles of a period, from the middle of the load phase on."""
-    shape = port_shape(at.valve)
-    angles = 2.0 * np.pi / at.valve.sections * (np.arange(count) + 0.5) / count
-    place = at.duty_ratio * at.valve.helix_length
-    return [Openings(*map(float, shape_openings(angle, place, shape))) for angle in angles]
+class _Part(NamedTuple):
+    """A share of a period, and the open fractions in its middle."""
+
+    share: float
+    openings: Openings
+
+
+def _parts(at: Setup, soft: Softening, count: int) -> list[_Part]:
+    """A period from the middle of the load phase on, in `count` even parts; those in which the chamber is released or
+    locked in `FINER` each."""
+    shape, place = port_shape(at.valve), at.duty_ratio * at.valve.helix_length
+    turn = 2.0 * np.pi / at.valve.sections
+
+    def openings(share: float) -> Openings:
+        return Openings(*map(float, shape_openings(turn * share, place, shape)))
+
+    release = 0.0 if soft.chamber is None else soft.chamber.release_opening
+    found = []
+    for number in range(count):
+        ends = [openings((number + end) / count).tank for end in (0, 1)]
+        pieces = FINER if min(ends) < release and max(ends) > 0.0 else 1
+        found += [
+            _Part(1.0 / (count * pieces), openings((number + (k + 0.5) / pieces) / count)) for k in range(pieces)
+        ]
+    return found
 
 
 @dataclass(frozen=True)
@@ -152,7 +177,17 @@ class _Circuit:
     density: float
     law: BranchLaw
 
-    def instant(self, openings: Openings, held: float) -> _Instant:
+    def row(self, openings: Openings, held: float, emptying_flow: float) -> Array:
+        """Inlet pressure, flow to the load, torque at rest, torque lost per speed and flow into the chamber; where that
+        would give more than `emptying_flow` [m^3/s], what is left is given in a part of the time."""
+        now = self._instant(openings, held)
+        row = np.array([now.inlet_pressure, now.load_flow, *_torques(now, openings, self.at), now.chamber_flow])
+        if now.chamber_flow >= -emptying_flow:
+            return row
+        share = emptying_flow / -now.chamber_flow
+        return share * row + (1.0 - share) * self.row(openings, 0.0, 0.0)
+
+    def _instant(self, openings: Openings, held: float) -> _Instant:
         """The instant at which everything takes the pump flow, `held` the oil in the chamber [m^3]."""
         from scipy.optimize import brentq
 
@@ -162,22 +197,27 @@ class _Circuit:
         behind = 0.0 if chamber is None else _gas_pressure(held, chamber)
 
         def flows(pressure: float) -> tuple[BranchFlow, BranchFlow, float, float]:
-            load = throttled_flow(pressure, at.load_pressure, openings.load, self.law)
-            tank = throttled_flow(pressure, at.tank_pressure, openings.tank, self.law)
-            taken = float(orifice_flow(area, pressure - behind, self.density, MOUTH))
+            load = self._branch(pressure, at.load_pressure, openings.load)
+            tank = self._branch(pressure, at.tank_pressure, openings.tank)
+            taken = 0.0 if area == 0.0 else float(orifice_flow(area, pressure - behind, self.density, MOUTH))
             passed = float(check_flow(pressure - at.load_pressure, self.soft.bypass))
             return load, tank, passed, taken if held > 0.0 else max(taken, 0.0)
 
         def surplus(pressure: float) -> float:
             load, tank, passed, taken = flows(pressure)
-            spilled = static_relief_flow(pressure, *relief, at.tank_pressure)
+            opens = pressure > at.relief_pressure
+            spilled = static_relief_flow(pressure, *relief, at.tank_pressure) if opens else 0.0
             return float(load.flow + tank.flow + passed + taken + spilled - at.flow)
 
         highest = highest_inlet_pressure(at.flow, *relief)
         is_relieved = surplus(highest) <= 0.0
-        pressure = highest if is_relieved else float(brentq(surplus, 0.5 * at.tank_pressure, highest, xtol=1.0))
+        pressure = highest if is_relieved else float(brentq(surplus, 0.5 * at.tank_pressure, highest, xtol=1e-3))
         load, tank, passed, taken = flows(pressure)
         return _Instant(pressure, load, tank, float(load.flow) + passed, taken)
+
+    def _branch(self, pressure: float, behind: float, opening: float) -> BranchFlow:
+        """What a branch passes; nothing where its port is shut."""
+        return throttled_flow(pressure, behind, opening, self.law) if opening > 0.0 else SHUT
 
 
 def _circuit(at: Setup, soft: Softening) -> _Circuit:
