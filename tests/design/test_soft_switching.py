@@ -1,4 +1,4 @@
-"""Soft switching: its means against closed forms that know nothing of angles, the circuit against its means, the page."""
+"""Soft switching: its means against closed forms that know nothing of angles, and what the page says of the circuit."""
 
 import re
 from pathlib import Path
@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError, ParameterError
+from vvdp.base.select import minimum
 from vvdp.design.levers import levers
 from vvdp.design.problem import problem
 from vvdp.design.quantities import quantities, setup, switching_condition
 from vvdp.design.soft_switching import (
-    SoftMeans,
     Softening,
+    SoftMeans,
     best_chamber,
     soft_means,
     soft_quantities,
@@ -71,9 +72,7 @@ def test_a_check_valve_alone_is_a_relief_valve_whose_oil_reaches_the_load(at):
     """L = L_trans(P_L + D) - Q_R (P_L - P_T), with D above the drop of the open valve."""
     level = 10e5
     found = soft_means(at, Softening(steep_check(level), None), angles=600)
-    relieved = transition_loss(
-        switching_condition(at)._replace(relief_pressure=at.load_pressure + level), at.valve
-    )
+    relieved = transition_loss(switching_condition(at)._replace(relief_pressure=at.load_pressure + level), at.valve)
     saved = relieved.relief_flow * (at.load_pressure - at.tank_pressure)
     loss = float(quantities(at).loss_full_open) + relieved.loss - saved
     assert found.loss == pytest.approx(loss, rel=2e-3)
@@ -97,8 +96,8 @@ def test_a_chamber_of_constant_pressure_by_quadrature(at):
     assert found.held * found.pwm_frequency / at.flow == pytest.approx(filled, rel=0.01)
     while_opening = ramp * np.mean(np.clip(passed - 1.0, 0.0, None))
     emptying = (filled - while_opening) / (passed[-1] - 1.0)
-    closing = ramp * np.mean(np.minimum(n / (a * a) + r, over))
-    shut_to_load = ramp * np.mean(np.minimum(n / (a * a) + r, level))
+    closing = ramp * np.mean(minimum(n / (a * a) + r, over))
+    shut_to_load = ramp * np.mean(minimum(n / (a * a) + r, level))
     is_open = 0.5 - 2.0 * ramp
     tank = closing + ramp * over + emptying * over + (is_open - emptying) * (n + r)
     load = 2.0 * shut_to_load + is_open * (n + r)

@@ -5,8 +5,20 @@ from typing import Annotated
 
 import typer
 
-from vvdp.cli.options import AsJson, Bounds, Cores, Cycle, Limits, NoReport, Restart, Seed, Settings, SystemName
-from vvdp.cli.options import out_option, parsed_option
+from vvdp.cli.options import (
+    AsJson,
+    Bounds,
+    Cores,
+    Cycle,
+    Limits,
+    NoReport,
+    Restart,
+    Seed,
+    Settings,
+    SystemName,
+    out_option,
+    parsed_option,
+)
 from vvdp.cli.printing import show_result, write_with_report
 
 INTERRUPTED = 130

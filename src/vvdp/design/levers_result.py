@@ -43,8 +43,8 @@ def levers_result(system: System, found: Sequence[Pulled]) -> Result:
         references=("wang2017",),
         conditions={"loads": ", ".join(percent(share, 0) for share in LOAD_SHARES) + " of the relief setting"},
         left_out=(
-            "The spool's seals and bearings, what following the load asks of the relief valve, and the lag of the check "
-            "valve and of the chamber's lock.",
+            "The spool's seals and bearings, what following the load asks of the relief valve, and the lag of the "
+            "check valve and of the chamber's lock.",
             "Leakage and friction of the pump, which are the same for all.",
         ),
         numbers=numbers,
@@ -82,8 +82,9 @@ def _table(found: Sequence[Pulled]) -> Table:
             "loss_W": Column(real, MEAN_POWER, "simulated"),
             "saving": Column(1.0 - real / real[0], EFFICIENCY, "saving"),
             "transition_W": Column(_summary_means(found, "loss_transition_W"), MEAN_POWER, "of it transitions"),
-            "simulated_pwm_frequency_Hz": Column(_summary_means(found, "pwm_frequency_Hz"), FREQUENCY,
-                                                 "PWM frequency, simulated"),
+            "simulated_pwm_frequency_Hz": Column(
+                _summary_means(found, "pwm_frequency_Hz"), FREQUENCY, "PWM frequency, simulated"
+            ),
             "efficiency": Column(_summary_means(found, "efficiency"), EFFICIENCY, "efficiency"),
             "residual": Column(_residuals(found), EFFICIENCY, "worst residual"),
         }

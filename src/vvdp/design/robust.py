@@ -220,9 +220,7 @@ class _Study(NamedTuple):
 class _Trials:
     """Simulates designs in every scenario, in lanes; counts the runs that it has asked for and those carried out."""
 
-    def __init__(
-        self, asked: Problem, met: Sequence[Scenario], taken: Sequence[Spread], study: _Study
-    ) -> None:
+    def __init__(self, asked: Problem, met: Sequence[Scenario], taken: Sequence[Spread], study: _Study) -> None:
         self.asked, self.met, self.taken = asked, met, {each.setting: each for each in taken}
         self.study, self.wanted, self.runs = study, 0, 0
 

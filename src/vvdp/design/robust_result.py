@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
 from vvdp.base.files import write_whole
 from vvdp.base.kinds import COUNT, EFFICIENCY, FREQUENCY, MEAN_POWER, VOLUME
@@ -74,7 +75,7 @@ def _demands(found: Robust) -> str:
 def _table(title: str, found: Robust, designs: Sequence[Candidate], word: str) -> Table:
     """A row for each design: what the simulations say, its size, its variables."""
 
-    def column(name: str) -> "np.ndarray":  # type: ignore[type-arg]
+    def column(name: str) -> Array:
         return np.array([getattr(each, name) for each in designs], float)
 
     names = [f"{word}-{k:03d}" if word in ("point", "refused") else word for k in range(1, len(designs) + 1)]
@@ -147,7 +148,7 @@ def _chart() -> Chart:
     )
     return Chart(
         name="loss-over-size",
-        caption="Mean and largest power lost over all scenarios against the size of the spool; each point is simulated.",
+        caption="Mean and largest power lost over all scenarios against the size of the spool; each is simulated.",
         table="front",
         panels=(Lines(lines=lines),),
     )

@@ -162,9 +162,7 @@ def _parts(at: Setup, soft: Softening, count: int) -> list[_Part]:
     for number in range(count):
         ends = [openings((number + end) / count).tank for end in (0, 1)]
         pieces = FINER if min(ends) < release and max(ends) > 0.0 else 1
-        found += [
-            _Part(1.0 / (count * pieces), openings((number + (k + 0.5) / pieces) / count)) for k in range(pieces)
-        ]
+        found += [_Part(1.0 / (count * pieces), openings((number + (k + 0.5) / pieces) / count)) for k in range(pieces)]
     return found
 
 
@@ -240,4 +238,3 @@ def _torques(now: _Instant, openings: Openings, at: Setup) -> tuple[float, float
     still = spool_torque(now.load, now.tank, openings, EVEN, 0.0, rho, k_f, at.valve)
     moving = spool_torque(now.load, now.tank, openings, EVEN, 1.0, rho, k_f, at.valve)
     return float(still.turbine), float(still.turbine - moving.turbine + moving.friction)
-
