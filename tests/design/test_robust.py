@@ -151,6 +151,23 @@ def test_a_small_search_resumes_and_repeats(designing, tmp_path, keys_as_describ
     assert json.loads(out) == told
 
 
+@pytest.mark.slow
+def test_the_page_has_what_the_search_finds(designing):
+    words = ("robust", "prototype-constant-load", "--draws", "4", "--designs", "8", "--generations", "4")
+    assert f"vvdp design {' '.join(words)}" in PAGE
+    code, out, err = designing(*words, "--json", "--no-report", "--out", "there")
+    assert code == 0, err
+    told = json.loads(out)
+    table = PAGE.partition("| design | mean loss [W] | spool volume [cm³] |")[2].partition("\n\n")[0]
+    rows = [[float(cell) for cell in line.strip("|").split("|")[1:]] for line in table.splitlines()[2:]]
+    last = told["designs"] - 1
+    found = [(told[f"{name}_mean_loss_W"][k], 1e6 * told[f"{name}_spool_volume_m3"][k])
+             for name, k in (("before", 0), ("nominal", 0), ("front", 0), ("front", last))]  # fmt: skip
+    for row, each in zip(rows, found, strict=True):
+        assert row == pytest.approx(each, rel=0.02)
+    assert told["loss_robust_W"] < 0.97 * told["loss_nominal_W"]
+
+
 def test_the_page_tells_of_the_defaults():
     effort = Effort()
     text = PAGE.partition("## A robust optimum")[2].partition("\n## ")[0]

@@ -36,8 +36,8 @@ SIZES = ("spool_radius", "nozzle_area", "outlet_area")
 
 class Lever(NamedTuple):
     """Something to be changed: variables of the valve, all its lengths times `scale`, whether the relief setting
-    follows the load, whether a motor turns the spool at the PWM frequency that the valve had, and whether a check valve past
-    the load port, and a chamber beside it, switch it softly."""
+    follows the load, whether a motor turns the spool at the PWM frequency that the valve had, and whether a check
+    valve past the load port, and a chamber beside it, switch it softly."""
 
     name: str
     variables: tuple[str, ...] = ()
