@@ -61,7 +61,7 @@ def test_every_lever_keeps_the_frequency_and_saves(closed):
 
 
 def test_a_scaled_valve_keeps_its_transitions_and_drops_by_the_fourth_power(closed):
-    """kappa = sqrt(2 A / (pi R L)) stays; nozzles' and outlet's drops go with 1/A^2, the centre section's with 1/D^3.22."""
+    """kappa = sqrt(2 A / (pi R L)) stays; drops of nozzles and outlet go with 1/A^2, of the centre with 1/D^3.22."""
     was, small = closed["as it is"], closed["a valve of 0.8 times the size"]
     for before, after in zip(was.closed, small.closed, strict=True):
         assert after.transition_fraction == pytest.approx(before.transition_fraction, rel=1e-9)
