@@ -47,6 +47,7 @@ LONG_COMMANDS: Mapping[str, tuple[str, ...]] = {
     "rig claims": ("rig claims prototype",),
     "design optimum": ("design optimum prototype --starts 1",),
     "design pareto": ("design pareto prototype --points 8 --generations 2",),
+    "design robust": ("design robust prototype-constant-load --draws 2 --designs 4 --generations 2",),
     "cfd rail": ("cfd rail prototype",),
     "cfd turbine": ("cfd turbine prototype",),
     "cfd sweep": ('cfd sweep prototype --flow "20 lpm" "60 lpm" 3',),

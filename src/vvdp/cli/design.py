@@ -10,7 +10,10 @@ from typer.core import TyperGroup
 
 from vvdp.cli.options import (
     AsJson,
+    Bounds,
+    Cycle,
     Force,
+    Limits,
     NoReport,
     Seed,
     Settings,
@@ -21,6 +24,7 @@ from vvdp.cli.options import (
     parsed_option,
 )
 from vvdp.cli.printing import show_result, write_with_report
+from vvdp.cli.robust import robust
 
 if TYPE_CHECKING:
     from vvdp.design.optimise import Optimum
@@ -57,24 +61,6 @@ class _OptimumUnlessNamed(TyperGroup):
 
 app = typer.Typer(cls=_OptimumUnlessNamed, no_args_is_help=True, rich_markup_mode=None)
 
-Bounds = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--bound",
-        metavar="STATEMENT",
-        help='Bound of a variable, for example "radial_clearance <= 22.5 um" (repeatable).',
-    ),
-]
-Limits = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--subject-to", metavar="STATEMENT", help='Constraint, for example "pwm_frequency >= 72 Hz" (repeatable).'
-    ),
-]
-Cycle = Annotated[
-    Path | None,
-    typer.Option("--cycle", metavar="FILE", help="Weighted operating points, a TOML file."),
-]
 NoUsualLimits = Annotated[
     bool,
     typer.Option("--no-usual-limits", help="Drop the default constraints."),
@@ -317,7 +303,8 @@ def levers(
 ) -> None:
     """Compare what lowers the transition loss, in watts.
 
-    Underlap, a relief setting that follows the load, other areas and a driven spool, each at its best and simulated.
+    Size, underlap, a relief setting that follows the load, other areas, a driven spool and soft switching, each at its
+    best and simulated.
     """
     from vvdp.cli.progress import count_lines
     from vvdp.cli.screen import say
@@ -332,6 +319,9 @@ def levers(
         return levers_result(loaded, found)
 
     _run(loaded, "levers", work, out, force, json, no_report, shows=("levers",))
+
+
+app.command(cls=Verb)(robust)
 
 
 def _run(

@@ -65,6 +65,24 @@ OwnCycles = Annotated[
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object in SI units and nothing else.")]
+Bounds = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--bound",
+        metavar="STATEMENT",
+        help='Bound of a variable, for example "radial_clearance <= 22.5 um" (repeatable).',
+    ),
+]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--subject-to", metavar="STATEMENT", help='Constraint, for example "pwm_frequency >= 72 Hz" (repeatable).'
+    ),
+]
+Cycle = Annotated[
+    Path | None,
+    typer.Option("--cycle", metavar="FILE", help="Weighted operating points, a TOML file."),
+]
 Cores = Annotated[int | None, typer.Option("--cores", metavar="N", min=1, help="Number of cores (default: all).")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing result.")]
 Restart = Annotated[bool, typer.Option("--force", help="Start over and discard what an earlier call has finished.")]

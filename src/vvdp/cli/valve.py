@@ -136,7 +136,7 @@ def _row(bench: "RotaryBench", flow: float | None, temperature: float, *, averag
         "relief_pressure_Pa": set_point.relief_pressure - reference,
     }
     found = {key: float(value) for key, value in (asked | _numbers(point)).items()}
-    return found | {"warnings": [*point.warnings, *bench.relief_limits()]}
+    return found | {"warnings": [*point.warnings, *bench.average_limits()]}
 
 
 def _numbers(point: "OperatingPoint") -> dict[str, float]:

@@ -1,24 +1,32 @@
-"""The pump unit as a part of any network: pump, inlet volume, relief valve, rotary valve and its spool."""
+"""The pump unit as a part of any network: pump, inlet volume, relief valve, rotary valve and its spool, and what
+switches it softly."""
 
 from dataclasses import dataclass
 
 from vvdp.components.drives import DRIVE_COUPLING
 from vvdp.components.machines import PUMP
+from vvdp.components.resistances import ORIFICE
 from vvdp.components.rotary_valve import ROTARY_VALVE
-from vvdp.components.self_acting_valves import LOAD_RELIEF_VALVE, RELIEF_VALVE
-from vvdp.hydraulics.check_valve import CheckPoppet
+from vvdp.components.self_acting_valves import CHECK_VALVE, LOAD_RELIEF_VALVE, RELIEF_VALVE
+from vvdp.hydraulics.check_valve import CheckPoppet, CheckValve
+from vvdp.hydraulics.orifice import Orifice
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import LoadReliefValve, ReliefValve
+from vvdp.hydraulics.soft_switching import SwitchChamber, released_area
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.network.network import Network
-from vvdp.network.nodes import Chamber, Source, Start
+from vvdp.network.nodes import Chamber, Connection, Source, Start
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.validity import CAVITATION_PRESSURE
 
 
 @dataclass(frozen=True)
 class PumpUnit:
-    """The values of a pump unit, and where it starts: absolute pressure [Pa], spool angle [rad] and speed [rad/s]."""
+    """The values of a pump unit, and where it starts: absolute pressure [Pa], spool angle [rad] and speed [rad/s].
+
+    `bypass`, a check valve past the load port, and `chamber`, which takes the pump flow while the tank port is partly
+    open, switch it softly.
+    """
 
     pump: Pump
     inlet: Chamber
@@ -29,6 +37,8 @@ class PumpUnit:
     inlet_pressure: Start
     spool_angle: Start = 0.0
     spool_speed: Start = 0.0
+    bypass: CheckValve | None = None
+    chamber: SwitchChamber | None = None
 
 
 @dataclass(frozen=True)
@@ -50,7 +60,7 @@ def add_pump_unit(net: Network, unit: PumpUnit, joints: UnitJoints, prefix: str 
     """Add a pump unit to a network; `prefix` goes before its names where there are several.
 
     Its nodes are `inlet`, `pump_shaft`, `spool_motor` and `spool`, its components `pump`, `valve`, `relief_valve` and
-    `coupling`.
+    `coupling`; those of soft switching `bypass`, `chamber` and, between inlet and chamber, `mouth`.
     """
     inlet, shaft, motor, spool = (prefix + name for name in ("inlet", "pump_shaft", "spool_motor", "spool"))
     net.volume(inlet, unit.inlet, start=unit.inlet_pressure)
@@ -76,3 +86,9 @@ def add_pump_unit(net: Network, unit: PumpUnit, joints: UnitJoints, prefix: str 
     else:
         net.add(prefix + "relief_valve", RELIEF_VALVE, unit.relief_valve, a=inlet, b=joints.tank)
     net.add(prefix + "coupling", DRIVE_COUPLING, unit.spool_drive, motor=motor, spool=spool)
+    if unit.bypass is not None:
+        net.add(prefix + "bypass", CHECK_VALVE, unit.bypass, a=inlet, b=joints.load)
+    if unit.chamber is not None:
+        area = Connection(released_area, (f"{prefix}valve.tank_opening", unit.chamber))
+        net.volume(prefix + "chamber", unit.chamber, start=unit.chamber.precharge_pressure)
+        net.add(prefix + "mouth", ORIFICE, Orifice(), a=inlet, b=prefix + "chamber", area=area)

@@ -8,9 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.params import Params
 from vvdp.design.optimise import optimise
 from vvdp.design.problem import Bound, Limit, Point, Problem
 from vvdp.design.quantities import Quantities, Setup, quantities, setup, switching_condition
+from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, usual_bypass, usual_chamber
 from vvdp.design.variables import VARIABLES, value_in, with_variables
 from vvdp.simulation.link import quiet
 from vvdp.simulation.values import names
@@ -33,36 +35,46 @@ SIZES = ("spool_radius", "nozzle_area", "outlet_area")
 
 
 class Lever(NamedTuple):
-    """Something to be changed: variables of the valve, whether the relief setting follows the load, whether a motor
-    turns the spool at the PWM frequency that the valve had."""
+    """Something to be changed: variables of the valve, all its lengths times `scale`, whether the relief setting
+    follows the load, whether a motor turns the spool at the PWM frequency that the valve had, and whether a check
+    valve past the load port, and a chamber beside it, switch it softly."""
 
     name: str
     variables: tuple[str, ...] = ()
+    scale: float = 1.0
     follows: bool = False
     is_driven: bool = False
+    has_bypass: bool = False
+    has_chamber: bool = False
 
 
 LEVERS = (
     Lever("as it is"),
+    Lever("a valve of 0.8 times the size", scale=0.8),
+    Lever("a valve of 1.25 times the size", scale=1.25),
     Lever("underlap", ("lap_ratio",)),
     Lever("relief setting follows the load", follows=True),
     Lever("spool and areas", SIZES),
     Lever("driven spool, radius and areas", SIZES, is_driven=True),
+    Lever("check valve past the load port", has_bypass=True),
+    Lever("soft switching", has_bypass=True, has_chamber=True),
     Lever("underlap, relief setting follows", ("lap_ratio",), follows=True),
     Lever("underlap, spool and areas", ("lap_ratio", *SIZES)),
-    Lever("all of them", ("lap_ratio", *SIZES), follows=True, is_driven=True),
+    Lever("underlap, areas, relief follows, driven", ("lap_ratio", *SIZES), follows=True, is_driven=True),
+    Lever("soft switching, spool and areas", SIZES, has_bypass=True, has_chamber=True),
 )
 
 
 @dataclass(frozen=True)
 class Pulled:
-    """A lever at its best: variables [SI], and at each load the closed form, what is simulated in stiff oil and in the
-    oil as it is."""
+    """A lever at its best: variables [SI], and at each load the closed form, or the average with `soft` switching, what
+    is simulated in stiff oil and in the oil as it is."""
 
     lever: Lever
     values: Mapping[str, float]
     points: tuple[Setup, ...]
     closed: tuple[Quantities, ...]
+    soft: Softening | None = None
     stiff: tuple[Steady, ...] = ()
     real: tuple[Steady, ...] = ()
 
@@ -81,7 +93,9 @@ def levers(
     The PWM frequency of the open valve is at least what it was. Raises ParameterError where the closed form of the
     transition loss does not hold for the system as it is.
     """
-    points = _points(system)
+    bench, points = rotary_bench(system, "design levers"), _points(system)
+    if bench.is_softened:
+        raise ParameterError(f"{system.name}: is switched softly already; take its tables [bypass] and [chamber] away")
     for at in points:
         if told := range_warnings(at.duty_ratio, switching_condition(at), at.valve):
             raise ParameterError(f"{system.name}: {told[0]}")
@@ -90,7 +104,7 @@ def levers(
         found.append(_best(system, lever, points))
         if progress:
             progress(len(found), len(LEVERS))
-    return _simulate(stand(system, "design levers"), found, cores, cache, say) if simulated else tuple(found)
+    return _simulate(system, found, cores, cache, say) if simulated else tuple(found)
 
 
 def valve_loss(q: Quantities) -> float:
@@ -104,10 +118,9 @@ def limit_loss(q: Quantities) -> float:
 
 
 def simulated_loss(state: Steady) -> float:
-    """The same of a periodic state [W]; nan where there is none."""
-    s = state.summary
-    keys = ("loss_full_open_W", "loss_transition_W", "loss_valve_leakage_W", "spool_motor_power_W")
-    return float(sum(s.get(key, np.nan) for key in keys))
+    """The same of a periodic state [W], by component; nan where there is none."""
+    parts = ("valve", "relief_valve", "coupling", "bypass", "mouth")
+    return sum(float(state.summary.get(f"loss_{part}_W", 0.0)) for part in parts) if state.summary else np.nan
 
 
 def _points(system: System) -> tuple[Setup, ...]:
@@ -125,13 +138,33 @@ def _best(system: System, lever: Lever, points: Sequence[Setup]) -> Pulled:
     if lever.is_driven:
         speed = 2.0 * np.pi * frequency / points[0].valve.sections
         taken = [at._replace(coupling=STIFF_COUPLING, spool_motor_speed=speed) for at in taken]
+    if lever.scale != 1.0:
+        values = _scaled(points[0], lever.scale)
+    objective = "loss_full_open" if lever.has_chamber else "loss_total"
     for _ in range(ROUNDS if lever.follows and lever.variables else 1):
         if lever.follows:
             taken = [_with_best_relief(system, at, values) for at in taken]
         if lever.variables:
-            values = _solve(system, taken, [_bound(name, points[0]) for name in lever.variables], frequency)
-    closed = tuple(quantities(with_variables(at, values)) for at in taken)
-    return Pulled(lever, values, tuple(taken), tuple(_plain(q) for q in closed))
+            bounds = [_bound(name, points[0]) for name in lever.variables]
+            values = _solve(system, taken, bounds, frequency, objective)
+    there = [with_variables(at, values) for at in taken]
+    soft = _softening(lever, there)
+    closed = [quantities(at) if soft is None else soft_quantities(at, soft) for at in there]
+    return Pulled(lever, values, tuple(taken), tuple(_plain(q) for q in closed), soft)
+
+
+def _softening(lever: Lever, points: Sequence[Setup]) -> Softening | None:
+    """The check valve and chamber of a lever, the chamber with its best precharge."""
+    if not lever.has_bypass:
+        return None
+    bypass = usual_bypass(float(points[0].flow))
+    return Softening(bypass, best_chamber(points[len(points) // 2], bypass) if lever.has_chamber else None)
+
+
+def _scaled(at: Setup, scale: float) -> dict[str, float]:
+    """A valve whose lengths are `scale` times as large and areas its square; clearance and end lands as they were."""
+    lengths = {name: scale * value_in(at, name) for name in ("spool_radius", "helix_length")}
+    return lengths | {name: scale * scale * value_in(at, name) for name in ("nozzle_area", "outlet_area")}
 
 
 def _plain(q: Quantities) -> Quantities:
@@ -152,7 +185,13 @@ def _with_best_relief(system: System, at: Setup, values: Mapping[str, float]) ->
     return at._replace(relief_pressure=found["relief_pressure"])
 
 
-def _solve(system: System, points: Sequence[Setup], bounds: Sequence[Bound], frequency: float) -> dict[str, float]:
+def _solve(
+    system: System,
+    points: Sequence[Setup],
+    bounds: Sequence[Bound],
+    frequency: float,
+    objective: str = "loss_total",
+) -> dict[str, float]:
     """The values of least mean loss; transitions as long as the duty ratio lets both ports open fully."""
     duty = float(points[0].duty_ratio)
     limits = [Limit("transition_fraction", at_least=False, value=min(duty, 1.0 - duty))]
@@ -160,7 +199,7 @@ def _solve(system: System, points: Sequence[Setup], bounds: Sequence[Bound], fre
         limits.append(Limit("pwm_frequency", at_least=True, value=frequency, over_the_points=True))
     asked = Problem(
         system=system,
-        objective="loss_total",
+        objective=objective,
         limits=tuple(limits),
         bounds=tuple(bounds),
         points=tuple(Point(1.0, system, at) for at in points),
@@ -169,23 +208,36 @@ def _solve(system: System, points: Sequence[Setup], bounds: Sequence[Bound], fre
 
 
 def _simulate(
-    held: Stand, found: Sequence[Pulled], cores: int | None, cache: Path | None, say: Callable[[str], None]
+    system: System, found: Sequence[Pulled], cores: int | None, cache: Path | None, say: Callable[[str], None]
 ) -> tuple[Pulled, ...]:
-    """The same with the periodic states of every lever at every load, in stiff oil and in the oil as it is."""
-    pairs = []
-    for oil in (STIFF, {}):
-        for each in found:
-            for at in each.points:
-                point = held.set_point._replace(load_pressure=at.load_pressure)
-                pairs.append((_changed_stand(held, each, at, oil), point))
-    states = steady_states(pairs, cores=cores, cache=cache, say=say)
-    size, half = len(LOAD_SHARES), len(states) // 2
-    parts = [tuple(states[k : k + size]) for k in range(0, len(states), size)]
-    count = half // size
-    return tuple(
-        replace(each, stiff=stiff, real=real)
-        for each, stiff, real in zip(found, parts[:count], parts[count:], strict=True)
-    )
+    """The same with the periodic states of every lever at every load, in stiff oil and in the oil as it is; those of
+    one circuit together."""
+    done: dict[str, Pulled] = {}
+    for has_bypass, has_chamber in ((False, False), (True, False), (True, True)):
+        alike = [e for e in found if (e.lever.has_bypass, e.lever.has_chamber) == (has_bypass, has_chamber)]
+        held = _stand_with(system, has_bypass=has_bypass, has_chamber=has_chamber)
+        pairs = []
+        for each in alike:
+            for oil in (STIFF, {}):
+                for at in each.points:
+                    point = held.set_point._replace(load_pressure=at.load_pressure)
+                    pairs.append((_changed_stand(held, each, at, oil), point))
+        states = steady_states(pairs, cores=cores, cache=cache, say=say)
+        size = len(LOAD_SHARES)
+        parts = [tuple(states[k : k + size]) for k in range(0, len(states), size)]
+        for each, stiff, real in zip(alike, parts[::2], parts[1::2], strict=True):
+            done[each.lever.name] = replace(each, stiff=stiff, real=real)
+    return tuple(done[each.lever.name] for each in found)
+
+
+def _stand_with(system: System, *, has_bypass: bool, has_chamber: bool) -> Stand:
+    """The system on a test stand, with the components of soft switching."""
+    more: dict[str, Params] = {}
+    if has_bypass:
+        more["bypass"] = usual_bypass(float(setup(system).flow))
+    if has_chamber:
+        more["chamber"] = usual_chamber(1.5e6)
+    return stand(system.with_tables({**system.tables, **more}) if more else system, "design levers")
 
 
 def _changed_stand(held: Stand, each: Pulled, at: Setup, oil: Mapping[str, float]) -> Stand:
@@ -196,5 +248,7 @@ def _changed_stand(held: Stand, each: Pulled, at: Setup, oil: Mapping[str, float
         },
         "relief_valve": {"cracking_pressure": float(at.relief_pressure)},
     }
+    if each.soft and each.soft.chamber:
+        tables["chamber"] = {"precharge_pressure": each.soft.chamber.precharge_pressure}
     made = held.with_tables(**{name: table for name, table in {**tables, "oil": oil}.items() if table})
     return made.with_motor(float(pwm_frequency(at.spool_motor_speed, valve))) if each.lever.is_driven else made

@@ -43,7 +43,8 @@ def levers_result(system: System, found: Sequence[Pulled]) -> Result:
         references=("wang2017",),
         conditions={"loads": ", ".join(percent(share, 0) for share in LOAD_SHARES) + " of the relief setting"},
         left_out=(
-            "Soft switching, the spool's seals and bearings, and what following the load asks of the relief valve.",
+            "The spool's seals and bearings, what following the load asks of the relief valve, and the lag of the "
+            "check valve and of the chamber's lock.",
             "Leakage and friction of the pump, which are the same for all.",
         ),
         numbers=numbers,
@@ -81,6 +82,9 @@ def _table(found: Sequence[Pulled]) -> Table:
             "loss_W": Column(real, MEAN_POWER, "simulated"),
             "saving": Column(1.0 - real / real[0], EFFICIENCY, "saving"),
             "transition_W": Column(_summary_means(found, "loss_transition_W"), MEAN_POWER, "of it transitions"),
+            "simulated_pwm_frequency_Hz": Column(
+                _summary_means(found, "pwm_frequency_Hz"), FREQUENCY, "PWM frequency, simulated"
+            ),
             "efficiency": Column(_summary_means(found, "efficiency"), EFFICIENCY, "efficiency"),
             "residual": Column(_residuals(found), EFFICIENCY, "worst residual"),
         }
@@ -110,6 +114,9 @@ def _values(each: Pulled) -> str:
         words.append(f"relief {min(ratios):.2f} to {max(ratios):.2f} times the load")
     if each.lever.is_driven:
         words.append("motor")
+    if each.soft and each.soft.chamber:
+        gauge = each.soft.chamber.precharge_pressure - each.points[0].oil.reference_pressure
+        words.append(f"chamber at {with_unit(gauge, GAUGE_PRESSURE, 3)}")
     return ", ".join(words)
 
 

@@ -221,7 +221,7 @@ def problem(
         beside=tuple(beside),
     )
     if not faults and asked.quantities & TRANSITIONAL:
-        faults += [fault for point in points for fault in _never_switching(point)]
+        faults += [fault for point in points for fault in (*_never_switching(point), *_softened(point))]
     if faults:
         raise ConfigError(faults)
     return asked
@@ -273,6 +273,13 @@ def _never_switching(point: Point) -> list[Fault]:
         "example pressure_drop_total, or take a value between 0 and 1"
     )
     return [Fault(point.system.name, 0, "operation.duty_ratio", message)]
+
+
+def _softened(point: Point) -> list[Fault]:
+    if not rotary_bench(point.system, "design").is_softened:
+        return []
+    message = "a valve that is switched softly has no transition loss in closed form; minimise pressure_drop_total"
+    return [Fault(point.system.name, 0, "bypass", message)]
 
 
 def require_flow(system: System) -> None:
@@ -396,6 +403,15 @@ def _bound(variable: Variable, sides: Mapping[str, float], now: float, faults: l
 
 
 def _points(path: Path, system: System, faults: list[Fault]) -> tuple[Point, ...]:
+    """The operating points of a file."""
+    found = []
+    for weight, settings in cycle_points(path, system, faults):
+        there = system.read_from(with_settings(system.table, [f"{key}={value}" for key, value in settings.items()]))
+        found.append(Point(weight, there, setup(there)))
+    return tuple(found)
+
+
+def cycle_points(path: Path, system: System, faults: list[Fault]) -> list[tuple[float, dict[str, Any]]]:
     """The operating points of a file: `[[points]]`, each a weight and the values that the system has there."""
     table = read_table(path)
     rows = table.content.get("points")
@@ -403,7 +419,7 @@ def _points(path: Path, system: System, faults: list[Fault]) -> tuple[Point, ...
         raise unusable(path, 'has no operating points; expected tables [[points]] with weight and "table.key" = value')
     found = []
     for number, row in enumerate(rows, 1):
-        place, settings, weight = f"{path}: point {number}", [], row.get("weight", 1.0)
+        place, settings, weight = f"{path}: point {number}", dict[str, Any](), row.get("weight", 1.0)
         if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0.0 < weight < np.inf:
             faults.append(Fault(place, 0, "weight", f"{weight!r}; expected a number above zero"))
             continue
@@ -413,14 +429,14 @@ def _points(path: Path, system: System, faults: list[Fault]) -> tuple[Point, ...
                     Fault(place, 0, key, "is no setting of an operating point; a point has one valve with the others")
                 )
             else:
-                settings.append(f"{key}={value}")
+                settings[key] = value
         try:
-            there = system.read_from(with_settings(system.table, settings))
+            system.read_from(with_settings(system.table, [f"{key}={value}" for key, value in settings.items()]))
         except ConfigError as problem:
             faults += [Fault(place, 0, fault.key, fault.message) for fault in problem.faults]
             continue
-        found.append(Point(float(weight), there, setup(there)))
-    return tuple(found)
+        found.append((float(weight), settings))
+    return found
 
 
 def _dotted_key(row: Mapping[str, Any]) -> dict[str, Any]:

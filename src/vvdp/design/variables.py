@@ -122,16 +122,21 @@ def redesign(system: System, values: Mapping[str, float], note: str, title: str)
     Raises ConfigError where the values cannot be made.
     """
     content = copy_tables(system.content)
-    for name, value in values.items():
-        variable = VARIABLES[name]
-        table, _, key = variable.setting.partition(".")
-        content[table][key] = _entry(setting_text(value, variable.kind), note)
+    for setting, (value, kind) in design_settings(system, values).items():
+        table, _, key = setting.partition(".")
+        content[table][key] = _entry(setting_text(value, kind), FOLLOWS.get(key, note))
+    return system.read_from(Table(system.name, {**content, "title": title}, {}))
+
+
+def design_settings(system: System, values: Mapping[str, float]) -> dict[str, tuple[float, Kind]]:
+    """The variables at `values` [SI] and what follows from them, each with its kind, by table and key."""
+    found = {VARIABLES[name].setting: (float(value), VARIABLES[name].kind) for name, value in values.items()}
     kinds = field_kinds(RotaryValve)
     for name, value in _followers(rotary_bench(system, "design").valve, values):
         kind = kinds[name]
         assert kind
-        content["valve"][name] = _entry(setting_text(float(value), kind), FOLLOWS[name])
-    return system.read_from(Table(system.name, {**content, "title": title}, {}))
+        found[f"valve.{name}"] = float(value), kind
+    return found
 
 
 def _entry(value: str, note: str) -> dict[str, str]:
@@ -144,4 +149,6 @@ def setting_text(value: float, kind: Kind) -> str:
         return f"{value / 1e5:.10g} bara"
     if kind.unit == "1":
         return f"{value:.10g}"
+    if kind.unit == "SI":
+        return f"{value:.10g} SI"
     return f"{in_unit(value, kind, kind.display_unit):.10g} {kind.display_unit}"

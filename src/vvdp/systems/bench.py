@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 WATCHING = ("encoder", "spool_filter")
 """Tables of a watched spool; a system file has both or neither."""
+SOFTENING = ("bypass", "mouth")
+"""Components of soft switching that lose power beside the valve."""
 
 
 @dataclass(frozen=True)
@@ -156,6 +158,11 @@ class RotaryBench(Extras):
         return self.spool_drive.coupling > 0.0
 
     @property
+    def is_softened(self) -> bool:
+        """Whether a check valve past the load port or a chamber switches it softly."""
+        return any(self.tables.get(name) is not None for name in ("bypass", "chamber"))
+
+    @property
     def is_watched(self) -> bool:
         """Whether an encoder watches the spool."""
         return "encoder" in self.tables
@@ -261,16 +268,18 @@ class RotaryBench(Extras):
         open_loss = full_open_loss(delivered, rho, self.valve) if delivered > 0.0 else 0.0
         shaft, motor = supplied.pump_shaft, supplied.spool_motor
         load_power = mean.spent.load if self.makes_pressure else -supplied.load_line - supplied.tank
-        drops = valve.nozzle + valve.centre_section + valve.outlet_turbine
+        beside = sum(getattr(mean.spent, name, 0.0) for name in SOFTENING)
+        drops = valve.nozzle + valve.centre_section + valve.outlet_turbine + beside
+        load_flow = totals.valve_load_flow + getattr(totals, "bypass_flow", 0.0)
         turns = float(found["speed_mean_spool_rad_s"])
         place = [path for path, _, _ in leaves(run.case.state)].index("spool.angle")
         return {
             "pwm_frequency_Hz": turns * self.valve.sections / (2.0 * np.pi),
             "mean_pump_flow_m3_s": pump_flow,
-            "mean_load_flow_m3_s": totals.valve_load_flow,
+            "mean_load_flow_m3_s": load_flow,
             "mean_tank_flow_m3_s": totals.valve_tank_flow - totals.valve_leakage,
             "mean_leakage_flow_m3_s": totals.valve_leakage,
-            "load_flow_fraction": _ratio(totals.valve_load_flow, pump_flow),
+            "load_flow_fraction": _ratio(load_flow, pump_flow),
             "mean_load_opening": totals.valve_load_opening,
             "cavitation_port_share": min(max(totals.valve_cavitating, 0.0), 1.0),
             "cavitation_number_lowest": lowest_cavitation_number(self, found, (run.low[place], run.high[place])),
@@ -334,15 +343,15 @@ class RotaryBench(Extras):
         if self._is_analytic(found):
             load_pressure = float(found["pressure_mean_load_line_Pa"]) + self.reference
             point = self.set_point(load_pressure)._replace(flow=self.delivered_flow(load_pressure))
-            yield from self.relief_limits()
+            yield from self.average_limits()
             yield from switching_limits(self, found)
             if point.flow > 0.0:
                 yield from range_warnings(point.duty_ratio, point.condition(self.oil), self.valve)
             else:
                 yield "the pump's leakage takes all of its flow"
 
-    def relief_limits(self) -> Iterator[str]:
-        """What of the relief valve no quasi-steady average knows, a sentence each."""
+    def average_limits(self) -> Iterator[str]:
+        """What of the relief valve and of soft switching no quasi-steady average knows, a sentence each."""
         relief = self.relief_valve
         if relief.opening_time > 0.0:
             lag = with_unit(relief.opening_time, TIME)
@@ -350,6 +359,8 @@ class RotaryBench(Extras):
         if relief.reseat_drop > 0.0:
             drop = with_unit(relief.reseat_drop, PRESSURE_DIFFERENCE)
             yield f"the relief valve shuts only {drop} below its setting, which is in no quasi-steady average"
+        if self.is_softened:
+            yield "a check valve past the load port, or a chamber that takes the flow, is in no closed form"
 
     @property
     def temperature(self) -> Signal:

@@ -12,9 +12,10 @@ from vvdp.components.resistances import ORIFICE
 from vvdp.components.rotary_valve import duty_position
 from vvdp.estimation.event_settings import EventFilterValues
 from vvdp.fluid.oil import Oil
-from vvdp.hydraulics.check_valve import CheckPoppet
+from vvdp.hydraulics.check_valve import CheckPoppet, CheckValve
 from vvdp.hydraulics.pump import Pump
 from vvdp.hydraulics.relief_valve import ReliefValve
+from vvdp.hydraulics.soft_switching import SwitchChamber
 from vvdp.hydraulics.spool_drive import SpoolDrive
 from vvdp.hydraulics.volume import Vessel
 from vvdp.network.network import Network
@@ -50,6 +51,8 @@ def orifice_load(
     limits: Limits,
     encoder: EncoderTable | None = None,
     spool_filter: EventFilterValues | None = None,
+    bypass: CheckValve | None = None,
+    chamber: SwitchChamber | None = None,
 ) -> Network:
     """A pump unit that feeds a line with or without accumulator and, from it, an orifice to the tank."""
     unit = pump_unit(
@@ -59,6 +62,8 @@ def orifice_load(
         valve=valve,
         spool_drive=spool_drive,
         check_valve=check_valve,
+        bypass=bypass,
+        chamber=chamber,
     )
     net = new_bench(oil, unit, operation, load, initial, limits)
     join_load(net, unit, joints(operation, valve, limits), load_line, load)
@@ -81,6 +86,8 @@ def constant_load(
     limits: Limits,
     encoder: EncoderTable | None = None,
     spool_filter: EventFilterValues | None = None,
+    bypass: CheckValve | None = None,
+    chamber: SwitchChamber | None = None,
 ) -> Network:
     """A pump unit that works against a pressure source, which also feeds the valve's leakage."""
     unit = pump_unit(
@@ -90,6 +97,8 @@ def constant_load(
         valve=valve,
         spool_drive=spool_drive,
         check_valve=check_valve,
+        bypass=bypass,
+        chamber=chamber,
     )
     net = new_bench(oil, unit, operation, load, initial, limits)
     net.pressure_source("load_line", load.pressure)

@@ -1,0 +1,80 @@
+"""`vvdp design robust`: the front of mean loss against size over tolerances, temperature and duty."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vvdp.cli.options import (
+    AsJson,
+    Bounds,
+    Cores,
+    Cycle,
+    Limits,
+    NoReport,
+    Restart,
+    Seed,
+    Settings,
+    SystemName,
+    out_option,
+    parsed_option,
+)
+from vvdp.cli.printing import show_result, write_with_report
+
+INTERRUPTED = 130
+
+
+def robust(
+    system: SystemName,
+    subject_to: Limits = None,
+    bound: Bounds = None,
+    cycle: Cycle = None,
+    spread: Annotated[
+        list[str] | None,
+        typer.Option("--spread", metavar="STATEMENT", help='For example "radial_clearance: 10 um to 16 um".'),
+    ] = None,
+    coldest: Annotated[str, typer.Option("--from", metavar="TEMP", help="Coldest oil temperature.")] = "30 degC",
+    hottest: Annotated[str, typer.Option("--to", metavar="TEMP", help="Hottest oil temperature.")] = "60 degC",
+    draws: Annotated[int, typer.Option("--draws", metavar="N", min=1, help="Draws of all spreads.")] = 8,
+    designs: Annotated[int, typer.Option("--designs", metavar="N", min=2, help="Designs in a generation.")] = 10,
+    generations: Annotated[int, typer.Option("--generations", metavar="N", min=1, help="Generations.")] = 6,
+    seed: Seed = 1,
+    settings: Settings = None,
+    out: Annotated[Path | None, out_option("results/robust-SYSTEM")] = None,
+    force: Restart = False,
+    cores: Cores = None,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Find valves that lose little over tolerances and duty.
+
+    Every design is simulated in every scenario; the front is mean loss against size. Rerun the same command to resume.
+    """
+    from vvdp.base.kinds import TEMPERATURE
+    from vvdp.cli.progress import count_lines
+    from vvdp.cli.screen import say
+    from vvdp.design import robust as study
+    from vvdp.design.robust_result import robust_result, write_front
+    from vvdp.rigs.maps import STORE, map_directory
+    from vvdp.studies.engine import ThisProcess
+    from vvdp.systems.resolved import resolved_text
+    from vvdp.systems.system import load_system
+
+    loaded = load_system(system, settings or ())
+    asked = study.robust_problem(loaded, subject_to or (), bound or ())
+    effort = study.Effort(draws=draws, designs=designs, generations=generations, seed=seed)
+    ends = (parsed_option("--from", coldest, TEMPERATURE), parsed_option("--to", hottest, TEMPERATURE))
+    met, taken = study.scenarios(asked, cycle, ends, spread or (), effort)
+    directory = out if out is not None else Path("results", f"robust-{loaded.name}")
+    with map_directory(directory, "design robust", force=force):
+        with count_lines("runs") as progress:
+            found = study.robust(
+                asked, met, taken, effort, directory / STORE, engine=ThisProcess(cores), progress=progress, say=say
+            )
+        write_front(directory, found)
+        result = robust_result(found)
+        reported = write_with_report(directory, result, resolved_text(loaded), no_report=no_report)
+    show_result(result, directory, json=json, reported=reported, names=("front",))
+    if not result.finished:
+        say("interrupted; rerun the same command to resume")
+        raise typer.Exit(INTERRUPTED)

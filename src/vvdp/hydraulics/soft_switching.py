@@ -1,0 +1,35 @@
+"""What switches a three-way valve softly beside its check valve: a chamber that is locked while the tank port is shut.
+
+Source  ours, docs/models/soft-switching.md, where a function names no other.
+"""
+
+from vvdp.base.errors import ParameterError
+from vvdp.base.kinds import Area, Fraction
+from vvdp.base.select import clip
+from vvdp.hydraulics.volume import Vessel
+
+
+class SwitchChamber(Vessel):
+    """A small accumulator that takes the pump flow while the tank port is partly open, and gives it back through the
+    tank port once that is fully open.
+
+    Its piston is locked while the tank port is shut, and released as that opens to `release_opening`.
+    """
+
+    mouth_area: Area
+    release_opening: Fraction = 0.01
+
+    def check(self) -> None:
+        super().check()
+        if not 0.0 < self.release_opening <= 1.0:
+            raise ParameterError(f"SwitchChamber.release_opening: {self.release_opening:g}; expected above 0, up to 1")
+        if self.gas_volume <= 0.0:
+            raise ParameterError("SwitchChamber.gas_volume: 0 m^3; expected a volume that gives way to the oil")
+
+
+def released_area(tank_opening: float, chamber: SwitchChamber) -> float:
+    """Area through which oil enters or leaves the chamber [m^2]: none while the tank port is shut.
+
+    tank_opening  open fraction of the tank port [1]
+    """
+    return chamber.mouth_area * clip(tank_opening / chamber.release_opening, 0.0, 1.0)
