@@ -176,7 +176,6 @@ ALLOWED = {
     "offline.record_check.Inspection._cut": GOES_BY,
     "offline.sums.Sums": GOES_BY,
     "logs.text._Table": GOES_BY,
-    "logs.text._dialect": GOES_BY,
     "network.classes.Classes": TEXT_WRITER,
     "network.component.Component": FACADE,
     "network.functions.Functions": TEXT_WRITER,

@@ -416,9 +416,9 @@ BAD = [
     ("a.csv", content(b"time,pressure\n0,1\n1,2\n"), {"want": "presure"}, "did you mean 'pressure'"),
     ("a.csv", content(b"time [V],v\n0,1\n1,2\n"), {"want": "v"}, "time channel 'time' is in 'V'; expected one of s,"),
     ("a.csv", content(b"time [s],v\n0,1\n1,2\n"), {"want": "v", "time_unit": "ms"}, "contradicts 'ms'"),
-    ("a.csv", content(b"time [s],v\n0,1\n1,2\n"), {"want": "v", "rate": 10.0}, "has a clock (column 'time')"),
-    ("a.csv", content(b"u,v\n0,1\n1,2\n"), {"want": "v"}, "the file has no clock"),
-    ("a.csv", content(b"time,v\nmorning,1\nnoon,2\n"), {"want": "v"}, "time column 'time' holds text"),
+    ("a.csv", content(b"time [s],v\n0,1\n1,2\n"), {"want": "v", "rate": 10.0}, "has a clock (channel 'time')"),
+    ("a.csv", content(b"u,v\n0,1\n1,2\n"), {"want": "v"}, "channel 'v' has no clock"),
+    ("a.csv", content(b"time,v\nmorning,1\nnoon,2\n"), {"want": "v"}, "time channel 'time' holds text"),
 ]  # fmt: skip
 
 

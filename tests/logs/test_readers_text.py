@@ -159,15 +159,16 @@ def test_date_times_become_seconds_from_the_first(tmp_path, write):
     assert times[1] == pytest.approx(1 / 1e3 - 1 / 1e9 * longer, abs=1e-12)
 
 
-def test_date_times_written_alike_or_not_are_the_same(tmp_path):
+def test_date_times_are_read_to_the_nanosecond_with_any_offset():
     random = np.random.default_rng(2)
     stamps = np.sort(np.datetime64("1999-12-31T00:00:00", "ns") + random.integers(0, 10**15, 200).astype("m8[ns]"))
     texts = [str(stamp) for stamp in stamps]
-    assert np.array_equal(module._written_alike(np.array([t.encode() for t in texts])), stamps)
     assert np.array_equal(module._instants(texts), stamps)
     shifted = [t[:19] + "+01:30" for t in texts]
     expected = stamps.astype("M8[s]") - np.timedelta64(90, "m")
     assert np.array_equal(module._instants(shifted), expected.astype("M8[ns]"))
+    assert np.array_equal(module._instants([shifted[0], shifted[1][:19] + "Z"])[0], expected[0])
+    assert module._instants([shifted[0], texts[1]]) is None  # with an offset and without
 
 
 def test_impossible_date_times_are_refused(tmp_path):

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vvdp.logs.text import _NO_NUMBER, _NO_NUMBERS, _numbers
+from vvdp.logs.dialect import NO_NUMBER
+from vvdp.logs.text import _NO_NUMBERS, _numbers
 
 
 def one_column(texts, decimal="."):
@@ -74,7 +75,7 @@ def test_a_block_with_anything_else_is_left_to_the_careful_parser(text):
 
 
 def test_what_pandas_takes_for_no_number_is_none():
-    assert all(not word or _NO_NUMBER.fullmatch(word) for word in _NO_NUMBERS)
+    assert all(not word or NO_NUMBER.fullmatch(word) for word in _NO_NUMBERS)
     assert np.isnan(one_column([word for word in _NO_NUMBERS if word])).all()
 
 

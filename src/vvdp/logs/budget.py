@@ -5,11 +5,13 @@ more than it can hold, is refused before anything of that size is read.
 """
 
 import math
-from collections.abc import Hashable
+import zlib
+from collections.abc import Hashable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vvdp.base.errors import ConfigError, unusable
+from vvdp.base.errors import VvdpError, unusable
 
 MOST_NODES = 10_000
 """Channels, groups and structs."""
@@ -18,6 +20,8 @@ LARGEST_CHUNK = 256 << 20
 """What has to be read at once [bytes]."""
 LARGEST_RATIO = 100.0
 """Beyond `LARGEST_CHUNK`, content is at most so many times as large as its file; measured signals stay below 20."""
+
+_PIECE = 1 << 16
 
 
 @dataclass
@@ -34,29 +38,33 @@ class Budget:
         if self._nodes > MOST_NODES:
             raise unusable(self.path, f"holds more than {MOST_NODES} channels and groups; export those of the spool")
 
-    def enter(self, identity: Hashable) -> str:
-        """Goes into a group or struct; why that is refused, empty where it is not: then `leave` it."""
+    @contextmanager
+    def inside(self, identity: Hashable) -> Iterator[str]:
+        """While the content of a group or struct is read; why it must not be, empty where it may."""
         if identity in self._above:
-            return "refers to what holds it"
-        if len(self._above) >= DEEPEST:
-            return "is nested too deeply"
-        self._above.append(identity)
-        return ""
-
-    def leave(self) -> None:
-        """Goes out of the group or struct that was entered last."""
-        self._above.pop()
+            yield "refers to what holds it"
+        elif len(self._above) >= DEEPEST:
+            yield "is nested too deeply"
+        else:
+            self._above.append(identity)
+            yield ""
+            self._above.pop()
 
     def chunk_fault(self, size: float) -> str:
         """Why a piece of `size` [bytes] that can only be read as a whole is refused; empty where it is not."""
-        return f"is stored in pieces of {_megabytes(size)}, {_MOST_TEXT} at most" if size > LARGEST_CHUNK else ""
+        most = _megabytes(LARGEST_CHUNK)
+        return f"is stored in pieces of {_megabytes(size)}, {most} at most" if size > LARGEST_CHUNK else ""
+
+    @property
+    def largest_content(self) -> float:
+        """The most that the file can be believed to hold [bytes]."""
+        return max(LARGEST_CHUNK, LARGEST_RATIO * self.path.stat().st_size)
 
     def content_fault(self, size: float) -> str:
         """Why content of `size` [bytes] is refused; empty where it is not."""
-        held = self.path.stat().st_size
-        if size <= max(LARGEST_CHUNK, LARGEST_RATIO * held):
+        if size <= self.largest_content:
             return ""
-        return f"claims to hold {_megabytes(size)} in a file of {_megabytes(held)}"
+        return f"claims to hold {_megabytes(size)} in a file of {_megabytes(self.path.stat().st_size)}"
 
     def check_content(self, size: float) -> None:
         """Raises ConfigError for content of a `size` [bytes] that the file cannot hold."""
@@ -68,12 +76,29 @@ def _megabytes(size: float) -> str:
     return f"{max(math.ceil(size / 1e6), 1):.4g} MB"
 
 
-_MOST_TEXT = _megabytes(LARGEST_CHUNK)
+def unpack(packed: bytes, most: int) -> bytearray:
+    """What zlib has packed; no more than a megabyte beyond `most` bytes."""
+    unpacker, found = zlib.decompressobj(), bytearray()
+    for at in range(0, len(packed), _PIECE):
+        piece = packed[at : at + _PIECE]
+        while piece and len(found) <= most:
+            found += unpacker.decompress(piece, 16 * _PIECE)
+            piece = unpacker.unconsumed_tail
+    return found
 
 
-def damage(path: Path, where: str, problem: Exception, library: str = "") -> ConfigError:
-    """The error for what a library could not read, or for a `library` of another version than vvdp knows."""
-    reason = f"{type(problem).__name__}: {problem}" if str(problem) else type(problem).__name__
-    if library and isinstance(problem, AttributeError | ImportError | NotImplementedError):
-        return unusable(path, f"{where} cannot be read by this version of {library}, or is damaged ({reason})")
-    return unusable(path, f"{where} cannot be read, the file is damaged ({reason})")
+@contextmanager
+def reading(path: Path, what: str, library: str) -> Iterator[None]:
+    """While a `library` reads `what` of a file: whatever it raises on damaged content becomes a ConfigError.
+
+    What only a mistake or another version of the library raises is told as such.
+    """
+    try:
+        yield
+    except (VvdpError, MemoryError):
+        raise
+    except Exception as problem:  # the libraries raise many unrelated types on damaged files
+        reason = f"{type(problem).__name__}: {problem}" if str(problem) else type(problem).__name__
+        if isinstance(problem, AttributeError | ImportError | NotImplementedError | TypeError):
+            raise unusable(path, f"{what} cannot be read with {library}, or the file is damaged ({reason})") from None
+        raise unusable(path, f"{what} cannot be read, the file is damaged or cut off ({reason})") from None

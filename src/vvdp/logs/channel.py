@@ -1,14 +1,15 @@
 """What a measured log is: channels, each with its own unit and its own clock, read in portions."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, NamedTuple, Self
+from functools import partial
+from typing import NamedTuple, Self
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ConfigError, ParameterError, unusable
-from vvdp.base.tables import suggestion
+from vvdp.base.errors import ParameterError, unusable
+from vvdp.logs.budget import reading
+from vvdp.logs.clocks import Clock, Clocks
+from vvdp.logs.content import Content, Leaf, no_such, read_anywhere
 
 
 @dataclass(frozen=True)
@@ -28,27 +29,35 @@ class Portion(NamedTuple):
     values: Array  # in the unit of the channel
 
 
-class Log(ABC):
+class Log:
     """A file of measurements, open for reading. Nothing of it is held but what the current portion needs.
 
     path        the file
-    remarks     what was taken for granted or left out, for the reader to see; complete once all portions are read
     unreadable  what the file holds under a name that is not a channel of numbers, and why it is none
     done        the fraction of the file that the latest `portions` has gone through, 0 to 1
     """
 
-    def __init__(self, path: Path, held: Any = None) -> None:
-        self.path = path
-        self._held = held
-        self.remarks: tuple[str, ...] = ()
-        self.unreadable: Mapping[str, str] = {}
+    def __init__(self, content: Content) -> None:
+        self.path = content.path
+        self.unreadable: Mapping[str, str] = {content.name(path): why for path, why in content.unreadable.items()}
         self.done = 0.0
+        self._content = content
+        self._clocks = Clocks(content)
+        self._leaves = {content.name(path): leaf for path, leaf in content.leaves.items() if not leaf.hidden}
 
-    @abstractmethod
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was taken for granted or left out, for the reader to see; complete once all portions are read."""
+        return tuple(self._content.remarks)
+
     def channels(self) -> tuple[ChannelInfo, ...]:
         """The channels of the log, in the order of the file."""
+        between = self._content.separator
+        return tuple(
+            ChannelInfo(name, leaf.unit, leaf.samples, between.join(leaf.path[:-1]))
+            for name, leaf in self._leaves.items()
+        )
 
-    @abstractmethod
     def portions(self, names: Sequence[str], samples: int) -> Iterator[Mapping[str, Portion]]:
         """The channels `names` in portions of about `samples` samples, from beginning to end.
 
@@ -57,11 +66,37 @@ class Log(ABC):
         Raises ConfigError at once for a name that the log does not have or a channel without a clock, and on the
         way for a file that is damaged further on; ParameterError where `samples` is not positive.
         """
+        if samples < 1:
+            raise ParameterError(f"portions of {samples} samples; expected at least 1")
+        leaves = {name: self._leaves[self.channel(name).name] for name in names}
+        clocks = {name: self._clocks.find(leaf) for name, leaf in leaves.items()}
+        return self._portions(leaves, clocks, samples)
+
+    def _portions(
+        self, leaves: Mapping[str, Leaf], clocks: Mapping[str, Clock], samples: int
+    ) -> Iterator[Mapping[str, Portion]]:
+        self.done = 0.0
+        holders = [clock.holder for clock in clocks.values() if clock.holder is not None]
+        needed = {leaf.path: leaf for leaf in (*leaves.values(), *holders)}
+        read = self._content.rows or partial(read_anywhere, self._content)
+        blocks, begin = read(list(needed.values()), samples), dict.fromkeys(leaves, 0)
+        while True:
+            with reading(self.path, "what follows", self._content.library):
+                block = next(blocks, None)
+            if block is None:
+                break
+            arrays, self.done = block
+            portions = {}
+            for name, leaf in leaves.items():
+                values = arrays[leaf.path]
+                portions[name] = Portion(clocks[name].times(arrays, begin[name], values.size), values)
+                begin[name] += values.size
+            yield portions
+        self.done = 1.0
 
     def close(self) -> None:
         """Closes the file; reading is over."""
-        if self._held is not None:
-            self._held.close()
+        self._content.close()
 
     def __enter__(self) -> Self:
         return self
@@ -85,8 +120,7 @@ class Log(ABC):
 
     def remark(self, text: str) -> None:
         """Adds a remark, once."""
-        if text not in self.remarks:
-            self.remarks += (text,)
+        self._content.remark(text)
 
 
 def _own_name(info: ChannelInfo) -> str:
@@ -99,37 +133,3 @@ def _name_with_group(info: ChannelInfo) -> str:
 
 def _last_part(info: ChannelInfo) -> str:
     return info.name[len(info.group) + 1 :] if info.group and info.name.startswith(info.group) else info.name
-
-
-def no_such(path: Path, what: str, name: str, names: Sequence[str]) -> ConfigError:
-    """The error for a name that a file does not have among `names`."""
-    return unusable(path, f"no {what} {name!r}; channels are {list_names(names)}{suggestion(name, names, 3)}")
-
-
-def checked_size(samples: int) -> int:
-    """`samples` per portion. Raises ParameterError unless positive."""
-    if samples < 1:
-        raise ParameterError(f"portions of {samples} samples; expected at least 1")
-    return samples
-
-
-def list_names(names: Sequence[str], most: int = 40) -> str:
-    """Names as a message shows them, shortened where there are many."""
-    if not names:
-        return "none"
-    rest = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(map(repr, names[:most])) + rest
-
-
-def unique(names: Sequence[str]) -> list[str]:
-    """Names, told apart by a number where the file has one twice: `v`, `v #2`."""
-    taken: set[str] = set()
-    found = []
-    for name in names:
-        candidate, number = name, 1
-        while candidate in taken:
-            number += 1
-            candidate = f"{name} #{number}"
-        taken.add(candidate)
-        found.append(candidate)
-    return found

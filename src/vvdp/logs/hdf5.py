@@ -4,69 +4,52 @@ A dataset may carry its unit (attribute `units` or `unit`) and its clock (`dt` o
 scale, as netCDF writes it). Otherwise the dataset named as a time beside it or above it is the clock.
 """
 
+import itertools
 import math
-from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ConfigError, unusable
-from vvdp.logs.budget import Budget, damage
-from vvdp.logs.channel import Log
-from vvdp.logs.channel_readers import Leaf, Reader, Tree, evenly
-from vvdp.logs.clock import ClockChoice
+from vvdp.logs.budget import LARGEST_CHUNK, Budget, unpack
+from vvdp.logs.content import Content, Leaf, Names, Reader, at_rate, evenly
 
 MOST_COLUMNS = 64
 """A matrix with more columns is not a set of channels."""
+_MOST_PACKED = 1032
+"""How many times as large as packed a piece can be."""
 
 
-def hdf5_log(path: Path, choice: ClockChoice) -> Log:
-    """The log in an HDF5 file."""
-    file = open_hdf5(path)
-    tree = Tree(path, choice, "/")
-    try:
-        _walk(tree, (), file)
-    except ConfigError:
-        file.close()
-        raise
-    except Exception as problem:  # h5py raises many unrelated types on damaged files
-        file.close()
-        raise damage(path, "the HDF5 file", problem) from None
-    return tree.log(file)
+def read_hdf5(content: Content) -> None:
+    """Finds what an HDF5 file holds."""
+    content.held = h5py.File(content.path, "r")
+    _walk(content, (), content.held)
 
 
-def open_hdf5(path: Path) -> Any:
-    """The HDF5 file `path`, open for reading. Raises ConfigError where it is damaged."""
-    try:
-        return h5py.File(path, "r")
-    except OSError as problem:
-        raise unusable(path, f"cannot be read as HDF5, the file is damaged or cut off ({problem})") from None
-
-
-def _walk(tree: Tree, path: tuple[str, ...], group: Any) -> None:
-    if fault := tree.budget.enter(group.id):
-        tree.refuse(path, fault)
-        return
-    tree.budget.count(len(group))
-    for name in group:
-        own, item = (*path, name), own_item(group, name)
-        if isinstance(item, h5py.Group):
-            _walk(tree, own, item)
-        elif isinstance(item, h5py.Dataset):
-            _add(tree, own, item)
-        else:
-            tree.refuse(own, item if isinstance(item, str) else "is a named type")
-    tree.budget.leave()
+def _walk(content: Content, path: Names, group: Any) -> None:
+    with content.budget.inside(group.id) as fault:
+        if fault:
+            content.unreadable[path] = fault
+            return
+        content.budget.count(len(group))
+        for name in group:
+            own, item = (*path, name), own_item(group, name)
+            if isinstance(item, h5py.Group):
+                _walk(content, own, item)
+            elif isinstance(item, h5py.Dataset):
+                _add(content, own, item)
+            else:
+                content.unreadable[own] = item if isinstance(item, str) else "is a named type"
 
 
 def own_item(group: Any, name: str) -> Any:
     """What stands in a group under `name`, or why that is not read: only what lies in this file is."""
     if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
         return "lies in another file"
-    item = group.get(name)
-    if item is None:
+    try:
+        item = group[name]
+    except (KeyError, OSError, RuntimeError):
         return "is a broken link"
     return item if item.file.filename == group.file.filename else "lies in another file"
 
@@ -76,54 +59,29 @@ def storage_fault(dataset: Any, budget: Budget) -> str:
     if dataset.external or (dataset.is_virtual and any(each.file_name != "." for each in dataset.virtual_sources())):
         return "lies in another file"
     size = dataset.dtype.itemsize
-    return budget.chunk_fault(size * math.prod(dataset.chunks or ())) or budget.content_fault(
-        size * (dataset.size or 0)
-    )
+    chunk, whole = size * math.prod(dataset.chunks or ()), size * (dataset.size or 0)
+    return budget.chunk_fault(chunk) or budget.content_fault(whole)
 
 
-def _add(tree: Tree, path: tuple[str, ...], dataset: Any) -> None:
-    if fault := storage_fault(dataset, tree.budget):
-        tree.refuse(path, fault)
-        return
-    if dataset.dtype.names:
+def _add(content: Content, path: Names, dataset: Any) -> None:
+    if dataset.dtype.names and not storage_fault(dataset, content.budget):
         for name in dataset.dtype.names:
             if dataset.ndim == 1 and dataset.dtype[name].kind in "fiub" and not dataset.dtype[name].shape:
-                tree.add(Leaf((*path, name), len(dataset), field_reader(dataset, name)))
+                content.add(Leaf((*path, name), len(dataset), _field(dataset, name)))
             else:
-                tree.refuse((*path, name), "is not a column of numbers")
+                content.unreadable[*path, name] = "is not a column of numbers"
         return
-    if why := unfit(dataset):
-        tree.refuse(path, why)
+    if fault := storage_fault(dataset, content.budget) or _content_fault(dataset):
+        content.unreadable[path] = fault
         return
-    unit, clock = text(dataset.attrs.get("units", dataset.attrs.get("unit"))), _own_clock(dataset)
-    link = _dimension_scale(dataset)
-    if dataset.ndim == 1:
-        tree.add(
-            Leaf(
-                path=path,
-                samples=dataset.shape[0],
-                values=_read_scaled(dataset, 0),
-                unit=unit,
-                clock=clock,
-                clock_path=link,
-            )
-        )
-    else:
-        for k in range(dataset.shape[1]):
-            column = (*path[:-1], f"{path[-1]}[{k}]")
-            tree.add(
-                Leaf(
-                    path=column,
-                    samples=dataset.shape[0],
-                    values=_read_scaled(dataset, k),
-                    unit=unit,
-                    clock=clock,
-                    clock_path=link,
-                )
-            )
+    unit = text(dataset.attrs.get("units", dataset.attrs.get("unit")))
+    clock = _own_clock(dataset) or _dimension_scale(dataset)
+    for k in range(1 if dataset.ndim == 1 else dataset.shape[1]):
+        own = path if dataset.ndim == 1 else (*path[:-1], f"{path[-1]}[{k}]")
+        content.add(Leaf(own, len(dataset), _column(dataset, k), unit, clock=clock))
 
 
-def unfit(dataset: Any) -> str:
+def _content_fault(dataset: Any) -> str:
     """Why a dataset is not one or several channels of numbers; empty where it is."""
     if dataset.dtype.kind not in "fiub":
         return "holds complex numbers" if dataset.dtype.kind == "c" else "holds no numbers"
@@ -134,55 +92,74 @@ def unfit(dataset: Any) -> str:
     return ""
 
 
-def field_reader(dataset: Any, name: str) -> Reader:
+def part(dataset: Any, *selection: slice | int) -> Any:
+    """Part of a dataset, or of an array. Raises ValueError for a packed piece that holds more than it may."""
+    if getattr(dataset, "compression", None) == "gzip":
+        spans = [slice(each, each + 1) if isinstance(each, int) else each for each in selection]
+        pieces = zip(spans, dataset.chunks, strict=True)
+        for place in itertools.product(*(range(s.start // n * n, s.stop, n) for s, n in pieces)):
+            _check_piece(dataset.id, place)
+    return dataset[selection]
+
+
+def _check_piece(held: Any, place: tuple[int, ...]) -> None:
+    if held.get_chunk_info_by_coord(place).size * _MOST_PACKED > LARGEST_CHUNK:
+        packed = held.read_direct_chunk(place)[1]
+        if len(unpack(packed, LARGEST_CHUNK)) > LARGEST_CHUNK:
+            raise ValueError("a piece unpacks to more than can be read at once")
+
+
+def _field(dataset: Any, name: str) -> Reader:
     """Reads a field of a dataset of records."""
-    return lambda begin, end: np.asarray(dataset[begin:end][name], float)
+    return lambda begin, end: np.asarray(part(dataset, slice(begin, end))[name], float)
 
 
-def _read_scaled(dataset: Any, column: int) -> Reader:
+def _column(dataset: Any, column: int) -> Reader:
     """Reads a column, with fill value, scale and offset as netCDF defines them."""
-    scale, offset = dataset.attrs.get("scale_factor"), dataset.attrs.get("add_offset")
-    fill = dataset.attrs.get("_FillValue")
+    scale, offset, fill = (dataset.attrs.get(name) for name in ("scale_factor", "add_offset", "_FillValue"))
+    across = (column,) if dataset.ndim > 1 else ()
 
     def read(begin: int, end: int) -> Array:
-        raw = dataset[begin:end] if dataset.ndim == 1 else dataset[begin:end, column]
+        raw = part(dataset, slice(begin, end), *across)
         values = np.asarray(raw, float)
         if scale is not None:
             values = values * float(np.ravel(scale)[0])
         if offset is not None:
             values = values + float(np.ravel(offset)[0])
-        if fill is not None:
-            values = np.where(raw == np.ravel(fill)[0], np.nan, values)
-        return values
+        return values if fill is None else np.where(raw == np.ravel(fill)[0], np.nan, values)
 
     return read
 
 
 def _own_clock(dataset: Any) -> Reader | None:
     for holder in (dataset, dataset.parent):
-        start = _number(holder.attrs.get("t0", 0.0)) or 0.0
+        start = _number(holder, "t0")
         for name in ("dt", "sample_interval"):
-            if increment := _number(holder.attrs.get(name)):
+            if increment := _number(holder, name):
                 return evenly(start, increment)
         for name in ("sample_rate", "sampling_rate", "fs"):
-            if rate := _number(holder.attrs.get(name)):
-                return lambda begin, end, start=start, rate=rate: start + np.arange(begin, end) / rate  # type: ignore[misc]
+            if rate := _number(holder, name):
+                return at_rate(rate, start)
     return None
 
 
-def _number(value: object) -> float | None:
+def _number(holder: Any, name: str) -> float:
+    """An attribute as a number; 0 where it is none."""
     try:
-        number = float(np.ravel(value)[0])  # type: ignore[call-overload]
+        number = float(np.ravel(holder.attrs.get(name))[0])
     except (TypeError, ValueError, IndexError):
-        return None
-    return number if np.isfinite(number) else None
+        return 0.0
+    return number if np.isfinite(number) else 0.0
 
 
-def _dimension_scale(dataset: Any) -> tuple[str, ...] | None:
+def _dimension_scale(dataset: Any) -> Names | None:
     """Path of the dimension scale along the first axis; None for a dataset that is itself one."""
-    if dataset.attrs.get("CLASS") == b"DIMENSION_SCALE" or not dataset.dims[0]:
+    try:
+        if dataset.attrs.get("CLASS") == b"DIMENSION_SCALE" or not dataset.dims[0]:
+            return None
+        return tuple(dataset.dims[0][0].name.strip("/").split("/"))
+    except RuntimeError:  # it points to nothing
         return None
-    return tuple(dataset.dims[0][0].name.strip("/").split("/"))
 
 
 def text(value: Any) -> str:

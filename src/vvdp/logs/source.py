@@ -1,11 +1,15 @@
 """Opening a log: the format by its first bytes, which must agree with the extension."""
 
+from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 
 from vvdp.base.errors import unusable
 from vvdp.base.extras import require
+from vvdp.logs.budget import reading
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import ClockChoice
+from vvdp.logs.content import Content
 
 FORMATS = {
     ".csv": "text", ".tsv": "text", ".txt": "text", ".tab": "text", ".asc": "text", ".dat": "text or MDF",
@@ -13,6 +17,13 @@ FORMATS = {
     ".h5": "HDF5", ".hdf5": "HDF5", ".hdf": "HDF5", ".nc": "HDF5", ".parquet": "Parquet", ".pq": "Parquet",
 }  # fmt: skip
 _HDF5 = b"\x89HDF\r\n\x1a\n"
+
+
+_LIBRARIES = {
+    "text": ("pandas", ""), "TDMS": ("nptdms", "daq"), "MDF": ("asammdf", "daq"), "Parquet": ("pyarrow", "data"),
+    "HDF5": ("h5py", ""), "MATLAB": ("scipy", ""), "MATLAB 7.3": ("h5py", ""),
+}  # fmt: skip
+"""What reads a format, and the extra that brings it."""
 
 
 def open_log(path: Path, *, time: str | None = None, rate: float | None = None, time_unit: str | None = None) -> Log:
@@ -27,40 +38,44 @@ def open_log(path: Path, *, time: str | None = None, rate: float | None = None, 
     path = Path(path)
     choice = ClockChoice(time, rate, time_unit)
     choice.check()
-    head = _head(path)
-    found = _detect_format(path, head)
+    found = _detect_format(path, _head(path))
     expected = FORMATS.get(path.suffix.lower())
     if expected is None:
         is_one = f" (its content is {found})" if found != "text" else ""
         raise unusable(path, f"has the extension {path.suffix!r}{is_one}; expected one of {', '.join(FORMATS)}")
-    if not _agree(expected, found):
+    if found not in _LIBRARIES or found.removesuffix(" 7.3") not in expected.split(" or "):
         raise unusable(path, f"is {found} by its content, not {expected} as its extension {path.suffix!r} says")
-    if found == "text":
-        from vvdp.logs.text import text_log
+    library, extra = _LIBRARIES[found]
+    if extra:
+        require(library, extra, f"{path} ({found})")
+    content = Content(path, choice, library=f"{library} {version(library)}")
+    try:
+        with reading(path, f"the {found} file", content.library):
+            _reader(found)(content)
+        return Log(content)
+    except BaseException:
+        content.close()
+        raise
 
-        return text_log(path, choice)
-    if found == "TDMS":
-        require("nptdms", "daq", f"{path} ({found})")
-        from vvdp.logs.tdms import tdms_log
 
-        return tdms_log(path, choice)
-    if found == "MDF":
-        require("asammdf", "daq", f"{path} ({found})")
-        from vvdp.logs.mdf import mdf_log
-
-        return mdf_log(path, choice)
-    if found == "Parquet":
-        require("pyarrow", "data", f"{path} ({found})")
-        from vvdp.logs.parquet import parquet_log
-
-        return parquet_log(path, choice)
-    if found == "HDF5":
-        from vvdp.logs.hdf5 import hdf5_log
-
-        return hdf5_log(path, choice)
-    from vvdp.logs.mat import mat73_log, mat_log
-
-    return mat73_log(path, choice) if found == "MATLAB 7.3" else mat_log(path, choice)
+def _reader(found: str) -> Callable[[Content], None]:
+    """What finds the content of a format; its library is imported for it alone."""
+    match found:
+        case "text":
+            from vvdp.logs.text import read_text as read
+        case "TDMS":
+            from vvdp.logs.tdms import read_tdms as read
+        case "MDF":
+            from vvdp.logs.mdf import read_mdf as read
+        case "Parquet":
+            from vvdp.logs.parquet import read_parquet as read
+        case "HDF5":
+            from vvdp.logs.hdf5 import read_hdf5 as read
+        case "MATLAB 7.3":
+            from vvdp.logs.mat import read_mat73 as read
+        case _:
+            from vvdp.logs.mat import read_mat as read
+    return read
 
 
 def _head(path: Path) -> bytes:
@@ -101,9 +116,3 @@ def _detect_format(path: Path, head: bytes) -> str:
     if head[:6] == b"MATLAB" or path.suffix.lower() == ".mat":
         return "MATLAB"
     return "text" if b"\0" not in head else "neither text nor a format that is known here"
-
-
-def _agree(expected: str, found: str) -> bool:
-    if expected == "MATLAB":
-        return found in ("MATLAB", "MATLAB 7.3")
-    return found in expected.split(" or ")

@@ -9,62 +9,55 @@ plainly in the file, one value after the other or one row after the other, they 
 
 import bisect
 import logging
-from collections.abc import Callable
+from collections.abc import Iterator
+from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.base.errors import ConfigError
-from vvdp.logs.budget import damage
-from vvdp.logs.channel import Log
-from vvdp.logs.channel_readers import Leaf, Reader, Tree, evenly
-from vvdp.logs.clock import ClockChoice
+from vvdp.logs.content import Content, Leaf, Reader, evenly
+
+_BIG_ENDIAN = 1 << 6
 
 
-def tdms_log(path: Path, choice: ClockChoice) -> Log:
-    """The log in a TDMS file."""
+def read_tdms(content: Content) -> None:
+    """Finds what a TDMS file holds."""
     import nptdms
 
     nptdms.log.log_manager.set_level(logging.CRITICAL)  # what matters of it is a remark
-    raw = path.open("rb")
-    try:
-        file = nptdms.TdmsFile.open(raw, raw_timestamps=True)
-        tree = Tree(path, choice, "/", short=True)
-        channels = [channel for group in file.groups() for channel in group.channels()]
-        tree.budget.count(len(channels))
-        starts = {c.path: s for c in channels if (s := _start(c)) is not None}
-        first = min(starts.values(), default=None)
-        for channel in channels:
-            _add(tree, file, channel, _seconds(starts[channel.path], first) if channel.path in starts else 0.0)
-        cut_off = file.file_status.incomplete_final_segment
-    except (ConfigError, MemoryError):
-        raw.close()
-        raise
-    except Exception as problem:  # npTDMS raises many unrelated types on damaged files
-        raw.close()
-        raise damage(path, "the TDMS file", problem, "npTDMS") from None
-    if cut_off:
-        tree.remarks.append("the last segment is incomplete; what it holds is read")
-    return tree.log(raw, "npTDMS")
+    content.short = True
+    content.held = content.path.open("rb")
+    file = nptdms.TdmsFile.open(content.held, raw_timestamps=True)
+    channels = [channel for group in file.groups() for channel in group.channels()]
+    content.budget.count(len(channels))
+    starts = {c.path: s for c in channels if (s := _start(c)) is not None}
+    first = min(starts.values(), default=None)
+    for channel in channels:
+        _add(content, file, channel, _seconds(starts[channel.path], first) if channel.path in starts else 0.0)
+    if file.file_status.incomplete_final_segment:
+        content.remark("the last segment is incomplete; what it holds is read")
 
 
-def _add(tree: Tree, file: Any, channel: Any, shift: float) -> None:
-    path = (channel.group_name, channel.name)
-    if _is_instants(channel):
-        tree.add(Leaf(path, len(channel), _instants(channel), "s"))
+def _add(content: Content, file: Any, channel: Any, shift: float) -> None:
+    from nptdms import types
+
+    path, about = (channel.group_name, channel.name), channel.properties
+    if channel.data_type is types.TimeStamp:
+        content.add(Leaf(path, len(channel), _instants(channel), "s"))
         return
     kind = np.dtype(channel.dtype).kind if channel.data_type is not None else "V"
     if kind not in "fiub":
-        tree.refuse(path, "holds no data" if kind == "V" else "holds no numbers")
+        content.unreadable[path] = "holds no data" if kind == "V" else "holds no numbers"
         return
-    unit = str(channel.properties.get("unit_string") or channel.properties.get("NI_UnitDescription") or "")
-    increment = float(channel.properties.get("wf_increment") or 0.0)
-    if str(channel.properties.get("wf_xunit_string") or "s") != "s":
+    unit = str(about.get("unit_string") or about.get("NI_UnitDescription") or "")
+    increment = float(about.get("wf_increment") or 0.0)
+    if str(about.get("wf_xunit_string") or "s") != "s":
         increment = 0.0  # a spectrum, say, is a waveform over something else than time
-    clock = evenly(shift + float(channel.properties.get("wf_start_offset") or 0.0), increment) if increment else None
-    tree.add(Leaf(path, len(channel), _numbers(tree.path, file, channel), unit, clock))
+    clock = evenly(shift + float(about.get("wf_start_offset") or 0.0), increment) if increment else None
+    content.add(Leaf(path, len(channel), _numbers(content.path, file, channel), unit, clock=clock))
 
 
 def _start(channel: Any) -> tuple[int, int] | None:
@@ -78,12 +71,6 @@ def _start(channel: Any) -> tuple[int, int] | None:
 def _seconds(instant: Any, origin: Any) -> Any:
     """Seconds from one instant to another, both in whole seconds and 2^-64 seconds: no rounding to a date-time."""
     return instant[0] - origin[0] + (instant[1] - origin[1]) * 2.0**-64
-
-
-def _is_instants(channel: Any) -> bool:
-    from nptdms import types
-
-    return channel.data_type is types.TimeStamp
 
 
 def _instants(channel: Any) -> Reader:
@@ -106,15 +93,18 @@ class _Stretch(NamedTuple):
 
 
 def _numbers(path: Path, file: Any, channel: Any) -> Reader:
-    found: list[list[_Stretch] | None] = []
+    @cache
+    def stretches() -> list[_Stretch]:
+        try:
+            found = list(_stretches(file, channel))
+        except AttributeError:  # another npTDMS keeps it elsewhere
+            return []
+        return found if sum(stretch.samples for stretch in found) == len(channel) else []
 
     def read(begin: int, end: int) -> Array:
-        if not found:
-            found.append(_stretches(file, channel))
-        if found[0] is None:
+        if not stretches():
             return np.asarray(channel.read_data(begin, end - begin), float)
-        raw = _raw(path, found[0], begin, end)
-        scaling = channel._scaling
+        raw, scaling = _raw(path, stretches(), begin, end), channel._scaling
         return np.asarray(raw if scaling is None else scaling.scale(_Raw(raw)), float)
 
     return read
@@ -131,62 +121,32 @@ class _Raw:
 def _raw(path: Path, stretches: list[_Stretch], begin: int, end: int) -> Any:
     parts = []
     with path.open("rb") as file:
-        for stretch in stretches[bisect.bisect_right(stretches, begin, key=_first) - 1 :]:
-            if stretch.first >= end:
-                break
+        for stretch in stretches[bisect.bisect_right(stretches, begin, key=attrgetter("first")) - 1 :]:
             low, high = max(begin - stretch.first, 0), min(end - stretch.first, stretch.samples)
             if high <= low:
-                continue
+                break
             file.seek(stretch.place + low * stretch.step)
             data = file.read((high - low - 1) * stretch.step + stretch.kind.itemsize)
             parts.append(np.ndarray((high - low,), stretch.kind, data, strides=(stretch.step,)))
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def _first(stretch: _Stretch) -> int:
-    return stretch.first
-
-
-def _stretches(file: Any, channel: Any) -> list[_Stretch] | None:
-    """Where the samples of a channel lie; None where that is not plain, or another npTDMS keeps it elsewhere."""
-    stretches: list[_Stretch] = []
+def _stretches(file: Any, channel: Any) -> Iterator[_Stretch]:
+    """Where the samples of a channel lie, as far as that is plain: chunks that are neither packed nor cut off."""
     first = 0
-    try:
-        for segment in file._reader._segments:
-            own = segment.get_segment_object(channel.path)
-            if own is None or not own.has_data or not own.number_values:
-                continue
-            if segment._have_daqmx_objects() or own.data_type.nptype is None:
-                return None
-            kind = own.data_type.nptype.newbyteorder(">" if segment.toc_mask & _BIG_ENDIAN else "<")
-            for place, step, samples in _chunks(segment, own, kind.itemsize):
-                if samples:
-                    stretches.append(_Stretch(first, samples, place, step, kind))
-                    first += samples
-    except AttributeError:
-        return None
-    return stretches if first == len(channel) else None
-
-
-_BIG_ENDIAN = 1 << 6
-
-
-def _chunks(segment: Any, own: Any, width: int) -> list[tuple[int, int, int]]:
-    """Place of the first sample, distance of samples and their number, for each chunk of a segment."""
-    objects = segment._get_data_objects()
-    before = objects[: [item.path for item in objects].index(own.path)]
-    shortened = segment.final_chunk_lengths_override
-    size = sum(item.data_size for item in objects)
-    found = []
-    for k in range(segment.num_chunks):
-        last = shortened is not None and k == segment.num_chunks - 1
-        length: Callable[[Any], int] = (
-            (lambda item: shortened.get(item.path, 0)) if last else (lambda item: item.number_values)
-        )
-        begin = segment.data_position + k * size
-        if segment._have_interleaved_data():
-            offset, step = sum(item.data_type.size for item in before), sum(item.data_type.size for item in objects)
-        else:
-            offset, step = sum(length(item) * item.data_type.size if last else item.data_size for item in before), width
-        found.append((begin + offset, step, length(own)))
-    return found
+    for segment in file._reader._segments:
+        objects = segment._get_data_objects()
+        at = next((k for k, item in enumerate(objects) if item.path == channel.path), None)
+        if at is None or not objects[at].number_values:
+            continue
+        own = objects[at]
+        if segment._have_daqmx_objects() or own.data_type.nptype is None or segment.final_chunk_lengths_override:
+            return
+        kind = own.data_type.nptype.newbyteorder(">" if segment.toc_mask & _BIG_ENDIAN else "<")
+        in_rows = segment._have_interleaved_data()
+        sizes = [item.data_type.size if in_rows else item.data_size for item in objects]
+        chunk, step = sum(item.data_size for item in objects), sum(sizes) if in_rows else kind.itemsize
+        for k in range(segment.num_chunks):
+            place = segment.data_position + k * chunk + sum(sizes[:at])
+            yield _Stretch(first, own.number_values, place, step, kind)
+            first += own.number_values

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 import pytest
-from tests.offline import files
+from tests.logs import files, hostile
 
 from vvdp.cli.main import main
 
@@ -49,26 +49,29 @@ def test_more_damaged_logs_are_read_or_refused(seed, tmp_path, capsys):
     mutated(seed, tmp_path, capsys)
 
 
-@pytest.mark.parametrize("fill", files.HDF5)
-def test_an_hdf5_file_made_to_harm_is_refused_or_read_without_that(fill, tmp_path, capsys):
-    path = files.with_datasets(tmp_path / "a.h5", fill)
-    estimate(path, tmp_path / "out", capsys, "--wave", "v")
-    code, said = estimate(path, tmp_path / "more", capsys, "--wave", "other")
-    assert code == 2 and said
+HOSTILE = [
+    pytest.param(f"a{suffix}", write, id=write.__name__) for suffix, made in hostile.ALL.items() for write in made
+]
+REFUSED = (hostile.many_columns, hostile.long_field, hostile.backwards, hostile.endless_line, hostile.standing_clock)
 
 
-@pytest.mark.parametrize("fill", files.MATLAB)
-def test_a_matlab_file_made_to_harm_is_refused_or_read_without_that(fill, tmp_path, capsys):
-    estimate(files.matlab(tmp_path / "a.mat", fill), tmp_path / "out", capsys, "--wave", "v")
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("name", "write"), HOSTILE)
+def test_a_file_made_to_harm_is_refused_or_read_without_that(name, write, tmp_path, capsys):
+    code, said = estimate(write(tmp_path / name), tmp_path / "out", capsys, "--wave", "v")
+    assert code == 2 or write not in REFUSED
+    assert "\x1b" not in said
+    if name == "a.h5":  # what does harm goes by that name
+        code, said = estimate(tmp_path / name, tmp_path / "more", capsys, "--wave", "other")
+        assert code == 2 and said
 
 
-@pytest.mark.parametrize("write", files.TEXT)
-def test_a_table_made_to_harm_is_refused(write, tmp_path, capsys):
-    assert estimate(write(tmp_path / "a.csv"), tmp_path / "out", capsys, "--wave", "v")[0] == 2
+def test_there_are_forty_files_made_to_harm():
+    assert len({write.id for write in HOSTILE}) >= 40
 
 
 def test_edge_times_in_no_order_are_refused(tmp_path, capsys):
-    code, said = estimate(files.unsorted(tmp_path / "a.csv"), tmp_path / "out", capsys, "--edges", "v")
+    code, said = estimate(hostile.unsorted(tmp_path / "a.csv"), tmp_path / "out", capsys, "--edges", "v")
     assert code == 2 and "do not run forward, more than 1000 times" in " ".join(said.split())
 
 
@@ -82,8 +85,11 @@ for name in sys.argv[1:]:
     try:
         with open_log(Path(name)) as log:
             for info in log.channels():
-                for portion in log.portions([info.name], 100_000):
-                    pass
+                try:
+                    for portion in log.portions([info.name], 100_000):
+                        pass
+                except ConfigError as problem:
+                    print(problem)
     except ConfigError as problem:
         print(problem)
     print(f"took {time.process_time() - began:.3f}", file=sys.stderr)
@@ -93,15 +99,11 @@ print(float(most) / 1024)
 """
 
 
-def test_bombs_are_refused_within_two_seconds_and_half_a_gigabyte(tmp_path):
-    made = [
-        files.with_datasets(tmp_path / f"{fill.__name__}.h5", fill)
-        for fill in (files.huge_chunk, files.empty_giant, files.fans, files.many)
-    ]
-    made += [files.matlab(tmp_path / f"{fill.__name__}.mat", fill) for fill in files.MATLAB]
-    made.append(files.packed_matlab(tmp_path / "packed.mat"))
+@pytest.mark.parametrize("formats", [(".h5", ".mat"), (".tdms", ".mf4", ".mdf", ".parquet", ".csv")])
+def test_bombs_are_refused_within_two_seconds_and_half_a_gigabyte(formats, tmp_path):
+    made = [write(tmp_path / f"{write.__name__}{suffix}") for suffix in formats for write in hostile.ALL[suffix]]
     done = subprocess.run(
-        [sys.executable, "-c", BOMBS, *map(str, made)], capture_output=True, text=True, timeout=60, check=True
+        [sys.executable, "-c", BOMBS, *map(str, made)], capture_output=True, text=True, timeout=120, check=True
     )
     times = [float(line.split()[1]) for line in done.stderr.splitlines() if line.startswith("took")]
     assert len(times) == len(made) and max(times) < 2.0
