@@ -1,6 +1,6 @@
 """The drawings of chapters 1 and 2 that show the valve: made from its solids."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -9,7 +9,7 @@ from vvdp.base.extras import MissingExtraError
 from vvdp.base.kinds import AREA
 from vvdp.geometry.domains import centre_domain, rail_domain, turbine_domain, valve_domain
 from vvdp.geometry.mesh import Mesh
-from vvdp.geometry.shape_tables import valve_shape
+from vvdp.geometry.shape_tables import given_shape, valve_shape
 from vvdp.geometry.solids import half_sleeve, spool
 from vvdp.report.circuit import graph_of
 from vvdp.report.diagram import diagram
@@ -36,7 +36,7 @@ def oil() -> Mapping[str, Mesh]:
         "whole valve": valve_domain(s, v, 0.0, position).mesh,
         "inlet rail": rail_domain(s, v).mesh,
         "centre section": centre_domain(s, v, 0.0, position).mesh,
-        "outlet turbine": turbine_domain(s, v, 0.0).mesh,
+        "outlet turbine": turbine_domain(s, v, 0.0, position).mesh,
     }
 
 
@@ -47,7 +47,9 @@ def solid_drawing(what: str, name: str, draw: Callable[[], Drawn], *more: Statem
     except MissingExtraError as problem:
         return Reproduction(statements=(drawing_statement(what, str(problem)), *more))
     picture = Picture(name=name, caption=made.caption, svg=made.svg)
-    return Reproduction(statements=(drawing_statement(what, made.caption.partition(". ")[0]), *more), pictures=(picture,))
+    return Reproduction(
+        statements=(drawing_statement(what, made.caption.partition(". ")[0]), *more), pictures=(picture,)
+    )
 
 
 def circuit_drawing(what: str, name: str, *systems: str) -> Reproduction:
@@ -70,6 +72,14 @@ def unwrapped() -> Drawn:
 def solids() -> Drawn:
     """Spool and cut sleeve."""
     return solids_figure(spool(shape(), valve()), half_sleeve(shape(), valve()))
+
+
+def rail_designs(designs: Sequence[str]) -> Drawn:
+    """The oil of the rail in some of the source's designs."""
+    rails = {
+        f"({design})": rail_domain(given_shape(valve(), f"rail-{design}", ()).shape, valve()).mesh for design in designs
+    }
+    return oil_figure(rails)
 
 
 def figure_2_1() -> Reproduction:

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.optimize import brentq
 
-from vvdp.base.kinds import AREA, FREQUENCY, LENGTH, NUMBER, POWER, SPEED, TEMPERATURE, TORQUE
+from vvdp.base.kinds import FREQUENCY, LENGTH, MEAN_POWER, NUMBER, SPEED, TORQUE
+from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.oil import density, dynamic_viscosity
 from vvdp.reproduction.chapter_2.valve import DENSITY, FLOW, VISCOSITY, open_frequency, open_speed, stand, valve
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
@@ -46,7 +47,12 @@ def torque_table() -> Table:
 
 def figure_2_17() -> Reproduction:
     """Torque lines of the turbines and of friction, and where they cross."""
-    colours = {"inlet_N_m": Colour.INLET, "outlet_N_m": Colour.TANK, "both_N_m": Colour.LOAD, "friction_N_m": Colour.RED}
+    colours = {
+        "inlet_N_m": Colour.INLET,
+        "outlet_N_m": Colour.TANK,
+        "both_N_m": Colour.LOAD,
+        "friction_N_m": Colour.RED,
+    }
     lines = tuple(Line(x="speed_rad_s", y=key, colour=colour) for key, colour in colours.items())
     crossing = Level(value=open_speed(), upright=True, stroke=Stroke.DOTTED)
     chart = Chart(
@@ -58,11 +64,21 @@ def figure_2_17() -> Reproduction:
     )
     statements = (
         number_statement(
-            "PWM frequency where the lines cross", 72.0, open_frequency(), FREQUENCY, share=0.005, because="digits",
+            "PWM frequency where the lines cross",
+            72.0,
+            open_frequency(),
+            FREQUENCY,
+            share=0.005,
+            because="digits",
             assumption=FITTED,
         ),
         number_statement(
-            "speed of the spool there", 24.0, open_speed() / TURN, FREQUENCY, share=0.005, because="digits",
+            "speed of the spool there",
+            24.0,
+            open_speed() / TURN,
+            FREQUENCY,
+            share=0.005,
+            because="digits",
             assumption=FITTED,
         ),
     )
@@ -80,8 +96,13 @@ def equation_2_6() -> Reproduction:
                 "torque at 40 lpm, A_in one nozzle's area", one, whole, TORQUE, share=1e-9, because="rounding"
             ),
             number_statement(
-                "the same, A_in the area of all nozzles as in (2.3)", printed, whole, TORQUE, share=1e-9,
-                because="rounding", inconsistency="with the total area N falls out; left in, it divides by 3",
+                "the same, A_in the area of all nozzles as in (2.3)",
+                printed,
+                whole,
+                TORQUE,
+                share=1e-9,
+                because="rounding",
+                inconsistency="with the total area N falls out; left in, it divides by 3",
             ),
         )
     )
@@ -100,7 +121,12 @@ def equation_2_7() -> Reproduction:
                 "torque at 40 lpm, A_out of all blades", BLADES * blade, whole, TORQUE, share=1e-9, because="rounding"
             ),
             number_statement(
-                "the same, A_out near one blade", one_area, whole, TORQUE, share=1e-9, because="rounding",
+                "the same, A_out near one blade",
+                one_area,
+                whole,
+                TORQUE,
+                share=1e-9,
+                because="rounding",
                 inconsistency="a sum over blades would leave their number in the result, and there is none",
             ),
         )
@@ -120,7 +146,12 @@ def equation_2_8() -> Reproduction:
                 "axial component, against the power at unit speed", power, axial, NUMBER, share=1e-9, because="rounding"
             ),
             number_statement(
-                "r × F_p + F_v, without brackets", axial, float(printed[2]), NUMBER, share=1e-9, because="rounding",
+                "r × F_p + F_v, without brackets",
+                axial,
+                float(printed[2]),
+                NUMBER,
+                share=1e-9,
+                because="rounding",
                 inconsistency="the sum is r × (F_p + F_v), and its component along the axis turns the spool",
             ),
         )
@@ -136,7 +167,9 @@ def equation_2_9() -> Reproduction:
             number_statement("friction over speed [N m s]", printed, k_f, NUMBER, share=1e-9, because="rounding"),
             bound_statement(
                 "Reynolds number of the clearance at 24 Hz",
-                gap_reynolds_number(open_speed(), DENSITY, VISCOSITY, v), NUMBER, high=1000.0,
+                gap_reynolds_number(open_speed(), DENSITY, VISCOSITY, v),
+                NUMBER,
+                high=1000.0,
                 source="laminar, as Petroff's law takes it",
             ),
         )
@@ -164,41 +197,50 @@ def averaged_frequency(exponent: float, load: float) -> float:
 def section_2_5() -> Reproduction:
     """Measured frequencies, effective area, clearance, and the power that turns the spool."""
     low, high = (oil_temperature_at(f) for f in MEASURED)
-    power = (stall_torque(FLOW, DENSITY, valve()) - DENSITY * valve().outlet_radius**2 * open_speed() * FLOW) * open_speed()
-    return Reproduction(
-        statements=(
-            *_frequency_statements(),
-            bound_statement(
-                "oil temperatures at which the open valve turns at 70.4 and 82 Hz, apart", high - low, NUMBER, high=10.0,
-                source="70.4 to 82 Hz, depending on the oil temperature", result=f"{low - 273.15:.1f} to {high - 273.15:.1f} °C",
-                because="what an oil tank drifts by (ours)",
-            ),
-            number_statement(
-                "clearance, a thousandth of the radius", 12.7e-6, valve().radial_clearance, LENGTH, share=1e-9,
-                because="as printed",
-            ),
-            number_statement(
-                "effective area over exit area", 61.8 / 46.8, valve().outlet_effective_area / valve().outlet_area, NUMBER,
-                share=1e-3, because="digits", source="61.8 mm² beside 46.8 mm²: larger",
-            ),
-            number_statement(
-                "power that turns the spool, of tu2012", 30.0, power, POWER, share=0.05, because="digits",
-            ),
-        )
+    v, swirl = valve(), DENSITY * valve().outlet_radius ** 2 * FLOW
+    power = (stall_torque(FLOW, DENSITY, v) - swirl * open_speed()) * open_speed()
+    warmth = bound_statement(
+        "oil temperatures at which the open valve turns at 70.4 and 82 Hz",
+        high - low,
+        NUMBER,
+        high=10.0,
+        source="70.4 to 82 Hz, depending on the oil temperature",
+        because="10 K between measurements (ours)",
+        result=f"{low - 273.15:.1f} to {high - 273.15:.1f} °C",
     )
+    clearance = number_statement(
+        "clearance, a thousandth of the radius", 12.7e-6, v.radial_clearance, LENGTH, share=1e-9, because="as printed"
+    )
+    area = number_statement(
+        "effective area over exit area",
+        61.8 / 46.8,
+        v.outlet_effective_area / v.outlet_area,
+        NUMBER,
+        share=1e-3,
+        because="digits",
+        source="61.8 mm² beside 46.8 mm²: larger",
+    )
+    turned = number_statement(
+        "power that turns the spool, of tu2012", 30.0, power, MEAN_POWER, share=0.05, because="digits"
+    )
+    return Reproduction(statements=(*_frequency_statements(), warmth, clearance, area, turned))
 
 
 def _frequency_statements() -> tuple[Statement, ...]:
     low, high = MEASURED
+    chosen = ((0.0, 100e5, "100 bar"), (0.65, 100e5, "100 bar"), (0.65, 50e5, "50 bar"), (0.65, 10e5, "10 bar"))
     return tuple(
         bound_statement(
-            f"PWM frequency while it switches, against {words}", averaged_frequency(exponent, load + 101325.0), FREQUENCY,
-            low=low, high=high, tolerance=0.03 * high, because="3 %: one coarse computation of the jet's exponent",
-            assumption=f"jet exponent {exponent:g}, an ideal relief valve at 120 bar, {words}",
+            f"PWM frequency while it switches, jet exponent {exponent:g}, {words}",
+            averaged_frequency(exponent, load + ATMOSPHERE),
+            FREQUENCY,
+            low=low,
+            high=high,
+            tolerance=0.03 * high,
+            because="3 %: one coarse computation of the jet's exponent",
+            assumption=f"jet exponent {exponent:g}, a load of {words}, an ideal relief valve at 120 bar",
         )
-        for exponent, load, words in (
-            (0.0, 100e5, "100 bar"), (0.65, 100e5, "100 bar"), (0.65, 50e5, "50 bar"), (0.65, 10e5, "10 bar")
-        )
+        for exponent, load, words in chosen
     )
 
 

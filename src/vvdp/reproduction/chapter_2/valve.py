@@ -7,6 +7,7 @@ import numpy as np
 from vvdp.steady.test_stand import Stand
 from vvdp.steady.test_stand import stand as stand_of
 from vvdp.systems.system import load_system
+from vvdp.valve.losses import full_open_drop
 from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency
 
@@ -42,3 +43,9 @@ def open_frequency(viscosity: float = VISCOSITY) -> float:
 def flows(most: float, count: int = 31) -> np.ndarray:
     """Flows up to a largest one [m^3/s]."""
     return np.linspace(most / (count - 1), most, count - 1)
+
+
+def open_drops(flow: float = FLOW) -> tuple[float, float, float]:
+    """Drops of nozzles, centre section and outlet turbine of the fully open valve [Pa]."""
+    drops = full_open_drop(flow, DENSITY, valve())
+    return float(drops.nozzle), float(drops.centre_section), float(drops.outlet_turbine)
