@@ -146,7 +146,7 @@ def figure_1_5() -> Reproduction:
     }
     made = circuit_drawing("boost converter and its hydraulic analogue", "figure-1.5", "boost-converter")
     return Reproduction(
-        statements=(*made.statements, *_analogue_statements(float(hydraulic.load.mean()), float(electrical.mean()))),
+        statements=(*made.statements, *_analogue_statements(hydraulic, float(electrical.mean()))),
         tables={"analogue": Table(title="Both converters", columns=columns, axes=("time_s",), is_data=True)},
         charts=(_analogue_chart(),),
         pictures=made.pictures,
@@ -165,25 +165,28 @@ def _analogue_chart() -> Chart:
     )
 
 
-def _analogue_statements(hydraulic: float, electrical: float) -> tuple[Statement, ...]:
+def _analogue_statements(hydraulic: Analogue, electrical: float) -> tuple[Statement, ...]:
+    K = 2.0 * hydraulic.inductance * PULSES / hydraulic.resistance
+    ideal = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * 0.5**2 / K))
     return (
         number_statement(
             "electrical converter: output over supply",
-            2.0,
+            float(ideal),
             electrical / SUPPLY,
             RATIO,
             share=0.02,
-            source="1/(1 − d)",
+            source="a DC-DC boost converter",
             because="ripple of the output",
+            note="its current rests in every period: (1 + √(1 + 4 d²/K))/2 with K = 2 L f/R, not 1/(1 − d)",
         ),
         number_statement(
             "output of the hydraulic converter beside the electrical one",
             electrical,
-            hydraulic,
+            float(hydraulic.load.mean()),
             GAUGE_PRESSURE,
-            share=0.15,
+            share=0.2,
             source="the hydro-mechanical analogue",
-            because="drops, and the oil that is compressed before the check valve opens",
+            because="drops of tube and valves, which the electrical one has not",
         ),
     )
 
