@@ -10,7 +10,8 @@ import vvdp
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import DUTY_RATIO, FLOW, GAUGE_PRESSURE, NUMBER, RATIO, TIME
 from vvdp.base.units import ATMOSPHERE
-from vvdp.reproduction.chapter_2.shapes import circuit_drawing, solid_drawing, solids, unwrapped
+from vvdp.reproduction.chapter_2.shapes import solids, unwrapped
+from vvdp.reproduction.drawings import circuit_drawing, solid_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Line, Lines, Stroke
 from vvdp.results.result import Column, Table

@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 from vvdp.base.kinds import NUMBER
 from vvdp.cfd.kept import KeptStudy
 from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table
-from vvdp.reproduction.chapter_2.shapes import solid_drawing, unwrapped
+from vvdp.reproduction.chapter_2.shapes import unwrapped
+from vvdp.reproduction.drawings import solid_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Line, Lines, Stroke
 from vvdp.results.verdict import Statement, bound_statement, missing_statement, open_statement

@@ -10,7 +10,8 @@ from vvdp.cfd.kept import KeptStudy
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.reproduction.chapter_2 import valve as here
 from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table
-from vvdp.reproduction.chapter_2.shapes import rail_designs, solid_drawing
+from vvdp.reproduction.chapter_2.shapes import rail_designs
+from vvdp.reproduction.drawings import solid_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Bars, Chart
 from vvdp.results.result import Column, Table

@@ -4,21 +4,17 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
-import vvdp
-from vvdp.base.extras import MissingExtraError
 from vvdp.base.kinds import AREA
 from vvdp.geometry.domains import centre_domain, rail_domain, turbine_domain, valve_domain
 from vvdp.geometry.mesh import Mesh
 from vvdp.geometry.shape_tables import given_shape, valve_shape
 from vvdp.geometry.solids import half_sleeve, spool
-from vvdp.report.circuit import graph_of
-from vvdp.report.diagram import diagram
 from vvdp.report.drawing import Drawn
 from vvdp.report.geometry_figures import oil_figure, patches_figure, solids_figure, unwrapped_figure
 from vvdp.reproduction.chapter_2.valve import valve
+from vvdp.reproduction.drawings import circuit_drawing, solid_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Picture
-from vvdp.results.verdict import Statement, drawing_statement, number_statement
+from vvdp.results.verdict import number_statement
 
 DUTY = 0.5
 
@@ -38,30 +34,6 @@ def oil() -> Mapping[str, Mesh]:
         "centre section": centre_domain(s, v, 0.0, position).mesh,
         "outlet turbine": turbine_domain(s, v, 0.0, position).mesh,
     }
-
-
-def solid_drawing(what: str, name: str, draw: Callable[[], Drawn], *more: Statement) -> Reproduction:
-    """A drawing that is made from solids; without the libraries that it takes it is not drawn, and says so."""
-    try:
-        made = draw()
-    except MissingExtraError as problem:
-        return Reproduction(statements=(drawing_statement(what, str(problem)), *more))
-    picture = Picture(name=name, caption=made.caption, svg=made.svg)
-    return Reproduction(
-        statements=(drawing_statement(what, made.caption.partition(". ")[0]), *more), pictures=(picture,)
-    )
-
-
-def circuit_drawing(what: str, name: str, *systems: str) -> Reproduction:
-    """The circuits of systems, drawn from their networks."""
-    pictures = []
-    for number, system in enumerate(systems):
-        loaded = vvdp.load(system)
-        suffix = "abc"[number] if len(systems) > 1 else ""
-        svg = diagram(graph_of(loaded.circuit.network, loaded.title), {})
-        pictures.append(Picture(name=f"{name}{suffix}", caption=loaded.title, svg=svg))
-    words = " and ".join(f"`{system}`" for system in systems)
-    return Reproduction(statements=(drawing_statement(what, f"the circuit of {words}"),), pictures=tuple(pictures))
 
 
 def unwrapped() -> Drawn:
