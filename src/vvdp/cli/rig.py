@@ -239,7 +239,8 @@ def _run(
             say("interrupted; a part of this has no meaning, nothing is written")
             raise
         reported = write_with_report(folder, result, resolved_text(loaded), no_report=no_report)
-    show_result(result, directory, json=json, reported=reported)
+    names = (*result.listings, *(name for name in result.tables if name == "verdicts"))
+    show_result(result, directory, json=json, reported=reported, names=names)
     if not result.finished:
         say("interrupted; what was finished is written")
         raise typer.Exit(INTERRUPTED)

@@ -3,7 +3,7 @@
 import io
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -45,16 +45,24 @@ DOTS = 160
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure with the name of its files and the words below it."""
+    """A figure with the name of its files and the words below it; `draw` has filled it, `height` inches high."""
 
     name: str
     caption: str
     svg: str
+    height: float = 0.0
+    draw: Callable[["Figure"], None] | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def png(self) -> bytes:
+        """The figure as PNG; nothing where it was not drawn with Matplotlib."""
+        return image(self.name, self.height, self.draw, "png") if self.draw else b""
 
 
 def draw_figure(name: str, caption: str, height: float, draw: Callable[["Figure"], None]) -> Drawn:
     """The figure that `draw` fills, as wide as the page and `height` inches high."""
-    return Drawn(name, caption, _with_short_paths(image(name, height, draw, "svg").decode()))
+    svg = _with_short_paths(image(name, height, draw, "svg").decode())
+    return Drawn(name, caption, svg, height, draw)
 
 
 def _with_short_paths(svg: str) -> str:

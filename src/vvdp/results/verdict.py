@@ -12,6 +12,9 @@ from vvdp.base.display import number, plain, value_and_unit, with_unit
 from vvdp.base.kinds import NUMBER, Kind
 from vvdp.results.result import Column, Table
 
+ROUNDING = 1e-6
+"""A tolerance, over the number, that is for rounding alone and shown to nobody."""
+
 
 class Verdict(StrEnum):
     """How a statement stands."""
@@ -83,10 +86,11 @@ class Statement:
     @property
     def tolerance_text(self) -> str:
         """By how much it may be off: as a share of a printed number, else with its unit."""
-        if not self.tolerance:
+        share = self.tolerance / abs(self.low) if self.low == self.high != 0.0 else math.inf
+        if not self.tolerance or share < ROUNDING:
             return ""
-        if self.low == self.high != 0.0 and self.tolerance < abs(self.low):
-            return f"{plain(100.0 * self.tolerance / abs(self.low), 3)} %"
+        if share < 1.0:
+            return f"{plain(100.0 * share, 3)} %"
         return number(self.tolerance, 2) if self.kind is NUMBER else _width(self.tolerance, self.kind)
 
     @property
@@ -138,6 +142,11 @@ def drawing_statement(what: str, result: str) -> Statement:
 def missing_statement(what: str, source: str, missing: str) -> Statement:
     """What could not be worked out, since something is `missing`; `source` are the words of the source."""
     return Statement(what=what, source=source, result=f"missing: {missing}")
+
+
+def open_statement(what: str, source: str, result: str, assumption: str) -> Statement:
+    """What the text leaves open: `result` is what can be said, `assumption` what would decide."""
+    return Statement(what=what, source=source, result=result, assumption=assumption)
 
 
 def verdict_table(statements: Sequence[tuple[str, Statement]], heading: str = "item") -> Table:

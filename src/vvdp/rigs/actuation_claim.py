@@ -1,5 +1,6 @@
 """Claim: a rotary spool takes less power to switch than a linear one."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from vvdp.base.display import number, with_unit
 from vvdp.base.kinds import FREQUENCY, MEAN_POWER, NUMBER
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Table, numbers_of
+from vvdp.results.verdict import Statement, bound_statement, number_statement
 from vvdp.rigs.claim import Claim
 from vvdp.rigs.ripple import power_of
 from vvdp.steady.test_stand import Stand
@@ -119,6 +121,36 @@ def actuation_claim(stand: Stand) -> Claim:
         charts=(_chart(),),
         numbers=numbers_of(numbers, QUANTITIES),
         findings=(Finding(text=words),),
+        statements=tuple(("section-1.1", each) for each in _statements(numbers, float(f[-1]))),
+    )
+
+
+def _statements(numbers: Mapping[str, float], highest: float) -> tuple[Statement, ...]:
+    """What the source says of the powers, up to a `highest` PWM frequency [Hz]."""
+    moved = (("same", "the spool itself, past the same nozzles"), ("light", "100 g, with a port all round"))
+    return (
+        *(
+            number_statement(
+                f"exponent of the frequency in the power of a {name} valve",
+                power,
+                numbers[f"{name}_power_exponent"],
+                NUMBER,
+                tolerance=1e-6,
+                because="rounding",
+            )
+            for name, power in (("rotary", 2.0), ("linear", 3.0))
+        ),
+        *(
+            bound_statement(
+                f"PWM frequency from which a linear spool takes more power, {words}",
+                numbers[f"equal_power_{name}_spool_Hz"],
+                FREQUENCY,
+                high=highest,
+                source="a rotary valve takes much less power",
+                assumption=f"a linear spool of {words}",
+            )
+            for name, words in moved
+        ),
     )
 
 

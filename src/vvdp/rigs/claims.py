@@ -10,6 +10,7 @@ from vvdp.base.display import plain, with_unit
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import LENGTH, MASS, PRESSURE_LEVEL
 from vvdp.results.result import Result
+from vvdp.results.verdict import verdict_table
 from vvdp.rigs.actuation_claim import LIGHT_MASS, actuation_claim, annular_stroke, same_ports_stroke
 from vvdp.rigs.claim import Claim
 from vvdp.rigs.conditions import conditions
@@ -87,7 +88,10 @@ def claims(
         references=("wang2017", "tu2011"),
         conditions=_conditions(stand),
         left_out=tuple(left_out),
-        tables={name: table for each in found for name, table in each.tables.items()},
+        tables={
+            "verdicts": verdict_table([pair for each in found for pair in each.statements], "section"),
+            **{name: table for each in found for name, table in each.tables.items()},
+        },
         charts={chart.name: chart for each in found for chart in each.charts},
         numbers={key: number for each in found for key, number in each.numbers.items()},
         findings=tuple(finding for each in found for finding in each.findings),

@@ -13,6 +13,7 @@ from vvdp.base.kinds import FLOW, FREQUENCY, MEAN_POWER, NUMBER, PRESSURE_DIFFER
 from vvdp.fluid.oil import density
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke, shades
 from vvdp.results.result import Column, Table, numbers_of, sentences
+from vvdp.results.verdict import Statement, bound_statement
 from vvdp.rigs.claim import Claim
 from vvdp.rigs.map_charts import chosen_places
 from vvdp.rigs.ripple import power_of
@@ -216,7 +217,32 @@ def driving_claim(
         charts=(_chart(found),),
         numbers=numbers_of(numbers, QUANTITIES),
         findings=tuple(sentences(list(_words(found, numbers, as_it_is, scaled)))),
+        statements=tuple(("section-1.4", each) for each in _statements(found, as_it_is, scaled)),
     )
+
+
+def _statements(d: Driving, as_it_is: Array, scaled: Array) -> Iterator[Statement]:
+    """What the source says of a driven spool, of this valve and of one that keeps the same ripple by itself."""
+    source = "where the flow varies, driving the spool is more efficient"
+    same = d.self_loss / d.best_loss
+    if np.isfinite(same).any():
+        yield bound_statement(
+            "loss of the self-spinning spool over that of the driven one, mean over the flows",
+            float(np.nanmean(same)),
+            RATIO,
+            low=1.0,
+            source=source,
+            assumption="one and the same valve, whatever its ripple",
+        )
+    if np.isfinite(scaled).all():
+        yield bound_statement(
+            "loss of an open valve that keeps the ripple by itself over that of this one",
+            float(scaled[-1] / as_it_is[-1]),
+            RATIO,
+            low=1.0,
+            source=source,
+            assumption="the same ripple from a quarter of the flow on",
+        )
 
 
 def _driven_columns(d: Driving) -> dict[str, Column]:

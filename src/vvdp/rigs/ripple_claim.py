@@ -8,6 +8,7 @@ from vvdp.base.display import number, percent
 from vvdp.base.kinds import EFFICIENCY, NUMBER
 from vvdp.results.chart import Chart
 from vvdp.results.result import Finding, numbers_of
+from vvdp.results.verdict import bound_statement
 from vvdp.rigs.claim import Claim
 from vvdp.rigs.ripple import line_capacity, power_of, ripple, ripple_panel, with_gas
 from vvdp.simulation.link import quiet
@@ -48,6 +49,18 @@ def ripple_claim(
         charts=(_chart(),),
         numbers=numbers_of(numbers, QUANTITIES),
         findings=(Finding(text=words),),
+        statements=(
+            (
+                "section-1.2.1",
+                bound_statement(
+                    "exponent of the PWM frequency in the ripple",
+                    numbers["ripple_frequency_exponent"],
+                    NUMBER,
+                    high=0.0,
+                    source="the faster, the smaller the ripple",
+                ),
+            ),
+        ),
     )
 
 

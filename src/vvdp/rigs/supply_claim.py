@@ -11,6 +11,7 @@ from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import EFFICIENCY, FLAG, FLOW, GAUGE_PRESSURE, MEAN_POWER, NUMBER, PRESSURE_DIFFERENCE, Kind
 from vvdp.results.chart import Chart, Colour, Field, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Number, Table, sentences
+from vvdp.results.verdict import bound_statement
 from vvdp.rigs.claim import Claim
 from vvdp.rigs.supply_ways import RANGES, RIVALS, Assumed, Demand, Spread, spread_of
 from vvdp.simulation.link import quiet
@@ -64,6 +65,19 @@ def supply_claim(
         charts=(_gain_chart(), _winner_chart(table)),
         numbers=numbers,
         findings=(*sentences(tuple(_words(numbers))), *_cycle_words(cycles)),
+        statements=(
+            (
+                "section-1.1",
+                bound_statement(
+                    "share of flows and loads on which it loses less than displacement control",
+                    numbers[f"won_over_{IDEAL}"].value,
+                    EFFICIENCY,
+                    low=0.5,
+                    source="keeps the efficiency of variable displacement machines",
+                    because="half of all points (ours)",
+                ),
+            ),
+        ),
     )
 
 

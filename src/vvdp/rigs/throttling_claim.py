@@ -14,6 +14,7 @@ from vvdp.hydraulics.pump import pump_friction_power
 from vvdp.hydraulics.supply_losses import bled_off_loss, metered_loss
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table, numbers_of, sentences
+from vvdp.results.verdict import Statement, bound_statement
 from vvdp.rigs.claim import Claim
 from vvdp.simulation.link import quiet
 from vvdp.steady.steady_states import Steady, steady_states
@@ -103,19 +104,6 @@ def throttling_claim(
 ) -> Claim:
     """The comparison with throttling, and the share of the pump flow up to which the PWM valve loses less."""
     found = against_throttling(stand, cores=cores, cache=cache, say=say)
-    table = Table(
-        title="PWM valve and throttling",
-        columns={
-            "load_pressure_Pa": Column(found.load_pressure, GAUGE_PRESSURE, "load pressure"),
-            "duty_ratio": Column(found.duty_ratio, DUTY_RATIO, "duty ratio"),
-            "delivered_flow_m3_s": Column(found.delivered, FLOW, "delivered flow"),
-            "delivered_share": Column(found.share, EFFICIENCY, "over pump flow"),
-            "loss_switched_W": Column(found.switched, MEAN_POWER, "loss, PWM valve"),
-            "loss_metered_W": Column(found.metered, MEAN_POWER, "loss, metered at relief setting"),
-            "loss_bled_off_W": Column(found.bled_off, MEAN_POWER, "loss, bled off at load pressure"),
-        },
-        axes=("load_pressure_Pa", "duty_ratio"),
-    )
     saving = 1.0 - found.switched / found.metered
     numbers = {"least_saving_over_metering": float(saving.min()), "largest_saving_over_metering": float(saving.max())}
     quantities: dict[str, tuple[Kind, str]] = {
@@ -134,10 +122,37 @@ def throttling_claim(
         )
         words.append(_break_even_words(pressure, even))
     return Claim(
-        tables={"throttling": table},
+        tables={"throttling": _table(found)},
         charts=(_chart(found),),
         numbers=numbers_of(numbers, quantities),
         findings=tuple(sentences(words)),
+        statements=(("section-1.1", _statement(float(saving.min()))),),
+    )
+
+
+def _table(found: Throttling) -> Table:
+    return Table(
+        title="PWM valve and throttling",
+        columns={
+            "load_pressure_Pa": Column(found.load_pressure, GAUGE_PRESSURE, "load pressure"),
+            "duty_ratio": Column(found.duty_ratio, DUTY_RATIO, "duty ratio"),
+            "delivered_flow_m3_s": Column(found.delivered, FLOW, "delivered flow"),
+            "delivered_share": Column(found.share, EFFICIENCY, "over pump flow"),
+            "loss_switched_W": Column(found.switched, MEAN_POWER, "loss, PWM valve"),
+            "loss_metered_W": Column(found.metered, MEAN_POWER, "loss, metered at relief setting"),
+            "loss_bled_off_W": Column(found.bled_off, MEAN_POWER, "loss, bled off at load pressure"),
+        },
+        axes=("load_pressure_Pa", "duty_ratio"),
+    )
+
+
+def _statement(saving: float) -> Statement:
+    return bound_statement(
+        "least saving over metering from a fixed pump",
+        saving,
+        EFFICIENCY,
+        low=0.0,
+        source="throttle-less control of a fixed pump",
     )
 
 

@@ -1,5 +1,5 @@
 """Chapter 1: what is claimed of digital hydraulics and of on/off valves."""
 
-from vvdp.reproduction.item import Item
+from vvdp.reproduction.chapter_1 import circuits, claims, literature
 
-ITEMS: tuple[Item, ...] = ()
+ITEMS = (*circuits.ITEMS, *claims.ITEMS, *literature.ITEMS)

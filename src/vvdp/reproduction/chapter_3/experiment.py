@@ -13,12 +13,11 @@ from vvdp.comparison.estimators import Contender, contenders
 from vvdp.comparison.results import Comparison
 from vvdp.comparison.scenarios import FAST_FLOW, LPM, SLOW_FLOW, flow_step, scenarios
 from vvdp.comparison.trials import compare
-from vvdp.report.circuit import graph_of
-from vvdp.report.diagram import diagram
+from vvdp.reproduction.drawings import circuit_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines, Picture
+from vvdp.results.chart import Chart, Line, Lines
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, drawing_statement, number_statement
+from vvdp.results.verdict import bound_statement, number_statement
 from vvdp.runs.run import RecordedRun
 from vvdp.sensing.wheel import TURN
 
@@ -32,12 +31,7 @@ RUN = {"until": "0.75 s", "window": "0.5 s", "window_interval": "0.1 ms"}
 
 def figure_3_12() -> Reproduction:
     """The apparatus: the circuit that stands for it."""
-    system = vvdp.load("prototype")
-    drawing = diagram(graph_of(system.circuit.network, system.title), {})
-    return Reproduction(
-        statements=(drawing_statement("apparatus", "the circuit of the system `prototype`"),),
-        pictures=(Picture(name="figure-3.12", caption="The circuit of the prototype.", svg=drawing),),
-    )
+    return circuit_drawing("apparatus", "figure-3.12", "prototype")
 
 
 @cache

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-import vvdp
 from vvdp.api.run import Run
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import (
@@ -22,8 +21,6 @@ from vvdp.base.units import ATMOSPHERE
 from vvdp.control.capacities import CircuitPressures, capacities, return_flow, sides
 from vvdp.control.cylinder_force import FORCE_RATE
 from vvdp.control.flow_split import authority
-from vvdp.report.circuit import graph_of
-from vvdp.report.diagram import diagram
 from vvdp.reproduction.chapter_6.cylinder import (
     MACHINE,
     MODEL,
@@ -35,10 +32,11 @@ from vvdp.reproduction.chapter_6.cylinder import (
     printed_run,
     sampled,
 )
+from vvdp.reproduction.drawings import circuit_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines, Picture
+from vvdp.results.chart import Chart, Line, Lines
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, drawing_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, number_statement
 
 LARGEST_ERROR = 5e-3
 REVERSALS = 3
@@ -46,23 +44,14 @@ REVERSALS = 3
 ASSUMED = "hoses, bulk modulus, mass, load, pump lag and gains are in no table of the text"
 
 
-def _circuit(system: str, name: str, what: str) -> Reproduction:
-    loaded = vvdp.load(system)
-    drawing = diagram(graph_of(loaded.circuit.network, loaded.title), {})
-    return Reproduction(
-        statements=(drawing_statement(what, f"the circuit of the system `{system}`"),),
-        pictures=(Picture(name=name, caption=f"The circuit of {system}.", svg=drawing),),
-    )
-
-
 def figure_6_1() -> Reproduction:
     """Pump, directional valve, throttling valve and cylinder."""
-    return _circuit(MODEL, "figure-6.1", "direct displacement control open circuit")
+    return circuit_drawing("direct displacement control open circuit", "figure-6.1", MODEL)
 
 
 def figure_6_4() -> Reproduction:
     """The same with the switched pump."""
-    return _circuit(MACHINE, "figure-6.4", "circuit with the virtually variable displacement pump")
+    return circuit_drawing("circuit with the virtually variable displacement pump", "figure-6.4", MACHINE)
 
 
 def _error(run: Run, who: str) -> Statement:

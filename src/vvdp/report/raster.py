@@ -1,0 +1,163 @@
+"""A circuit diagram as PNG: the few elements that `diagram` writes, drawn with Matplotlib."""
+
+import io
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.patches import Patch
+
+POINTS = 0.72
+"""Of a pixel of the drawing, a hundredth of an inch [pt]."""
+DOTS = 150
+NUMBERS = re.compile(r"-?\d+(?:\.\d+)?")
+INHERITED = ("fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "text-anchor", "font-weight")
+Styles = Mapping[str, str]
+Offset = tuple[float, float]
+
+
+def diagram_png(svg: str) -> bytes:
+    """The diagram as a picture of 1.5 dots a pixel."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    root = ElementTree.fromstring(svg[svg.index("<svg") :])
+    left, top, width, height = _numbers(root.attrib["viewBox"])
+    figure = Figure(figsize=(0.01 * width, 0.01 * height))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(left, left + width), ylim=(top + height, top))
+    axes.axis("off")
+    for order, (element, styles, offset) in enumerate(_leaves(root, {"font-size": "13"}, (0.0, 0.0))):
+        _draw(axes, element, styles, offset, order)
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None})
+    return content.getvalue()
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(each) for each in NUMBERS.findall(text)]
+
+
+def _leaves(node: ElementTree.Element, styles: Styles, offset: Offset) -> Iterator[tuple[Any, Styles, Offset]]:
+    """Everything that is drawn, in its order, with what it inherits."""
+    own = {**styles, **{key: node.attrib[key] for key in INHERITED if key in node.attrib}}
+    if "transform" in node.attrib:
+        x, y = _numbers(node.attrib["transform"])
+        offset = offset[0] + x, offset[1] + y
+    if _tag(node) not in ("g", "svg"):
+        yield node, own, offset
+        return
+    for child in node:
+        yield from _leaves(child, own, offset)
+
+
+def _tag(node: ElementTree.Element) -> str:
+    return node.tag.rpartition("}")[2]
+
+
+def _draw(axes: Any, node: ElementTree.Element, styles: Styles, offset: Offset, order: int) -> None:
+    tag = _tag(node)
+    if tag == "text":
+        _write(axes, node, styles, offset, order)
+    elif tag != "title":
+        patch = _patch(tag, {key: node.attrib[key] for key in node.attrib})
+        patch.set(
+            facecolor=styles.get("fill", "none"),
+            edgecolor=styles.get("stroke", "none"),
+            linewidth=POINTS * float(styles.get("stroke-width", "1")),
+            linestyle=_dashes(styles),
+            capstyle="round",
+            joinstyle="round",
+            snap=False,
+            zorder=order,
+            transform=_moved(offset) + axes.transData,
+        )
+        axes.add_patch(patch)
+
+
+def _moved(offset: Offset) -> Any:
+    from matplotlib.transforms import Affine2D
+
+    return Affine2D().translate(*offset)
+
+
+def _dashes(styles: Styles) -> Any:
+    lengths = _numbers(styles.get("stroke-dasharray", ""))
+    return (0, [POINTS * each for each in lengths]) if lengths else "-"
+
+
+def _patch(tag: str, of: Mapping[str, str]) -> "Patch":
+    """One shape in its own coordinates."""
+    from matplotlib.patches import Circle, FancyBboxPatch, PathPatch, Polygon, Rectangle
+
+    if tag == "circle":
+        return Circle((float(of["cx"]), float(of["cy"])), float(of["r"]))
+    if tag == "rect":
+        x, y, width, height = (float(of[key]) for key in ("x", "y", "width", "height"))
+        if "rx" in of:
+            return FancyBboxPatch((x, y), width, height, boxstyle=f"round,pad=0,rounding_size={of['rx']}")
+        return Rectangle((x, y), width, height)
+    if tag == "path":
+        return PathPatch(_path(of["d"]))
+    return Polygon(np.reshape(_numbers(of["points"]), (-1, 2)), closed=tag == "polygon")
+
+
+def _path(text: str) -> Any:
+    """A path of M, H, Q and circular A."""
+    from matplotlib.path import Path
+
+    points: list[tuple[float, float]] = []
+    codes: list[Any] = []
+    for letter, rest in re.findall(r"([MHQA])([^MHQA]*)", text):
+        n = _numbers(rest)
+        if letter == "M":
+            points.append((n[0], n[1]))
+            codes.append(Path.MOVETO)
+        elif letter == "H":
+            points.append((n[0], points[-1][1]))
+            codes.append(Path.LINETO)
+        elif letter == "Q":
+            points += [(n[0], n[1]), (n[2], n[3])]
+            codes += [Path.CURVE3, Path.CURVE3]
+        else:
+            arc = _arc(points[-1], (n[5], n[6]), n[0], n[3] != n[4])
+            points += arc
+            codes += [Path.LINETO] * len(arc)
+    return Path(points, codes)
+
+
+def _arc(begin: Offset, end: Offset, radius: float, left: bool) -> list[tuple[float, float]]:
+    """Points of a circle's arc; `left` is on which side of the way to its end the centre lies."""
+    a, b = complex(*begin), complex(*end)
+    half, away = 0.5 * (b - a), np.sqrt(max(radius**2 - abs(0.5 * (b - a)) ** 2, 0.0))
+    centre = a + half + (1.0 if left else -1.0) * away * 1j * half / abs(half)
+    first, last = np.angle(a - centre), np.angle(b - centre)
+    turn = (last - first) % (2.0 * np.pi) if left else -((first - last) % (2.0 * np.pi))
+    around = centre + abs(a - centre) * np.exp(1j * (first + turn * np.linspace(0.0, 1.0, 24)[1:]))
+    return [(float(point.real), float(point.imag)) for point in around]
+
+
+def _write(axes: Any, node: ElementTree.Element, styles: Styles, offset: Offset, order: int) -> None:
+    """A text of one line, or of lines one below the other."""
+    anchors = {"start": "left", "middle": "center", "end": "right"}
+    x, y = offset[0] + float(node.attrib["x"]), offset[1] + float(node.attrib["y"])
+    for line in [node, *node]:
+        if not line.text:
+            continue
+        own = {**styles, **line.attrib}
+        y += float(line.attrib.get("dy", 0.0))
+        axes.text(
+            x,
+            y,
+            line.text,
+            color=own.get("fill", "black"),
+            fontsize=POINTS * float(own["font-size"]),
+            fontweight="bold" if own.get("font-weight") == "600" else "normal",
+            horizontalalignment=anchors[own.get("text-anchor", "start")],
+            zorder=order,
+        )
