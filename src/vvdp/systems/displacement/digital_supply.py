@@ -41,7 +41,8 @@ from vvdp.systems.displacement.rival_loop import (
     loop_start,
     one_way_step,
 )
-from vvdp.systems.displacement.rivals import LOOP, PumpDrive, Rival, add_throttled_valve, loaded_cylinder
+from vvdp.systems.displacement.rival_tables import PumpDrive
+from vvdp.systems.displacement.rivals import LOOP, Rival, add_throttled_valve, loaded_cylinder
 
 LEAST_DROP = 1e5
 """Drop over a unit below which its loop reckons with this one [Pa]."""

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from vvdp.base.kinds import PressureSignal
+from vvdp.base.params import Params
 from vvdp.base.select import clip
 from vvdp.components.controlled_valves import PROPORTIONAL_VALVE
 from vvdp.components.directional_valves import (
