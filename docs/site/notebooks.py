@@ -1,6 +1,7 @@
-"""Runs the notebooks and keeps what they print and draw; makes pages of them. `python docs/site/notebooks.py`
+"""Makes notebooks of the scripts beside them, with what they print and draw. `python docs/site/notebooks.py`
 
-Cells run as a script, so no Jupyter is needed; in Jupyter they run as well, and look the same.
+A script is plain Python; `# %%` begins a cell of it, `# %% [markdown]` one of text in comments. Cells run as a
+script, so no Jupyter is needed; in Jupyter the notebook runs as well, and looks the same.
 """
 
 import ast
@@ -9,6 +10,7 @@ import contextlib
 import io
 import json
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,18 +19,42 @@ from typing import Any
 FOLDER = Path(__file__).parents[1] / "notebooks"
 Cell = dict[str, Any]
 Output = dict[str, Any]
+METADATA = {
+    "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+    "language_info": {"name": "python"},
+}
 
 
 def main(folder: Path = FOLDER) -> None:
-    """Runs every notebook in `folder` and writes its outputs into it."""
-    for path in sorted(folder.glob("*.ipynb")):
-        notebook = read(path)
+    """Runs every script in `folder` and writes a notebook with its outputs beside it."""
+    for path in sorted(folder.glob("*.py")):
+        cells = script_cells(path.read_text("utf-8"))
         with tempfile.TemporaryDirectory() as place, contextlib.chdir(place):
-            outputs = run(notebook["cells"])
-        for cell, made in zip(notebook["cells"], outputs, strict=True):
+            outputs = run(cells)
+        for cell, made in zip(cells, outputs, strict=True):
             if cell["cell_type"] == "code":
                 cell["outputs"] = made
-        path.write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + "\n", "utf-8")
+        notebook = {"cells": cells, "metadata": METADATA, "nbformat": 4, "nbformat_minor": 5}
+        path.with_suffix(".ipynb").write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + "\n", "utf-8")
+
+
+def script_cells(text: str) -> list[Cell]:
+    """The cells of a script, without outputs."""
+    marks = re.split(r"(?m)^# %%( \[markdown\])?\n", text)[1:]
+    return [
+        _cell(number, bool(mark), body.strip("\n"))
+        for number, (mark, body) in enumerate(zip(marks[::2], marks[1::2], strict=True))
+    ]
+
+
+def _cell(number: int, is_text: bool, body: str) -> Cell:
+    if is_text:
+        body = re.sub(r"(?m)^# ?", "", body)
+    source = body.splitlines(keepends=True)
+    if is_text:
+        return {"cell_type": "markdown", "id": f"cell-{number}", "metadata": {}, "source": source}
+    code = {"cell_type": "code", "execution_count": None, "id": f"cell-{number}", "metadata": {}}
+    return {**code, "outputs": [], "source": source}
 
 
 def read(path: Path) -> dict[str, Any]:

@@ -149,6 +149,25 @@ def test_a_notebook_becomes_a_page(tmp_path):
     assert "base64,AAAA" in page(file)
 
 
+def test_a_script_becomes_cells():
+    from notebooks import script_cells
+
+    text, code = script_cells("# %% [markdown]\n# # Title\n#\n# text\n\n# %%\nx = 1\n\nx\n")
+    assert (text["cell_type"], "".join(text["source"])) == ("markdown", "# Title\n\ntext")
+    assert (code["cell_type"], "".join(code["source"])) == ("code", "x = 1\n\nx")
+
+
+@pytest.mark.parametrize("path", sorted((DOCS / "notebooks").glob("*.py")), ids=lambda path: path.stem)
+def test_a_notebook_is_its_script(path):
+    import notebooks
+
+    def sources(cells):
+        return [(cell["cell_type"], "".join(cell["source"])) for cell in cells]
+
+    made = notebooks.script_cells(path.read_text("utf-8"))
+    assert sources(made) == sources(notebooks.read(path.with_suffix(".ipynb"))["cells"])
+
+
 def plain(output):
     """What an output says as text."""
     return output.get("text", output.get("data", {}).get("text/plain", []))
