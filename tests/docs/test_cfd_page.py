@@ -86,6 +86,7 @@ PARTS = {
     "rail-grids": {"pressure_drop_Pa": "rail (a), drop"},
     "rail-final-grids": {"pressure_drop_Pa": "final rail, drop"},
     "centre-grids": {"pressure_drop_Pa": "centre section, total drop", "torque_N_m": "its torque"},
+    "turbine-grids": {"pressure_drop_Pa": "turbine, drop", "torque_N_m": "its torque"},
 }
 
 
