@@ -36,7 +36,7 @@ def test_shares_of_the_flow_are_one(name):
 def test_grids_are_finer_by_a_quarter_and_more(name):
     """The background by the root of two, the cells, by the cube root of their number, by a little less."""
     cells = kept_study(name)["cells"]
-    assert (np.diff(np.log(cells)) / 3.0 > np.log(1.27)).all()
+    assert (np.diff(np.log(cells)) / 3.0 > np.log(1.25)).all()
 
 
 def test_the_nozzle_with_the_largest_share_is_the_published_one():

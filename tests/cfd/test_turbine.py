@@ -104,7 +104,7 @@ def test_speeds_that_no_line_goes_through_are_refused(tmp_path):
 
 @pytest.mark.slow
 def test_torque_falls_with_the_speed(openfoam, tmp_path, monkeypatch):
-    """On the middle one of three grids, of which drop and torque at rest are kept; the slope is 1.5 times that by law."""
+    """On the middle one of three grids, whose drop and torque at rest are kept; the slope is 1.5 times the law's."""
     kept = kept_study("turbine-grids")
     monkeypatch.setattr(rail, "GRIDS", {"coarse": 4.0 * np.sqrt(2.0)})
     words = ("--flow", "40 lpm", "--cores", "1", "--out", str(tmp_path / "turbine"), "--json")

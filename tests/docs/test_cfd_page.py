@@ -12,6 +12,7 @@ from vvdp.fitting.drop import fit_centre, fit_nozzle, fit_outlet
 from vvdp.fitting.fitted import Host, settings
 from vvdp.fitting.jet import jet_law
 from vvdp.numerics.least_squares import fit
+from vvdp.numerics.power_laws import drop_laws
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
 from vvdp.valve.condition import Condition
@@ -86,6 +87,7 @@ PARTS = {
     "rail-grids": {"pressure_drop_Pa": "rail (a), drop"},
     "rail-final-grids": {"pressure_drop_Pa": "final rail, drop"},
     "centre-grids": {"pressure_drop_Pa": "centre section, total drop", "torque_N_m": "its torque"},
+    "turbine-grids": {"pressure_drop_Pa": "turbine, drop", "torque_N_m": "its torque"},
 }
 
 
@@ -104,6 +106,17 @@ def turbines() -> Iterator[str]:
             f"{1e6 * area:.1f} mm² | {1e4 * slope:.2f}e-4 N m s | {1e-5 * drop:.2f} bar | {coefficient:.3f} | "
             f"{1e-5 * behind:.2f} bar |"
         )
+
+
+def laws() -> Iterator[str]:
+    study = kept_study("rail-flows")
+    found = drop_laws(study["flow_m3_s"], study["pressure_drop_Pa"])
+    c, half = found.orifice.coefficients[0], found.orifice.half_widths[0]
+    middle, low, high = (np.sqrt(0.5 * 876.0 / each) / 36.5e-6 for each in (c, c + half, c - half))
+    yield f"$C_d$ = {middle:.3f} ({low:.3f} to {high:.3f}; published 0.61)"
+    yield f"$m$ = {found.power.coefficients[1]:.2f} ± {found.power.half_widths[1]:.2f}"
+    misfits = [1e-5 * np.abs(each.residuals).max() for each in (found.orifice, found.two_term)]
+    yield f"misfit of the orifice {misfits[0]:.2f} bar, of the two terms {misfits[1]:.2f} bar"
 
 
 def centre() -> Iterator[str]:
@@ -175,7 +188,7 @@ def frequencies() -> Iterator[str]:
     yield f"those that were computed {told[1]}"
 
 
-ROWS = (arms, designs, openings, grids, turbines)
+ROWS = (arms, designs, openings, grids, turbines, laws)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)

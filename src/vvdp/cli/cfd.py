@@ -138,7 +138,7 @@ class Part(StrEnum):
 @app.command(cls=Verb)
 def grids(
     system: SystemName,
-    part: Annotated[Part, typer.Option("--part", help="Part of the valve.")] = Part.RAIL,
+    part: Annotated[Part, typer.Option("--part", metavar="PART", help="One of rail, centre, turbine.")] = Part.RAIL,
     grid: Annotated[
         str, typer.Option("--grid", metavar="GRID", help="The finest of the three, each 1.4 times as fine.")
     ] = "fine",
