@@ -25,6 +25,7 @@ NAMES = (
     "axial_control",
     "displacement",
     "server",
+    "cfd_overhead",
 )
 README = HERE / "README.md"
 BEGIN, END = "<!-- written by `python -m benchmarks.run --write` -->", "<!-- end of what is written -->"

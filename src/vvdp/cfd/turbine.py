@@ -58,9 +58,8 @@ def turbine_case(order: TurbineOrder, domain: Domain, *, parted: bool = False) -
         cell=order.valve.spool_radius / order.grid, patches=levels, edges=2, within=(_near_channels(order, domain),)
     )
     if parted:
-        # Half-way from the groove to the middle of the torus, where no wall is near.
-        around = 0.5 * (order.valve.spool_radius + shape.groove_depth + shape.collector_radius)
-        fine = fine._replace(ring=Ring(Cylinder(around, *_beyond(domain), 1), ROTOR))
+        # Through the middle of the torus, which it meets at right angles: both rims are round.
+        fine = fine._replace(ring=Ring(Cylinder(shape.collector_radius, *_beyond(domain), 1), ROTOR))
     entering = duct_turbulence(order.flow / annulus, 2.0 * width)
     return passage_case(_passage(order, domain, fine)._replace(entering=entering))
 
