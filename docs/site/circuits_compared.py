@@ -13,6 +13,9 @@ from vvdp.systems.system import load_system
 
 PAGE = Path(__file__).parents[1] / "circuits-compared.md"
 BEGIN, END = "<!-- made by docs/site/circuits_compared.py -->\n", "<!-- to here -->\n"
+LOADS_BEGIN, LOADS_END = "<!-- loads, made by docs/site/circuits_compared.py -->\n", "<!-- end of the loads -->\n"
+LOADS = ("heavy", "two-loads", "three-loads")
+"""Cycles of one, two and three cylinders."""
 SPREAD_BEGIN, SPREAD_END = "<!-- spread, made by docs/site/circuits_compared.py -->\n", "<!-- end of the spread -->\n"
 SPREAD = ("vvdp", "throttle", "bleed-off", "constant-pressure", "load-sensing")
 SPREAD_DUTIES = ("triangle", "heavy")
@@ -91,12 +94,12 @@ def spread_circuits() -> Iterator[RivalCircuit]:
         yield dear
 
 
-def spread_table(found: CircuitComparison) -> Iterator[str]:
-    """What each circuit of the spread draws, less what it returns, on every duty."""
-    yield f"| drawn [W] | {' | '.join(found.duties)} |"
-    yield "|---" * (len(found.duties) + 1) + "|"
+def drawn_table(found: CircuitComparison, duties: Sequence[str]) -> Iterator[str]:
+    """What each circuit draws, less what it returns, on some duties."""
+    yield f"| drawn [W] | {' | '.join(duties)} |"
+    yield "|---" * (len(duties) + 1) + "|"
     for name in found.circuits:
-        scores = [found.score(duty, name) for duty in found.duties]
+        scores = [found.score(duty, name) for duty in duties]
         drawn = ["broke off" if score is None else short(score.drawn - score.returned) for score in scores]
         yield f"| {name} | {' | '.join(drawn)} |"
     yield ""
@@ -119,7 +122,8 @@ def main(path: Path = PAGE) -> None:
     spread = compared([each for each in shipped_duties() if each.name in SPREAD_DUTIES], tuple(spread_circuits()))
     page = path.read_text("utf-8") if path.exists() else PAGE.read_text("utf-8")
     page = put(page, BEGIN, END, (line for duty in found.duties.values() for line in table(found, duty)))
-    path.write_text(put(page, SPREAD_BEGIN, SPREAD_END, spread_table(spread)), "utf-8")
+    page = put(page, LOADS_BEGIN, LOADS_END, drawn_table(found, LOADS))
+    path.write_text(put(page, SPREAD_BEGIN, SPREAD_END, drawn_table(spread, SPREAD_DUTIES)), "utf-8")
 
 
 if __name__ == "__main__":

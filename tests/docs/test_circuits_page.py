@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from vvdp.systems.displacement.duties import shipped_duties
@@ -29,12 +30,17 @@ def kept_sinks(page, duty):
     return [place for place, sink in enumerate(SINKS) if sink.label in labels]
 
 
+def rows_between(page, begin, end):
+    """The rows of the table between two marks, by their first cell."""
+    text = page.partition(begin)[2].partition(end)[0]
+    return {line.split("|")[1].strip(): line for line in text.strip().splitlines()[2:]}
+
+
 def spread_rows(page):
     """The rows of the spread, by circuit and what is changed."""
     import circuits_compared
 
-    text = page.partition(circuits_compared.SPREAD_BEGIN)[2].partition(circuits_compared.SPREAD_END)[0]
-    return {line.split("|")[1].strip(): line for line in text.strip().splitlines()[2:]}
+    return rows_between(page, circuits_compared.SPREAD_BEGIN, circuits_compared.SPREAD_END)
 
 
 def numbers(row):
@@ -80,6 +86,19 @@ def test_the_rows_of_the_rivals_are_what_their_command_writes(name):
     assert are_same(made, {name: kept[name] for name in made})
 
 
+def test_one_to_three_loads_are_those_of_their_tables():
+    """Drawn less returned, to the digits that the tables have."""
+    import circuits_compared
+
+    page = circuits_compared.PAGE.read_text("utf-8")
+    kept = rows_between(page, circuits_compared.LOADS_BEGIN, circuits_compared.LOADS_END)
+    tables = [kept_rows(page, duty(name)) for name in circuits_compared.LOADS]
+    assert [*kept] == [each.name for each in CIRCUITS]
+    for name, row in kept.items():
+        drawn, returned = np.transpose([numbers(table[name])[1:3] for table in tables])
+        assert numbers(row) == pytest.approx(drawn - returned, abs=max(0.01 * max(drawn), 1.0)), name
+
+
 def test_the_spread_is_what_its_command_writes():
     """Of the rivals; each assumed value with a range stands there with the ends at which it is not already."""
     import circuits_compared
@@ -88,7 +107,8 @@ def test_the_spread_is_what_its_command_writes():
     duties = [duty(name) for name in circuits_compared.SPREAD_DUTIES]
     rivals = [each for each in circuits_compared.spread_circuits() if each.begin is None]
     found = circuits_compared.compared(duties, rivals)
-    made = {line.split("|")[1].strip(): line for line in [*circuits_compared.spread_table(found)][2:] if line}
+    lines = [*circuits_compared.drawn_table(found, circuits_compared.SPREAD_DUTIES)][2:]
+    made = {line.split("|")[1].strip(): line for line in lines if line}
     kept = spread_rows(page)
     assert are_same(made, {name: kept[name] for name in made})
     assert {name.partition(",")[0] for name in kept} == {*circuits_compared.SPREAD}
