@@ -78,6 +78,14 @@ def test_the_end_of_the_stroke_takes_an_underdamped_spool():
     assert x[-1] == pytest.approx(4e-3, rel=1e-3)
 
 
+def test_a_spool_beyond_its_stop_by_rounding_rests():
+    """Nothing pulls it inward while its command is that end: it would else leave, come back, and knock for ever."""
+    valve = SwitchingValve(natural_frequency=500.0, stroke=1e-3, full_area=1e-5)
+    assert tuple(spool_rate(0.0, SpoolState(-3e-13, 0.0), 0.0, 1.0, valve)) == (0.0, 0.0)
+    assert tuple(spool_rate(1.0, SpoolState(1e-3 + 3e-13, 0.0), 1.0, 0.0, valve)) == (0.0, 0.0)
+    assert spool_rate(1.0, SpoolState(-3e-13, 0.0), 0.0, 1.0, valve).velocity > 0.0
+
+
 def test_a_spool_at_its_stop_leaves_when_called():
     valve, rest = switching_valve(), SpoolState(4e-3, 0.0)
     away = spool_rate(0.0, rest, 1.0, 0.0, valve)

@@ -34,8 +34,9 @@ def test_a_spool_is_over_in_its_switching_time():
     values = SwitchingValve(
         natural_frequency=spool_frequency(1e-3, 0.7), damping_ratio=0.7, stroke=1e-3, full_area=1e-5
     )
-    spool, step = SpoolState(0.0, 0.0), 1e-8
-    for count in range(200_000):
+    spool, step, time = SpoolState(0.0, 0.0), 1e-7, 0.0
+    while spool.position < 1e-3:
+        time += step
         rate = spool_rate(1.0, spool, 0.0, 0.0, values)
         half = SpoolState(spool.position + 0.5 * step * rate.position, spool.velocity + 0.5 * step * rate.velocity)
         rate = spool_rate(1.0, half, 0.0, 0.0, values)

@@ -94,7 +94,8 @@ def spool_rate(
     """Rates of position [m/s] and velocity [m/s^2] of a switching spool.
 
     x'' = omega^2 (u stroke - x) - 2 zeta omega x'. An end of the stroke holds the position and takes the outward
-    velocity within 1/(50 omega), so that the spool does not rebound and leaves as soon as it is called back.
+    velocity within 1/(50 omega), so that the spool does not rebound and leaves as soon as it is called back. What it is
+    beyond an end, by rounding, does not pull it back.
 
     command              u: 0 to the second port, 1 to the first [1]
     spool                position and velocity
@@ -103,7 +104,8 @@ def spool_rate(
     x, v = spool
     omega, zeta = 2.0 * np.pi * valve.natural_frequency, valve.damping_ratio
     held = at_first + at_second
-    acceleration = omega**2 * (command * valve.stroke - x) - 2.0 * zeta * omega * v
+    inside = clip(x, 0.0, valve.stroke)
+    acceleration = omega**2 * (command * valve.stroke - inside) - 2.0 * zeta * omega * v
     return SpoolState((1.0 - held) * v, acceleration - held * STOP_DAMPING * omega * v)
 
 
