@@ -193,7 +193,16 @@ def robust(
     before, nominal = known
     frequency = before.pwm_frequency
     found: list[Candidate] = []
-    state = Robust(asked, tuple(met), tuple(taken), before, _judge(nominal, frequency), (), trial.runs, finished=True)
+    state = Robust(
+        problem=asked,
+        scenarios=tuple(met),
+        taken=tuple(taken),
+        before=before,
+        nominal=_judge(nominal, frequency),
+        candidates=(),
+        runs=trial.runs,
+        finished=True,
+    )
     for number in range(effort.generations):
         parents = [dict(each.values) for each in state.front]
         designs = list(_seeds(asked)) if number == 0 else []
