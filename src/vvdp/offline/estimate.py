@@ -25,9 +25,8 @@ from vvdp.offline.config_text import config_text
 from vvdp.offline.diagnostics import numbers_in_doubt, settings_of, summary
 from vvdp.offline.estimate_result import SMOOTHED, Store
 from vvdp.offline.facts import ripple_words
-from vvdp.offline.findings import findings
+from vvdp.offline.findings import explain_no_result, findings
 from vvdp.offline.interrupt import catch_interrupt
-from vvdp.offline.no_result import explain_no_result
 from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter, longest_pieces
 from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result

@@ -10,14 +10,15 @@ from vvdp.base.kinds import ANGLE, SPEED
 from vvdp.estimation.commensurate import commensurate_warning, hidden_angle
 from vvdp.logs.channel import Log
 from vvdp.logs.clock import is_time_name
-from vvdp.offline.bridging import bridged_time
+from vvdp.offline.bridging import LONGEST_BRIDGED, bridged_time
 from vvdp.offline.config import Estimation, Stamps, Wave
+from vvdp.offline.cutting import FEWEST_EDGES
 from vvdp.offline.diagnostics import beside_alternation, in_step, suggested_level, threshold_is_off, worst_edge
-from vvdp.offline.edges import GAP, MOST_AT_ONCE, CountEdges, WaveEdges
+from vvdp.offline.edges import GAP, JUMPING, MOST_AT_ONCE, CountEdges, WaveEdges
 from vvdp.offline.guess import channels_of_edges
 from vvdp.offline.hypotheses import Sectors
 from vvdp.offline.noise_fit import CLEAR, Explained, fitted_filter
-from vvdp.offline.sums import Sums, repeats_after
+from vvdp.offline.sums import Sums, Tally, repeats_after
 from vvdp.offline.turn_pattern import SpeedRipple, is_whole
 from vvdp.sensing.wheel import TURN
 
@@ -47,6 +48,11 @@ class Amount(float):
             often = {1.0: "once", 2.0: "twice"}.get(self, f"{float(self):.9g} times")
             return often.capitalize() if words == "Times" else often
         return format(float(self), words or ".9g")
+
+
+def _amounts(counted: Tally | CountEdges) -> dict[str, Any]:
+    """What was counted, by name."""
+    return {name: Amount(value) for name, value in vars(counted).items() if isinstance(value, int | float)}
 
 
 def ripple_words(ripple: SpeedRipple) -> str:
@@ -145,29 +151,22 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
     anew = tally.pieces > 1 + tally.backward + len(tally.reversals)
     passed = tally.edges + tally.missed
     complaints = [str(each) for each in tally.pressure_record]
-    return {
-        **_finder_facts(sums),
-        "standstills": _list_words([f"from {begin:.4g} to {end:.4g} s" for begin, end in rows.standstills]),
-        "interruptions": tally.interruptions,
-        "unsettled": not found["settled"],
-        "edges": Amount(tally.edges),
-        "sectors": tally.sectors,
-        "hardly_possible": "" if SLOWEST <= rows.usual_speed <= FASTEST else with_unit(rows.usual_speed, SPEED),
-        "gaps": Amount(tally.gaps),
-        "gap": GAP,
-        "longest_gap": tally.longest_gap,
-        "not_numbers": Amount(tally.not_numbers),
-        "samples": Amount(tally.samples),
-        "backward": Amount(tally.backward),
-        "started_anew": Amount(tally.pieces if anew else 0),
-        "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
-        "left_out": Amount(tally.left_out),
-        "doubled": Amount(tally.doubled),
-        "missed": Amount(tally.missed),
-        "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
-        **_step_facts(sums, wanted),
-        "pressure_record": _list_words(complaints, "; ", "{} more"),
-    }
+    return (
+        _amounts(tally)
+        | _finder_facts(sums)
+        | _step_facts(sums, wanted)
+        | {
+            "standstills": _list_words([f"from {begin:.4g} to {end:.4g} s" for begin, end in rows.standstills]),
+            "interruptions": tally.interruptions,
+            "unsettled": not found["settled"],
+            "hardly_possible": "" if SLOWEST <= rows.usual_speed <= FASTEST else with_unit(rows.usual_speed, SPEED),
+            "gap": GAP,
+            "started_anew": Amount(tally.pieces if anew else 0),
+            "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
+            "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
+            "pressure_record": _list_words(complaints, "; ", "{} more"),
+        }
+    )
 
 
 def _step_facts(sums: Sums, wanted: Estimation) -> dict[str, Any]:
@@ -184,14 +183,8 @@ def _finder_facts(sums: Sums) -> dict[str, Any]:
     sampled = {"per_sector": per_sector, "few_samples": few if per_sector < FEW_SAMPLES else ""}
     match finder:
         case CountEdges():
-            return sampled | {
-                "fractions": Amount(finder.fractions),
-                "resets": Amount(finder.resets),
-                "most_at_once": MOST_AT_ONCE,
-                "rollovers": Amount(finder.rollovers),
-                "downward": finder.downward,
-                "against": Amount(finder.backward),
-            }
+            facts = _amounts(finder) | {"against": Amount(finder.backward), "most_at_once": MOST_AT_ONCE}
+            return sampled | {name: value for name, value in facts.items() if name != "backward"}
         case WaveEdges(plateaus=plateaus, levels=levels):
             lowest, highest = min(levels, default=np.nan), max(levels, default=np.nan)
             drift = (highest - lowest) / plateaus.swing if plateaus is not None and len(levels) > 1 else 0.0
@@ -288,4 +281,27 @@ def _far_facts(sums: Sums, wanted: Estimation, offsets: Any, worst: int) -> dict
         "way": "beyond" if offsets[worst] > 0.0 else "before",
         "far_percent": 100.0 * far * n / TURN,
         "cause": cause,
+    }
+
+
+def no_result_facts(tally: Tally, wanted: Estimation) -> dict[str, Any]:
+    """What may have kept a log from giving an estimate."""
+    finder, edges = tally.finder, tally.edges
+    wave = finder if isinstance(finder, WaveEdges) else None
+    counter = finder if isinstance(finder, CountEdges) else None
+    apart = (tally.end - tally.begin) / (edges - 1.0) if edges > FEWEST_EDGES else np.nan
+    ranged = wanted.begin is not None or wanted.end is not None
+    return _amounts(tally) | {
+        "channel": wanted.source.channel,
+        "found": f"{edges:g} edges were found in channel {wanted.source.channel!r}",
+        "needed": f"an estimate needs at least {FEWEST_EDGES} on one clock",
+        "jumping": 100.0 * wave.jumps if wave is not None and not edges and wave.jumps > JUMPING else 0.0,
+        "no_level": wave is not None and not np.isfinite(wave.level),
+        "no_samples": not tally.samples,
+        "fractions": Amount(counter.fractions if counter is not None else 0),
+        "out_of_range": not edges and ranged,
+        "few_steps": counter is not None and apart < LONGEST_BRIDGED,
+        "apart": apart if np.isfinite(apart) else 0.0,
+        "longest": LONGEST_BRIDGED,
+        "too_few": True,
     }

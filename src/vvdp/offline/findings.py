@@ -6,8 +6,15 @@ from typing import Any, NamedTuple
 from vvdp.logs.channel import Log
 from vvdp.offline.config import Estimation
 from vvdp.offline.diagnostics import numbers_in_doubt
-from vvdp.offline.facts import clock_facts, pattern_facts, record_facts, settings_facts, wheel_facts
-from vvdp.offline.sums import Sums
+from vvdp.offline.facts import (
+    clock_facts,
+    no_result_facts,
+    pattern_facts,
+    record_facts,
+    settings_facts,
+    wheel_facts,
+)
+from vvdp.offline.sums import Sums, Tally
 from vvdp.results.result import Finding, Grade
 
 LOOK_AT_SHIFT = "If really {described} pass, look at index_shift or widths."
@@ -169,6 +176,28 @@ PATTERN = (
         "Edge {worst} lies {far} {way} its place, {far_percent:.2g} % of a sector. {cause}",
         "Give the measured widths in [sensor] widths; the offsets of all edges stand in the report."),
 )
+NO_RESULT = (
+    Rule("jumping", "",
+        "channel {channel!r} goes through {jumping:.0f} % of its range from one sample to the next: there are too few "
+        "samples for each sector (three at least are needed to see where the wave rises and falls), or it is noise",
+        "sample faster, or give threshold.level in a config"),
+    Rule("no_level", "",
+        "channel {channel!r} does not go up and down between two levels, so there is no threshold and no edge",
+        "name the right channel, or give threshold.level in a config"),
+    Rule("no_samples", "", "channel {channel!r} has no samples", ""),
+    Rule("fractions", "",
+        "{found}, and {fractions} of its {samples} values are no whole numbers, so it is no counter",
+        "if it is a wave, name it with --wave"),
+    Rule("out_of_range", "", "no edges of {channel!r} lie in the time range that was asked for", ""),
+    Rule("backward", "",
+        "{found}, but time runs backwards there, {backward} times", "{needed}, and in the order of time"),
+    Rule("few_steps", "", "{found}, in only {left_out} steps", "{needed}, so read the counter faster"),
+    Rule("apart", "",
+        "{found}, {apart:.4g} s apart on average: the spool is not rotating",
+        "look at the unit of the times ({needed} with less than {longest:g} s between them)"),
+    Rule("too_few", "", "{found}", "{needed}"),
+)
+"""Why there is no estimate: the first that holds."""
 # fmt: on
 GRANTED = (Rule("remarks", "Taken for granted", "{it}.", "Nothing to do, if that is right."),)
 
@@ -180,6 +209,12 @@ def tell(rules: tuple[Rule, ...], facts: Mapping[str, Any]) -> Iterator[Finding]
         for it in fact if isinstance(fact, list) else [fact] if fact else []:
             text, remedy = (words.format(it=it, **facts) for words in (rule.text, rule.remedy))
             yield Finding(title=rule.title, text=text, remedy=remedy, grade=rule.grade)
+
+
+def explain_no_result(tally: Tally, wanted: Estimation) -> str:
+    """The reason why there is no estimate."""
+    told = next(tell(NO_RESULT, no_result_facts(tally, wanted)))
+    return f"{told.text}; {told.remedy}" if told.remedy else told.text
 
 
 def findings(found: Mapping[str, Any], sums: Sums, wanted: Estimation, log: Log) -> tuple[Finding, ...]:
