@@ -21,11 +21,10 @@ from vvdp.offline.bridging import bridged_time
 from vvdp.offline.config import load_estimation
 from vvdp.offline.edges import Edges
 from vvdp.offline.estimate_result import ROWS_IN_CHUNK, Store
-from vvdp.offline.filter_steps import fused_step, tracked_step
-from vvdp.offline.offline_filter import OfflineFilter, Waves
+from vvdp.offline.offline_filter import OfflineFilter, Waves, fused_step, tracked_step
 from vvdp.offline.pressure_chain import PressureChain
 from vvdp.offline.second_pass import SecondPass
-from vvdp.offline.writer import Writer
+from vvdp.offline.sums import Tally
 from vvdp.results.result import Grade
 from vvdp.results.store import read_meta, read_result
 from vvdp.sensing.reading import Reading
@@ -704,9 +703,9 @@ def test_rows_without_a_pressure_are_not_held_for_ever(estimated, monkeypatch, d
     held = []
     meet = PressureChain.meet
 
-    def watched(chain, writer, **given):
-        meet(chain, writer, **given)
-        held.extend((0 if writer.rows is None else writer.rows[0].size, chain.waiting.values.size))
+    def watched(chain, **given):
+        meet(chain, **given)
+        held.extend((chain.row_times.size, chain.waiting.values.size))
 
     monkeypatch.setattr(PressureChain, "meet", watched)
     t, tp = np.arange(20_000) / 5e3, np.arange(500 * duration) / 500.0
@@ -816,15 +815,15 @@ def test_an_interruption_keeps_what_was_reached(estimated, monkeypatch):
 
 def test_ctrl_c_is_heeded_in_the_midst_of_a_portion(estimated, monkeypatch):
     # 2000 edges 50 s apart: one portion, 100 million rows.
-    write, count = Writer.write, []
+    write, count = passes.FilteringPass.write, []
 
-    def pressed(writer, filtered):
-        write(writer, filtered)
+    def pressed(run, filtered):
+        write(run, filtered)
         count.append(filtered.rows["time"].size)
         if sum(count) > 500_000:
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(Writer, "write", pressed)
+    monkeypatch.setattr(passes.FilteringPass, "write", pressed)
     kept = estimated(stamped(50.0 * np.arange(2000)), sensor__edges="edge")
     assert kept.summary["finished"] is False and "Interrupted" in titles(kept)
     assert kept.size("time") < 1_000_000
@@ -926,7 +925,7 @@ def test_edges_of_the_pressure_end_with_their_clock():
     one, two = (Edges(t, 0.0 * t, 0.0 * t, 0.0 * t + 1.0) for t in (passing_times(200), passing_times(1200)))
     told = []
     for heard in (np.empty(0), np.array([3.0, 3.006, 3.0135])):
-        tracker = OfflineFilter(settings, 1000.0, 3, fusion(settings))
+        tracker = OfflineFilter(settings, Tally(8, rate=1000.0), 3, fusion(settings))
         tracker.add_pressure_edges(Waves(heard + 1e-3, heard, 0.0 * heard + 1e-4, np.resize([1.0, -1.0], heard.size)))
         for edges in (one, two):
             told.append([tracked.rows["pressure_phase"] for tracked in tracker.push(edges, edges.times[-1], last=True)])

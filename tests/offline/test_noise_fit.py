@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 from scipy.stats import chi2, multivariate_normal
@@ -11,7 +12,6 @@ from vvdp.estimation.event_settings import event_filter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
 from vvdp.offline.noise_fit import (
     Likelihood,
-    LongestPieces,
     Noise,
     Passage,
     Passed,
@@ -19,6 +19,7 @@ from vvdp.offline.noise_fit import (
     fit,
     fit_noise,
     fitted_filter,
+    longest_pieces,
     passage_start,
     passage_step,
     speed_errors,
@@ -30,6 +31,20 @@ from vvdp.simulation.replay import Replay
 
 PITCH = TURN / 8.0
 SPEED = 120.0
+
+
+def errors_of(likelihood, found, step=0.05):
+    """Standard errors of ln q and ln R_2 from the curvature of ln L; infinite where a value lies at its floor."""
+    at, free = np.log(np.array(found.noise)), ~np.array(found.at_floor)
+    axes = step * np.eye(2)[free]
+
+    def L(place):
+        return likelihood.logarithm(Noise(*np.exp(place).tolist()))
+
+    mixed = [[L(at + a - b) + L(at - a + b) - L(at + a + b) - L(at - a - b) for b in axes] for a in axes]
+    errors = np.full(2, np.inf)
+    errors[free] = np.sqrt(np.diag(np.linalg.inv(np.array(mixed) / (4.0 * step**2))))
+    return errors
 
 
 def passed(times, angles, sampled=0.0, pieces=1.0):
@@ -92,9 +107,10 @@ def test_known_noise_is_recovered_within_the_standard_errors():
     noise = Noise(50.0, 4e-4)
     z = []
     for seed in range(24):
-        found = fit(Likelihood(wandering(1000, noise, 100 + seed)[0], 8))
+        likelihood = Likelihood(wandering(1000, noise, 100 + seed)[0], 8)
+        found = fit(likelihood)
         assert found.at_floor == (False, False)
-        z.append((np.log(np.array(found.noise)) - np.log(np.array(noise))) / np.array(found.errors))
+        z.append((np.log(np.array(found.noise)) - np.log(np.array(noise))) / errors_of(likelihood, found))
     low, high = chi2.ppf([1e-4, 1.0 - 1e-4], 24)
     squares = np.sum(np.square(z), axis=0)
     assert np.all((low < squares) & (squares < high)), squares
@@ -105,14 +121,16 @@ def test_known_noise_is_recovered_within_the_standard_errors():
 def test_what_sampling_makes_is_not_taken_for_the_edges_own():
     noise, sampled = Noise(50.0, 4e-4), 6e-4
     edges, _ = wandering(3000, Noise(50.0, noise.edge_variance + sampled), 5)
-    found = fit(Likelihood(edges._replace(sampling_variances=np.full(3000, sampled)), 8))
-    assert abs(np.log(found.noise.edge_variance / noise.edge_variance)) < 4.0 * found.errors[1]
+    likelihood = Likelihood(edges._replace(sampling_variances=np.full(3000, sampled)), 8)
+    found = fit(likelihood)
+    error = errors_of(likelihood, found)[1]
+    assert abs(np.log(found.noise.edge_variance / noise.edge_variance)) < 4.0 * error
 
 
 def test_a_constant_speed_and_exact_edges_end_at_the_floors():
     times = np.round(0.1 + np.arange(1000) * PITCH / SPEED, 9)
     found = fit(Likelihood(passed(times, np.arange(1000) * PITCH), 8))
-    assert found.at_floor == (True, True) and found.errors == (np.inf, np.inf)
+    assert found.at_floor == (True, True)
     assert found.noise.edge_variance == pytest.approx((SPEED * 1e-9) ** 2 / 12.0, rel=1e-6)
     # q T^3/R = n^-4
     assert found.noise.acceleration_density == pytest.approx(
@@ -142,7 +160,8 @@ def test_the_wheel_is_told_from_the_speed():
     # 250 turns: 2 % of a deviation of 0.02 rad each, and a little more since the speed wanders
     assert np.allclose(found.offsets, places - np.mean(places), atol=0.008)
     q, R = found.wheel.noise
-    assert abs(np.log(q / 50.0)) < 4.0 * found.wheel.errors[0] and abs(np.log(R / 4e-4)) < 4.0 * found.wheel.errors[1]
+    errors = errors_of(found.likelihood.without(places - np.mean(places)), found.wheel)
+    assert np.all(np.abs(np.log([q / 50.0, R / 4e-4])) < 4.0 * errors)
     # 7 of 2000 degrees of freedom went into the offsets, which the filter is not told of
     assert found.advised.edge_variance == pytest.approx(R * 2000.0 / 1993.0 + np.mean(found.offsets**2))
     assert found.ripple is None
@@ -222,19 +241,24 @@ def test_the_speed_error_is_what_a_filter_has():
         assert speed_errors(likelihood, Noise(50.0 * factor, 4e-4), true).true > best.true
 
 
-def test_the_longest_pieces_are_kept_in_bounded_memory():
-    found = LongestPieces()
-    for piece, count in ((1.0, 300), (2.0, 9000), (3.0, 10), (4.0, 2000), *((5.0 + k, 900) for k in range(20))):
-        for begin in range(0, count, 500):
-            t = piece * 1000.0 + np.arange(begin, min(begin + 500, count)) * 0.01
-            one = np.ones(t.size)
-            found.add({"time": t, "number": t * 100.0, "angle": t, "variance": 5e-3 * one, "piece": piece * one,
-                       "settled": one})  # fmt: skip
-            assert sum(found._sizes.values()) <= 3 * 4096
-    edges = found.pick(3e-3)
-    assert edges.times.size == 4096 and set(edges.pieces) == {2.0}
-    assert np.allclose(edges.sampling_variances, 2e-3)
-    assert LongestPieces().pick(3e-3) is None
+def test_the_longest_pieces_are_taken(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        assert longest_pieces(file, 3e-3) is None
+        counts = {1.0: 300, 2.0: 9000, 3.0: 10, 4.0: 2000} | {5.0 + k: 900 for k in range(20)}
+        t = np.concatenate([piece * 1000.0 + np.arange(count) * 0.01 for piece, count in counts.items()])
+        pieces, one = np.repeat([*counts], [*counts.values()]), np.ones(t.size)
+        columns = {"time": t, "number": t * 100.0, "angle": t, "variance": 5e-3 * one, "piece": pieces, "settled": one}
+        for name, values in columns.items():
+            file[f"edges/{name}"] = values
+        edges = longest_pieces(file, 3e-3)
+        assert edges.times.size == 4096 and set(edges.pieces) == {2.0}
+        assert np.allclose(edges.sampling_variances, 2e-3)
+        file["edges/settled"][pieces == 2.0] = 0.0
+        # now the longest have 2000, 900, 900 and 900 edges; of the last one only what is missing is taken
+        edges = longest_pieces(file, 3e-3)
+        assert {piece: np.count_nonzero(edges.pieces == piece) for piece in set(edges.pieces)} == {
+            4.0: 2000, 5.0: 900, 6.0: 900, 7.0: 296,
+        }  # fmt: skip
 
 
 def test_a_manoeuvre_is_no_calmer_than_what_was_fitted():

@@ -5,8 +5,9 @@ import pytest
 from tests.offline.rippling import passing_times
 
 from vvdp.offline.config import Option, load_estimation
+from vvdp.offline.facts import ripple_words, settings_facts
+from vvdp.offline.findings import SETTINGS, tell
 from vvdp.offline.noise_fit import Noise, Passed, fit_noise
-from vvdp.offline.ripple_findings import ripple_findings, ripple_numbers, ripple_words
 from vvdp.offline.turn_pattern import SpeedRipple
 
 TURN = 2.0 * np.pi
@@ -87,6 +88,11 @@ def test_the_smoother_takes_the_ripple_off_and_puts_it_back(estimated):
     assert np.median(kept.column("smoothed_speed_deviation")) < 0.2
 
 
+def ripple_findings(told, wanted):
+    """What is said of ripples."""
+    return [each for each in tell(SETTINGS, settings_facts(told, wanted)) if "ripple" in each.title]
+
+
 def edges_of(places, turns=200):
     """Edges of an even wheel at a constant speed, that lie `places` [rad] further on."""
     n = places.size
@@ -98,14 +104,14 @@ def edges_of(places, turns=200):
 
 def test_what_too_few_edges_cannot_tell_is_told(load_edges):
     told = fit_noise(edges_of(0.02 * np.array([1.0, -1.0, 0.5, -0.5])), 4, Noise(0.25, 3.47e-3), 3)
-    assert ripple_numbers(told)[0] == 0.0
+    assert told.ripple is None
     (finding,) = ripple_findings(told, load_edges(sensor__sectors=4))
     assert finding.title == "A ripple cannot be seen whole"
     assert "it takes more than 6 edges in a turn" in finding.text and "the wheel has 4" in finding.text
     told = fit_noise(edges_of(np.zeros(4)), 4, Noise(0.25, 3.47e-3), 3)
-    assert not list(ripple_findings(told, load_edges(sensor__sectors=4)))
+    assert not ripple_findings(told, load_edges(sensor__sectors=4))
 
 
 def test_one_edge_elsewhere_is_no_ripple(load_edges):
     told = fit_noise(edges_of(0.1 * (np.arange(8) == 5)), 8, Noise(0.25, 3.47e-3), 3)
-    assert told.wheel is not None and not list(ripple_findings(told, load_edges()))
+    assert told.wheel is not None and not ripple_findings(told, load_edges())

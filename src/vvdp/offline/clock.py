@@ -13,7 +13,7 @@ from vvdp.base.errors import unusable
 from vvdp.logs.channel import Portion
 from vvdp.offline.config import Estimation, Stamps
 from vvdp.offline.edges import GAP, Chosen, Edges, part
-from vvdp.offline.sums import Sums
+from vvdp.offline.sums import Tally
 
 USUAL_RATE = 1000.0
 """Rows a second of the time base, unless the log has fewer samples or another rate is asked for."""
@@ -24,10 +24,10 @@ MOST_BACKWARD = 1000
 
 
 class RecordClock:
-    """The clock of the channel that holds the edges; what it finds is counted in the sums."""
+    """The clock of the channel that holds the edges; what it finds is counted."""
 
-    def __init__(self, path: Path, wanted: Estimation, sums: Sums) -> None:
-        self._path, self._wanted, self._sums = path, wanted, sums
+    def __init__(self, path: Path, wanted: Estimation, tally: Tally) -> None:
+        self._path, self._wanted, self._tally = path, wanted, tally
         self._reached = -np.inf
         self.gaps: list[tuple[float, float]] = []
         """Gaps of the record, from when to when [s], that the filter is not yet told of."""
@@ -45,9 +45,9 @@ class RecordClock:
     def stretches(self, portion: Portion) -> Iterator[Portion | None]:
         """The sound samples of a portion; None where the time goes back."""
         times, values = portion
-        self._sums.samples += times.size
+        self._tally.samples += times.size
         sound = (np.abs(values) < LARGEST) & np.isfinite(times)
-        self._sums.not_numbers += int(times.size - np.count_nonzero(sound))
+        self._tally.not_numbers += int(times.size - np.count_nonzero(sound))
         inside = self.inside(times)
         self._watch(times[inside])
         sound &= inside
@@ -56,7 +56,7 @@ class RecordClock:
             if again:
                 yield None
             if last > first:
-                self._sums.begin, self._sums.end = min(self._sums.begin, float(times[first])), float(times[last - 1])
+                self._tally.begin, self._tally.end = min(self._tally.begin, float(times[first])), float(times[last - 1])
                 yield Portion(times[first:last], values[first:last])
 
     def edges(self, found: Edges) -> Iterator[Edges | None]:
@@ -67,7 +67,7 @@ class RecordClock:
                 yield None
             if last > first:
                 times = found.times[first:last]
-                self._sums.begin, self._sums.end = min(self._sums.begin, float(times[0])), float(times[-1])
+                self._tally.begin, self._tally.end = min(self._tally.begin, float(times[0])), float(times[-1])
                 yield part(found, slice(first, last))
 
     def _forward(self, times: Array) -> Iterator[tuple[bool, int, int]]:
@@ -75,29 +75,29 @@ class RecordClock:
         they do so too often."""
         if not times.size:
             return
-        before = self._sums.end if np.isfinite(self._sums.end) else times[0]
+        before = self._tally.end if np.isfinite(self._tally.end) else times[0]
         back = np.flatnonzero(np.diff(times, prepend=before) < 0.0).tolist()
-        if self._sums.backward + len(back) > MOST_BACKWARD:
+        if self._tally.backward + len(back) > MOST_BACKWARD:
             channel = self._wanted.source.channel
             which = f"edge times {channel!r} do" if isinstance(self._wanted.source, Stamps) else "clock does"
             problem = f"the {which} not run forward, more than {MOST_BACKWARD} times; is it the right column?"
             raise unusable(self._path, problem)
         for i, (first, last) in enumerate(zip([0, *back], [*back, times.size], strict=True)):
-            self._sums.backward += 1 if i else 0
+            self._tally.backward += 1 if i else 0
             yield i > 0, first, last
 
     def _watch(self, times: Array) -> None:
         """Gaps between samples, whatever their values."""
-        if not self._sums.period and times.size > 1:
+        if not self._tally.period and times.size > 1:
             ahead = np.diff(times)
             ahead = ahead[ahead > 0.0]
-            self._sums.period = float(np.median(ahead)) if ahead.size else 1.0 / USUAL_RATE
+            self._tally.period = float(np.median(ahead)) if ahead.size else 1.0 / USUAL_RATE
         if not times.size:
             return
         steps = np.diff(times, prepend=self._reached if np.isfinite(self._reached) else times[0])
         self._reached = float(times[-1])
-        after = np.flatnonzero(steps > GAP * self._sums.period) if self._sums.period else np.empty(0, int)
-        self._sums.gaps += after.size
+        after = np.flatnonzero(steps > GAP * self._tally.period) if self._tally.period else np.empty(0, int)
+        self._tally.gaps += after.size
         self.gaps += [(float(times[i] - steps[i]), float(times[i])) for i in after.tolist()]
-        self._sums.longest_gap = max(self._sums.longest_gap, float(np.max(steps, initial=0.0)))
-        self._sums.measured += float(np.sum(steps[steps > 0.0]))
+        self._tally.longest_gap = max(self._tally.longest_gap, float(np.max(steps, initial=0.0)))
+        self._tally.measured += float(np.sum(steps[steps > 0.0]))

@@ -9,7 +9,7 @@ the file. All faults are collected and reported together, each with file and lin
 """
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -134,65 +134,58 @@ def load_estimation(path: Path | None, options: Sequence[Option] = ()) -> Estima
     given = _read(read_table(path) if path is not None else Table("options", {}, {}), options)
     found = _estimation(given)
     if given.faults:
-        raise ConfigError(sorted(given.faults, key=lambda fault: fault.line))
+        named = [Fault(given.names[fault.key], 0, "", fault.message) if fault.key in given.names else fault
+                 for fault in given.faults]  # fmt: skip
+        raise ConfigError(sorted(named, key=lambda fault: fault.line))
     assert found is not None
     return found
 
 
 @dataclass(frozen=True)
 class _Given:
-    """The values of a file with the options laid over them by `table.key`, and the faults found so far."""
+    """What a file gives with the options laid over it: entries and, of the sound ones, values by table and key; the
+    faults found so far, and the names of the options."""
 
     table: Table
-    options: Mapping[str, str]
-    asked: tuple[str, ...]
-    """Every key that is given, be its value sound or not."""
-    values: dict[str, Any]
+    names: Mapping[str, str]
+    entries: Mapping[str, Mapping[str, Any]]
+    values: Mapping[str, dict[str, Any]]
     faults: list[Fault]
 
     def fault(self, key: str, message: str) -> None:
         line = self.table.lines.get(key) or self.table.lines.get(key.partition(".")[0]) or 0
-        self.faults.append(_locate_fault(Fault(self.table.place, line, key, message), self.options))
+        self.faults.append(Fault(self.table.place, line, key, message))
 
     def place(self, key: str) -> str:
         """How a message calls a key."""
-        return self.options.get(key, key)
+        return self.names.get(key, key)
+
+    def chosen(self, table: str, keys: Iterable[str]) -> dict[str, Any]:
+        """The values under those of `keys` that a table gives."""
+        return {key: self.values[table][key] for key in keys if key in self.values[table]}
 
 
 def _read(table: Table, options: Sequence[Option]) -> _Given:
-    names = {option.key: option.name for option in options}
-    given = _Given(table, names, (*_given_keys(table, options),), {}, [])
-    for name in table.content:
+    names, faults = {option.key: option.name for option in options}, list[Fault]()
+    entries = {name: _entries(table, name, options) for name in READERS}
+    values = {name: read_values(READERS[name], entries[name], name, table, faults) for name in READERS}
+    given = _Given(table, names, entries, values, faults)
+    for name, content in table.content.items():
         if name not in READERS:
             given.fault(name, f"unknown table{nearest(name, list(READERS))}")
-        elif not isinstance(table.content[name], Mapping):
-            given.fault(name, f"{table.content[name]!r}; expected a table, [{name}]")
-    for name, readers in READERS.items():
-        found: list[Fault] = []
-        values = read_values(readers, _entries(table, name, options), name, table, found)
-        given.values.update({f"{name}.{key}": value for key, value in values.items()})
-        given.faults.extend(_locate_fault(fault, names) for fault in found)
+        elif not isinstance(content, Mapping):
+            given.fault(name, f"{content!r}; expected a table, [{name}]")
     return given
-
-
-def _given_keys(table: Table, options: Sequence[Option]) -> Iterator[str]:
-    return (f"{name}.{key}" for name in READERS for key in _entries(table, name, options))
 
 
 def _entries(table: Table, name: str, options: Sequence[Option]) -> dict[str, Any]:
     """What is given of a table; an option that names a channel of edges chooses the sensor anew."""
     content = table.content.get(name, {})
     entries = dict(content) if isinstance(content, Mapping) else {}
-    own = {key: option.value for option in options for table_name, _, key in [option.key.partition(".")]
-           if table_name == name}  # fmt: skip
+    own = {option.key.partition(".")[2]: option.value for option in options if option.key.startswith(f"{name}.")}
     if name == "sensor" and any(key in own for key in SOURCES):
         entries = {key: value for key, value in entries.items() if key not in (*SOURCES, "falling")}
     return entries | own
-
-
-def _locate_fault(fault: Fault, options: Mapping[str, str]) -> Fault:
-    """A fault under the name of the option that gave its value, if one did."""
-    return Fault(options[fault.key], 0, "", fault.message) if fault.key in options else fault
 
 
 def _rate(entry: Any) -> float:
@@ -277,37 +270,35 @@ READERS: Mapping[str, Mapping[str, Reader]] = {
 
 
 def _estimation(given: _Given) -> Estimation | None:
-    values = given.values
+    log, output = given.values["log"], given.values["output"]
     source, wheel = _source(given), _wheel(given)
     chosen = _filter(given, wheel)
-    begin, end = values.get("log.from"), values.get("log.until")
+    begin, end = log.get("from"), log.get("until")
     if begin is not None and end is not None and not begin < end:
         given.fault("log.until", f"{end:g} s is not after {given.place('log.from')}, {begin:g} s")
-    time, rate = values.get("log.time"), values.get("log.sample_rate")
-    if time is not None and rate is not None:
-        given.fault("log.sample_rate", f"a rate and the clock {time!r} are given; expected one of them")
+    if {"time", "sample_rate"} <= log.keys():
+        given.fault("log.sample_rate", f"a rate and the clock {log['time']!r} are given; expected one of them")
     pressure = _pressure(given)
     if source is None or chosen is None:
         return None
     return Estimation(
         source=source,
         filter=chosen,
-        sections=values.get("valve.sections", DEFAULT_SECTIONS),
-        time=time,
-        time_unit=values.get("log.time_unit"),
-        sample_rate=rate,
+        sections=given.values["valve"].get("sections", DEFAULT_SECTIONS),
+        **given.chosen("log", ("time", "time_unit", "sample_rate")),
         begin=begin,
         end=end,
         pressure=pressure,
-        output_rate=values.get("output.rate"),
-        smooth=values.get("output.smooth", False),
-        fit=values.get("filter.fit", False),
-        sectors_assumed=not {"sensor.sectors", "sensor.widths"} & {*given.asked},
+        output_rate=output.get("rate"),
+        smooth=output.get("smooth", False),
+        fit=given.values["filter"].get("fit", False),
+        sectors_assumed=not {"sectors", "widths"} & given.entries["sensor"].keys(),
     )
 
 
 def _source(given: _Given) -> Wave | Counts | Stamps | None:
-    present = [key for key in SOURCES if f"sensor.{key}" in given.asked]
+    sensor, values = given.entries["sensor"], given.values["sensor"]
+    present = [key for key in SOURCES if key in sensor]
     if len(present) > 1:
         names = " and ".join(given.place(f"sensor.{key}") for key in present)
         given.fault(f"sensor.{present[1]}", f"{names} are given; expected one of them")
@@ -318,58 +309,52 @@ def _source(given: _Given) -> Wave | Counts | Stamps | None:
             "no channel is named that holds the edges; give --wave, --counts or --edges with a column, or in a file "
             "[sensor] with wave, counts or edges",
         )
-    _refuse_strangers(given, present[0] if present else "")
-    channel = given.values.get(f"sensor.{present[0]}") if present else None
+    kind = present[0] if present else ""
+    _refuse_strangers(given, kind)
+    channel, falling = values.get(kind), values.get("falling", "")
     if channel is None:
         return None
-    if present == ["wave"]:
+    if kind == "edges" and falling == channel:
+        given.fault("sensor.falling", f"{falling!r} is the column of the rising edges as well; leave falling out")
+    if kind == "wave":
         return Wave(channel, _comparator(given))
-    return Counts(channel) if present == ["counts"] else _stamps(given, channel)
+    return Counts(channel) if kind == "counts" else Stamps(channel, falling)
 
 
 def _refuse_strangers(given: _Given, source: str) -> None:
     """Refuses keys that belong to another source of edges."""
-    if source != "edges" and "sensor.falling" in given.asked:
+    if source != "edges" and "falling" in given.entries["sensor"]:
         given.fault("sensor.falling", "belongs to edges, the column of the rising ones")
-    of_waves = ("sensor.inverted", *(f"threshold.{key}" for key in READERS["threshold"]))
+    of_waves = [*(["sensor.inverted"] if "inverted" in given.entries["sensor"] else []),
+                *(f"threshold.{key}" for key in READERS["threshold"] if key in given.entries["threshold"])]  # fmt: skip
     for key in of_waves if source in ("counts", "edges") else ():
-        if key in given.asked:
-            given.fault(key, f"belongs to a wave, not to {source}")
-
-
-def _stamps(given: _Given, channel: str) -> Stamps:
-    falling = given.values.get("sensor.falling", "")
-    if falling == channel:
-        given.fault("sensor.falling", f"{falling!r} is the column of the rising edges as well; leave falling out")
-    return Stamps(channel, falling)
+        given.fault(key, f"belongs to a wave, not to {source}")
 
 
 def _comparator(given: _Given) -> Comparator:
-    return Comparator(
-        given.values.get("threshold.level"),
-        given.values.get("threshold.hysteresis", 0.25),
-        given.values.get("threshold.interpolated", True),
-        given.values.get("sensor.inverted", False),
-    )
+    usual = {"level": None, "hysteresis": 0.25, "interpolated": True, "inverted": False}
+    return Comparator(**usual | given.values["threshold"] | given.chosen("sensor", ("inverted",)))
 
 
 def _wheel(given: _Given) -> CodeWheel | None:
-    if "sensor.widths" in given.asked:
-        for other in ("sensor.sectors", "sensor.index_shift"):
-            if other in given.asked:
-                given.fault(other, "contradicts sensor.widths, which has sectors and index; expected one of them")
-        wheel: CodeWheel | None = given.values.get("sensor.widths")
+    sensor, entries = given.values["sensor"], given.entries["sensor"]
+    if "widths" in entries:
+        for other in ("sectors", "index_shift"):
+            if other in entries:
+                text = "contradicts sensor.widths, which has sectors and index; expected one of them"
+                given.fault(f"sensor.{other}", text)
+        wheel: CodeWheel | None = sensor.get("widths")
         return wheel
-    sectors = given.values.get("sensor.sectors", DEFAULT_SECTORS)
+    sectors = sensor.get("sectors", DEFAULT_SECTORS)
     try:
-        return equal_wheel(sectors, given.values.get("sensor.index_shift", 0.0))
+        return equal_wheel(sectors, sensor.get("index_shift", 0.0))
     except ParameterError as problem:
         given.fault("sensor.sectors" if sectors % 2 else "sensor.index_shift", str(problem))
         return None
 
 
 def _filter(given: _Given, wheel: CodeWheel | None) -> EventFilter | None:
-    changes = _values(given, "filter", FILTER_KINDS)
+    changes = given.chosen("filter", FILTER_KINDS)
     try:
         chosen = dataclasses.replace(event_filter(wheel or equal_wheel(DEFAULT_SECTORS)), **changes)
     except ParameterError as problem:
@@ -378,26 +363,19 @@ def _filter(given: _Given, wheel: CodeWheel | None) -> EventFilter | None:
     return chosen if wheel is not None else None
 
 
-def _values(given: _Given, name: str, keys: Iterable[str]) -> dict[str, Any]:
-    """The values under those of `keys` that a table gives."""
-    return {key: given.values[f"{name}.{key}"] for key in keys if f"{name}.{key}" in given.values}
-
-
 def _pressure(given: _Given) -> InletPressure | None:
-    keys = [key for key in given.asked if key.startswith("pressure.")]
-    if "pressure.channel" not in keys:
-        if keys:
-            given.fault(keys[0], "belongs to pressure.channel, which is missing")
-        return None
-    if "pressure.channel" not in given.values:
+    entries, values = given.entries["pressure"], given.values["pressure"]
+    if "channel" not in entries and entries:
+        given.fault(f"pressure.{next(iter(entries))}", "belongs to pressure.channel, which is missing")
+    if "channel" not in values:
         return None
     try:
         return InletPressure(
-            channel=given.values["pressure.channel"],
-            unit=given.values.get("pressure.unit", ""),
-            edges=dataclasses.replace(pressure_edges(), **_values(given, "pressure", PRESSURE_KINDS)),
-            fused=given.values.get("pressure.fuse", False),
-            **_values(given, "pressure", WAVE_KINDS),
+            channel=values["channel"],
+            unit=values.get("unit", ""),
+            edges=dataclasses.replace(pressure_edges(), **given.chosen("pressure", PRESSURE_KINDS)),
+            fused=values.get("fuse", False),
+            **given.chosen("pressure", WAVE_KINDS),
         )
     except ParameterError as problem:
         given.fault("pressure", str(problem))

@@ -11,8 +11,7 @@ from vvdp.numerics.kalman import chance_band
 from vvdp.offline.config import Counts, Estimation, Stamps, Wave
 from vvdp.offline.edges import WaveEdges
 from vvdp.offline.noise_fit import CLEAR, Explained, Noise
-from vvdp.offline.ripple_findings import ripple_numbers
-from vvdp.offline.sums import Moments, Sums
+from vvdp.offline.sums import Sums
 from vvdp.sensing.wheel import TURN, equal_wheel
 
 SURE = 4.0
@@ -28,64 +27,68 @@ SHARE_FAR = 5e-3
 
 def summary(sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """The numbers of docs/keys.md, `vvdp estimate`, as far as the estimation has them."""
-    speed = sums.speed if sums.speed.count else sums.early_speed
-    low, high = chance_band(sums.nis.count)
+    speed = sums.rows.speed if sums.rows.speed.count else sums.rows.every_speed
+    low, high = chance_band(sums.edges.nis.count)
     found: dict[str, Any] = {
-        "duration_s": sums.measured,
-        "samples": sums.samples,
-        "sample_rate_Hz": 1.0 / sums.period if sums.period else np.nan,
-        "output_rate_Hz": sums.rate,
-        "sectors": sums.sectors,
+        "duration_s": sums.tally.measured,
+        "samples": sums.tally.samples,
+        "sample_rate_Hz": 1.0 / sums.tally.period if sums.tally.period else np.nan,
+        "output_rate_Hz": sums.tally.rate,
+        "sectors": sums.tally.sectors,
         "sectors_assumed": wanted.sectors_assumed,
-        "polarity": sums.verdict.polarity if sums.verdict is not None else np.nan,
-        "direction": sums.verdict.direction if sums.verdict is not None and not sums.reversals else np.nan,
-        "edges": int(sums.edges),
-        "missed_edges": int(sums.missed),
-        "double_edges": sums.doubled,
-        "gaps": sums.gaps,
-        "not_numbers": sums.not_numbers,
-        "backward_times": sums.backward,
-        "pieces": sums.pieces,
+        "polarity": sums.tally.verdict.polarity if sums.tally.verdict is not None else np.nan,
+        "direction": sums.tally.verdict.direction
+        if sums.tally.verdict is not None and not sums.tally.reversals
+        else np.nan,
+        "edges": int(sums.tally.edges),
+        "missed_edges": int(sums.tally.missed),
+        "double_edges": sums.tally.doubled,
+        "gaps": sums.tally.gaps,
+        "not_numbers": sums.tally.not_numbers,
+        "backward_times": sums.tally.backward,
+        "pieces": sums.tally.pieces,
         "spool_speed_mean_rad_s": speed.mean,
         "spool_speed_std_rad_s": speed.deviation,
         "spool_speed_min_rad_s": speed.low,
         "spool_speed_max_rad_s": speed.high,
-        "settled": sums.speed.count > 0,
-        "pwm_frequency_mean_Hz": sums.usual_speed * wanted.sections / TURN,
-        "standstill_time_s": sums.standing_rows / sums.rate if sums.rate else 0.0,
-        "angle_deviation_mean_rad": sums.angle_deviation.mean,
-        "speed_deviation_mean_rad_s": sums.speed_deviation.mean,
-        "speed_deviation_rms_rad_s": float(np.hypot(sums.speed_deviation.mean, sums.speed_deviation.deviation)),
-        "nis_mean": sums.nis.mean,
-        "nis_edges": sums.nis.count,
+        "settled": sums.rows.speed.count > 0,
+        "pwm_frequency_mean_Hz": sums.rows.usual_speed * wanted.sections / TURN,
+        "standstill_time_s": sums.rows.standing / sums.tally.rate if sums.tally.rate else 0.0,
+        "angle_deviation_mean_rad": sums.rows.angle_deviation.mean,
+        "speed_deviation_mean_rad_s": sums.rows.speed_deviation.mean,
+        "speed_deviation_rms_rad_s": float(
+            np.hypot(sums.rows.speed_deviation.mean, sums.rows.speed_deviation.deviation)
+        ),
+        "nis_mean": sums.edges.nis.mean,
+        "nis_edges": sums.edges.nis.count,
         "nis_low": low,
         "nis_high": high,
         "index_found": index_found(sums, wanted) if has_index(sums, wanted) else None,
         "commensurate": in_step(sums, wanted) is not None,
-        "edge_offset_max_rad": _largest(sums.offsets),
+        "edge_offset_max_rad": _largest(sums.edges.offsets),
         **_settings(sums, wanted),
     }
-    if isinstance(sums.finder, WaveEdges):
-        finder = sums.finder
+    if isinstance(sums.tally.finder, WaveEdges):
+        finder = sums.tally.finder
         swing = finder.plateaus.swing if finder.plateaus is not None else np.nan
         suggested = suggested_level(sums, wanted)
         found |= {
             "threshold": float(np.mean(finder.levels)) if finder.levels else finder.level,
             "wave_swing": swing,
             "wave_noise": finder.plateaus.noise if finder.plateaus is not None else np.nan,
-            "threshold_bias_rad": -sums.alternating.mean,
+            "threshold_bias_rad": -sums.edges.alternating.mean,
             "threshold_suggested": suggested,
         }
     elif isinstance(wanted.source, Stamps) and wanted.source.falling:
-        found["threshold_bias_rad"] = -sums.alternating.mean
+        found["threshold_bias_rad"] = -sums.edges.alternating.mean
     if wanted.pressure is not None:
         found |= {
-            "duty_ratio_mean": sums.duty_ratio.mean,
-            "duty_ratio_std": sums.duty_ratio.deviation,
-            "pressure_pulses": sums.duty_ratio.count,
-            "pressure_mean_inlet_Pa": sums.pressure.mean - ATMOSPHERE,
-            "pressure_min_inlet_Pa": sums.pressure.low - ATMOSPHERE if sums.pressure.count else np.nan,
-            "pressure_max_inlet_Pa": sums.pressure.high - ATMOSPHERE if sums.pressure.count else np.nan,
+            "duty_ratio_mean": sums.tally.duty_ratio.mean,
+            "duty_ratio_std": sums.tally.duty_ratio.deviation,
+            "pressure_pulses": sums.tally.duty_ratio.count,
+            "pressure_mean_inlet_Pa": sums.tally.pressure.mean - ATMOSPHERE,
+            "pressure_min_inlet_Pa": sums.tally.pressure.low - ATMOSPHERE if sums.tally.pressure.count else np.nan,
+            "pressure_max_inlet_Pa": sums.tally.pressure.high - ATMOSPHERE if sums.tally.pressure.count else np.nan,
         }
     return found
 
@@ -94,11 +97,14 @@ def _settings(sums: Sums, wanted: Estimation) -> dict[str, Any]:
     """The settings of the filter, and those that would fit better."""
     used = settings_of(wanted)
     found = {"acceleration_density_rad2_s3": used.acceleration_density, "edge_variance_rad2": used.edge_variance}
-    told = sums.noise_fit(used)
+    told = sums.explained
     if told is None or numbers_in_doubt(told, sums, wanted):
         return found | dict.fromkeys(_FITTED, np.nan) | {"settings_fit": None}
     fitted = (told.advised.acceleration_density, told.advised.edge_variance, told.settings_gain)
-    values = (*fitted, *ripple_numbers(told))
+    ripple = (0.0, np.nan, np.nan)  # none
+    if told.ripple is not None:
+        ripple = (float(told.ripple.order), told.ripple.amplitude, told.ripple.error)
+    values = (*fitted, *ripple)
     return found | dict(zip(_FITTED, values, strict=True)) | {"settings_fit": not told.matters}
 
 
@@ -116,7 +122,7 @@ def numbers_in_doubt(told: Explained, sums: Sums, wanted: Estimation) -> bool:
     """Whether edges have wrong numbers: the index was not found, or many were missed and others lie far off."""
     if has_index(sums, wanted) and not index_found(sums, wanted):
         return True
-    return sums.missed > SHARE_MISSED * (sums.edges + sums.missed) and told.outliers > SHARE_FAR
+    return sums.tally.missed > SHARE_MISSED * (sums.tally.edges + sums.tally.missed) and told.outliers > SHARE_FAR
 
 
 def settings_of(wanted: Estimation) -> Noise:
@@ -130,20 +136,20 @@ def index_found(sums: Sums, wanted: Estimation) -> bool:
     uneven."""
     if not wanted.wheel.has_index:
         return False
-    aligned = all(each.index_found for each in sums.alignments)
-    told = sums.noise_fit(settings_of(wanted))
-    if sums.sectors == 2 or told is None:  # of two sectors the polarity tells which
+    aligned = all(each.index_found for each in sums.tally.alignments)
+    told = sums.explained
+    if sums.tally.sectors == 2 or told is None:  # of two sectors the polarity tells which
         return aligned
-    if not (told.index_gain > CLEAR and (aligned or len(sums.alignments) == 1)):
+    if not (told.index_gain > CLEAR and (aligned or len(sums.tally.alignments) == 1)):
         return False
-    uneven = np.array(wanted.wheel.edges) - np.arange(sums.sectors) * TURN / sums.sectors
-    offsets = np.nan_to_num(sums.offsets[sums.wheel_counts >= FEW])
+    uneven = np.array(wanted.wheel.edges) - np.arange(sums.tally.sectors) * TURN / sums.tally.sectors
+    offsets = np.nan_to_num(sums.edges.offsets[sums.edges.counts >= FEW])
     return not np.any(np.abs(offsets) > 0.5 * _largest(uneven - np.mean(uneven)))
 
 
 def has_index(sums: Sums, wanted: Estimation) -> bool:
     """Whether the wheel was described with an index; two like sectors are one where polarities are logged."""
-    wheel = sums.verdict.described if sums.verdict is not None else wanted.wheel
+    wheel = sums.tally.verdict.described if sums.tally.verdict is not None else wanted.wheel
     polarity = isinstance(wanted.source, Wave) or (isinstance(wanted.source, Stamps) and bool(wanted.source.falling))
     return wheel.has_index and (polarity or wheel != equal_wheel(len(wheel.edges)))
 
@@ -157,11 +163,11 @@ def in_step(sums: Sums, wanted: Estimation) -> Commensurate | None:
     sampled = isinstance(wanted.source, Counts) or (
         isinstance(wanted.source, Wave) and not wanted.source.comparator.interpolated
     )
-    period = sums.period if sampled else sums.tick
-    speed = sums.pace.mean
+    period = sums.tally.period if sampled else sums.tally.tick
+    speed = sums.rows.pace.mean
     if not period or not np.isfinite(speed) or speed <= 0.0:
         return None
-    return commensurate_clock(speed * sums.sectors / TURN, 1.0 / period)
+    return commensurate_clock(speed * sums.tally.sectors / TURN, 1.0 / period)
 
 
 def suggested_level(sums: Sums, wanted: Estimation) -> float:
@@ -171,13 +177,13 @@ def suggested_level(sums: Sums, wanted: Estimation) -> float:
     A threshold too high by e sees rising edges late and falling ones early by the angle e/(dv/dtheta), with the slope
     dv/dtheta = (dv/dt)/omega at the crossings; s nu has that mean with the opposite sign.
     """
-    finder = sums.finder
-    speed = sums.pace.mean
-    if not isinstance(finder, WaveEdges) or not finder.found or not finder.levels or not sums.alternating.count:
+    finder = sums.tally.finder
+    speed = sums.rows.pace.mean
+    if not isinstance(finder, WaveEdges) or not finder.found or not finder.levels or not sums.edges.alternating.count:
         return np.nan
     slope = finder.slopes / finder.found / speed
     sign = -1.0 if finder.comparator.inverted else 1.0
-    level = float(np.mean(finder.levels)) + sign * sums.alternating.mean * slope
+    level = float(np.mean(finder.levels)) + sign * sums.edges.alternating.mean * slope
     elsewhere = worst_edge(sums, beside_alternation(sums)) is not None
     if elsewhere or (has_index(sums, wanted) and not index_found(sums, wanted)):
         return np.nan
@@ -187,8 +193,8 @@ def suggested_level(sums: Sums, wanted: Estimation) -> float:
 
 def threshold_is_off(sums: Sums, wanted: Estimation) -> bool:
     """Whether rising and falling edges lie apart as a threshold makes them: all of them, and no single ones more."""
-    bias, error = -sums.alternating.mean, standard_error(sums.alternating)
-    sector = TURN / sums.sectors
+    bias, error = -sums.edges.alternating.mean, sums.edges.alternating.standard_error
+    sector = TURN / sums.tally.sectors
     if not (abs(bias) > SURE * error and abs(bias) > SHARE_OF_SECTOR * sector):
         return False
     beside = beside_alternation(sums)
@@ -197,7 +203,7 @@ def threshold_is_off(sums: Sums, wanted: Estimation) -> bool:
 
 def beside_alternation(sums: Sums) -> Array:
     """Offsets of the wheel's edges less what rising and falling ones have in common [rad]."""
-    offsets, even = sums.offsets, np.arange(sums.sectors) % 2 == 0
+    offsets, even = sums.edges.offsets, np.arange(sums.tally.sectors) % 2 == 0
     if not (np.isfinite(offsets[even]).any() and np.isfinite(offsets[~even]).any()):
         return offsets
     found: Array = offsets - np.where(even, np.nanmean(offsets[even]), np.nanmean(offsets[~even]))
@@ -209,11 +215,6 @@ def worst_edge(sums: Sums, offsets: Array) -> int | None:
     if not np.isfinite(offsets).any():
         return None
     worst = int(np.nanargmax(np.abs(offsets)))
-    far, error = abs(offsets[worst]), sums.offset_deviations[worst]
-    told = far > SURE * error and far > SHARE_OF_SECTOR * TURN / sums.sectors and sums.wheel_counts[worst] >= FEW
+    far, error = abs(offsets[worst]), sums.edges.offset_deviations[worst]
+    told = far > SURE * error and far > SHARE_OF_SECTOR * TURN / sums.tally.sectors and sums.edges.counts[worst] >= FEW
     return worst if told else None
-
-
-def standard_error(moments: Moments) -> float:
-    """Of the mean."""
-    return moments.deviation / np.sqrt(moments.count) if moments.count else np.inf

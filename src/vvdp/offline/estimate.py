@@ -24,15 +24,14 @@ from vvdp.offline.config import Estimation, Stamps, Wave, source_channels
 from vvdp.offline.config_text import config_text
 from vvdp.offline.diagnostics import numbers_in_doubt, settings_of, summary
 from vvdp.offline.estimate_result import SMOOTHED, Store
-from vvdp.offline.findings import findings
+from vvdp.offline.facts import ripple_words
+from vvdp.offline.findings import explain_no_result, findings
 from vvdp.offline.interrupt import catch_interrupt
-from vvdp.offline.no_result import explain_no_result
-from vvdp.offline.noise_fit import fitted_filter
+from vvdp.offline.noise_fit import Explained, fit_noise, fitted_filter, longest_pieces
 from vvdp.offline.passes import FilteringPass, GatheringPass, pascals
 from vvdp.offline.result import Outcome, estimate_result
-from vvdp.offline.ripple_findings import ripple_words
 from vvdp.offline.second_pass import SecondPass
-from vvdp.offline.turn_pattern import SpeedRipple
+from vvdp.offline.sums import RowSums, Sums, edge_sums, row_sums
 from vvdp.results.result import Result
 from vvdp.results.store import write_result
 from vvdp.simulation.link import quiet
@@ -120,15 +119,18 @@ def estimate(
         run = FilteringPass(log, wanted, store, say, beginning)
         passes = 2.0 if wanted.smooth else 1.0
         run.through(lambda done: progress(done / passes))
-        if not run.sums.rows:
-            if run.sums.interruptions:
+        store.flush()
+        rows = row_sums(store.file, run.tally.rate)
+        if not rows.count:
+            if run.tally.interruptions:
                 raise KeyboardInterrupt
-            raise unusable(log.path, explain_no_result(run.sums, wanted))
+            raise unusable(log.path, explain_no_result(run.tally, wanted))
         with catch_interrupt():  # the second pass heeds Ctrl-C itself; all else is done to the end, in seconds
             _report_skipped(run)
+            sums = Sums(run.tally, rows, edge_sums(store.file, run.tally.sectors), _explain(store, wanted))
             if wanted.smooth:
-                _smooth(run, say, lambda done: progress((1.0 + done) / passes))
-            outcome = _outcome(run, wanted, log, began)
+                _smooth(store, sums, wanted, say, lambda done: progress((1.0 + done) / passes))
+            outcome = _outcome(run, sums, wanted, began)
             result = estimate_result(outcome)
             write_whole(folder / CONFIG, outcome.config)
             write_result(folder, result, "", more=_meta(outcome) | dict(more or {}))
@@ -137,55 +139,52 @@ def estimate(
 
 def _report_skipped(run: FilteringPass) -> None:
     """Remarks when isolated edges were ignored; the time base does not reach out to them."""
-    if run.tracker is None or not run.tracker.left_out_times:
+    times, count = run.tally.left_out_times, run.tally.left_out
+    if not times:
         return
-    times, count = run.tracker.left_out_times, run.tracker.left_out
     named = ", ".join(f"{time:.6g}" for time in times) + (" s and on" if count > len(times) else " s")
     ignored = "one isolated edge was" if count == 1 else f"{count} isolated edges were"
     run.log.remark(f"{ignored} ignored, at {named}")
 
 
-def _estimated_share(run: FilteringPass) -> float:
-    """The share of the covered time for which there is an estimate."""
-    rate, measured = run.sums.rate, run.sums.measured
-    return min(run.sums.rows / rate / measured, 1.0) if rate and measured > 0.0 else np.nan
+def _explain(store: Store, wanted: Estimation) -> Explained | None:
+    """What the edges that were written are best explained by; None where they are too few."""
+    used = settings_of(wanted)
+    passed = longest_pieces(store.file, used.edge_variance)
+    return None if passed is None else fit_noise(passed, len(wanted.wheel.edges), used, wanted.sections)
 
 
-def _smooth(run: FilteringPass, say: Callable[[str], None], progress: Callable[[float], None]) -> None:
+def _smooth(
+    store: Store, sums: Sums, wanted: Estimation, say: Callable[[str], None], progress: Callable[[float], None]
+) -> None:
     """Adds the smoothed columns; it may be interrupted."""
-    store = run.store
-    store.flush()
     store.columns("", SMOOTHED)
     rows = store.file["piece"].shape[0]
     store.append("", {name: np.full(rows, np.nan) for name in SMOOTHED})
     store.flush()
-    second = SecondPass(store.file, run.wanted, _ripple(run), say)
+    ripple = None if sums.explained is None else sums.explained.ripple
+    told = ripple if ripple is not None and ripple.order == wanted.filter.ripple_order else None
+    second = SecondPass(store.file, wanted, told, say)
     with catch_interrupt() as check:
         if stopped := second.through(progress, check):
-            run.sums.interruptions.append(stopped)
+            sums.tally.interruptions.append(stopped)
 
 
-def _ripple(run: FilteringPass) -> SpeedRipple | None:
-    """The ripple that the smoother takes off: of the order that the filter is told of, as the log has it."""
-    told = run.sums.noise_fit(settings_of(run.wanted))
-    ripple = None if told is None else told.ripple
-    return ripple if ripple is not None and ripple.order == run.wanted.filter.ripple_order else None
-
-
-def _outcome(run: FilteringPass, wanted: Estimation, log: Log, began: float) -> Outcome:
+def _outcome(run: FilteringPass, sums: Sums, wanted: Estimation, began: float) -> Outcome:
     """What a run came to, with all rows of result.h5 written."""
-    run.store.flush()
-    seconds = time.perf_counter() - began
-    found = summary(run.sums, wanted) | {"estimated_share": _estimated_share(run)}
+    log, tally, seconds = run.log, run.tally, time.perf_counter() - began
+    covered = tally.rate * tally.measured
+    share = min(sums.rows.count / covered, 1.0) if covered > 0.0 else np.nan
+    found = summary(sums, wanted) | {"estimated_share": share}
     return Outcome(
         log=log.path,
         wanted=wanted,
         wave_unit=log.channel(wanted.source.channel).unit if isinstance(wanted.source, Wave) else "",
         file=run.store.file,
-        sums=run.sums,
+        sums=sums,
         excerpt=run.excerpt,
         summary=found,
-        findings=findings(found, run.sums, wanted, log),
+        findings=findings(found, sums, wanted, log),
         config=config_text(wanted, log.channels(), log.path.name),
         remarks=tuple(log.remarks),
         log_sha256=_hash(log.path),
@@ -201,7 +200,7 @@ def _meta(outcome: Outcome) -> dict[str, Any]:
         "log_bytes": outcome.log.stat().st_size,
         "log_sha256": outcome.log_sha256,
         "remarks": list(outcome.remarks),
-        "finished": not outcome.sums.interruptions,
+        "finished": not outcome.sums.tally.interruptions,
         "seconds": outcome.seconds,
     }
 
@@ -209,8 +208,8 @@ def _meta(outcome: Outcome) -> dict[str, Any]:
 def _look_at_beginning(log: Log, wanted: Estimation) -> tuple[Beginning, Estimation]:
     """What the first edges of the log say of the wheel and of the clock, and the estimation that takes the wheel so."""
     run = GatheringPass(log, wanted)
-    run.through(lambda done: None, edges_looked_at(wanted.wheel))
-    if run.sums.interruptions:
+    run.through(most_edges=edges_looked_at(wanted.wheel))
+    if run.tally.interruptions:
         raise KeyboardInterrupt
     found = beginning(run.found, wanted)
     return found, apply_verdict(wanted, found.verdict)
@@ -222,11 +221,13 @@ def _fit_settings(log: Log, wanted: Estimation, beginning: Beginning, say: Calla
         return wanted
     with TemporaryDirectory() as place, Store(Path(place) / "first.h5") as store:
         run = FilteringPass(log, wanted, store, say, beginning)
-        run.through(lambda done: None, FITTED_EDGES)
-        if run.sums.interruptions:
+        run.through(most_edges=FITTED_EDGES)
+        if run.tally.interruptions:
             raise KeyboardInterrupt
-        told = run.sums.noise_fit(settings_of(wanted))
-    if told is None or numbers_in_doubt(told, run.sums, wanted):
+        store.flush()
+        told = _explain(store, wanted)
+        sums = Sums(run.tally, RowSums(), edge_sums(store.file, run.tally.sectors), told)
+    if told is None or numbers_in_doubt(told, sums, wanted):
         why = "the log is too short" if told is None else "which edge is which is in doubt, too much"
         log.remark(f"{why} for a fit of the filter's settings; they were left as they were")
         return replace(wanted, fit=False)

@@ -5,7 +5,7 @@
 """
 
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -16,6 +16,8 @@ from vvdp.base.arrays import Array
 from vvdp.base.files import write_error
 
 ROWS_IN_CHUNK = 65536
+AT_ONCE = 1_000_000
+"""Rows that are read at once."""
 
 ROWS: Mapping[str, tuple[str, str]] = {
     "time": ("s", "time, uniform within a piece of the record"),
@@ -27,6 +29,7 @@ ROWS: Mapping[str, tuple[str, str]] = {
     "speed_deviation": ("rad/s", "standard deviation of that speed"),
     "pwm_frequency": ("Hz", "PWM frequency"),
     "standstill": ("1", "probability that the spool stands still"),
+    "settled": ("1", "1 where the row counts in means: after the first two turns of a piece"),
 }
 PRESSURE_ROW = {"inlet_pressure": ("Pa", "inlet pressure (absolute)")}
 FUSED_ROWS = {
@@ -150,3 +153,23 @@ class Store:
 
 def _path(group: str, name: str) -> str:
     return f"{group}/{name}" if group else name
+
+
+def portions(file: Any, group: str, *names: str) -> Iterator[tuple[Array, ...]]:
+    """Columns of a group of result.h5, `AT_ONCE` rows at once."""
+    columns = [file[f"{group}{name}"] for name in names if f"{group}{name}" in file]
+    for begin in range(0, columns[0].shape[0] if columns else 0, AT_ONCE):
+        yield tuple(column[begin : begin + AT_ONCE] for column in columns)
+
+
+def piece_rows(file: Any, group: str) -> dict[float, tuple[int, int]]:
+    """The first row of each piece in a group of result.h5, and the one after its last."""
+    found: dict[float, tuple[int, int]] = {}
+    before = 0
+    for (pieces,) in portions(file, group, "piece"):
+        begins = np.flatnonzero(np.diff(pieces, prepend=np.nan) != 0.0)
+        for begin, end in zip(begins.tolist(), [*begins[1:].tolist(), pieces.size], strict=True):
+            piece = float(pieces[begin])
+            found[piece] = found.get(piece, (before + begin, 0))[0], before + end
+        before += pieces.size
+    return found

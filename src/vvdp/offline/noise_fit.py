@@ -4,15 +4,18 @@ The innovations of a constant-speed Kalman filter are independent and Gaussian w
 likelihood of a log is a product over its edges. Derived in docs/logs.md.
 """
 
+from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.estimation.event_settings import EventFilter
 from vvdp.numerics.kalman import AngleSpeed, predict, update
+from vvdp.offline.estimate_result import portions
 from vvdp.offline.turn_pattern import SpeedRipple, is_likely, is_whole, ripple_in, ripple_patterns
 from vvdp.sensing.wheel import TURN
 from vvdp.simulation.link import quiet
@@ -37,8 +40,6 @@ WORTH = 2e-3
 """... from this share of the speed on; `MODEST` times that where it is only stated too large."""
 FAR = 4.0
 """Deviations beyond which an edge is an outlier."""
-STEP = 0.05
-"""Of the logarithms, in the differences that give the curvature."""
 
 
 class Noise(NamedTuple):
@@ -109,59 +110,39 @@ class Passed(NamedTuple):
     pieces: Array
 
 
-@dataclass
-class LongestPieces:
-    """The longest pieces of a log that goes by, up to `MOST_EDGES` edges of each."""
+def longest_pieces(file: Any, edge_variance: float) -> Passed | None:
+    """The settled edges of the longest pieces of result.h5, `MOST_EDGES` at most; None where they are too few.
 
-    _pieces: dict[float, list[tuple[Array, ...]]] = field(default_factory=dict)
-    _sizes: dict[float, int] = field(default_factory=dict)
+    edge_variance  is taken off their variances [rad^2]: what is left is from sampling
+    """
+    sizes, firsts, before = Counter[float](), dict[float, int](), 0
+    for piece, settled, number in portions(file, "edges/", "piece", "settled", "number"):
+        chosen = np.flatnonzero((settled > 0.0) & np.isfinite(number))
+        each, places, lengths = np.unique(piece[chosen], return_index=True, return_counts=True)
+        sizes.update(dict(zip(each.tolist(), lengths.tolist(), strict=True)))
+        firsts = dict(zip(each.tolist(), (before + chosen[places]).tolist(), strict=True)) | firsts
+        before += piece.size
+    found: list[Passed] = []
+    total, room = 0, MOST_EDGES
+    for longest in sorted(sizes, key=lambda each: -min(sizes[each], MOST_EDGES)):
+        if total >= MOST_EDGES:
+            break
+        own = _first_edges(file, firsts[longest], longest, room, edge_variance)
+        found += [own] if own.times.size > 2 else []
+        total, room = total + min(sizes[longest], MOST_EDGES), room - (own.times.size if own.times.size > 2 else 0)
+    return Passed(*map(np.concatenate, zip(*found, strict=True))) if MOST_EDGES - room >= FEWEST_EDGES else None
 
-    NAMES = ("time", "number", "angle", "variance")
 
-    def add(self, edges: dict[str, Array]) -> None:
-        """Takes in edges of one piece, in the columns of docs/logs.md."""
-        chosen = (edges["settled"] > 0.0) & np.isfinite(edges["number"])
-        if not chosen.any():
-            return
-        piece = float(edges["piece"][0])
-        room = MOST_EDGES - self._sizes.get(piece, 0)
-        kept = np.flatnonzero(chosen)[: max(room, 0)]
-        self._pieces.setdefault(piece, []).append(tuple(edges[name][kept] for name in self.NAMES))
-        self._sizes[piece] = self._sizes.get(piece, 0) + kept.size
-        if sum(self._sizes.values()) > 3 * MOST_EDGES:
-            self._forget()
-
-    def _longest(self) -> list[float]:
-        """The pieces that are needed, the longest first."""
-        found, total = [], 0
-        for piece in sorted(self._sizes, key=lambda piece: -self._sizes[piece]):
-            if total >= MOST_EDGES:
-                break
-            found.append(piece)
-            total += self._sizes[piece]
-        return found
-
-    def _forget(self) -> None:
-        needed = {*self._longest(), max(self._sizes)}  # the last one may still grow
-        self._pieces = {piece: parts for piece, parts in self._pieces.items() if piece in needed}
-        self._sizes = {piece: size for piece, size in self._sizes.items() if piece in needed}
-
-    def pick(self, edge_variance: float) -> Passed | None:
-        """The edges, `MOST_EDGES` at most; None where there are too few. `edge_variance` is taken off their variances:
-        what is left is from sampling."""
-        found: list[tuple[Array, ...]] = []
-        room = MOST_EDGES
-        for piece in self._longest():
-            t, number, angle, variance = (np.concatenate(column) for column in zip(*self._pieces[piece], strict=True))
-            sound = np.flatnonzero(np.concatenate([[True], np.diff(t) > 0.0]))[:room]
-            if sound.size > 2:
-                sampled = np.fmax(variance[sound] - edge_variance, 0.0)
-                sampled[sampled < 1e-9 * edge_variance] = 0.0  # a difference's rounding
-                found.append((t[sound], number[sound], angle[sound], sampled, np.full(sound.size, piece)))
-                room -= sound.size
-        if MOST_EDGES - room < FEWEST_EDGES:
-            return None
-        return Passed(*(np.concatenate(column) for column in zip(*found, strict=True)))
+def _first_edges(file: Any, first: int, wanted: float, most: int, edge_variance: float) -> Passed:
+    """The first edges of the piece `wanted` that can be used; the first of them stands in row `first`."""
+    names = ("time", "number", "angle", "variance", "piece")
+    columns = [file[f"edges/{name}"][first : first + 4 * MOST_EDGES] for name in names]
+    own = np.flatnonzero((columns[4] == wanted) & np.isfinite(columns[1]))[:MOST_EDGES]
+    own = own[np.diff(columns[0][own], prepend=-np.inf) > 0.0][:most]
+    t, numbers, angles, variances, pieces = (column[own] for column in columns)
+    sampled = np.fmax(variances - edge_variance, 0.0)
+    sampled[sampled < 1e-9 * edge_variance] = 0.0  # a difference's rounding
+    return Passed(t, numbers, angles, sampled, pieces)
 
 
 def time_resolution(times: Array) -> float:
@@ -179,15 +160,11 @@ def time_resolution(times: Array) -> float:
 
 
 class Fit(NamedTuple):
-    """The likeliest settings, and what they are worth.
-
-    `errors` are the standard errors of ln q and of ln R_2 [1], infinite where a value lies at its floor: then all below
-    explain the log as well.
-    """
+    """The likeliest settings, and what they are worth; where a value lies at its floor all below explain the log as
+    well."""
 
     noise: Noise
     log_likelihood: float
-    errors: tuple[float, float]
     at_floor: tuple[bool, bool]
     edges: int
 
@@ -340,26 +317,7 @@ def fit(likelihood: Likelihood) -> Fit:
     )
     place = np.where(at_floor, low, place)
     found = noise(place)
-    free = (not at_floor[0], not at_floor[1])
-    return Fit(found, likelihood.logarithm(found), _errors(likelihood, found, free), at_floor, n)  # type: ignore[arg-type]
-
-
-def _errors(likelihood: Likelihood, noise: Noise, free: tuple[bool, bool]) -> tuple[float, float]:
-    """Standard errors of ln q and ln R_2, from the curvature of ln L."""
-    at = np.log(np.array(noise))
-    axes = [STEP * np.eye(2)[i] for i in range(2) if free[i]]
-
-    def L(place: Array) -> float:
-        return likelihood.logarithm(Noise(*np.exp(place).tolist()))
-
-    information = np.array([[-(L(at + a + b) - L(at + a - b) - L(at - a + b) + L(at - a - b)) for b in axes]
-                            for a in axes]) / (4.0 * STEP**2)  # fmt: skip
-    errors = np.full(2, np.inf)
-    if axes:
-        own = np.linalg.eigvalsh(information)
-        if own[0] > 0.0:
-            errors[np.array(free)] = np.sqrt(np.diag(np.linalg.inv(information)))
-    return float(errors[0]), float(errors[1])
+    return Fit(found, likelihood.logarithm(found), at_floor, n)  # type: ignore[arg-type]
 
 
 class Errors(NamedTuple):
@@ -457,7 +415,7 @@ class Explained:
         steps = self.likelihood.steps
         return float(np.ptp(steps)) <= 2.5 * time_resolution(self.likelihood.passed.times)
 
-    @property
+    @cached_property
     def index_gain(self) -> float:
         """By which ln L is higher on the wheel as described than on one whose edges are all alike."""
         passed = self.likelihood.passed

@@ -1,13 +1,12 @@
 """One pass over a log: clock, edges, debounce, filter, writer, and the chain of the inlet pressure beside them."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault
 from vvdp.base.kinds import PRESSURE_LEVEL
-from vvdp.estimation.fusion import fusion
 from vvdp.logs.channel import Log, Portion
 from vvdp.logs.clock import ClockChoice, seconds
 from vvdp.logs.quantity import Conversion, to_si
@@ -16,13 +15,11 @@ from vvdp.offline.charts import Excerpt
 from vvdp.offline.clock import USUAL_RATE, RecordClock
 from vvdp.offline.config import Counts, Estimation, InletPressure, Stamps, Wave, source_channels
 from vvdp.offline.edges import CountEdges, Debounce, Edges, StampEdges, WaveEdges, join, no_edges, part
-from vvdp.offline.estimate_result import Store
-from vvdp.offline.excerpt import excerpt
+from vvdp.offline.estimate_result import EDGES, FUSED_ROWS, PRESSURE_ROW, ROWS, Store
 from vvdp.offline.interrupt import Stopped, catch_interrupt
-from vvdp.offline.offline_filter import OfflineFilter
-from vvdp.offline.pressure_chain import PressureChain
-from vvdp.offline.sums import Sums
-from vvdp.offline.writer import Writer
+from vvdp.offline.offline_filter import FilteredRows, OfflineFilter, filter_of
+from vvdp.offline.pressure_chain import PressureChain, Waiting
+from vvdp.offline.sums import Tally
 from vvdp.sensing.wheel import TURN, sector_widths
 
 SAMPLES_AT_ONCE = 1_000_000
@@ -30,6 +27,8 @@ SAMPLES_AT_FIRST = 100_000
 """Where only the first edges are wanted."""
 REMEMBERED = 1_000_000
 """Rows that wait for the pressure; beyond, it is taken in before the portion ends."""
+EXCERPT_TURNS = 3
+LARGEST_EXCERPT = 20_000
 
 
 def pascals(log: Log, pressure: InletPressure) -> Conversion:
@@ -41,71 +40,72 @@ def pascals(log: Log, pressure: InletPressure) -> Conversion:
     return to_si(log.path, channel, PRESSURE_LEVEL, pressure.unit or None)
 
 
+class Settled(NamedTuple):
+    """Edges that no later one changes, `last` where nothing follows on their clock; the stretch of samples that settled
+    them, and the edges `found` in it."""
+
+    edges: Edges
+    last: bool = False
+    stretch: Portion | None = None
+    found: Edges | None = None
+
+
 class EdgeFinder:
     """The first three stages: what a portion holds becomes edges that are settled, clock by clock."""
 
-    def __init__(self, log: Log, wanted: Estimation, sums: Sums, tick: float) -> None:
-        self._wanted, self.sums = wanted, sums
-        self.clock = RecordClock(log.path, wanted, sums)
-        self.finder = _finder(wanted, tick)
+    def __init__(self, log: Log, wanted: Estimation, tally: Tally) -> None:
+        self._wanted, self.tally = wanted, tally
+        self.clock = RecordClock(log.path, wanted, tally)
+        match wanted.source:
+            case Wave(comparator=comparator):
+                tally.finder = WaveEdges(comparator)
+            case Counts():
+                tally.finder = CountEdges()
+            case Stamps(falling=falling):
+                tally.finder = StampEdges(bool(falling), tally.tick)
         narrowest = min(sector_widths(wanted.wheel)) * len(wanted.wheel.edges) / TURN
         self.debounce = Debounce(shortest=min(0.15, 0.4 * narrowest))
         self._units = _units_of_stamps(log, wanted)
 
-    def push(self, portion: Mapping[str, Portion], keep: Callable[[Portion, Edges], None], track: "Track") -> None:
-        """Tracks the edges of a portion; each stretch of samples is shown to `keep` with those found in it."""
-        channel = self._wanted.source.channel
-        if isinstance(self.finder, StampEdges):
+    def push(self, portion: Mapping[str, Portion]) -> Iterator[Settled]:
+        """The edges that a portion settles."""
+        finder, tally = self.tally.finder, self.tally
+        if isinstance(finder, StampEdges):
             columns = [seconds(portion[name].values, unit) for name, unit in self._units.items()]
-            self.sums.samples += columns[0].size
-            found = self.finder.push(columns[0], columns[1] if len(columns) > 1 else np.empty(0), last=False)
-            self.sums.not_numbers = self.finder.not_numbers
+            tally.samples += columns[0].size
+            found = finder.push(columns[0], columns[1] if len(columns) > 1 else np.empty(0), last=False)
+            tally.not_numbers = finder.not_numbers
             for ahead in self.clock.edges(part(found, self.clock.inside(found.times))):
-                self._debounce(ahead, track)
+                yield self.close() if ahead is None else self._settle(ahead)
             return
-        for stretch in self.clock.stretches(portion[channel]):
+        for stretch in self.clock.stretches(portion[self._wanted.source.channel]):
             if stretch is None:
-                self.close(track)
+                yield self.close()
                 continue
-            if isinstance(self.finder, WaveEdges):
-                found = self.finder.push(stretch.times, stretch.values, self.sums.period)
+            if isinstance(finder, WaveEdges):
+                found = finder.push(stretch.times, stretch.values, tally.period)
             else:
-                found = self.finder.push(stretch.times, stretch.values)
-            keep(stretch, found)
-            self._debounce(found, track)
+                assert finder is not None
+                found = finder.push(stretch.times, stretch.values)
+            yield self._settle(found)._replace(stretch=stretch, found=found)
 
-    def _debounce(self, found: Edges | None, track: "Track") -> None:
-        if found is None:
-            self.close(track)
-        else:
-            track(self.debounce.push(found), last=False)
+    def _settle(self, found: Edges, *, last: bool = False) -> Settled:
+        settled = self.debounce.push(found)
+        settled = join([settled, self.debounce.push(no_edges(), last=True)]) if last else settled
+        self.tally.edges += float(np.sum(settled.counts))
+        self.tally.doubled = self.debounce.doubled
+        return Settled(settled, last)
 
-    def close(self, track: "Track") -> None:
+    def close(self) -> Settled:
         """Nothing follows on this clock: what waits is settled."""
-        found = no_edges()
-        if isinstance(self.finder, StampEdges):
-            found = self.finder.push(np.empty(0), np.empty(0), last=True)
+        finder, found = self.tally.finder, no_edges()
+        if isinstance(finder, StampEdges):
+            found = finder.push(np.empty(0), np.empty(0), last=True)
             found = part(found, self.clock.inside(found.times))
-            if found.times.size:
-                self.sums.end = max(self.sums.end, float(found.times[-1]))
-        else:
-            self.finder.restart()
-        settled = join([self.debounce.push(found), self.debounce.push(no_edges(), last=True)])
-        track(settled, last=True)
-
-
-Track = Callable[..., None]
-"""Takes settled edges on, `last` where nothing follows on their clock."""
-
-
-def _finder(wanted: Estimation, tick: float) -> WaveEdges | CountEdges | StampEdges:
-    match wanted.source:
-        case Wave(comparator=comparator):
-            return WaveEdges(comparator)
-        case Counts():
-            return CountEdges()
-        case Stamps(falling=falling):
-            return StampEdges(bool(falling), tick)
+            self.tally.end = max(self.tally.end, float(np.max(found.times, initial=-np.inf)))
+        elif finder is not None:
+            finder.restart()
+        return self._settle(found, last=True)
 
 
 def _units_of_stamps(log: Log, wanted: Estimation) -> dict[str, str]:
@@ -119,183 +119,164 @@ def _units_of_stamps(log: Log, wanted: Estimation) -> dict[str, str]:
     return units
 
 
-class Pass:
-    """One pass over a log. `gather` is what it does with settled edges; an interruption is told in the sums."""
+class GatheringPass:
+    """A pass over a log that only gathers edges, up to each end of a clock. An interruption is told in the tally."""
 
-    def __init__(self, log: Log, wanted: Estimation, tick: float = 0.0) -> None:
+    def __init__(self, log: Log, wanted: Estimation, beginning: Beginning | None = None) -> None:
         self.log, self.wanted = log, wanted
-        self.sums = Sums(len(wanted.wheel.edges), wanted.sections)
-        self.edges = EdgeFinder(log, wanted, self.sums, tick)
-        self.sums.finder = self.edges.finder
+        self.tally = Tally(len(wanted.wheel.edges))
+        if beginning is not None:
+            self.tally.verdict, self.tally.tick = beginning.verdict, beginning.tick
+        self.finder = EdgeFinder(log, wanted, self.tally)
+        self.channels: tuple[str, ...] = source_channels(wanted)
+        self.found: list[Edges] = [no_edges()]
         self.check: Callable[[], None] = lambda: None
 
-    def through(self, progress: Callable[[float], None], most_edges: float = np.inf) -> None:
+    def through(self, progress: Callable[[float], None] = lambda done: None, most_edges: float = np.inf) -> None:
         """Takes in the whole log, or its first edges."""
-        finished = True
         with catch_interrupt() as self.check:
-            at_once = SAMPLES_AT_ONCE if np.isinf(most_edges) else SAMPLES_AT_FIRST
             try:
-                for portion in self.log.portions(self.channels, at_once):
-                    self.take(portion)
-                    self.check()
-                    if self.sums.edges >= most_edges:
-                        break
-                    try:
-                        progress(self.log.done)
-                    except KeyboardInterrupt:
-                        finished = False
-                        break
-                self.edges.close(self.track)
+                finished = self._take_portions(progress, most_edges)
+                self.take(self.finder.close())
             except Stopped:
                 finished = False
                 self.stop()
         if not finished:
-            self.sums.interruptions.append(f"The estimation was stopped after {self.sums.measured:.6g} s of the log.")
+            told = f"The estimation was stopped after {self.tally.measured:.6g} s of the log."
+            self.tally.interruptions.append(told)
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """What is read."""
-        return source_channels(self.wanted)
+    def _take_portions(self, progress: Callable[[float], None], most_edges: float) -> bool:
+        """Takes in portion by portion; false where `progress` raised KeyboardInterrupt."""
+        for portion in self.log.portions(self.channels, SAMPLES_AT_ONCE if np.isinf(most_edges) else SAMPLES_AT_FIRST):
+            self.hear(portion)
+            for settled in self.finder.push(portion):
+                self.take(settled)
+            self.check()
+            if self.tally.edges >= most_edges:
+                break
+            try:
+                progress(self.log.done)
+            except KeyboardInterrupt:
+                return False
+        return True
 
-    def take(self, portion: Mapping[str, Portion]) -> None:
-        """Takes in a portion of the log."""
-        self.edges.push(portion, self.keep, self.track)
+    def hear(self, portion: Mapping[str, Portion]) -> None:
+        """Takes in what a portion holds besides edges."""
 
-    def keep(self, stretch: Portion, found: Edges) -> None:
-        """Keeps what is to be shown of the samples."""
-
-    def track(self, settled: Edges, *, last: bool) -> None:  # noqa: ARG002 - which passes heed
-        """Takes settled edges, the `last` on their clock or not."""
-        self.sums.edges += float(np.sum(settled.counts))
+    def take(self, settled: Settled) -> None:
+        """Takes settled edges."""
+        self.found[-1] = join([self.found[-1], settled.edges])
+        self.found += [no_edges()] if settled.last else []
 
     def stop(self) -> None:
         """Leaves out what was read but not reached."""
 
 
-class GatheringPass(Pass):
-    """A pass that only gathers edges, up to each end of a clock."""
-
-    def __init__(self, log: Log, wanted: Estimation) -> None:
-        super().__init__(log, wanted)
-        self.found: list[Edges] = []
-
-    def track(self, settled: Edges, *, last: bool) -> None:
-        """Gathers settled edges."""
-        super().track(settled, last=last)
-        before = self.found.pop() if self.found else no_edges()
-        self.found += [join([before, settled]), *([no_edges()] if last else [])]
-
-
-class FilteringPass(Pass):
+class FilteringPass(GatheringPass):
     """A pass that filters edges and writes rows, on the wheel that the beginning of the log speaks for."""
 
     def __init__(
         self, log: Log, wanted: Estimation, store: Store, say: Callable[[str], None], beginning: Beginning
     ) -> None:
-        super().__init__(log, wanted, beginning.tick)
+        super().__init__(log, wanted, beginning)
         self.store, self._say, self._beginning = store, say, beginning
-        self.sums.verdict, self.sums.tick = beginning.verdict, beginning.tick
         self.excerpt: Excerpt | None = None
         self.tracker: OfflineFilter | None = None
-        self._writer: Writer | None = None
         self._pressure: PressureChain | None = None
         if (told := wanted.pressure) is not None:
-            self._pressure = PressureChain(told, pascals(log, told), wanted.sections, self.sums, say)
+            self.channels = tuple(dict.fromkeys((*self.channels, told.channel)))
+            self._pressure = PressureChain(told, pascals(log, told), wanted.sections, self.tally, store, say)
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """What is read, the pressure as well."""
-        more = () if self.wanted.pressure is None else (self.wanted.pressure.channel,)
-        return tuple(dict.fromkeys(super().channels + more))
-
-    def take(self, portion: Mapping[str, Portion]) -> None:
-        """Takes in a portion of the log, its pressure first."""
+    def hear(self, portion: Mapping[str, Portion]) -> None:
+        """Takes in the pressure."""
         if self._pressure is not None and self.wanted.pressure is not None:
             pressure = portion[self.wanted.pressure.channel]
-            self._pressure.push(pressure, self.edges.clock.inside(pressure.times), self.tracker)
-        super().take(portion)
+            self._pressure.push(pressure, self.finder.clock.inside(pressure.times))
 
-    def keep(self, stretch: Portion, found: Edges) -> None:
-        """Keeps the last turns of this stretch, until half of the log has gone by."""
-        finder = self.edges.finder
-        late = self.excerpt is not None and self.log.done > 0.55
-        if found.times.size > 1 and not late and not isinstance(finder, StampEdges):
-            waiting = None if self._pressure is None else self._pressure.waiting
-            pressure = None if waiting is None else Portion(waiting.times, waiting.values)
-            self.excerpt = excerpt(stretch, found, finder, pressure, len(self.wanted.wheel.edges))
-
-    def track(self, settled: Edges, *, last: bool) -> None:
+    def take(self, settled: Settled) -> None:
         """Filters settled edges and writes the rows up to where the record is known."""
-        tracker, writer = self._stages()
-        horizon = min(self.sums.end, self.edges.debounce.waiting_from)
-        super().track(settled, last=last)
+        if self.excerpt is None or self.log.done <= 0.55:
+            waiting = None if self._pressure is None else self._pressure.waiting
+            self.excerpt = excerpt(settled, self.tally, waiting) or self.excerpt
+        tracker = self._begin() if self.tracker is None else self.tracker
         self.check()
+        edges = settled.edges
         if self._beginning.blur > 0.0:  # it is part of the edges' variance then, which silences are judged by
-            settled = settled._replace(intervals=np.zeros(settled.times.size))
-        tracker.add_gaps(self.edges.clock.gaps)
-        self.edges.clock.gaps = []
-        for filtered in tracker.push(settled, horizon, last=last):
-            writer.write(filtered)
+            edges = edges._replace(intervals=np.zeros(edges.times.size))
+        tracker.add_gaps(self.finder.clock.gaps)
+        self.finder.clock.gaps = []
+        horizon = min(self.tally.end, self.finder.debounce.waiting_from)
+        for filtered in tracker.push(edges, horizon, last=settled.last):
+            self.write(filtered)
             self.check()
-            if self._pressure is not None and writer.rows is not None and writer.rows[0].size > REMEMBERED:
-                self._pressure.meet(writer)
-        self._meet(last=last)
-        if last:
-            self._count()
-            writer.end_clock()
-            if self._pressure is not None:
-                self._pressure.next_clock(tracker)
+        if self._pressure is not None:
+            self._pressure.meet(last=settled.last)
+        if settled.last:
+            self._end_clock(tracker)
 
-    def _meet(self, *, last: bool) -> None:
-        if self._pressure is not None and self._writer is not None:
-            self._pressure.meet(self._writer, last=last)
+    def write(self, filtered: FilteredRows) -> None:
+        """Writes rows and edges; a row waits until its pressure is known."""
+        self.store.append("", filtered.rows)
+        self.store.append("edges", filtered.edges)
+        if self._pressure is not None:
+            self._pressure.add_rows(filtered.rows["time"], filtered.rows["angle"])
+            if self._pressure.row_times.size > REMEMBERED:
+                self._pressure.meet()
 
     def stop(self) -> None:
         """Leaves out what was read but not reached."""
         if self.tracker is None:
             return
         if np.isfinite(self.tracker.reached):
-            self.sums.measured -= max(0.0, self.sums.end - self.tracker.reached)
-        self._meet(last=True)
+            self.tally.measured -= max(0.0, self.tally.end - self.tracker.reached)
+        if self._pressure is not None:
+            self._pressure.meet(last=True)
         self.tracker.stop()
-        self._count()
+        self._end_clock(self.tracker)
 
-    def _count(self) -> None:
-        """What was counted on the way."""
-        self.sums.doubled = self.edges.debounce.doubled
-        if self.tracker is not None:
-            self.sums.taken_from(self.tracker)
-            if isinstance(self.edges.finder, StampEdges):
-                self.sums.measured = self.tracker.covered
+    def _end_clock(self, tracker: OfflineFilter) -> None:
+        if isinstance(self.tally.finder, StampEdges):
+            self.tally.measured = tracker.covered
+        if self._pressure is not None:
+            self._pressure.next_clock()
 
-    def _stages(self) -> tuple[OfflineFilter, Writer]:
-        """The filter and the writer, made as soon as the sample rate is known."""
-        if self.tracker is None or self._writer is None:
-            usual = min(USUAL_RATE, 1.0 / self.sums.period) if self.sums.period else USUAL_RATE
-            self.sums.rate = self.wanted.output_rate or _round_rate(usual)
-            self.tracker = _make_filter(self.wanted, self._beginning, self.sums.rate, self._say)
-            told = self.wanted.pressure
-            fused = told is not None and told.fused
-            self._writer = Writer(self.store, self.sums, with_pressure=told is not None, fused=fused)
-            if fused and self._pressure is not None:
-                self.tracker.add_pressure_edges(self._pressure.waves)
-        return self.tracker, self._writer
+    def _begin(self) -> OfflineFilter:
+        """The filter and what is written, made as soon as the sample rate is known."""
+        usual = min(USUAL_RATE, 1.0 / self.tally.period) if self.tally.period else USUAL_RATE
+        self.tally.rate = self.wanted.output_rate or _round_rate(usual)
+        told = self.wanted.pressure
+        fused = told is not None and told.fused
+        self.store.columns("", {**ROWS, **(PRESSURE_ROW if told is not None else {}), **(FUSED_ROWS if fused else {})})
+        self.store.columns("edges", EDGES)
+        self.tracker = filter_of(self.wanted, self._beginning, self.tally, self._say)
+        if fused and self._pressure is not None:
+            self._pressure.tell(self.tracker)
+        return self.tracker
 
 
-def _make_filter(wanted: Estimation, beginning: Beginning, rate: float, say: Callable[[str], None]) -> OfflineFilter:
-    """The filter, with the fusion where it is asked for."""
-    hidden = beginning.blur * TURN / len(wanted.wheel.edges)
-    settings = replace(wanted.filter, edge_variance=wanted.filter.edge_variance + hidden * hidden / 12.0)
-    told, together = wanted.pressure, None
-    if told is not None and told.fused:
-        together = replace(
-            fusion(settings),
-            sections=float(wanted.sections),
-            duty_excess=told.duty_excess,
-            lag=told.lag,
-            lag_variance=told.lag_deviation**2,
-        )
-    return OfflineFilter(settings, rate, wanted.sections, together, say, beginning.verdict.likeliest.direction)
+def excerpt(settled: Settled, tally: Tally, pressure: Waiting | None) -> Excerpt | None:
+    """The last turns of the stretch in which edges were found, with the pressure meanwhile; None of too few edges."""
+    finder, samples, found = tally.finder, settled.stretch, settled.found
+    if samples is None or found is None or found.times.size < 2:
+        return None
+    shown = part(found, slice(-EXCERPT_TURNS * tally.sectors, None))
+    margin = float(shown.times[-1] - shown.times[0]) / shown.times.size
+    seen = _between(samples, shown.times[0] - margin, shown.times[-1] + margin)
+    wave = isinstance(finder, WaveEdges)
+    return Excerpt(
+        times=seen.times if wave else np.empty(0),
+        values=seen.values if wave else np.empty(0),
+        level=finder.level if isinstance(finder, WaveEdges) else np.nan,
+        band=finder.band if isinstance(finder, WaveEdges) else np.nan,
+        edges=shown,
+        pressure=None if pressure is None or not seen.times.size else _between(pressure, *seen.times[[0, -1]]),
+    )
+
+
+def _between(samples: Portion | Waiting, begin: float, end: float) -> Portion:
+    first, last = np.searchsorted(samples.times, [begin, end])
+    chosen = slice(max(first, last - LARGEST_EXCERPT), last)
+    return Portion(samples.times[chosen].copy(), samples.values[chosen].copy())
 
 
 def _round_rate(rate: float) -> float:

@@ -6,14 +6,16 @@ time rises and has no hole. The usual interval is the median of the portion at h
 in or left out: NaN stays in its place, for whoever reads the piece to see.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.logs.channel import Log, Portion
+from vvdp.offline.edges import Chosen
 
 GAP = 1.5
 """A sampling interval above this multiple of the usual one is a gap."""
@@ -71,29 +73,23 @@ class Piece(NamedTuple):
     values: Array
 
 
-@dataclass
-class _Run:
-    """A run of odd samples that may go on in the next portion."""
-
-    begin: float
-    end: float
-    count: int
-    row: int
-
-
-@dataclass
-class _Extreme:
-    """The largest value so far (of the values or of their negatives), how often, how long in a row; and the next."""
+@dataclass(frozen=True)
+class Extreme:
+    """The largest value so far (of the values or of their negatives), how often it occurs and how long in a row, last
+    and at most; the largest below it. It occurs first at time `begin` [s] in `row`, and last at `end` [s]."""
 
     value: float = -np.inf
     count: int = 0
     longest: int = 0
-    current: int = 0
+    trailing: int = 0
     next_value: float = -np.inf
     next_count: int = 0
     begin: float = np.nan
     end: float = np.nan
     row: int = 0
+
+
+NOTHING_SEEN = Extreme()
 
 
 @dataclass
@@ -102,15 +98,14 @@ class Inspection:
 
     channel: str
     _listed: dict[str, list[Finding]] = field(default_factory=dict)
-    _open: dict[str, _Run] = field(default_factory=dict)
+    _open: dict[str, bool] = field(default_factory=dict)  # whether the last sample was one of this sort
     _rows: int = 0
     _piece: int = 0
     _last: float = np.nan  # latest time that is a number
     _usual: float = np.nan
-    _first_time: float = np.nan
     _levels: set[float] = field(default_factory=set)
-    _high: _Extreme = field(default_factory=_Extreme)
-    _low: _Extreme = field(default_factory=_Extreme)
+    _high: Extreme = NOTHING_SEEN
+    _low: Extreme = NOTHING_SEEN
 
     def pieces(self, portion: Portion) -> list[Piece]:
         """The good pieces of the next portion; a piece may go on under its number in the portion after."""
@@ -119,27 +114,20 @@ class Inspection:
             return []
         rows = np.arange(self._rows, self._rows + times.size)
         self._rows += times.size
-        self._inspect_values(times, values, rows)
-        known = np.isfinite(times)
-        if not known.all():
-            self._runs(NO_TIME, ~known, self._latest(times, known), rows)
-            times, values, rows = times[known], values[known], rows[known]
-            if not times.size:
-                return []
-        else:
-            self._close(NO_TIME)
-        if np.isnan(self._first_time):
-            self._first_time = float(times[0])
-        return self._cut(times, values, rows)
+        missing, timeless = np.isnan(values), ~np.isfinite(times)
+        self._list_runs(NAN, missing, times, rows)
+        self._follow(*_leave_out(missing, times, values, rows))
+        self._list_runs(NO_TIME, timeless, _latest(times, ~timeless, self._last) if timeless.any() else times, rows)
+        return self._cut(*_leave_out(timeless, times, values, rows))
 
     def findings(self) -> tuple[Finding, ...]:
         """What was found so far; of the whole channel, once all portions have been given."""
-        found = [finding for listed in self._listed.values() for finding in listed]
-        found += [self._finding(what, run) for what, run in self._open.items()]
-        found += self._extremes()
+        found = [*(finding for listed in self._listed.values() for finding in listed), *self._extremes()]
         return tuple(sorted(found, key=lambda finding: (finding.row, finding.what)))
 
-    def _cut(self, times: Array, values: Array, rows: Any) -> list[Piece]:
+    def _cut(self, times: Array, values: Array, rows: Chosen) -> list[Piece]:
+        if not times.size:
+            return []
         before = np.concatenate(([self._last], times[:-1]))
         intervals = times - before
         self._last = float(times[-1])
@@ -147,182 +135,100 @@ class Inspection:
         if rising.size >= 3 or (rising.size and np.isnan(self._usual)):
             self._usual = float(np.median(rising))
         still, back, gap = intervals == 0.0, intervals < 0.0, intervals > GAP * self._usual
-        self._runs(STANDS, still, times, rows)
-        if not (still.any() or back.any() or gap.any()):
-            return [Piece(self._piece, times, values)]
-        for k in np.flatnonzero(back):
-            self._list(
-                Finding(
-                    channel=self.channel,
-                    what=BACKWARDS,
-                    begin=float(before[k]),
-                    end=float(times[k]),
-                    count=1,
-                    row=int(rows[k]),
-                )
-            )
-        for k in np.flatnonzero(gap):
-            missing = max(1, round(float(intervals[k]) / self._usual) - 1)
-            self._list(
-                Finding(
-                    channel=self.channel,
-                    what=GAP_FOUND,
-                    begin=float(before[k]),
-                    end=float(times[k]),
-                    count=missing,
-                    row=int(rows[k]),
-                )
-            )
-        begins = np.flatnonzero(back | gap)
-        found = []
-        for begin, end in zip([0, *begins], [*begins, times.size], strict=True):
-            if begin in begins:
-                self._piece += 1
-            kept = ~still[begin:end]
-            if kept.any():
-                found.append(Piece(self._piece, times[begin:end][kept], values[begin:end][kept]))
-        return found
+        self._list_runs(STANDS, still, times, rows)
+        lost = np.fmax(np.round(intervals[gap] / self._usual) - 1.0, 1.0)
+        self._list(BACKWARDS, before[back], times[back], np.ones(rows[back].size), rows[back])
+        self._list(GAP_FOUND, before[gap], times[gap], lost, rows[gap])
+        numbers = self._piece + np.cumsum(back | gap)
+        self._piece = int(numbers[-1])
+        kept = _leave_out(still, numbers, times, values)
+        cuts = np.flatnonzero(np.diff(kept[0])) + 1
+        parts = zip(*(np.split(column, cuts) for column in kept), strict=True)
+        return [Piece(int(number[0]), t, v) for number, t, v in parts if number.size]
 
-    def _latest(self, times: Array, known: Any) -> Array:
-        """For each sample the latest time that is a number; NaN where there was none yet."""
-        where = np.concatenate(([-1], np.flatnonzero(known)))
-        latest = where[np.searchsorted(where, np.arange(times.size), side="right") - 1]
-        return np.where(latest >= 0, times[latest], self._last)
+    def _list_runs(self, what: str, odd: Chosen, times: Array, rows: Chosen) -> None:
+        """Lists runs of odd samples; one at the beginning goes on from the portion before."""
+        first, last = np.flatnonzero(np.diff(odd, prepend=False, append=False)).reshape(-1, 2).T
+        joined = bool(odd[0]) and self._open.get(what, False)
+        self._list(what, times[first], times[last - 1], last - first, rows[first], joined=joined)
+        self._open[what] = bool(odd[-1])
 
-    def _inspect_values(self, times: Array, values: Array, rows: Any) -> None:
-        nan = np.isnan(values)
-        self._runs(NAN, nan, times, rows)
-        if nan.any():
-            times, values, rows = times[~nan], values[~nan], rows[~nan]
-            if not values.size:
-                return
+    def _list(self, what: str, *columns: Chosen, joined: bool = False) -> None:
+        """Lists what was found: columns of begins, ends, counts and rows, the first `joined` with the one before."""
+        begins, ends, counts, rows = columns
+        if rows.size > MOST + 2:  # the rest is counted together whatever was listed before
+            ends, counts = np.append(ends[: MOST + 1], ends[-1]), np.append(counts[: MOST + 1], sum(counts[MOST + 1 :]))
+        listed = self._listed.setdefault(what, [])
+        for begin, end, count, row in zip(begins.tolist(), ends.tolist(), counts.tolist(), rows.tolist(), strict=False):
+            if joined or len(listed) > MOST:
+                listed[-1] = replace(listed[-1], end=end, count=listed[-1].count + int(count))
+            else:
+                listed.append(self._finding(what if len(listed) < MOST else what + FURTHER, begin, end, count, row))
+            joined = False
+
+    def _follow(self, times: Array, values: Array, rows: Chosen) -> None:
+        if not values.size:
+            return
         if len(self._levels) <= FEW_LEVELS:
             self._levels.update(np.unique(values[:: max(1, values.size // 4096)])[: FEW_LEVELS + 1].tolist())
-        _follow(self._high, times, values, rows)
-        _follow(self._low, times, -values, rows)
+        self._high = _after(self._high, times, values, rows)
+        self._low = _after(self._low, times, -values, rows)
 
     def _extremes(self) -> Iterator[Finding]:
         high, low = self._high, self._low
-        if high.count and high.value == -low.value:
-            if high.count > 1:
-                yield Finding(
-                    channel=self.channel, what=CONSTANT, begin=high.begin, end=high.end, count=high.count, row=high.row
-                )
-            return
-        if len(self._levels) <= FEW_LEVELS:
-            return
-        for what, side in ((HIGH, high), (LOW, low)):
-            if side.longest >= CLIPPED_RUN and side.count >= CLIPPED_RATIO * max(side.next_count, 1):
-                yield Finding(
-                    channel=self.channel, what=what, begin=side.begin, end=side.end, count=side.count, row=side.row
-                )
+        told = {CONSTANT: high} if high.count > 1 and high.value == -low.value else {}
+        if len(self._levels) > FEW_LEVELS:
+            told = {what: side for what, side in ((HIGH, high), (LOW, low)) if _is_saturated(side)}
+        for what, side in told.items():
+            yield self._finding(what, side.begin, side.end, side.count, side.row)
 
-    def _runs(self, what: str, odd: Any, times: Array, rows: Any) -> None:
-        """Runs of odd samples, joined with the one left open by the portion before."""
-        if not odd.any():
-            self._close(what)
-            return
-        edges = np.flatnonzero(np.diff(np.concatenate(([False], odd, [False])).astype(np.int8)))
-        begins, ends = edges[::2], edges[1::2]
-        for begin, end in zip(begins[: MOST + 2], ends[: MOST + 2], strict=True):
-            self._run(what, times, rows, int(begin), int(end))
-        if begins.size > MOST + 2:
-            skipped = int((ends[MOST + 2 :] - begins[MOST + 2 :]).sum())
-            self._close(what)
-            row = int(rows[begins[MOST + 2]])
-            self._list(
-                Finding(
-                    channel=self.channel,
-                    what=what,
-                    begin=float(times[begins[MOST + 2]]),
-                    end=float(times[ends[-1] - 1]),
-                    count=skipped,
-                    row=row,
-                )
-            )
-        elif ends[-1] < odd.size:
-            self._close(what)
-
-    def _run(self, what: str, times: Array, rows: Any, begin: int, end: int) -> None:
-        if begin and what in self._open:
-            self._close(what)
-        elif what in self._open:
-            run = self._open[what]
-            run.end, run.count = float(times[end - 1]), run.count + end - begin
-            return
-        self._open[what] = _Run(float(times[begin]), float(times[end - 1]), end - begin, int(rows[begin]))
-
-    def _close(self, what: str) -> None:
-        if what in self._open:
-            self._list(self._finding(what, self._open.pop(what)))
-
-    def _finding(self, what: str, run: _Run) -> Finding:
-        return Finding(channel=self.channel, what=what, begin=run.begin, end=run.end, count=run.count, row=run.row)
-
-    def _list(self, finding: Finding) -> None:
-        """Lists a finding, or adds it to the last one of its sort where there are many."""
-        listed = self._listed.setdefault(finding.what, [])
-        if len(listed) < MOST:
-            listed.append(finding)
-        elif len(listed) == MOST:
-            listed.append(_together(finding, finding.begin, finding.row, finding.count))
-        else:
-            listed[MOST] = _together(finding, listed[MOST].begin, listed[MOST].row, listed[MOST].count + finding.count)
+    def _finding(self, what: str, begin: float, end: float, count: float, row: int) -> Finding:
+        return Finding(channel=self.channel, what=what, begin=begin, end=end, count=int(count), row=row)
 
 
-def _together(finding: Finding, begin: float, row: int, count: int) -> Finding:
-    what = finding.what.removesuffix(FURTHER) + FURTHER
-    return Finding(channel=finding.channel, what=what, begin=begin, end=finding.end, count=count, row=row)
+def _latest(times: Array, known: Chosen, before: float) -> Array:
+    """For each sample the latest time that is a number; that `before` them where there was none yet."""
+    where = np.concatenate(([-1], np.flatnonzero(known)))
+    latest = where[np.searchsorted(where, np.arange(times.size), side="right") - 1]
+    return np.where(latest >= 0, times[latest], before)
 
 
-def _follow(side: _Extreme, times: Array, values: Array, rows: Any) -> None:
-    """Takes the next values into account."""
+def _is_saturated(side: Extreme) -> bool:
+    return side.longest >= CLIPPED_RUN and side.count >= CLIPPED_RATIO * max(side.next_count, 1)
+
+
+def _leave_out(odd: Chosen, *columns: Chosen) -> tuple[Chosen, ...]:
+    return tuple(column[~odd] for column in columns) if odd.any() else columns
+
+
+def _after(seen: Extreme, times: Array, values: Array, rows: Chosen) -> Extreme:
+    """The extreme with the next values taken into account."""
     largest = float(values.max())
-    if largest < side.next_value:
-        side.current = 0
-        return
+    if largest < seen.next_value:
+        return replace(seen, trailing=0)
     top = values == largest
-    count = int(np.count_nonzero(top))
-    below = values[~top] if count < values.size else values[:0]
+    below = values[~top]
     second = float(below.max()) if below.size else -np.inf
-    second_count = int(np.count_nonzero(below == second)) if below.size else 0
-    if largest < side.value:
-        # Below the extreme: at most the value next to it changes.
-        side.current = 0
-        if largest > side.next_value:
-            side.next_value, side.next_count = largest, count
-        elif largest == side.next_value:
-            side.next_count += count
-        return
-    where = np.flatnonzero(top)
-    first, last = int(where[0]), int(where[-1])
-    longest, leading, trailing = _run_lengths(where, values.size)
-    if largest > side.value:
-        # The extreme so far is now the value below, unless this portion has one in between.
-        if side.value > second:
-            second, second_count = side.value, side.count
-        elif side.value == second:
-            second_count += side.count
-        side.value, side.count, side.longest, side.current = largest, 0, 0, 0
-        side.begin, side.row = float(times[first]), int(rows[first])
-        side.next_value, side.next_count = second, second_count
-    elif second > side.next_value:
-        side.next_value, side.next_count = second, second_count
-    elif second == side.next_value:
-        side.next_count += second_count
-    side.longest = max(side.longest, longest, side.current + leading)
-    side.current = side.current + leading if count == values.size else trailing
-    side.count += count
-    side.end = float(times[last])
-
-
-def _run_lengths(where: Any, size: int) -> tuple[int, int, int]:
-    """The longest run of neighbouring places, the one at the beginning, and the one at the end."""
-    borders = np.flatnonzero(np.diff(where) != 1)
-    lengths = np.diff(np.concatenate(([-1], borders, [where.size - 1])))
-    leading = int(lengths[0]) if where[0] == 0 else 0
-    trailing = int(lengths[-1]) if where[-1] == size - 1 else 0
-    return int(lengths.max()), leading, trailing
+    counts = Counter({largest: int(np.count_nonzero(top)), second: int(np.count_nonzero(below == second))})
+    counts.update({seen.value: seen.count})
+    counts.update({seen.next_value: seen.next_count})
+    (value, count), (next_value, next_count) = sorted(counts.items(), reverse=True)[:2]
+    if largest < seen.value:
+        return replace(seen, trailing=0, next_value=next_value, next_count=next_count)
+    first, last = np.flatnonzero(np.diff(top, prepend=False, append=False)).reshape(-1, 2).T
+    lengths, same = last - first, largest == seen.value
+    lengths[0] += seen.trailing if same and top[0] else 0
+    return Extreme(
+        value=value,
+        count=count,
+        longest=max(int(lengths.max()), seen.longest if same else 0),
+        trailing=int(lengths[-1]) if top[-1] else 0,
+        next_value=next_value,
+        next_count=next_count,
+        begin=seen.begin if same else float(times[first[0]]),
+        end=float(times[last[-1] - 1]),
+        row=seen.row if same else int(rows[first[0]]),
+    )
 
 
 def pieces(portions: Iterable[Portion], inspection: Inspection) -> Iterator[Piece]:

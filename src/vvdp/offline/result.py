@@ -24,9 +24,18 @@ from vvdp.base.kinds import (
     SPEED,
     Kind,
 )
-from vvdp.offline.charts import Excerpt, Figure, pressure_figure, pressure_fold, wave_figure
+from vvdp.offline.charts import (
+    Excerpt,
+    Figure,
+    innovation_figure,
+    pressure_figure,
+    pressure_fold,
+    seen_stretch,
+    speed_detail,
+    speed_figure,
+    wave_figure,
+)
 from vvdp.offline.config import Counts, Estimation, Stamps, Wave, source_channels
-from vvdp.offline.speed_charts import innovation_figure, seen_stretch, speed_detail, speed_figure
 from vvdp.offline.sums import Sums
 from vvdp.offline.wheel_charts import TABLE, wheel_figure, wheel_table
 from vvdp.results.result import Badge, Finding, Grade, Listing, Number, Result, Row, Section, numbers_of
@@ -157,7 +166,7 @@ def estimate_result(outcome: Outcome) -> Result:
         findings=(*outcome.findings, Finding(text=_in_words(outcome, numbers["pwm_frequency_mean_Hz"]))),
         sections=_sections(tuple(listings), tuple(each.chart.name for each in figures), outcome),
         seconds=outcome.seconds,
-        finished=not outcome.sums.interruptions,
+        finished=not outcome.sums.tally.interruptions,
     )
 
 
@@ -170,8 +179,8 @@ def _figures(outcome: Outcome) -> Iterator[Figure]:
     if excerpt is not None and excerpt.times.size and isinstance(wanted.source, Wave):
         yield wave_figure(excerpt, outcome.wave_unit, automatic=wanted.source.comparator.level is None)
     yield speed_figure(outcome.file, sums)
-    yield speed_detail(outcome.file, seen_stretch(outcome.file, excerpt, sums.sectors), wanted.sections)
-    if sums.nis.count:
+    yield speed_detail(outcome.file, seen_stretch(outcome.file, excerpt, sums.tally.sectors), wanted.sections)
+    if sums.edges.nis.count:
         yield innovation_figure(outcome.file, sums)
     if wanted.pressure is not None:
         if excerpt is not None and excerpt.pressure is not None and excerpt.pressure.times.size > 1:
@@ -195,9 +204,9 @@ def _conditions(outcome: Outcome) -> dict[str, str]:
     wanted, sums = outcome.wanted, outcome.sums
     channels = " and ".join(repr(name) for name in source_channels(wanted))
     found = {
-        "log": f"{outcome.log.name}, {with_unit(sums.measured, DURATION, 6)}",
+        "log": f"{outcome.log.name}, {with_unit(sums.tally.measured, DURATION, 6)}",
         "edges": f"from {SOURCES[type(wanted.source)][1]}, {channels}",
-        "wheel": f"{sums.sectors} sectors, {'with' if wanted.wheel.has_index else 'without'} an index",
+        "wheel": f"{sums.tally.sectors} sectors, {'with' if wanted.wheel.has_index else 'without'} an index",
         "speed": _speed_meant(wanted),
     }
     if wanted.pressure is not None:
@@ -216,7 +225,7 @@ def _badges(outcome: Outcome) -> Iterator[Badge]:
     grave = sum(finding.grade is Grade.BAD for finding in outcome.findings)
     if grave:
         yield Badge(_count_text(grave, "grave finding"), Grade.BAD)
-    if sums.interruptions:
+    if sums.tally.interruptions:
         yield Badge("interrupted", Grade.BAD)
     if (fits := summary["settings_fit"]) is not None:
         yield (
@@ -224,8 +233,8 @@ def _badges(outcome: Outcome) -> Iterator[Badge]:
             if fits
             else Badge("settings of the filter do not fit", Grade.WARNING)
         )
-    missed = Badge(f"{_count_text(sums.missed, 'edge')} missed", Grade.WARNING)
-    yield missed if sums.missed else Badge("no edge missed", Grade.GOOD)
+    missed = Badge(f"{_count_text(sums.tally.missed, 'edge')} missed", Grade.WARNING)
+    yield missed if sums.tally.missed else Badge("no edge missed", Grade.GOOD)
     if (index := summary["index_found"]) is not None:
         yield Badge("index found", Grade.GOOD) if index else Badge("index not found", Grade.BAD)
     else:
@@ -240,17 +249,18 @@ def _count_text(count: float, word: str) -> str:
 
 def _in_words(outcome: Outcome, frequency: Number) -> str:
     sums = outcome.sums
-    speed = sums.speed if sums.speed.count else sums.early_speed
-    passed = f"{_count_text(sums.edges, 'edge')} of a wheel with {sums.sectors} sectors passed"
-    missed = f", {plain(sums.missed)} more did not show" if sums.missed else ""
+    speed = sums.rows.speed if sums.rows.speed.count else sums.rows.every_speed
+    passed = f"{_count_text(sums.tally.edges, 'edge')} of a wheel with {sums.tally.sectors} sectors passed"
+    missed = f", {plain(sums.tally.missed)} more did not show" if sums.tally.missed else ""
     settled = (
-        f"The angle is known to {with_unit(sums.angle_deviation.mean, ANGLE, 3)} and the speed, "
-        f"{_speed_meant(outcome.wanted)}, to {with_unit(sums.speed_deviation.mean, SPEED, 3)} (one standard deviation)."
-        if sums.speed.count
+        f"The angle is known to {with_unit(sums.rows.angle_deviation.mean, ANGLE, 3)} and the speed, "
+        f"{_speed_meant(outcome.wanted)}, to {with_unit(sums.rows.speed_deviation.mean, SPEED, 3)} (one standard "
+        "deviation)."
+        if sums.rows.speed.count
         else "The record is too short for the filter to settle."
     )
     return (
-        f"In {with_unit(sums.measured, DURATION)}, {passed}{missed}. The spool turned at "
+        f"In {with_unit(sums.tally.measured, DURATION)}, {passed}{missed}. The spool turned at "
         f"{with_unit(speed.mean, SPEED, 5)} on average, standard deviation {with_unit(speed.deviation, SPEED, 3)}, "
         f"which is a PWM frequency of {with_unit(frequency.value, FREQUENCY)}. "
         f"{settled}{_granted_words(outcome)}"
@@ -259,7 +269,7 @@ def _in_words(outcome: Outcome, frequency: Number) -> str:
 
 def _granted_words(outcome: Outcome) -> str:
     """What the edges themselves cannot tell of how many of them pass in a turn."""
-    n = outcome.sums.sectors
+    n = outcome.sums.tally.sectors
     if outcome.summary["index_found"]:
         return ""
     return (

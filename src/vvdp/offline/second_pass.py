@@ -9,7 +9,7 @@ from vvdp.base.arrays import Array
 from vvdp.estimation.smoother import Smoothed, smoothed_at, smoothed_portions, smoothing_overlap
 from vvdp.numerics.kalman import AngleSpeed
 from vvdp.offline.config import Estimation
-from vvdp.offline.estimate_result import SMOOTHED
+from vvdp.offline.estimate_result import SMOOTHED, piece_rows
 from vvdp.offline.interrupt import Stopped
 from vvdp.offline.turn_pattern import SpeedRipple
 from vvdp.simulation.replay import Replay
@@ -34,20 +34,18 @@ class SecondPass:
     def through(self, progress: Callable[[float], None], check: Callable[[], None]) -> str:
         """Smooths piece by piece; where it was stopped, by `check` or by a KeyboardInterrupt in `progress`, in words,
         empty if nowhere."""
-        pieces, numbers = self._file["piece"][:], self._file["edges/piece"][:]
+        rows, total = piece_rows(self._file, ""), self._file["piece"].shape[0]
         try:
-            for piece in np.unique(numbers):
+            for piece, (first, last) in piece_rows(self._file, "edges/").items():
                 check()
-                first, last = np.searchsorted(numbers, [piece, piece + 0.5])
-                begin, end = np.searchsorted(pieces, [piece, piece + 0.5])
-                for smoothed in self._smooth(int(first), int(last)):
-                    self._write(smoothed, int(begin), int(end), check)
+                for smoothed in self._smooth(first, last):
+                    self._write(smoothed, *rows.get(piece, (0, 0)), check)
                     try:
-                        progress(self._rows / pieces.size)
+                        progress(self._rows / total)
                     except KeyboardInterrupt:
                         raise Stopped from None
         except Stopped:
-            if self._rows < pieces.size:
+            if self._rows < total:
                 time, piece = (self._file[name][self._rows] for name in ("time", "piece"))
                 where = f"from {time:.6g} s of piece {piece:g} on"
                 return f"The second pass was stopped; {where} the smoothed columns are NaN."
@@ -81,17 +79,18 @@ class SecondPass:
         yield from smoothed_portions(portions, q, start, overlap, self._run)
 
     def _write(self, smoothed: Smoothed, begin: int, end: int, check: Callable[[], None]) -> None:
-        file = self._file
-        times = file["time"][begin:end]
-        a, b = np.searchsorted(times, smoothed.times[[0, -1]])
-        if begin + b < end and b == times.size - 1:
-            b = times.size
-        for start in range(int(a), int(b), SMOOTHED_EDGES):
-            stop = min(start + SMOOTHED_EDGES, int(b))
-            motion = smoothed_at(times[start:stop], smoothed, self._run)
-            motion = motion if self._ripple is None else self._ripple.motion(motion)
-            values = (motion.angle, motion.speed, np.sqrt(motion.angle_variance), np.sqrt(motion.speed_variance))
-            for name, column in zip(SMOOTHED, values, strict=True):
-                file[name][begin + start : begin + stop] = column
-            self._rows = begin + stop
+        """Writes the rows from `begin` to `end` that lie within what was smoothed, the last one of a piece as well."""
+        for start in range(max(begin, self._rows), end, SMOOTHED_EDGES):
+            times = self._file["time"][start : min(start + SMOOTHED_EDGES, end)]
+            first, last = np.searchsorted(times, smoothed.times[[0, -1]]).tolist()
+            last += start + last == end - 1
+            if first < last:
+                motion = smoothed_at(times[first:last], smoothed, self._run)
+                motion = motion if self._ripple is None else self._ripple.motion(motion)
+                values = (motion.angle, motion.speed, np.sqrt(motion.angle_variance), np.sqrt(motion.speed_variance))
+                for name, column in zip(SMOOTHED, values, strict=True):
+                    self._file[name][start + first : start + last] = column
+            self._rows = start + last
             check()
+            if last < times.size:
+                return

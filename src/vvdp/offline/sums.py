@@ -1,22 +1,24 @@
-"""What is added up while a record goes by."""
+"""What a record comes to: what is counted while it goes by, and what its rows and edges add up to on disk."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.offline.alignment import Alignment
 from vvdp.offline.edges import Chosen, CountEdges, StampEdges, WaveEdges
+from vvdp.offline.estimate_result import portions
 from vvdp.offline.hypotheses import Verdict
-from vvdp.offline.noise_fit import Explained, LongestPieces, Noise, fit_noise
-from vvdp.offline.offline_filter import FilteredRows, OfflineFilter
+from vvdp.offline.noise_fit import Explained
 from vvdp.offline.record_check import Finding as Fault
 from vvdp.sensing.wheel import TURN
 
 PATTERN = 4096
 """Edges whose innovations are searched for a period."""
 HISTOGRAM_END = 8.0
-HISTOGRAM_BINS = 40
+BINS = np.linspace(0.0, HISTOGRAM_END, 41)
+"""Bounds of the histogram of squared normalised innovations."""
 STANDING = 0.5
 """Probability from which on the wheel is said to stand still."""
 ANGLES = 360
@@ -53,13 +55,42 @@ class Moments:
         """Root mean square, NaN of nothing."""
         return float(np.sqrt(self.squares / self.count)) if self.count else np.nan
 
+    @property
+    def standard_error(self) -> float:
+        """Of the mean."""
+        return self.deviation / float(np.sqrt(self.count)) if self.count else np.inf
+
 
 @dataclass
-class Sums:
-    """Everything that is added up while a record goes by."""
+class Fold:
+    """Values over the angle within the turn: count, total and extremes in each of its parts."""
+
+    counts: Array = field(default_factory=lambda: np.zeros(ANGLES))
+    totals: Array = field(default_factory=lambda: np.zeros(ANGLES))
+    lowest: Array = field(default_factory=lambda: np.full(ANGLES, np.nan))
+    highest: Array = field(default_factory=lambda: np.full(ANGLES, np.nan))
+
+    def add(self, values: Array, angles: Array) -> None:
+        """Takes in `values` and the angles within the turn [rad] they belong to, NaN where that is unknown."""
+        known = np.isfinite(angles)
+        place, values = np.clip((angles[known] * (ANGLES / TURN)).astype(int), 0, ANGLES - 1), values[known]
+        self.totals += np.bincount(place, values, ANGLES)
+        self.counts += np.bincount(place, minlength=ANGLES)
+        np.fmin.at(self.lowest, place, values)
+        np.fmax.at(self.highest, place, values)
+
+    @property
+    def mean(self) -> Array:
+        """Mean in each part, NaN where nothing fell."""
+        found: Array = np.where(self.counts > 0, self.totals / np.fmax(self.counts, 1.0), np.nan)
+        return found
+
+
+@dataclass
+class Tally:
+    """What is counted of a record while it goes by."""
 
     sectors: int
-    sections: int
     samples: int = 0
     not_numbers: int = 0
     gaps: int = 0
@@ -73,196 +104,172 @@ class Sums:
     rate: float = 0.0
     edges: float = 0.0
     doubled: int = 0
-    rows: int = 0
     finder: WaveEdges | CountEdges | StampEdges | None = None
     verdict: Verdict | None = None
     """What the beginning of the record says of the wheel."""
     tick: float = 0.0
     """In which edge times are written [s], 0 where that does not matter."""
-    speed: Moments = field(default_factory=Moments)
-    pace: Moments = field(default_factory=Moments)
-    """The speed, whichever way the wheel turns [rad/s]."""
-    early_speed: Moments = field(default_factory=Moments)
-    angle_deviation: Moments = field(default_factory=Moments)
-    speed_deviation: Moments = field(default_factory=Moments)
-    nis: Moments = field(default_factory=Moments)
-    squared_innovation: Moments = field(default_factory=Moments)
-    expected_square: Moments = field(default_factory=Moments)
-    measured_variance: Moments = field(default_factory=Moments)
-    """Of an edge's angle, as the filter takes it [rad^2]."""
-    alternating: Moments = field(default_factory=Moments)
-    duty_ratio: Moments = field(default_factory=Moments)
-    pressure: Moments = field(default_factory=Moments)
-    pressure_record: tuple[Fault, ...] = ()
-    """What is wrong with the record of the pressure."""
-    turned: float = 0.0
     pieces: int = 0
     missed: float = 0.0
     left_out: int = 0
-    longest_bridged: float = 0.0
+    """Edges of pieces that were too short."""
+    left_out_times: list[float] = field(default_factory=list)
+    """When the first of them were [s]."""
     alignments: list[Alignment] = field(default_factory=list)
     slow_passages: list[float] = field(default_factory=list)
     """When the wheel nearly stood still, and did not turn back as far as is known [s]."""
     reversals: list[float] = field(default_factory=list)
     """When it turned back [s]."""
-    standing_rows: int = 0
-    standstills: list[tuple[float, float]] = field(default_factory=list)
-    """From when to when the wheel stood still [s]."""
+    duty_ratio: Moments = field(default_factory=Moments)
+    pressure: Moments = field(default_factory=Moments)
+    fold: Fold = field(default_factory=Fold)
+    """Of the pressure [Pa]."""
+    pressure_record: tuple[Fault, ...] = ()
+    """What is wrong with the record of the pressure."""
     interruptions: list[str] = field(default_factory=list)
     """Where Ctrl-C ended a pass over the log."""
 
-    def __post_init__(self) -> None:
-        n = self.sectors
-        self.bins = np.linspace(0.0, HISTOGRAM_END, HISTOGRAM_BINS + 1)
-        self.histogram = np.zeros(HISTOGRAM_BINS)
-        self._counts, self._totals, self._squares = np.zeros(n), np.zeros(n), np.zeros(n)
-        self._pattern = np.full(PATTERN, np.nan)
-        self._first_number: float | None = None
-        self._longest = LongestPieces()
-        self._explained: Explained | None = None
-        self._fold_total, self._fold_count = np.zeros(ANGLES), np.zeros(ANGLES)
-        self._fold_low, self._fold_high = np.full(ANGLES, np.inf), np.full(ANGLES, -np.inf)
 
-    def add(self, tracked: FilteredRows) -> None:
-        """Takes in rows and edges as they come from the filter."""
-        rows, settled = tracked.rows, tracked.settled
-        self.rows += int(np.count_nonzero(np.isfinite(rows["angle"])))
-        self.speed.add(rows["speed"][settled])
-        self.pace.add(np.abs(rows["speed"][settled]))
-        self._add_standing(rows["time"], rows["standstill"] > STANDING)
-        self.angle_deviation.add(rows["angle_deviation"][settled])
-        self.speed_deviation.add(rows["speed_deviation"][settled])
-        if not self.speed.count:
-            self.early_speed.add(rows["speed"])
-        if tracked.edges:
-            self._add_edges(tracked.edges)
+@dataclass
+class RowSums:
+    """What the rows of a result add up to; means and extremes are over those that are settled."""
 
-    def _add_standing(self, times: Array, standing: Chosen) -> None:
-        self.standing_rows += int(np.count_nonzero(standing))
-        bounds = np.flatnonzero(np.diff(np.concatenate([[0], standing.astype(int), [0]])))
-        for first, end in zip(bounds[::2].tolist(), bounds[1::2].tolist(), strict=True):
-            begin = float(times[first])
-            if self.standstills and 0.0 < (begin - self.standstills[-1][1]) * self.rate < 1.5:
-                begin, _ = self.standstills.pop()
-            self.standstills.append((begin, float(times[end - 1])))
+    count: int = 0
+    """Rows with an estimate."""
+    speed: Moments = field(default_factory=Moments)
+    pace: Moments = field(default_factory=Moments)
+    """The speed, whichever way the wheel turns [rad/s]."""
+    every_speed: Moments = field(default_factory=Moments)
+    """Of all rows; empty where some are settled."""
+    angle_deviation: Moments = field(default_factory=Moments)
+    speed_deviation: Moments = field(default_factory=Moments)
+    standing: int = 0
+    """Rows in which the wheel stands still."""
+    standstills: list[tuple[float, float]] = field(default_factory=list)
+    """From when to when it does [s]."""
 
     @property
     def usual_speed(self) -> float:
         """The mean speed, whichever way the wheel turns [rad/s]; of everything where the filter never settles."""
-        return self.pace.mean if self.pace.count else abs(self.early_speed.mean)
+        return self.pace.mean if self.pace.count else abs(self.every_speed.mean)
 
-    def _add_edges(self, edges: dict[str, Array]) -> None:
-        chosen = (edges["settled"] > 0.0) & np.isfinite(edges["innovation"])
-        nu, number = edges["innovation"][chosen], edges["number"][chosen]
-        normalised = edges["normalised_innovation"][chosen] ** 2
-        if not nu.size:
-            return
-        self._longest.add(edges)
-        self.nis.add(normalised)
-        self.squared_innovation.add(nu**2)
-        self.expected_square.add(edges["innovation_deviation"][chosen] ** 2)
-        self.measured_variance.add(edges["variance"][chosen])
-        self.histogram += np.histogram(np.clip(normalised, 0.0, HISTOGRAM_END * (1.0 - 1e-9)), self.bins)[0]
-        polarity = edges["polarity"][chosen]
-        self.alternating.add((polarity * nu)[polarity != 0.0])
-        sector = edges["sector"][chosen].astype(int)
-        self._counts += np.bincount(sector, minlength=self.sectors)
-        self._totals += np.bincount(sector, nu, self.sectors)
-        self._squares += np.bincount(sector, nu * nu, self.sectors)
-        if self._first_number is None:
-            self._first_number = float(number[0])
-        place = np.abs(number - self._first_number)
-        inside = (place >= 0) & (place < PATTERN)
-        self._pattern[place[inside].astype(int)] = nu[inside]
-        self.turned = abs(float(number[-1]) - self._first_number) / self.sectors
 
-    def taken_from(self, tracker: OfflineFilter) -> None:
-        """What the tracker has counted so far."""
-        self.pieces, self.missed, self.left_out = tracker.pieces, tracker.missed_edges, tracker.left_out
-        self.longest_bridged, self.alignments = tracker.longest_bridged, tracker.alignments
-        self.slow_passages, self.reversals = tracker.slow_passages, tracker.reversals
+def row_sums(file: Any, rate: float) -> RowSums:
+    """What the rows of result.h5, `rate` [Hz] of them, add up to."""
+    sums = RowSums()
+    for speed, settled, angle_deviation, speed_deviation, standstill in portions(
+        file, "", "speed", "settled", "angle_deviation", "speed_deviation", "standstill"
+    ):
+        sums.count += int(np.count_nonzero(np.isfinite(speed)))
+        told = settled > 0.0
+        sums.speed.add(speed[told])
+        sums.pace.add(np.abs(speed[told]))
+        sums.angle_deviation.add(angle_deviation[told])
+        sums.speed_deviation.add(speed_deviation[told])
+        sums.standing += int(np.count_nonzero(standstill > STANDING))
+    for (speed,) in portions(file, "", "speed") if not sums.speed.count else ():
+        sums.every_speed.add(speed)
+    for times, standstill in portions(file, "", "time", "standstill") if sums.standing else ():
+        _add_standstills(sums.standstills, times, standstill > STANDING, rate)
+    return sums
 
-    def duties(self, shares: Array) -> None:
-        """Takes in the duty ratios of pulses of the pressure."""
-        self.duty_ratio.add(shares)
 
-    def pressures(self, values: Array, angles: Array) -> None:
-        """Takes in samples of the pressure [Pa] and the angles within the turn [rad] they belong to."""
-        self.pressure.add(values)
-        known = np.isfinite(angles)
-        place = np.clip((angles[known] * (ANGLES / TURN)).astype(int), 0, ANGLES - 1)
-        self._fold_total += np.bincount(place, values[known], ANGLES)
-        self._fold_count += np.bincount(place, minlength=ANGLES)
-        np.minimum.at(self._fold_low, place, values[known])  # noqa: TID251 - in place
-        np.maximum.at(self._fold_high, place, values[known])  # noqa: TID251
+def _add_standstills(found: list[tuple[float, float]], times: Array, standing: Chosen, rate: float) -> None:
+    first, last = np.flatnonzero(np.diff(standing, prepend=False, append=False)).reshape(-1, 2).T
+    for begin, end in zip(times[first].tolist(), times[last - 1].tolist(), strict=True):
+        if found and 0.0 < (begin - found[-1][1]) * rate < 1.5:
+            begin, _ = found.pop()
+        found.append((begin, end))
 
-    @property
-    def folded_mean(self) -> Array:
-        """Mean in each part of the period, NaN where nothing fell."""
-        found: Array = np.where(self._fold_count > 0, self._fold_total / np.fmax(self._fold_count, 1.0), np.nan)
-        return found
 
-    @property
-    def folded_low(self) -> Array:
-        """The lowest value in each part of the period, NaN where nothing fell."""
-        found: Array = np.where(self._fold_count > 0, self._fold_low, np.nan)
-        return found
+@dataclass
+class EdgeSums:
+    """What the edges of a result add up to, those that are settled and were used, for each edge of the wheel and in
+    all."""
 
-    @property
-    def folded_high(self) -> Array:
-        """The highest value in each part of the period, NaN where nothing fell."""
-        found: Array = np.where(self._fold_count > 0, self._fold_high, np.nan)
-        return found
-
-    @property
-    def wheel_counts(self) -> Array:
-        """Edges seen at each edge of the wheel."""
-        return self._counts
+    counts: Array
+    totals: Array
+    squares: Array
+    nis: Moments = field(default_factory=Moments)
+    histogram: Array = field(default_factory=lambda: np.zeros(BINS.size - 1))
+    measured_variance: Moments = field(default_factory=Moments)
+    """Of an edge's angle, as the filter takes it [rad^2]."""
+    alternating: Moments = field(default_factory=Moments)
+    pattern: Array = field(default_factory=lambda: np.full(PATTERN, np.nan))
+    """Innovations of the first edges [rad]."""
 
     @property
     def offsets(self) -> Array:
         """By how much each edge of the wheel lies further on than the wheel has it [rad], mean of all zero."""
-        means = np.where(self._counts > 0, -self._totals / np.fmax(self._counts, 1.0), np.nan)
+        means = np.where(self.counts > 0, -self.totals / np.fmax(self.counts, 1.0), np.nan)
         found: Array = means - (np.nanmean(means) if np.isfinite(means).any() else 0.0)
         return found
 
     @property
     def offset_deviations(self) -> Array:
         """Standard errors of the offsets [rad]."""
-        counts = np.fmax(self._counts, 1.0)
-        spread = np.fmax(self._squares / counts - (self._totals / counts) ** 2, 0.0)
-        found: Array = np.where(self._counts > 1, np.sqrt(spread / counts), np.nan)
+        counts = np.fmax(self.counts, 1.0)
+        spread = np.fmax(self.squares / counts - (self.totals / counts) ** 2, 0.0)
+        found: Array = np.where(self.counts > 1, np.sqrt(spread / counts), np.nan)
         return found
 
-    def noise_fit(self, used: Noise) -> Explained | None:
-        """What the longest pieces are best explained by, with the settings in use; None where they are too short. To be
-        asked when all has gone by: it is worked out once."""
-        if self._explained is None and (passed := self._longest.pick(used.edge_variance)) is not None:
-            self._explained = fit_noise(passed, self.sectors, used, self.sections)
-        return self._explained
 
-    def period_of_pattern(self, hidden_variance: float) -> tuple[int, float, float] | None:
-        """The number of edges after which the innovations repeat, where that is not the wheel's: with the correlation
-        there, and that after as many edges as the wheel has. None where nothing speaks against the wheel, or the
-        pattern is no larger than what sampling makes of itself, which repeats too (`hidden_variance` [rad^2])."""
-        x = self._pattern - (np.nanmean(self._pattern) if np.isfinite(self._pattern).any() else 0.0)
-        whole = float(np.nanmean(x * x)) if np.isfinite(x).any() else 0.0
-        if not whole > 0.0:
-            return None
-        lags = range(2, min(4 * self.sectors, 256) + 1)
-        found = {lag: correlated for lag in lags if (correlated := _correlation(x, lag, whole)) is not None}
-        if self.sectors not in found:
-            return None
-        most = max(found.values())
-        own = found[self.sectors]
-        plain = (0.01 * TURN / self.sectors) ** 2 + 2.0 * hidden_variance
-        if most < 0.3 or own > most - 0.2 or most * whole < plain:
-            return None
-        first = min(lag for lag, correlated in found.items() if correlated > most - 0.1)
-        return first, found[first], own
+def edge_sums(file: Any, sectors: int) -> EdgeSums:
+    """What the edges of result.h5 add up to, on a wheel with so many `sectors`."""
+    sums, first = EdgeSums(*np.zeros((3, sectors))), np.nan
+    names = ("settled", "innovation", "normalised_innovation", "variance", "polarity", "sector", "number")
+    for settled, innovation, *others in portions(file, "edges/", *names):
+        chosen = (settled > 0.0) & np.isfinite(innovation)
+        if not chosen.any():
+            continue
+        nu = innovation[chosen]
+        normalised, variance, polarity, sector, number = (column[chosen] for column in others)
+        sums.nis.add(normalised**2)
+        sums.histogram += np.histogram(np.clip(normalised**2, 0.0, HISTOGRAM_END * (1.0 - 1e-9)), BINS)[0]
+        sums.measured_variance.add(variance)
+        sums.alternating.add((polarity * nu)[polarity != 0.0])
+        sums.counts += np.bincount(sector.astype(int), minlength=sectors)
+        sums.totals += np.bincount(sector.astype(int), nu, sectors)
+        sums.squares += np.bincount(sector.astype(int), nu * nu, sectors)
+        first = float(number[0]) if np.isnan(first) else first
+        place = np.abs(number - first).astype(int)
+        sums.pattern[place[place < PATTERN]] = nu[place < PATTERN]
+    return sums
+
+
+@dataclass(frozen=True)
+class Sums:
+    """All that a record comes to."""
+
+    tally: Tally
+    rows: RowSums
+    edges: EdgeSums
+    explained: Explained | None
+    """What its longest pieces are best explained by; None where they are too short."""
+
+
+def repeats_after(sums: Sums, hidden_variance: float) -> tuple[int, float, float] | None:
+    """The number of edges after which the innovations repeat, where that is not the wheel's: with the correlation
+    there, and that after as many edges as the wheel has. None where nothing speaks against the wheel, or the pattern is
+    no larger than what sampling makes of itself, which repeats too (`hidden_variance` [rad^2])."""
+    pattern, sectors = sums.edges.pattern, sums.tally.sectors
+    x = pattern - (np.nanmean(pattern) if np.isfinite(pattern).any() else 0.0)
+    whole = float(np.nanmean(x * x)) if np.isfinite(x).any() else 0.0
+    if not whole > 0.0:
+        return None
+    lags = range(2, min(4 * sectors, 256) + 1)
+    found = {lag: correlated for lag in lags if (correlated := _correlation(x, lag, whole)) is not None}
+    if sectors not in found:
+        return None
+    most, own = max(found.values()), found[sectors]
+    plain = (0.01 * TURN / sectors) ** 2 + 2.0 * hidden_variance
+    if most < 0.3 or own > most - 0.2 or most * whole < plain:
+        return None
+    first = min(lag for lag, correlated in found.items() if correlated > most - 0.1)
+    return first, found[first], own
 
 
 def _correlation(x: Array, lag: int, whole: float) -> float | None:
     products = x[lag:] * x[:-lag]
-    known: Chosen = np.isfinite(products)
+    known = np.isfinite(products)
     return float(np.mean(products[known])) / whole if np.count_nonzero(known) >= 8 * lag else None

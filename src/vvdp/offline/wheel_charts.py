@@ -5,8 +5,7 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.display import number
 from vvdp.base.kinds import ANGLE, COUNT, EFFICIENCY, RATIO
-from vvdp.offline.charts import Figure, data_table
-from vvdp.offline.speed_charts import PALE
+from vvdp.offline.charts import PALE, Figure, data_table
 from vvdp.offline.sums import Sums
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
@@ -19,21 +18,31 @@ INNER, OUTER = 0.58, 1.0
 """Radii of the ring of sectors, as drawn."""
 LEAST_SHOWN = 1e-3
 """The axis of the offsets reaches at least so far [rad]."""
+KINDS = ("wheel", "even", "odd")
+EXPECTED = Line(
+    x="edge",
+    y="expected_rad",
+    label="± 2 standard errors",
+    colour=Colour.RELIEF,
+    width=0.6,
+    low="low_rad",
+    high="high_rad",
+)
 
 
 def wheel_table(sums: Sums, *, polarity_known: bool) -> Table:
     """By how much each edge lies further on than the wheel has it, with its standard error."""
-    offsets, errors, place = sums.offsets, sums.offset_deviations, np.arange(sums.sectors)
+    offsets, errors, place = sums.edges.offsets, sums.edges.offset_deviations, np.arange(sums.tally.sectors)
     names = ("rising", "falling") if polarity_known else ("even", "odd")
     reach = 2.0 * np.nan_to_num(errors)
     columns = {
         "edge": Column(place.astype(float), COUNT, "edge of the wheel"),
         "side": Column(np.array([names[i % 2] for i in place]), None, "side"),
-        "edges": Column(sums.wheel_counts, COUNT, "edges seen"),
+        "edges": Column(sums.edges.counts, COUNT, "edges seen"),
         "offset_rad": Column(offsets, ANGLE, "offset"),
         "offset_error_rad": Column(errors, ANGLE, "standard error"),
-        "offset_of_sector": Column(offsets * sums.sectors / TURN, EFFICIENCY, "offset, of a sector"),
-        "expected_rad": Column(np.zeros(sums.sectors), ANGLE, "expected offset"),
+        "offset_of_sector": Column(offsets * sums.tally.sectors / TURN, EFFICIENCY, "offset, of a sector"),
+        "expected_rad": Column(np.zeros(sums.tally.sectors), ANGLE, "expected offset"),
         "low_rad": Column(-reach, ANGLE, "two standard errors less"),
         "high_rad": Column(reach, ANGLE, "two standard errors more"),
     }
@@ -56,41 +65,23 @@ def wheel_figure(table: Table, wheel: CodeWheel) -> Figure:
         "edges apart: the threshold is off. One wave over the turn: the wheel is eccentric. One edge alone: dirt, a "
         f"damaged sector, or an index. Left: the wheel, with dark sectors hatched and the offsets {drawn}."
     )
-    chart = Chart(
-        name="wheel",
-        caption=caption,
-        table=TABLE,
-        panels=(_ring_panel(table), _offset_panel(table)),
-        side_by_side=True,
-        height=3.0,
-    )
+    panels = (_ring_panel(table), _offset_panel(table))
+    chart = Chart(name="wheel", caption=caption, table=TABLE, panels=panels, side_by_side=True, height=3.0)
     return Figure(chart, {TABLE: table, DRAWING: _drawing(table, wheel, grown)})
 
 
 def _ring_panel(table: Table) -> Lines:
-    return Lines(
-        lines=(
-            Line(x="across", y="wheel", label="wheel", colour=PALE, width=0.8),
-            Line(x="across", y="even", label=table["side"][0], colour=Colour.LOAD, width=1.6),
-            Line(x="across", y="odd", label=table["side"][1], colour=Colour.INLET, width=1.6),
-        ),
-        equal=True,
-        table=DRAWING,
+    lines = (
+        Line(x="across", y="wheel", label="wheel", colour=PALE, width=0.8),
+        Line(x="across", y="even", label=table["side"][0], colour=Colour.LOAD, width=1.6),
+        Line(x="across", y="odd", label=table["side"][1], colour=Colour.INLET, width=1.6),
     )
+    return Lines(lines=lines, equal=True, table=DRAWING)
 
 
 def _offset_panel(table: Table) -> Lines:
     offsets, reach = table["offset_rad"], table["high_rad"]
     top = 1.15 * max(float(np.nanmax(np.abs(offsets) + reach)), LEAST_SHOWN / 1.15)
-    expected = Line(
-        x="edge",
-        y="expected_rad",
-        label="± 2 standard errors",
-        colour=Colour.RELIEF,
-        width=0.6,
-        low="low_rad",
-        high="high_rad",
-    )
     bars = (
         Line(
             x="edge",
@@ -103,9 +94,8 @@ def _offset_panel(table: Table) -> Lines:
         )
         for first, colour in ((0, Colour.LOAD), (1, Colour.INLET))
     )
-    return Lines(
-        lines=(*bars, expected), label="offset", low=-top, high=top, left=-0.6, right=table.rows - 0.4, height=1.9
-    )
+    right = table.rows - 0.4
+    return Lines(lines=(*bars, EXPECTED), label="offset", low=-top, high=top, left=-0.6, right=right, height=1.9)
 
 
 def enlargement(offsets: Array, sectors: int) -> float:
@@ -120,31 +110,20 @@ def _drawing(table: Table, wheel: CodeWheel, grown: float) -> Table:
     ends = np.append(places, places[0] + TURN)
     offsets = np.nan_to_num(table["offset_rad"])
     sure = np.abs(offsets) > table["high_rad"]
-    strokes: dict[str, list[Array]] = {"wheel": [], "even": [], "odd": []}
-    for radius in (INNER, OUTER):
-        strokes["wheel"].append(radius * _on_circle(np.linspace(0.0, TURN, 121)))
+    strokes = [("wheel", radius * _on_circle(np.linspace(0.0, TURN, 121))) for radius in (INNER, OUTER)]
     for i, place in enumerate(places):
-        strokes["wheel"].append(_spoke(place))
-        if i % 2:
-            strokes["wheel"] += [_spoke(a) for a in np.linspace(ends[i], ends[i + 1], _fill(places.size))[1:-1]]
-        if sure[i]:
-            strokes["odd" if i % 2 else "even"].append(_spoke(place + grown * offsets[i]))
-    joined = {
-        key: [np.append(part, np.full((2, 1), np.nan), axis=1) for part in parts] for key, parts in strokes.items()
-    }
-    across = [part[0] for parts in joined.values() for part in parts]
-    columns = {"across": (np.concatenate(across), RATIO, "across")}
-    for key in joined:
+        hatched = np.linspace(ends[i], ends[i + 1], max(4, 160 // places.size))[1:-1] if i % 2 else ()
+        strokes += [("wheel", _spoke(angle)) for angle in (place, *hatched)]
+    strokes += [("odd" if i % 2 else "even", _spoke(places[i] + grown * offsets[i])) for i in np.flatnonzero(sure)]
+    strokes.sort(key=lambda stroke: KINDS.index(stroke[0]))
+    across = np.concatenate([np.append(points[0], np.nan) for _, points in strokes])
+    columns = {"across": Column(across, RATIO, "across")}
+    for key in KINDS:
         up = [
-            part[1] if own == key else np.full(part.shape[1], np.nan) for own, parts in joined.items() for part in parts
+            np.append(points[1] if own == key else np.full(points.shape[1], np.nan), np.nan) for own, points in strokes
         ]
-        columns[key] = (np.concatenate(up), RATIO, "up")
+        columns[key] = Column(np.concatenate(up), RATIO, "up")
     return data_table("The wheel as drawn", columns)
-
-
-def _fill(sectors: int) -> int:
-    """Strokes that hatch a dark sector."""
-    return max(4, 160 // sectors)
 
 
 def _on_circle(angles: Array) -> Array:
