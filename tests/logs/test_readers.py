@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections import defaultdict
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ def data():
     return times, {"v": random.normal(size=N), "w": random.normal(size=N) * 1e5}
 
 
-UNITS = {"v": "V", "w": "bar"}
+UNITS = defaultdict(str, {"v": "V", "w": "bar"})
 
 
 def write_csv(path, times, channels):
@@ -350,6 +351,91 @@ def test_a_rate_is_the_clock_of_a_file_without_one(tmp_path):
     with open_log(tmp_path / "a.csv", rate=4.0) as log:
         found, _ = read(log, ["v"])
     assert np.array_equal(found["v"][0], [0.0, 0.25, 0.5])
+
+
+def test_columns_of_one_name_are_told_apart_in_parquet(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns = [pa.array(np.arange(5.0) * k) for k in (1.0, 2.0, 0.1, 3.0)]
+    pq.write_table(pa.table(columns, ["v", "v", "time", "v"]), tmp_path / "a.parquet", row_group_size=2)
+    with open_log(tmp_path / "a.parquet") as log:
+        for name, k in (("v", 1.0), ("v #2", 2.0), ("v #3", 3.0)):
+            found, _ = read(log, [name])
+            assert np.array_equal(found[name][0], np.arange(5.0) * 0.1)
+            assert np.array_equal(found[name][1], np.arange(5.0) * k)
+
+
+def test_the_first_of_several_time_columns_is_taken_and_said(tmp_path):
+    (tmp_path / "a.csv").write_text("t [s],Time [ms],v\n0,5,1\n1,6,2\n")
+    with open_log(tmp_path / "a.csv") as log:
+        found, _ = read(log, ["v"])
+        assert log.remarks == ("several columns may be the time ('t', 'Time'); the first is taken",)
+    assert np.array_equal(found["v"][0], [0.0, 1.0])
+    with open_log(tmp_path / "a.csv", time="Time") as log:
+        assert np.array_equal(read(log, ["v"])[0]["v"][0], [5 / 1e3, 6 / 1e3])
+
+
+def test_several_clocks_of_one_length_are_refused_unless_one_is_named(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["t"], file["time"], file["v"] = np.arange(4.0), 2 * np.arange(4.0), np.ones(4)
+        file["short/time"], file["short/v"] = np.arange(3.0), np.ones(3)
+    with open_log(tmp_path / "a.h5") as log:
+        with pytest.raises(ConfigError, match="channel 'v' may have several clocks: 't', 'time'; name one"):
+            log.portions(["v"], 10)
+        assert np.array_equal(read(log, ["short/v"])[0]["short/v"][0], np.arange(3.0))
+    with open_log(tmp_path / "a.h5", time="time") as log:
+        assert np.array_equal(read(log, ["v"])[0]["v"][0], 2 * np.arange(4.0))
+
+
+def test_an_asammdf_without_what_is_needed_of_it_is_no_damage(tmp_path, data, monkeypatch):
+    import asammdf
+    from asammdf.blocks.mdf_v4 import MDF4
+
+    write_mdf(tmp_path / "a.mf4", *data)
+    monkeypatch.delattr(MDF4, "_load_data")
+    with pytest.raises(ConfigError) as caught:
+        open_log(tmp_path / "a.mf4")
+    assert f"cannot be read with asammdf {asammdf.__version__}, which" in str(caught.value)
+    assert "damaged" not in str(caught.value)
+
+
+def test_what_only_another_version_would_raise_is_told_with_the_version(tmp_path, data, monkeypatch):
+    import asammdf
+
+    write_mdf(tmp_path / "a.mf4", *data)
+    monkeypatch.setattr(asammdf.MDF, "get", lambda self, **known: known["more"] if "more" in known else self.get_more())
+    expected = rf"channel 'v', samples 0 to .*cannot be read with asammdf {asammdf.__version__}, or the file is damaged"
+    with open_log(tmp_path / "a.mf4") as log, pytest.raises(ConfigError, match=expected):
+        read(log, ["v"])
+
+
+def test_an_nptdms_that_keeps_its_segments_elsewhere_is_read_all_the_same(tmp_path, data, monkeypatch):
+    from vvdp.logs import tdms
+
+    class Elsewhere:
+        _reader = None
+
+    times, channels = data
+    write_tdms(tmp_path / "a.tdms", times, channels)
+    plain = tdms._stretches
+    monkeypatch.setattr(tdms, "_stretches", lambda file, channel: plain(Elsewhere(), channel))
+    with open_log(tmp_path / "a.tdms") as log:
+        assert np.array_equal(read(log, ["v"])[0]["v"][1], channels["v"])
+
+
+def test_a_chain_of_blocks_of_mdf_that_ends_is_none_that_does_not(tmp_path, data):
+    """Many groups and channels in both versions: lists are followed to their ends."""
+    from vvdp.logs.mdf_blocks import _following_blocks, check_lists
+
+    times, channels = data
+    for name, write in (("a.mf4", write_packed_mdf), ("a.mdf", write_old_mdf)):
+        write(tmp_path / name, times, {f"{key}{k}": x for k in range(5) for key, x in channels.items()} | channels)
+        check_lists(tmp_path / name)
+        listed = [place for place in _following_blocks(tmp_path / name).values() if place]
+        assert len(listed) >= 12  # eleven steps from the master to the twelfth channel, and more
 
 
 def faulty_hdf5(path):

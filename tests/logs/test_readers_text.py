@@ -148,6 +148,7 @@ STAMPS = ["2024-02-29T23:59:59.9995", "2024-03-01T00:00:00.0005"]
 
 @pytest.mark.parametrize("write", [
     str, lambda s: s.replace("T", " "), lambda s: s + "Z", lambda s: s + "+02:00", lambda s: s[:23],
+    lambda s: s.replace(".", ","),
     lambda s: s + "00001" if s == STAMPS[0] else s,
 ])  # fmt: skip
 def test_date_times_become_seconds_from_the_first(tmp_path, write):

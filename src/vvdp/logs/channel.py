@@ -109,11 +109,13 @@ class Log:
 
         Raises ConfigError, with those that exist, where there is none.
         """
-        known = self.channels()
-        for called in (_own_name, _name_with_group, _last_part):
-            found = [info for info in known if called(info) == name]
-            if len(found) == 1:
-                return found[0]
+        known, between = self.channels(), self._content.separator
+        called = [
+            (info.name, f"{info.group}/{info.name}", info.name.removeprefix(f"{info.group}{between}")) for info in known
+        ]
+        for names in zip(*called, strict=True):
+            if names.count(name) == 1:
+                return known[names.index(name)]
         if name in self.unreadable:
             raise unusable(self.path, f"{name!r} {self.unreadable[name]}; expected a channel of numbers")
         raise no_such(self.path, "channel", name, [info.name for info in known])
@@ -121,15 +123,3 @@ class Log:
     def remark(self, text: str) -> None:
         """Adds a remark, once."""
         self._content.remark(text)
-
-
-def _own_name(info: ChannelInfo) -> str:
-    return info.name
-
-
-def _name_with_group(info: ChannelInfo) -> str:
-    return f"{info.group}/{info.name}"
-
-
-def _last_part(info: ChannelInfo) -> str:
-    return info.name[len(info.group) + 1 :] if info.group and info.name.startswith(info.group) else info.name

@@ -38,7 +38,8 @@ def read_mdf(content: Content) -> None:
     if not callable(getattr(file._mdf, "_load_data", None)):
         raise unusable(content.path, f"cannot be read with {content.library}, which loads no part of the records")
     content.short = True
-    labels = unique([_label(number, group) for number, group in enumerate(file.groups)])
+    names = [getattr(group.channel_group, "acq_name", "") for group in file.groups]
+    labels = unique([name or f"group {number}" for number, name in enumerate(names)])
     for number, group in enumerate(file.groups):
         content.budget.count(len(group.channels))
         _add_group(content, number, group, labels[number])
@@ -51,7 +52,7 @@ def _quiet() -> Iterator[None]:
     An object of asammdf that failed to open a file fails again when it is disposed of.
     """
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)
-    usual, sys.unraisablehook = sys.unraisablehook, _unheard
+    usual, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:
         yield
     except Exception as problem:
@@ -60,14 +61,6 @@ def _quiet() -> Iterator[None]:
         raise
     finally:
         sys.unraisablehook = usual
-
-
-def _unheard(_: object) -> None:
-    pass
-
-
-def _label(number: int, group: Any) -> str:
-    return getattr(group.channel_group, "acq_name", "") or f"group {number}"
 
 
 def _add_group(content: Content, number: int, group: Any, label: str) -> None:

@@ -35,23 +35,22 @@ def _column(field: Any) -> Column:
 def _rows(content: Content, leaves: Sequence[Leaf], samples: int) -> Iterator[tuple[Mapping[Names, Array], float]]:
     """One group of rows after the other: asked for all of them, pyarrow keeps what it has read."""
     file, read, origins = content.held, 0, dict[Names, Any]()
-    wanted = [(leaf.path, *_name(file.schema_arrow.names, content.columns.index(leaf.path))) for leaf in leaves]
-    names = list(dict.fromkeys(name for _, name, _ in wanted))
+    names, numbers = file.schema_arrow.names, {leaf.path: content.columns.index(leaf.path) for leaf in leaves}
+    wanted = list(dict.fromkeys(names[k] for k in numbers.values()))
     for group in range(file.num_row_groups):
-        batches = file.iter_batches(batch_size=samples, row_groups=[group], columns=names)
+        batches = file.iter_batches(batch_size=samples, row_groups=[group], columns=wanted)
         while True:
             with reading(content.path, f"row {read + 1}", content.library):
                 if (batch := next(batches, None)) is None:
                     break
-                places = [batch.schema.get_all_field_indices(name)[which] for _, name, which in wanted]
-                arrays = {w[0]: _array(batch.column(k), w[0], origins) for w, k in zip(wanted, places, strict=True)}
+                arrays = {path: _array(_column_of(batch, names, k), path, origins) for path, k in numbers.items()}
             read += batch.num_rows
             yield arrays, read / file.metadata.num_rows
 
 
-def _name(names: list[str], k: int) -> tuple[str, int]:
-    """Name of a column, and how many of that name are before it: pyarrow reads all of a name."""
-    return names[k], names[:k].count(names[k])
+def _column_of(batch: Any, names: Sequence[str], k: int) -> Any:
+    """Column `k` of the file: pyarrow reads all of one name."""
+    return batch.column(batch.schema.get_all_field_indices(names[k])[names[:k].count(names[k])])
 
 
 def _array(column: Any, path: Names, origins: dict[Names, Any]) -> Array:

@@ -17,6 +17,12 @@ FORMATS = {
     ".h5": "HDF5", ".hdf5": "HDF5", ".hdf": "HDF5", ".nc": "HDF5", ".parquet": "Parquet", ".pq": "Parquet",
 }  # fmt: skip
 _HDF5 = b"\x89HDF\r\n\x1a\n"
+_BEGINNINGS = {
+    b"TDSm": "TDMS", b"TDSh": "a TDMS index without its data", b"UnFinMF ": "MDF", b"PAR1": "Parquet",
+    b"PARE": "encrypted Parquet", b"MATLAB": "MATLAB", b"\x1f\x8b": "gzip (unpack it first)",
+    b"PK": "a ZIP archive or a spreadsheet (export it as CSV)", b"\xff\xfe": "UTF-16 text (save it as UTF-8)",
+    b"\xfe\xff": "UTF-16 text (save it as UTF-8)",
+}  # fmt: skip
 
 
 _LIBRARIES = {
@@ -97,22 +103,14 @@ def _head(path: Path) -> bytes:
 
 def _detect_format(path: Path, head: bytes) -> str:
     """What the file is by its content."""
-    if head[:4] in (b"TDSm", b"TDSh"):
-        return "TDMS" if head[:4] == b"TDSm" else "a TDMS index without its data"
-    if (head[:3] == b"MDF" and not head[3:8].strip()) or head[:8] == b"UnFinMF ":
-        return "MDF"
-    if head[:4] == b"PAR1":
-        return "Parquet"
-    if head[:4] == b"PARE":
-        return "encrypted Parquet"
-    if head[:2] == b"\x1f\x8b":
-        return "gzip (unpack it first)"
-    if head[:2] == b"PK":
-        return "a ZIP archive or a spreadsheet (export it as CSV)"
-    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return "UTF-16 text (save it as UTF-8)"
+    is_mat = path.suffix.lower() == ".mat"
     if any(head[place : place + 8] == _HDF5 for place in (0, 512)):
-        return "MATLAB 7.3" if head[:10] == b"MATLAB 7.3" or path.suffix.lower() == ".mat" else "HDF5"
-    if head[:6] == b"MATLAB" or path.suffix.lower() == ".mat":
+        return "MATLAB 7.3" if head[:10] == b"MATLAB 7.3" or is_mat else "HDF5"
+    if head[:3] == b"MDF" and not head[3:8].strip():
+        return "MDF"
+    for beginning, found in _BEGINNINGS.items():
+        if head.startswith(beginning):
+            return found
+    if is_mat:
         return "MATLAB"
     return "text" if b"\0" not in head else "neither text nor a format that is known here"

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from functools import cache
 from operator import attrgetter
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,17 +106,10 @@ def _numbers(path: Path, file: Any, channel: Any) -> Reader:
         if not stretches():
             return np.asarray(channel.read_data(begin, end - begin), float)
         raw, scaling = _raw(path, stretches(), begin, end), channel._scaling
-        return np.asarray(raw if scaling is None else scaling.scale(_Raw(raw)), float)
+        unscaled = SimpleNamespace(data=raw, scaler_data={})  # as the scalings of npTDMS want it
+        return np.asarray(raw if scaling is None else scaling.scale(unscaled), float)
 
     return read
-
-
-class _Raw:
-    """Unscaled values as the scalings of npTDMS want them."""
-
-    def __init__(self, data: Any) -> None:
-        self.data = data
-        self.scaler_data: dict[int, Any] = {}
 
 
 def _raw(path: Path, stretches: list[_Stretch], begin: int, end: int) -> Any:
