@@ -22,9 +22,9 @@ ENOUGH = 0.95
 RANDOM = f"95 % of {published.RUNS} random runs, less two standard errors"
 TRUTHS = {
     "even": (EVEN, "independent even delays"),
-    "threshold": (WITH_THRESHOLD, "and threshold error"),
-    "in_step": (IN_STEP, "clock in step, 25.000 Hz"),
-    "out_of_step": (OUT_OF_STEP, "clock of 1 kHz, 24.7 Hz"),
+    "threshold": (WITH_THRESHOLD, "with threshold error"),
+    "in_step": (IN_STEP, "clock in step, 25 Hz"),
+    "out_of_step": (OUT_OF_STEP, "1 kHz, 24.7 Hz"),
 }
 TIMES = np.arange(0.0, 0.4005, 0.001)
 BANDS = {"even": Colour.LOAD, "in_step": Colour.INLET}
@@ -77,7 +77,7 @@ def _error_chart(name: str, caption: str, unit: str, bound: float) -> Chart:
         )
         for each, (_, words) in TRUTHS.items()
     )
-    levels = (Level(value=bound, label="published bound"), Level(value=BY, upright=True))
+    levels = (Level(value=bound), Level(value=BY, upright=True))
     panel = Lines(lines=lines, label="size of the error", levels=levels, low=0.0, high=4.0 * bound)
     return Chart(name=name, caption=caption, table="errors", panels=(panel,), height=3.0)
 
@@ -86,7 +86,7 @@ def _convergence(which: int, kind: Kind, unit: str, bound: float, name: str) -> 
     words = ("angle", "speed")[which]
     caption = (
         f"Size of the error of the {words} over {published.RUNS} random runs of the published case: the middle, and "
-        "for two of the truths the band from 5 to 95 %."
+        "for two of the truths the band from 5 to 95 %. Dashed: the published bound and time."
     )
 
     def work() -> Reproduction:

@@ -1,5 +1,6 @@
 """Section 3.6: the filter on the running valve, and the step of the pump's flow."""
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -15,7 +16,7 @@ from vvdp.comparison.scenarios import FAST_FLOW, LPM, SLOW_FLOW, flow_step, scen
 from vvdp.comparison.trials import compare
 from vvdp.reproduction.drawings import circuit_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines
+from vvdp.results.chart import Chart, Colour, Line, Lines
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import bound_statement, number_statement
 from vvdp.runs.run import RecordedRun
@@ -56,6 +57,14 @@ def estimated_turns() -> Table:
     return Table(title="Inlet pressure", columns=columns, is_data=True)
 
 
+def _turns(table: Table) -> Iterator[Line]:
+    """A line for each turn."""
+    turn = np.floor_divide(table["turned_rad"], TURN)
+    for number in np.unique(turn):
+        rows = tuple(np.flatnonzero(turn == number).tolist())
+        yield Line(x="angle_rad", y="inlet_Pa", width=0.6, rows=rows, colour=Colour.LOAD)
+
+
 def rises(angle: Array, pressure: Array) -> Array:
     """Angles at which a pressure rises through its middle [rad]."""
     middle = 0.5 * (pressure.min() + pressure.max())
@@ -70,9 +79,8 @@ def figure_3_13() -> Reproduction:
     table = estimated_turns()
     at = rises(table["turned_rad"], table["inlet_Pa"])
     spread = float(np.sqrt(-2.0 * np.log(abs(np.mean(np.exp(1j * SECTIONS * at)))))) / TURN
-    panels = tuple(
-        Lines(lines=(Line(x=x, y="inlet_Pa", width=0.6),), label="inlet pressure") for x in ("time_s", "angle_rad")
-    )
+    over_time = (Line(x="time_s", y="inlet_Pa", width=0.6),)
+    panels = tuple(Lines(lines=lines, label="inlet pressure") for lines in (over_time, tuple(_turns(table))))
     chart = Chart(
         name="figure-3.13",
         caption="Inlet pressure over eleven turns of the simulated prototype, over time and over the estimated angle.",
