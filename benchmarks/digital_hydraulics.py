@@ -22,6 +22,15 @@ import vvdp
 from vvdp.comparison.estimators import READING, contenders
 from vvdp.comparison.scenarios import Record, Scenario, scenarios
 from vvdp.comparison.trials import compiled_encoder, compiled_step, simulate_record
+from vvdp.hydraulics.flow_control_unit import (
+    OnOffValve,
+    UnitValve,
+    binary_valves,
+    code_count,
+    code_flow,
+    equal_valves,
+    pulse_volume,
+)
 
 SET = Path(__file__).parent / "digital-hydraulics"
 ANSWERS = SET / "answers" / "vvdp"
@@ -127,6 +136,24 @@ def self_spinning_frequency() -> Answer:
     return {"pwm_frequency": ran("prototype").summary["pwm_frequency_Hz"]}
 
 
+def digital_flow_control_unit() -> Answer:
+    """Codes and flows of both units, and the volume of a pulse."""
+    smallest = OnOffValve(rated_flow=1.6666666667e-5, rated_drop=5e5, opening_time=2e-3, closing_time=3e-3)
+    binary, equal, drop = binary_valves(5, smallest), equal_valves(5, smallest), 20e5
+
+    def flows(valves: tuple[UnitValve, ...]) -> set[float]:
+        return {round(code_flow(float(code), drop, valves), 12) for code in range(code_count(valves))}
+
+    return {
+        "binary_states": float(len(flows(binary))),
+        "equal_states": float(len(flows(equal))),
+        "binary_largest": max(flows(binary)),
+        "equal_largest": max(flows(equal)),
+        "binary_19": code_flow(19.0, drop, binary),
+        "pulse_15_16": pulse_volume(15.0, 16.0, drop, binary),
+    }
+
+
 CASES: Mapping[str, Callable[[], Answer]] = {
     "volume-blowdown": volume_blowdown,
     "hose-swing": hose_swing,
@@ -134,6 +161,7 @@ CASES: Mapping[str, Callable[[], Answer]] = {
     "step-down-limit": partial(converter_limit, "step-down-limit"),
     "buck-converter": buck_converter,
     "pwm-pump-limit": pwm_pump_limit,
+    "digital-flow-control-unit": digital_flow_control_unit,
     "rotary-valve-2012": rotary_valve_2012,
     "self-spinning-frequency": self_spinning_frequency,
 }

@@ -1,6 +1,7 @@
 """The benchmark set: what is expected follows from what is given, and vvdp's answers are its own."""
 
 import importlib.util
+import itertools
 import math
 import re
 import subprocess
@@ -18,7 +19,7 @@ from benchmarks import digital_hydraulics as own
 ROOT = Path(__file__).parents[2]
 SET = own.SET
 CASES = sorted(path.parent.name for path in SET.glob("*/case.toml"))
-QUICK = ("volume-blowdown", "hose-swing", "rotary-valve-2012")
+QUICK = ("volume-blowdown", "hose-swing", "rotary-valve-2012", "digital-flow-control-unit")
 
 
 def _checker() -> ModuleType:
@@ -117,6 +118,22 @@ def test_limit_of_the_switched_pump_by_quadrature():
     wanted = expected("pwm-pump-limit")
     assert wanted["loss"] == pytest.approx(g["pump_flow"] * (n + r + excess), rel=1e-4)
     assert wanted["load_share"] == pytest.approx(g["duty_ratio"] - missing, rel=1e-4)
+
+
+def test_codes_of_the_flow_control_unit_by_counting():
+    """Every combination of open valves, and the pulse as the area under the flows of single valves."""
+    g, wanted = given("digital-flow-control-unit"), expected("digital-flow-control-unit")
+    unit = g["smallest_flow"] * math.sqrt(g["drop"] / g["rated_drop"])
+    for kind, sizes in (("binary", (1, 2, 4, 8, 16)), ("equal", (1,) * 5)):
+        sums = {sum(chosen) for k in range(6) for chosen in itertools.combinations(sizes, k)}
+        assert (wanted[f"{kind}_states"], max(sums) * unit) == (
+            len(sums),
+            pytest.approx(wanted[f"{kind}_largest"], rel=1e-5),
+        )
+    t = np.linspace(0.0, 4e-3, 40001)
+    opens, shuts = np.clip(t / g["opening_time"], 0.0, 1.0), np.clip(1.0 - t / g["closing_time"], 0.0, 1.0)
+    pulse = float(np.trapezoid(unit * (16.0 * opens + 15.0 * shuts - 16.0), t))
+    assert wanted["pulse_15_16"] == pytest.approx(pulse, rel=1e-4)
 
 
 @pytest.mark.parametrize("case", QUICK)
