@@ -157,7 +157,9 @@ class Run(Protocol):
     """Of any part of the valve."""
 
     @property
-    def solved(self) -> Solved: ...
+    def solved(self) -> Solved:
+        """What the solver has reached."""
+        ...
 
 
 def state_columns(runs: Sequence[Run]) -> dict[str, Column]:
