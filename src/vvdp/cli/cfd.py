@@ -18,8 +18,8 @@ from vvdp.cli.cfd_place import (
     stretch,
     turbine_order,
     workplace,
+    write_and_report,
     write_fitted,
-    write_reported,
 )
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers
 from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, Verb, out_option, parsed_option
@@ -85,7 +85,7 @@ def rail(
     where = Where(on, workers, cores, sbatch)
     with workplace(VERB, out, f"rail-{loaded.name}-{grid}", where, force=force) as place:
         (run,) = run_rails({"": order}, *place)
-    reported = write_reported(place.directory, loaded, rail_result(order, run, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, rail_result(order, run, told), no_report=no_report)
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "flow"))
 
 
@@ -122,7 +122,7 @@ def sweep(
     with workplace(VERB, out, f"sweep-{loaded.name}-{grid}", where, force=force) as place:
         orders = {with_unit(each, FLOW): order._replace(flow=each) for each in flows}
         runs = run_rails(orders, *place)
-    reported = write_reported(place.directory, loaded, sweep_result(order, runs, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, sweep_result(order, runs, told), no_report=no_report)
     write_fitted(place.directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "sweep"))
 
@@ -172,7 +172,7 @@ def grids(
     with workplace(VERB, out, f"grids-{loaded.name}", where, force=force) as place:
         found = _on_grids(part, orders, about, place)
     result = grids_result(order, found, tuple(orders), about)
-    reported = write_reported(place.directory, loaded, result, no_report=no_report)
+    reported = write_and_report(place.directory, loaded, result, no_report=no_report)
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("convergence", "grids"))
 
 
@@ -235,7 +235,7 @@ def designs(
     where = Where(on, workers, cores, sbatch)
     with workplace(VERB, out, f"designs-{loaded.name}-{grid}", where, force=force) as place:
         runs = run_rails(orders, *place)
-    reported = write_reported(place.directory, loaded, designs_result(orders, runs, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, designs_result(orders, runs, told), no_report=no_report)
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("designs",))
 
 
@@ -299,7 +299,7 @@ def centre(
     where = Where(on, workers, cores, sbatch)
     with workplace(VERB, out, f"centre-{loaded.name}-{grid}", where, force=force) as place:
         runs = run_centre(orders, *place)
-    reported = write_reported(place.directory, loaded, centre_result(runs, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, centre_result(runs, told), no_report=no_report)
     write_fitted(place.directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "runs"))
 
@@ -343,7 +343,7 @@ def openings(
     with workplace(VERB, out, f"openings-{loaded.name}-{grid}", where, force=force) as place:
         orders = {with_unit(each, ANGLE): order._replace(angle=each) for each in angles}
         runs = run_centre(orders, *place)
-    reported = write_reported(place.directory, loaded, openings_result(runs, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, openings_result(runs, told), no_report=no_report)
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "angles"))
 
 
@@ -404,6 +404,6 @@ def turbine(
     where = Where(on, workers, cores, sbatch)
     with workplace(VERB, out, f"turbine-{loaded.name}-{grid}", where, force=force) as place:
         runs = run_turbine(orders, *place)
-    reported = write_reported(place.directory, loaded, turbine_result(runs, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, turbine_result(runs, told), no_report=no_report)
     write_fitted(place.directory, system, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "runs"))

@@ -15,7 +15,7 @@ from vvdp.cli.cfd_place import (
     rail_order,
     turbine_order,
     workplace,
-    write_reported,
+    write_and_report,
 )
 from vvdp.cli.engines import HERE, Cores, On, Sbatch, Workers
 from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, out_option, parsed_option
@@ -56,7 +56,7 @@ def sleeve(
     where = Where(on, workers, cores, sbatch)
     with workplace(SLEEVE, out, f"sleeve-{loaded.name}-{grid}", where, force=force) as place:
         runs = run_parts(sleeve_parts(order), _middle(order), *place)
-    reported = write_reported(place.directory, loaded, sleeve_result(order, runs, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, sleeve_result(order, runs, told), no_report=no_report)
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
 
 
@@ -94,7 +94,7 @@ def valve(
     with workplace(VALVE, out, f"valve-{loaded.name}-{grid}", where, force=force) as place:
         parts = valve_parts(rail, centre, turbine)
         runs = run_parts(parts, _middle(rail), *place)
-    reported = write_reported(place.directory, loaded, valve_result(turbine, runs, told), no_report=no_report)
+    reported = write_and_report(place.directory, loaded, valve_result(turbine, runs, told), no_report=no_report)
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
 
 

@@ -51,7 +51,8 @@ class Reported(NamedTuple):
     page: bool
 
 
-def write_reported(directory: Path, loaded: "System", result: "Result", *, no_report: bool) -> Reported:
+def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_report: bool) -> Reported:
+    """Writes a result, the system that it is of, and the page."""
     from vvdp.cli.report import CFD, add_report
     from vvdp.results.store import write_result
     from vvdp.systems.resolved import resolved_text
