@@ -35,7 +35,13 @@ def test_moves_by_hand():
     assert third.change == 0.0 and "steps" in OF_THE_RUN
 
 
-UNTIL = {"axial-chamber": "0.7 s", "axial-gerotor": "1.2 s", "ideal-pump-control": "5 s"}
+UNTIL = {
+    "axial-chamber": "0.7 s",
+    "axial-gerotor": "1.2 s",
+    "bleed-off-control": "5 s",
+    "ideal-pump-control": "5 s",
+    "load-sensing": "5 s",
+}
 """Where nothing flows while a drive stands at its stop, longer than that; where a rod turns back, until it has. With an
 encoder 0.3 s end before it is controlled: one edge more or less moves what the control does."""
 
