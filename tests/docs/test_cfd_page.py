@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vvdp.cfd.kept import KeptStudy, kept_study
+from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
 from vvdp.cfd.refinement import grid_convergence
 from vvdp.fitting.drop import fit_centre, fit_nozzle, fit_outlet
 from vvdp.fitting.fitted import Host, settings
@@ -196,3 +196,8 @@ ROWS = (arms, designs, openings, grids, turbines, laws)
 def test_rows_are_those_of_the_kept_studies(rows):
     for row in rows():
         assert row in PAGE
+
+
+def test_every_study_that_is_kept_is_named():
+    named = PAGE[PAGE.index("## What is kept") :]
+    assert [name for name in kept_studies() if f"`{name}`" not in named] == []
