@@ -363,6 +363,7 @@ def components():
         rod,
         seat_valve,
         shaft,
+        soft_switching,
         switching_valve,
         unsteady_friction,
         variable_pump,
@@ -415,6 +416,10 @@ def components():
         shaft.TorsionSpring(torsional_stiffness=10.0, preload_torque=2.0, rest_angle=0.5),
         switching_valve.SwitchingValve(
             natural_frequency=200.0, damping_ratio=0.7, stroke=1e-3, lap=1e-4, full_area=1e-5
+        ),
+        soft_switching.SwitchChamber(
+            oil_volume=1e-6, hose_compliance=0.0, gas_volume=5e-5, precharge_pressure=1.3e6, gas_exponent=1.4,
+            mouth_area=1e-4,
         ),
         switching_valve.PulseTrain(frequency=30.0, duty_ratio=0.4),
         pilot_check_valve.PilotCheckValve(

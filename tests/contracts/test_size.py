@@ -141,6 +141,7 @@ ALLOWED = {
     "cli.rig.pump": VERB,
     "cli.rig.ripple": VERB,
     "cli.rig.step": VERB,
+    "cli.robust.robust": VERB,
     "cli.run.run": VERB,
     "cli.study.study": VERB,
     "comparison.loop_trials.compare_controllers": ONE_CALL,

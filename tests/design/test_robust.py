@@ -17,10 +17,10 @@ from vvdp.design.robust import (
     Candidate,
     Effort,
     Robust,
+    Runs,
     _can_be_made,
     _children,
     _judge,
-    _Study,
     _Trials,
     robust_problem,
     scenarios,
@@ -28,7 +28,6 @@ from vvdp.design.robust import (
 from vvdp.design.robust_result import robust_result
 from vvdp.design.variables import with_variables
 from vvdp.results.result import Grade
-from vvdp.studies.engine import HERE
 from vvdp.systems.system import load_system
 
 WARM = (303.15, 333.15)
@@ -81,7 +80,7 @@ def test_a_cycle_of_ones_own_takes_the_place_of_a_draw(asked, tmp_path):
 def test_a_case_cuts_the_design_to_its_tolerance(asked, met, tmp_path):
     """The clearance is off by as much as drawn, what follows the radius in proportion, the viscosity at both points."""
     found, taken = met
-    trials = _Trials(asked, found, taken, _Study(tmp_path, HERE, lambda done: None, lambda text: None, None))
+    trials = _Trials(asked, found, taken, Effort(), Runs(tmp_path))
     one = replace(found[0], draws={CLEARANCE: 14.2e-6, "valve.inlet_radius": 12.065e-3, "oil.viscosity_40": 4.2e-5})
     case = trials.case({"radial_clearance": 20e-6, "spool_radius": 10e-3}, one)
     assert case["valve.radial_clearance"] == "21.5 um"
@@ -98,7 +97,7 @@ def test_the_front_is_what_is_confirmed_and_not_beaten(asked):
         candidates=tuple(found), runs=0, finished=True,
     )  # fmt: skip
     assert [each.loss for each in state.front] == [900.0, 950.0, 990.0]
-    assert [each.loss for each in state.refused] == [500.0]
+    assert [each.loss for each in state.rejects] == [500.0]
     assert "47.1 % less" in robust_result(state).findings[0].text
     nothing = replace(state, candidates=(), nominal=candidate(990.0, 1e-5, "failed"))
     assert robust_result(nothing).findings[0].grade is Grade.WARNING

@@ -68,9 +68,8 @@ def robust(
     directory = out if out is not None else Path("results", f"robust-{loaded.name}")
     with map_directory(directory, "design robust", force=force):
         with count_lines("runs") as progress:
-            found = study.robust(
-                asked, met, taken, effort, directory / STORE, engine=ThisProcess(cores), progress=progress, say=say
-            )
+            runs = study.Runs(directory / STORE, ThisProcess(cores), progress, say)
+            found = study.robust(asked, met, taken, effort, runs)
         write_front(directory, found)
         result = robust_result(found)
         reported = write_with_report(directory, result, resolved_text(loaded), no_report=no_report)

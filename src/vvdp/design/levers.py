@@ -139,7 +139,7 @@ def _best(system: System, lever: Lever, points: Sequence[Setup]) -> Pulled:
         speed = 2.0 * np.pi * frequency / points[0].valve.sections
         taken = [at._replace(coupling=STIFF_COUPLING, spool_motor_speed=speed) for at in taken]
     if lever.scale != 1.0:
-        values = _scaled(points[0], lever.scale)
+        values = _scale_valve(points[0], lever.scale)
     objective = "loss_full_open" if lever.has_chamber else "loss_total"
     for _ in range(ROUNDS if lever.follows and lever.variables else 1):
         if lever.follows:
@@ -161,7 +161,7 @@ def _softening(lever: Lever, points: Sequence[Setup]) -> Softening | None:
     return Softening(bypass, best_chamber(points[len(points) // 2], bypass) if lever.has_chamber else None)
 
 
-def _scaled(at: Setup, scale: float) -> dict[str, float]:
+def _scale_valve(at: Setup, scale: float) -> dict[str, float]:
     """A valve whose lengths are `scale` times as large and areas its square; clearance and end lands as they were."""
     lengths = {name: scale * value_in(at, name) for name in ("spool_radius", "helix_length")}
     return lengths | {name: scale * scale * value_in(at, name) for name in ("nozzle_area", "outlet_area")}

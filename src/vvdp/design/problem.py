@@ -221,7 +221,7 @@ def problem(
         beside=tuple(beside),
     )
     if not faults and asked.quantities & TRANSITIONAL:
-        faults += [fault for point in points for fault in (*_never_switching(point), *_softened(point))]
+        faults += [fault for point in points for fault in (*_never_switching(point), *_soft_switching_faults(point))]
     if faults:
         raise ConfigError(faults)
     return asked
@@ -275,7 +275,7 @@ def _never_switching(point: Point) -> list[Fault]:
     return [Fault(point.system.name, 0, "operation.duty_ratio", message)]
 
 
-def _softened(point: Point) -> list[Fault]:
+def _soft_switching_faults(point: Point) -> list[Fault]:
     if not rotary_bench(point.system, "design").is_softened:
         return []
     message = "a valve that is switched softly has no transition loss in closed form; minimise pressure_drop_total"

@@ -24,7 +24,7 @@ from vvdp.design.spreads import Spread, spreads
 from vvdp.design.variables import VARIABLES, design_settings, setting_text, with_variables
 from vvdp.simulation.link import quiet
 from vvdp.studies.engine import HERE, Engine
-from vvdp.studies.run import run_study
+from vvdp.studies.run import run_study, silent
 from vvdp.studies.study import Study
 from vvdp.systems.system import System
 
@@ -90,7 +90,7 @@ class Robust:
         return tuple(sorted((each for each, kept in zip(fit, best, strict=True) if kept), key=lambda each: each.loss))
 
     @property
-    def refused(self) -> tuple[Candidate, ...]:
+    def rejects(self) -> tuple[Candidate, ...]:
         """The designs that the simulation does not confirm."""
         return tuple(each for each in self.candidates if each.refusal)
 
@@ -165,83 +165,69 @@ def _temperature(ends: tuple[float, float]) -> Spread:
     )
 
 
-def robust(
-    asked: Problem,
-    met: Sequence[Scenario],
-    taken: Sequence[Spread],
-    effort: Effort,
-    directory: Path,
-    *,
-    engine: Engine = HERE,
-    progress: Callable[[int, int], None] | None = None,
-    say: Callable[[str], None] = quiet,
-    cache: Path | None = None,
-) -> Robust:
+class Runs(NamedTuple):
+    """Where runs are kept and carried out, and who hears of them: `progress` of runs, of all."""
+
+    directory: Path
+    engine: Engine = HERE
+    progress: Callable[[int, int], None] = silent
+    say: Callable[[str], None] = quiet
+    cache: Path | None = None
+
+
+def robust(asked: Problem, met: Sequence[Scenario], taken: Sequence[Spread], effort: Effort, runs: Runs) -> Robust:
     """The search: designs of least nominal loss, small and large, then generations bred from those on the front.
 
-    Runs that `directory` already has are not run again. `progress` hears of runs, of all. Ctrl-C ends the search after
-    the current batches and keeps the designs until then; the same call goes on. Raises ConfigError where the directory
-    cannot be used, KeyboardInterrupt where not even the first two designs came to their end.
+    Runs that the directory already has are not run again. Ctrl-C ends the search after the current batches and keeps
+    the designs until then; the same call goes on. Raises ConfigError where the directory cannot be used,
+    KeyboardInterrupt where not even the first two designs came to their end.
     """
-    whole = len(met) * effort.most
-    study = _Study(directory, engine, lambda done: progress(done, whole) if progress else None, say, cache)
-    trial = _Trials(asked, met, taken, study)
+    trial = _Trials(asked, met, taken, effort, runs)
     rng = np.random.default_rng(effort.seed)
     known = trial.simulate([{}, _least(asked)])
     if len(known) < 2:
         raise KeyboardInterrupt
     before, nominal = known
-    frequency = before.pwm_frequency
-    found: list[Candidate] = []
     state = Robust(
         problem=asked,
         scenarios=tuple(met),
         taken=tuple(taken),
         before=before,
-        nominal=_judge(nominal, frequency),
+        nominal=_judge(nominal, before.pwm_frequency),
         candidates=(),
         runs=trial.runs,
         finished=True,
     )
     for number in range(effort.generations):
         parents = [dict(each.values) for each in state.front]
-        designs = list(_seeds(asked)) if number == 0 else []
+        designs = list(_seeds(asked))[: effort.designs] if number == 0 else []
         designs += _children(asked, parents or [asked.start], effort.designs - len(designs), rng)
-        done = trial.simulate(designs[: effort.designs])
-        found += [_judge(each, frequency) for each in done]
-        finished = len(done) == min(len(designs), effort.designs)
-        state = replace(state, candidates=tuple(found), runs=trial.runs, finished=finished)
+        done = [_judge(each, before.pwm_frequency) for each in trial.simulate(designs)]
+        finished = len(done) == len(designs)
+        state = replace(state, candidates=(*state.candidates, *done), runs=trial.runs, finished=finished)
         if not finished:
             break
     return state
 
 
-class _Study(NamedTuple):
-    """Where runs are kept and carried out, and who hears of them."""
-
-    directory: Path
-    engine: Engine
-    progress: Callable[[int], None]
-    say: Callable[[str], None]
-    cache: Path | None
-
-
 class _Trials:
     """Simulates designs in every scenario, in lanes; counts the runs that it has asked for and those carried out."""
 
-    def __init__(self, asked: Problem, met: Sequence[Scenario], taken: Sequence[Spread], study: _Study) -> None:
-        self.asked, self.met, self.taken = asked, met, {each.setting: each for each in taken}
-        self.study, self.wanted, self.runs = study, 0, 0
+    def __init__(
+        self, asked: Problem, met: Sequence[Scenario], taken: Sequence[Spread], effort: Effort, kept: Runs
+    ) -> None:
+        self.asked, self.met, self.taken, self.kept = asked, met, {each.setting: each for each in taken}, kept
+        self.all, self.wanted, self.runs = len(met) * effort.most, 0, 0
 
     def simulate(self, designs: Sequence[Mapping[str, float]]) -> list[Candidate]:
         """The designs as candidates, not yet judged; fewer where it was interrupted."""
         cases = [self.case(values, each) for values in designs for each in self.met]
-        directory, engine, progress, say, cache = self.study
+        directory, engine, progress, say, cache = self.kept
         results = run_study(
             Study(self.asked.system, cases, OUTPUTS),
             directory,
             engine=engine,
-            progress=lambda done, _: progress(self.wanted + done),
+            progress=lambda done, _: progress(self.wanted + done, self.all),
             say=say,
             cache=cache,
         )

@@ -31,7 +31,7 @@ def robust_result(found: Robust) -> Result:
         "front": _table("Designs on the front", found, front, "point"),
         "before": _table("The system as it is", found, (found.before,), "as it is"),
         "nominal": _table("Least loss in closed form", found, (found.nominal,), "nominal"),
-        "refused": _table("Designs that the simulation refuses", found, found.refused, "refused"),
+        "refused": _table("Designs that the simulation refuses", found, found.rejects, "refused"),
     }
     confirmed = Badge(f"{len(front)} designs confirmed by simulation", Grade.GOOD if front else Grade.BAD)
     return Result(
@@ -103,7 +103,7 @@ def _numbers(found: Robust) -> Iterator[tuple[str, Number]]:
     yield "loss_nominal_W", Number(found.nominal.loss, MEAN_POWER, "mean loss of the nominal optimum")
     yield "loss_robust_W", Number(least, MEAN_POWER, "least mean loss")
     yield "designs", Number(float(len(found.front)), COUNT, "designs on the front")
-    yield "refused_designs", Number(float(len(found.refused)), COUNT, "designs that the simulation refuses")
+    yield "refused_designs", Number(float(len(found.rejects)), COUNT, "designs that the simulation refuses")
     yield "scenarios", Number(float(len(found.scenarios)), COUNT, "scenarios")
     yield "simulated_designs", Number(float(len(found.candidates) + 2), COUNT, "designs that were simulated")
 

@@ -268,18 +268,16 @@ class RotaryBench(Extras):
         open_loss = full_open_loss(delivered, rho, self.valve) if delivered > 0.0 else 0.0
         shaft, motor = supplied.pump_shaft, supplied.spool_motor
         load_power = mean.spent.load if self.makes_pressure else -supplied.load_line - supplied.tank
-        beside = sum(getattr(mean.spent, name, 0.0) for name in SOFTENING)
-        drops = valve.nozzle + valve.centre_section + valve.outlet_turbine + beside
-        load_flow = totals.valve_load_flow + getattr(totals, "bypass_flow", 0.0)
+        drops = valve.nozzle + valve.centre_section + valve.outlet_turbine + _beside(mean.spent)
         turns = float(found["speed_mean_spool_rad_s"])
         place = [path for path, _, _ in leaves(run.case.state)].index("spool.angle")
         return {
             "pwm_frequency_Hz": turns * self.valve.sections / (2.0 * np.pi),
             "mean_pump_flow_m3_s": pump_flow,
-            "mean_load_flow_m3_s": load_flow,
+            "mean_load_flow_m3_s": _load_flow(totals),
             "mean_tank_flow_m3_s": totals.valve_tank_flow - totals.valve_leakage,
             "mean_leakage_flow_m3_s": totals.valve_leakage,
-            "load_flow_fraction": _ratio(load_flow, pump_flow),
+            "load_flow_fraction": _ratio(_load_flow(totals), pump_flow),
             "mean_load_opening": totals.valve_load_opening,
             "cavitation_port_share": min(max(totals.valve_cavitating, 0.0), 1.0),
             "cavitation_number_lowest": lowest_cavitation_number(self, found, (run.low[place], run.high[place])),
@@ -419,6 +417,16 @@ def rotary_bench(system: "System", verb: str) -> RotaryBench:
 def _hold_table(table: Any) -> Any:
     signals = {f.name: value for f in fields(table) if isinstance(value := getattr(table, f.name), Signal)}
     return replace(table, **{name: constant(signal_value(0.0, value)) for name, value in signals.items()})
+
+
+def _beside(spent: Any) -> float:
+    """What the components of soft switching lose [W]; nothing without them."""
+    return float(sum(getattr(spent, name, 0.0) for name in SOFTENING))
+
+
+def _load_flow(totals: Any) -> float:
+    """Mean flow to the load [m^3/s], with what a check valve past its port carries."""
+    return float(totals.valve_load_flow + getattr(totals, "bypass_flow", 0.0))
 
 
 def _ratio(a: float, b: float) -> float:
