@@ -875,6 +875,27 @@ def test_ctrl_c_after_the_passes_changes_nothing(estimated, monkeypatch):
     assert kept.summary["finished"] is True and kept.summary["edges"] == 300 and not titles(kept)
 
 
+def test_the_means_follow_from_the_rows_that_count(estimated):
+    """From the 17th edge of 300 on, two turns of 8 sectors; the record of 2 s has one piece."""
+    times = passing_times(300)
+    kept = estimated(stamped(times), sensor__edges="edge")
+    counts, speed = kept.column("settled") > 0.0, kept.column("speed")
+    assert np.array_equal(counts, kept.column("time") >= times[16])
+    assert kept.summary["spool_speed_mean_rad_s"] == pytest.approx(np.mean(speed[counts]), rel=1e-12)
+    assert kept.summary["spool_speed_max_rad_s"] == np.max(speed[counts])
+    mean = np.mean(kept.column("edges/normalised_innovation")[kept.column("edges/settled") > 0.0] ** 2)
+    assert kept.summary["nis_mean"] == pytest.approx(mean, rel=1e-12)
+
+
+def test_the_share_of_pulses_by_hand():
+    """Of a period of 120 degrees: 30 degrees are a quarter; a falling edge without a rising one is none, nor is a pulse
+    of more than a period. The last edge rises at 300 degrees."""
+    degrees = np.array([10.0, 30.0, 60.0, 100.0, 130.0, 270.0, 300.0])
+    rising = np.array([False, True, False, False, True, False, True])
+    shares, last = pressure_chain.pulse_shares(np.radians(degrees), rising, np.nan, 3)
+    assert shares == pytest.approx([0.25]) and last == pytest.approx(np.radians(300.0))
+
+
 def test_all_that_is_kept_has_units_and_names(estimated, tmp_path):
     kept = estimated(stamped(passing_times(300)), sensor__edges="edge")
     with h5py.File(kept.directory / "result.h5") as file:

@@ -8,7 +8,7 @@ import pytest
 
 from vvdp.base.errors import WriteError
 from vvdp.offline import estimate_result
-from vvdp.offline.estimate_result import Store
+from vvdp.offline.estimate_result import Store, piece_rows
 
 NAMED = {"time": ("s", "time"), "speed": ("rad/s", "spool speed")}
 ROWS = 40_000
@@ -46,3 +46,21 @@ def test_a_disk_that_fails_after_any_number_of_bytes_is_told(tmp_path, monkeypat
     small_files(size)
     with pytest.raises(WriteError, match=r"result\.h5: cannot be written \(File too large\)"):
         fill(tmp_path / "result.h5")
+
+
+def test_rows_that_nobody_wrote_are_nan(tmp_path):
+    with Store(tmp_path / "a.h5") as store:
+        store.columns("", NAMED, 3)
+        store.append("", {"time": np.array([1.0, 2.0])})
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert np.array_equal(file["time"][:], [np.nan, np.nan, np.nan, 1.0, 2.0], equal_nan=True)
+        assert np.isnan(file["speed"][:]).all() and file["speed"].shape == (3,)
+
+
+@pytest.mark.parametrize("at_once", [1, 2, 3, 100])
+def test_pieces_are_found_wherever_the_portions_end(tmp_path, monkeypatch, at_once):
+    monkeypatch.setattr(estimate_result, "AT_ONCE", at_once)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["edges/piece"] = np.array([1.0, 1.0, 1.0, 2.0, 4.0, 4.0])
+        assert piece_rows(file, "edges/") == {1.0: (0, 3), 2.0: (3, 4), 4.0: (4, 6)}
+        assert piece_rows(file, "") == {}

@@ -52,39 +52,34 @@ class RecordClock:
         self._watch(times[inside])
         sound &= inside
         times, values = (times, values) if sound.all() else (times[sound], values[sound])
-        for again, first, last in self._forward(times):
-            if again:
-                yield None
-            if last > first:
-                self._tally.begin, self._tally.end = min(self._tally.begin, float(times[first])), float(times[last - 1])
-                yield Portion(times[first:last], values[first:last])
+        for where in self._forward(times):
+            yield None if where is None else Portion(times[where], values[where])
 
     def edges(self, found: Edges) -> Iterator[Edges | None]:
         """Edges that are a clock themselves, in order; None where their times go back: a column of several records, one
         below the other."""
-        for again, first, last in self._forward(found.times):
-            if again:
-                yield None
-            if last > first:
-                times = found.times[first:last]
-                self._tally.begin, self._tally.end = min(self._tally.begin, float(times[0])), float(times[-1])
-                yield part(found, slice(first, last))
+        for where in self._forward(found.times):
+            yield None if where is None else part(found, where)
 
-    def _forward(self, times: Array) -> Iterator[tuple[bool, int, int]]:
-        """Stretches in which times run forward, each with whether they went back before it. Raises ConfigError where
-        they do so too often."""
+    def _forward(self, times: Array) -> Iterator[slice | None]:
+        """Stretches in which times run forward; None where they go back. Raises ConfigError where that is too often."""
         if not times.size:
             return
-        before = self._tally.end if np.isfinite(self._tally.end) else times[0]
+        tally = self._tally
+        before = tally.end if np.isfinite(tally.end) else times[0]
         back = np.flatnonzero(np.diff(times, prepend=before) < 0.0).tolist()
-        if self._tally.backward + len(back) > MOST_BACKWARD:
+        if tally.backward + len(back) > MOST_BACKWARD:
             channel = self._wanted.source.channel
             which = f"edge times {channel!r} do" if isinstance(self._wanted.source, Stamps) else "clock does"
             problem = f"the {which} not run forward, more than {MOST_BACKWARD} times; is it the right column?"
             raise unusable(self._path, problem)
         for i, (first, last) in enumerate(zip([0, *back], [*back, times.size], strict=True)):
-            self._tally.backward += 1 if i else 0
-            yield i > 0, first, last
+            if i:
+                tally.backward += 1
+                yield None
+            if last > first:
+                tally.begin, tally.end = min(tally.begin, float(times[first])), float(times[last - 1])
+                yield slice(first, last)
 
     def _watch(self, times: Array) -> None:
         """Gaps between samples, whatever their values."""

@@ -160,7 +160,7 @@ class _Given:
         """How a message calls a key."""
         return self.names.get(key, key)
 
-    def chosen(self, table: str, keys: Iterable[str]) -> dict[str, Any]:
+    def pick(self, table: str, keys: Iterable[str]) -> dict[str, Any]:
         """The values under those of `keys` that a table gives."""
         return {key: self.values[table][key] for key in keys if key in self.values[table]}
 
@@ -285,7 +285,7 @@ def _estimation(given: _Given) -> Estimation | None:
         source=source,
         filter=chosen,
         sections=given.values["valve"].get("sections", DEFAULT_SECTIONS),
-        **given.chosen("log", ("time", "time_unit", "sample_rate")),
+        **given.pick("log", ("time", "time_unit", "sample_rate")),
         begin=begin,
         end=end,
         pressure=pressure,
@@ -333,7 +333,7 @@ def _refuse_strangers(given: _Given, source: str) -> None:
 
 def _comparator(given: _Given) -> Comparator:
     usual = {"level": None, "hysteresis": 0.25, "interpolated": True, "inverted": False}
-    return Comparator(**usual | given.values["threshold"] | given.chosen("sensor", ("inverted",)))
+    return Comparator(**usual | given.values["threshold"] | given.pick("sensor", ("inverted",)))
 
 
 def _wheel(given: _Given) -> CodeWheel | None:
@@ -354,7 +354,7 @@ def _wheel(given: _Given) -> CodeWheel | None:
 
 
 def _filter(given: _Given, wheel: CodeWheel | None) -> EventFilter | None:
-    changes = given.chosen("filter", FILTER_KINDS)
+    changes = given.pick("filter", FILTER_KINDS)
     try:
         chosen = dataclasses.replace(event_filter(wheel or equal_wheel(DEFAULT_SECTORS)), **changes)
     except ParameterError as problem:
@@ -373,9 +373,9 @@ def _pressure(given: _Given) -> InletPressure | None:
         return InletPressure(
             channel=values["channel"],
             unit=values.get("unit", ""),
-            edges=dataclasses.replace(pressure_edges(), **given.chosen("pressure", PRESSURE_KINDS)),
+            edges=dataclasses.replace(pressure_edges(), **given.pick("pressure", PRESSURE_KINDS)),
             fused=values.get("fuse", False),
-            **given.chosen("pressure", WAVE_KINDS),
+            **given.pick("pressure", WAVE_KINDS),
         )
     except ParameterError as problem:
         given.fault("pressure", str(problem))

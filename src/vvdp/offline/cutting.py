@@ -84,7 +84,7 @@ class Cutter:
         wanted = max(edges_needed(self.settings.wheel), 2 * SEEN_AFTER)  # edges that tell how a piece begins
         looked_at = self._pending.times[: max(EDGES_AT_ONCE, wanted)]
         before = float(self._history[-1]) if self._inside else None
-        cuts = np.flatnonzero(~bridged(looked_at, before, self._steps, self.waves, self.settings))
+        cuts = np.flatnonzero(~can_bridge(looked_at, before, self._steps, self.waves, self.settings))
         end = int(cuts[0]) if cuts.size else looked_at.size
         if not self._inside:
             if end < wanted and not cuts.size and not last:
@@ -159,7 +159,7 @@ class Cutter:
         return float(heard[silences[0] if silences.size else -1]) + reach
 
 
-def bridged(times: Array, before: float | None, earlier: Array, waves: Array, settings: EventFilter) -> Chosen:
+def can_bridge(times: Array, before: float | None, earlier: Array, waves: Array, settings: EventFilter) -> Chosen:
     """Of each edge at one of `times` [s], whether the time since the one before it can be bridged, by edges of the
     pressure's `waves` [s] as well.
 

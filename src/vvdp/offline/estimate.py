@@ -119,13 +119,13 @@ def estimate(
         run = FilteringPass(log, wanted, store, say, beginning)
         passes = 2.0 if wanted.smooth else 1.0
         run.through(lambda done: progress(done / passes))
-        store.flush()
-        rows = row_sums(store.file, run.tally.rate)
-        if not rows.count:
-            if run.tally.interruptions:
-                raise KeyboardInterrupt
-            raise unusable(log.path, explain_no_result(run.tally, wanted))
         with catch_interrupt():  # the second pass heeds Ctrl-C itself; all else is done to the end, in seconds
+            store.flush()
+            rows = row_sums(store.file, run.tally.rate)
+            if not rows.count:
+                if run.tally.interruptions:
+                    raise KeyboardInterrupt
+                raise unusable(log.path, explain_no_result(run.tally, wanted))
             _report_skipped(run)
             sums = Sums(run.tally, rows, edge_sums(store.file, run.tally.sectors), _explain(store, wanted))
             if wanted.smooth:
@@ -158,10 +158,7 @@ def _smooth(
     store: Store, sums: Sums, wanted: Estimation, say: Callable[[str], None], progress: Callable[[float], None]
 ) -> None:
     """Adds the smoothed columns; it may be interrupted."""
-    store.columns("", SMOOTHED)
-    rows = store.file["piece"].shape[0]
-    store.append("", {name: np.full(rows, np.nan) for name in SMOOTHED})
-    store.flush()
+    store.columns("", SMOOTHED, store.file["piece"].shape[0])
     ripple = None if sums.explained is None else sums.explained.ripple
     told = ripple if ripple is not None and ripple.order == wanted.filter.ripple_order else None
     second = SecondPass(store.file, wanted, told, say)

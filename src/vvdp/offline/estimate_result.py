@@ -116,12 +116,12 @@ class Store:
         if self._disk.problem is not None:
             raise write_error(self._path, self._disk.problem) from None
 
-    def columns(self, group: str, named: Mapping[str, tuple[str, str]]) -> None:
-        """Empty datasets to be filled by `append`."""
+    def columns(self, group: str, named: Mapping[str, tuple[str, str]], rows: int = 0) -> None:
+        """Datasets of so many `rows` of NaN, to be filled, and continued by `append`."""
         for name, (unit, words) in named.items():
             dataset = self.file.create_dataset(
-                _path(group, name), (0,), float, maxshape=(None,), chunks=(ROWS_IN_CHUNK,), compression="gzip",
-                compression_opts=1, shuffle=True,
+                _path(group, name), (rows,), float, maxshape=(None,), chunks=(ROWS_IN_CHUNK,), compression="gzip",
+                compression_opts=1, shuffle=True, fillvalue=np.nan,
             )  # fmt: skip
             dataset.attrs["units"], dataset.attrs["long_name"] = unit, words
 

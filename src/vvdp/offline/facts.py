@@ -151,22 +151,20 @@ def record_facts(found: Mapping[str, Any], sums: Sums, wanted: Estimation) -> di
     anew = tally.pieces > 1 + tally.backward + len(tally.reversals)
     passed = tally.edges + tally.missed
     complaints = [str(each) for each in tally.pressure_record]
-    return (
-        _amounts(tally)
-        | _finder_facts(sums)
-        | _step_facts(sums, wanted)
-        | {
-            "standstills": _list_words([f"from {begin:.4g} to {end:.4g} s" for begin, end in rows.standstills]),
-            "interruptions": tally.interruptions,
-            "unsettled": not found["settled"],
-            "hardly_possible": "" if SLOWEST <= rows.usual_speed <= FASTEST else with_unit(rows.usual_speed, SPEED),
-            "gap": GAP,
-            "started_anew": Amount(tally.pieces if anew else 0),
-            "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
-            "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
-            "pressure_record": _list_words(complaints, "; ", "{} more"),
-        }
-    )
+    return {
+        **_amounts(tally),
+        **_finder_facts(sums),
+        **_step_facts(sums, wanted),
+        "standstills": _list_words([f"from {begin:.4g} to {end:.4g} s" for begin, end in rows.standstills]),
+        "interruptions": tally.interruptions,
+        "unsettled": not found["settled"],
+        "hardly_possible": "" if SLOWEST <= rows.usual_speed <= FASTEST else with_unit(rows.usual_speed, SPEED),
+        "gap": GAP,
+        "started_anew": Amount(tally.pieces if anew else 0),
+        "bridge": bridged_time(TURN / tally.sectors / pace, wanted.filter) if anew and pace > 0.0 else np.nan,
+        "missed_percent": 100.0 * tally.missed / passed if passed else np.nan,
+        "pressure_record": _list_words(complaints, "; ", "{} more"),
+    }
 
 
 def _step_facts(sums: Sums, wanted: Estimation) -> dict[str, Any]:

@@ -47,6 +47,11 @@ class Waiting:
         if self.values.size > LONGEST:
             self.times, self.values, self.folded = self.times[-LONGEST:], self.values[-LONGEST:], 0
 
+    def at(self, times: Array) -> Array:
+        """Values at other times [s]; NaN before the first and after the last of them."""
+        known = np.interp(times, self.times, self.values, left=np.nan, right=np.nan) if self.times.size else np.nan
+        return np.broadcast_to(known, times.shape)
+
     def drop(self, ready: int) -> None:
         """Forgets the first samples, but the last of them."""
         self.times, self.values, self.folded = self.times[ready - 1 :], self.values[ready - 1 :], 1
@@ -159,10 +164,8 @@ class PressureChain:
         begin = total - self._bare
         end = int(np.searchsorted(self.row_times, times[-1], side="right")) if times.size else 0
         end = total if last else max(begin, end, total - LONGEST)
-        rows, unknown = self.row_times[begin:end], np.full(end - begin, np.nan)
-        given = np.interp(rows, times, self.waiting.values, left=np.nan, right=np.nan) if times.size else unknown
-        self._store.append("", {"inlet_pressure": given})
-        self._bare -= rows.size
+        self._store.append("", {"inlet_pressure": self.waiting.at(self.row_times[begin:end])})
+        self._bare -= end - begin
 
     def _fold(self) -> None:
         row_times, waiting, until = self.row_times, self.waiting, float(self.row_times[-1])

@@ -139,6 +139,8 @@ class Inspection:
         lost = np.fmax(np.round(intervals[gap] / self._usual) - 1.0, 1.0)
         self._list(BACKWARDS, before[back], times[back], np.ones(rows[back].size), rows[back])
         self._list(GAP_FOUND, before[gap], times[gap], lost, rows[gap])
+        if not (still.any() or back.any() or gap.any()):
+            return [Piece(self._piece, times, values)]
         numbers = self._piece + np.cumsum(back | gap)
         self._piece = int(numbers[-1])
         kept = _leave_out(still, numbers, times, values)
@@ -148,10 +150,12 @@ class Inspection:
 
     def _list_runs(self, what: str, odd: Chosen, times: Array, rows: Chosen) -> None:
         """Lists runs of odd samples; one at the beginning goes on from the portion before."""
-        first, last = np.flatnonzero(np.diff(odd, prepend=False, append=False)).reshape(-1, 2).T
         joined = bool(odd[0]) and self._open.get(what, False)
-        self._list(what, times[first], times[last - 1], last - first, rows[first], joined=joined)
         self._open[what] = bool(odd[-1])
+        if not odd.any():
+            return
+        first, last = np.flatnonzero(np.diff(odd, prepend=False, append=False)).reshape(-1, 2).T
+        self._list(what, times[first], times[last - 1], last - first, rows[first], joined=joined)
 
     def _list(self, what: str, *columns: Chosen, joined: bool = False) -> None:
         """Lists what was found: columns of begins, ends, counts and rows, the first `joined` with the one before."""
@@ -167,12 +171,10 @@ class Inspection:
             joined = False
 
     def _follow(self, times: Array, values: Array, rows: Chosen) -> None:
-        if not values.size:
-            return
-        if len(self._levels) <= FEW_LEVELS:
+        if values.size and len(self._levels) <= FEW_LEVELS:
             self._levels.update(np.unique(values[:: max(1, values.size // 4096)])[: FEW_LEVELS + 1].tolist())
-        self._high = _after(self._high, times, values, rows)
-        self._low = _after(self._low, times, -values, rows)
+        if values.size:
+            self._high, self._low = (_after(self._high, times, values, rows), _after(self._low, times, -values, rows))
 
     def _extremes(self) -> Iterator[Finding]:
         high, low = self._high, self._low

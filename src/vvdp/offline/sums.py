@@ -216,7 +216,7 @@ class EdgeSums:
 
 def edge_sums(file: Any, sectors: int) -> EdgeSums:
     """What the edges of result.h5 add up to, on a wheel with so many `sectors`."""
-    sums, first = EdgeSums(*np.zeros((3, sectors))), np.nan
+    sums, first = EdgeSums(counts=np.zeros(sectors), totals=np.zeros(sectors), squares=np.zeros(sectors)), np.nan
     names = ("settled", "innovation", "normalised_innovation", "variance", "polarity", "sector", "number")
     for settled, innovation, *others in portions(file, "edges/", *names):
         chosen = (settled > 0.0) & np.isfinite(innovation)
