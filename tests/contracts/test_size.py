@@ -172,7 +172,6 @@ ALLOWED = {
     "offline.cutting.Cutter": GOES_BY,
     "offline.edges.WaveEdges._place": GOES_BY,
     "offline.offline_filter.OfflineFilter": GOES_BY,
-    "logs.text._Table": GOES_BY,
     "network.classes.Classes": TEXT_WRITER,
     "network.component.Component": FACADE,
     "network.functions.Functions": TEXT_WRITER,

@@ -82,13 +82,12 @@ class Clocks:
         for depth in range(len(leaf.path) - 1, -1, -1):
             near = [self._readable(path) for path in self._times.get(leaf.path[:depth], ())]
             fitting = [time for time in near if time.samples == leaf.samples] or near
-            if len(fitting) < 2 or (leaf in fitting and not content.rows):
-                found = leaf if leaf in fitting else next(iter(fitting), None)
-            else:
+            if leaf in fitting and not content.rows:
+                return leaf
+            if len(fitting) > 1:
                 self._tell_several(leaf, list_names([content.name(time.path) for time in fitting]))
-                found = fitting[0]
-            if found is not None:
-                return found
+            if fitting:
+                return fitting[0]
         return None
 
     def _tell_several(self, leaf: Leaf, names: str) -> None:

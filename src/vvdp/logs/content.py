@@ -121,7 +121,8 @@ class Content:
 
     @cached_property
     def _last_names(self) -> Counter[str]:
-        return Counter(path[-1] for path in {**self.leaves, **self.unreadable})
+        shown = [path for path, leaf in self.leaves.items() if not leaf.hidden]
+        return Counter(path[-1] for path in (*shown, *self.unreadable))
 
 
 def read_anywhere(content: Content, leaves: Sequence[Leaf], samples: int) -> Iterator[tuple[dict[Names, Array], float]]:

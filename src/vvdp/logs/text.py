@@ -43,17 +43,21 @@ def _rows(
     with content.path.open("rb") as file:
         file.seek(dialect.begin)
         for block in _blocks(content.path, file, max(4096, int(samples * dialect.row_length))):
-            arrays = table.parse_block(block)
-            yield {columns[k]: values for k, values in arrays.items()}, file.tell() / size
+            if block:
+                arrays = table.parse_block(block)
+                yield {columns[k]: values for k, values in arrays.items()}, file.tell() / size
 
 
 def _blocks(path: Path, file: Any, length: int) -> Iterator[bytes]:
-    """Blocks of whole lines; only the last line of the file may lack its end."""
+    """Blocks of whole lines; a last line that lacks its end comes alone."""
     while block := file.read(length):
         rest = file.readline(LONGEST_LINE)
         if len(rest) == LONGEST_LINE:
             raise unusable(path, f"has a line of more than {LONGEST_LINE} bytes; expected a table")
-        yield block + rest
+        block += rest
+        cut = block.rfind(b"\n") + 1
+        yield block[:cut]
+        yield block[cut:]
 
 
 class _Table:
