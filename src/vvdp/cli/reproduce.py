@@ -47,6 +47,7 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
     from vvdp.reproduction.expectation import expected_verdicts, verdict_changes, verdicts_of
     from vvdp.reproduction.result import json_rows, verdict_result
     from vvdp.reproduction.runner import all_statements, reproduce
+    from vvdp.results.result import json_value
 
     began, outcomes = time.perf_counter(), []
     with result_directory(directory, force=force) as folder:
@@ -62,7 +63,9 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
         result = verdict_result(outcomes, changes, time.perf_counter() - began, finished)
         write_with_report(folder, result, "", no_report=no_report)
     if json:
-        print_json({"items": json_rows(outcomes), **result.flat, "changed": changes, "out": str(directory)})
+        counts = {key: json_value(number) for key, number in result.numbers.items()}
+        told = {"changed": changes, "finished": finished, "out": str(directory)}
+        print_json({"items": json_rows(outcomes), **counts, **told})
     else:
         short = result.tables["verdicts"].rows <= MOST_ROWS
         print_result(result, ("verdicts",) if short else ("chapters",))

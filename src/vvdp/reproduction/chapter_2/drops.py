@@ -123,7 +123,7 @@ DIAMETERS = 25.4e-3 * np.array([0.8, 1.0, 1.25])
 
 def fitted_centre(study: KeptStudy) -> tuple[Array, float]:
     """log k, m, n of the computed drops over flow and diameter, and the largest misfit [Pa]."""
-    flow, diameter, drop = (study[key] for key in ("flow_m3_s", "spool_diameter_m", "static_drop_Pa"))
+    flow, diameter, drop = (study[key] for key in ("flow_m3_s", "diameter_m", "static_drop_Pa"))
     columns = [*power_columns(flow), -np.log(diameter)]
     found = fit(columns, np.log(drop))
     law = np.exp(sum(c * column for c, column in zip(found.coefficients, columns, strict=True)))

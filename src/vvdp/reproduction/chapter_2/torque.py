@@ -6,11 +6,13 @@ from scipy.optimize import brentq
 from vvdp.base.kinds import FREQUENCY, LENGTH, MEAN_POWER, NUMBER, SPEED, TORQUE
 from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.oil import density, dynamic_viscosity
+from vvdp.reproduction.chapter_2.computed import kept_or_none
+from vvdp.reproduction.chapter_2.drops import GRID
 from vvdp.reproduction.chapter_2.valve import DENSITY, FLOW, VISCOSITY, open_frequency, open_speed, stand, valve
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import Statement, bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, missing_statement, number_statement
 from vvdp.valve.gap_flow import gap_reynolds_number
 from vvdp.valve.torque import (
     equilibrium_speed,
@@ -62,27 +64,45 @@ def figure_2_17() -> Reproduction:
         panels=(Lines(lines=lines, label="torque", levels=(crossing,), low=0.0),),
         height=2.8,
     )
-    statements = (
-        number_statement(
-            "PWM frequency where the lines cross",
-            72.0,
-            open_frequency(),
-            FREQUENCY,
-            share=0.005,
-            because="digits",
-            assumption=FITTED,
+    crossings = tuple(
+        number_statement(what, printed, found, FREQUENCY, share=0.005, because="digits", assumption=FITTED)
+        for what, printed, found in (
+            ("PWM frequency where the lines cross", 72.0, open_frequency()),
+            ("speed of the spool there", 24.0, open_speed() / TURN),
+        )
+    )
+    statements = (*crossings, *_computed_torques())
+    return Reproduction(statements=statements, tables={"torques": torque_table()}, charts=(chart,))
+
+
+def _computed_torques() -> tuple[Statement, ...]:
+    """Torques at rest on the finest grids, beside the laws."""
+    chosen = (
+        (
+            "centre-grids",
+            "inlet turbine",
+            inlet_torque(FLOW, 1.0, DENSITY, valve()),
+            "the jets' arm was chosen for a drop",
         ),
-        number_statement(
-            "speed of the spool there",
-            24.0,
-            open_speed() / TURN,
-            FREQUENCY,
-            share=0.005,
-            because="digits",
-            assumption=FITTED,
+        (
+            "turbine-grids",
+            "outlet turbine",
+            outlet_torque(FLOW, 0.0, DENSITY, valve()),
+            "the channels' arm was chosen so",
         ),
     )
-    return Reproduction(statements=statements, tables={"torques": torque_table()}, charts=(chart,))
+    found = []
+    for study, name, law, note in chosen:
+        kept = kept_or_none(study)
+        what, source = f"computed torque of the {name} at rest, 40 lpm", "the formula matches the computed torque"
+        if kept is None:
+            found.append(missing_statement(what, source, f"the study {study}"))
+            continue
+        torque = float(kept["torque_N_m"][kept["cells"].argmax()])
+        found.append(
+            number_statement(what, float(law), torque, TORQUE, share=0.05, because=GRID, source=source, note=note)
+        )
+    return tuple(found)
 
 
 def equation_2_6() -> Reproduction:

@@ -24,11 +24,9 @@ from vvdp.base.kinds import (
 from vvdp.estimation.noise_basis import NoiseBasis, fourier_basis, function_count, gaussian_basis, write_basis
 from vvdp.estimation.signal_generator import samples_in_period, signal_generator
 from vvdp.hydraulics.gerotor_drive import gerotor_flow
-from vvdp.report.circuit import graph_of
-from vvdp.report.diagram import diagram
 from vvdp.reproduction.chapter_4.gerotor import STROKE
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
-from vvdp.results.chart import Chart, Line, Lines, Picture, Stroke
+from vvdp.results.chart import Chart, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import bound_statement, drawing_statement, number_statement
 from vvdp.sensing.axial_sensor import Pollution, pollution_at
@@ -39,25 +37,6 @@ BELL_WIDTH = TURN / 6.0
 SHAPE = "the pollution's shape, of which five harmonics are assumed"
 SYSTEM = "axial-gerotor"
 ROUNDING = "rounding"
-
-
-def _circuit(name: str, what: str) -> Reproduction:
-    system = vvdp.load(SYSTEM)
-    drawing = diagram(graph_of(system.circuit.network, system.title), {})
-    return Reproduction(
-        statements=(drawing_statement(what, f"the circuit of the system `{SYSTEM}`"),),
-        pictures=(Picture(name=name, caption=f"The circuit of {SYSTEM}.", svg=drawing),),
-    )
-
-
-def figure_4_1() -> Reproduction:
-    """Actuation and sensing of the spool's axial position."""
-    return _circuit("figure-4.1", "axial actuation and sensing")
-
-
-def figure_4_7() -> Reproduction:
-    """The loop of estimator and controller."""
-    return _circuit("figure-4.7", "block diagram of estimation and control")
 
 
 @cache
@@ -474,13 +453,11 @@ def _bell_mean() -> float:
 
 
 ITEMS = (
-    Item(ItemKind.FIGURE, "4.1", "Valve spool axial actuation and sensing", figure_4_1),
     Item(ItemKind.FIGURE, "4.2", "Sensor output at a fixed axial position", figure_4_2),
     Item(ItemKind.FIGURE, "4.3", "Control input and gerotor pump flow", figure_4_3),
     Item(ItemKind.FIGURE, "4.4", "A periodic signal by different basis functions", figure_4_4),
     Item(ItemKind.FIGURE, "4.5", "Fourier and Gaussian basis functions", figure_4_5),
     Item(ItemKind.FIGURE, "4.6", "Sensitivity to the number of basis functions", figure_4_6),
-    Item(ItemKind.FIGURE, "4.7", "System block diagram", figure_4_7),
     Item(ItemKind.EQUATION, "4.3", "Signal generator", equation_4_3),
     Item(ItemKind.EQUATION, "4.6", "Observability matrix", equation_4_6),
     Item(ItemKind.EQUATION, "4.9", "Gaussian basis", equation_4_9),

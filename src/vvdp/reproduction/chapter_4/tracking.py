@@ -19,6 +19,7 @@ from vvdp.reproduction.chapter_4.gerotor import (
     peak,
 )
 from vvdp.reproduction.chapter_4.noise import rms
+from vvdp.reproduction.drawings import circuit_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
@@ -247,18 +248,8 @@ def lines_of(command: Array, period: float = 1e-3, count: int = 8000) -> tuple[A
     return frequencies, amplitudes
 
 
-def figure_4_14() -> Reproduction:
-    """The spectrum of the command with both filters."""
-    frequencies, lumped = lines_of(late(experiment(CONSTANT, LUMPED)).command)
-    _, periodic = lines_of(late(experiment(CONSTANT, NOISY)).command)
-    once, twice = (int(np.argmin(np.abs(frequencies - f))) for f in (10.0, 20.0))
-    shown = frequencies <= 60.0
-    columns = {
-        "frequency_Hz": Column(frequencies[shown], FREQUENCY, "frequency"),
-        "lumped": Column(lumped[shown], NUMBER, "lumped"),
-        "periodic": Column(periodic[shown], NUMBER, "basis functions"),
-    }
-    chart = Chart(
+def _spectrum_chart() -> Chart:
+    return Chart(
         name="figure-4.14",
         caption="Amplitudes of the command at rest with both filters; the spool turns at 10 Hz.",
         table="spectrum",
@@ -270,6 +261,19 @@ def figure_4_14() -> Reproduction:
         ),
         height=2.6,
     )
+
+
+def figure_4_14() -> Reproduction:
+    """The spectrum of the command with both filters."""
+    frequencies, lumped = lines_of(late(experiment(CONSTANT, LUMPED)).command)
+    _, periodic = lines_of(late(experiment(CONSTANT, NOISY)).command)
+    once, twice = (int(np.argmin(np.abs(frequencies - f))) for f in (10.0, 20.0))
+    shown = frequencies <= 60.0
+    columns = {
+        "frequency_Hz": Column(frequencies[shown], FREQUENCY, "frequency"),
+        "lumped": Column(lumped[shown], NUMBER, "lumped"),
+        "periodic": Column(periodic[shown], NUMBER, "basis functions"),
+    }
     return Reproduction(
         statements=(
             bound_statement(
@@ -290,7 +294,7 @@ def figure_4_14() -> Reproduction:
             ),
         ),
         tables={"spectrum": Table(title="Spectrum", columns=columns, axes=("frequency_Hz",), is_data=True)},
-        charts=(chart,),
+        charts=(_spectrum_chart(),),
     )
 
 
@@ -351,7 +355,19 @@ def figure_4_16() -> Reproduction:
     )
 
 
+def figure_4_1() -> Reproduction:
+    """Actuation and sensing of the spool's axial position."""
+    return circuit_drawing("axial actuation and sensing", "figure-4.1", "axial-gerotor")
+
+
+def figure_4_7() -> Reproduction:
+    """The loop of estimator and controller."""
+    return circuit_drawing("block diagram of estimation and control", "figure-4.7", "axial-gerotor")
+
+
 ITEMS = (
+    Item(ItemKind.FIGURE, "4.1", "Valve spool axial actuation and sensing", figure_4_1),
+    Item(ItemKind.FIGURE, "4.7", "System block diagram", figure_4_7),
     Item(ItemKind.FIGURE, "4.8", "Trapezoid, tracking error, command", figure_4_8),
     Item(ItemKind.FIGURE, "4.9", "Repetitive noise and its estimation error", figure_4_9),
     Item(ItemKind.FIGURE, "4.10", "Tracking error of both filters", figure_4_10),

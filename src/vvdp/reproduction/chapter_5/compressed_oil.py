@@ -53,6 +53,21 @@ def _at(column: str, bar: float) -> float:
     return float(np.interp(bar * BAR, table["pressure_Pa"], table[column]))
 
 
+def _modulus_chart() -> Chart:
+    lines = tuple(
+        Line(x="pressure_Pa", y=f"{kind}_{100 * air:.0f}_Pa", colour=colour, stroke=stroke)
+        for air, colour in zip(AIR, shades(len(AIR)), strict=True)
+        for kind, stroke in (("modulus", Stroke.SOLID), ("mean", Stroke.DOTTED))
+    )
+    return Chart(
+        name="figure-5.3",
+        caption="Bulk modulus (solid) and mean bulk modulus against 0.1 MPa (dotted), by Yu's law.",
+        table="moduli",
+        panels=(Lines(lines=lines, label="bulk modulus", x_log=True, y_log=True),),
+        height=3.4,
+    )
+
+
 def figure_5_3() -> Reproduction:
     """The mean modulus lies below the modulus, the more so the more air there is; both rise with the pressure."""
     table = moduli()
@@ -85,19 +100,7 @@ def figure_5_3() -> Reproduction:
             inconsistency="only at low pressure or with much air: 1.03 here",
         ),
     )
-    lines = tuple(
-        Line(x="pressure_Pa", y=f"{kind}_{100 * air:.0f}_Pa", colour=colour, stroke=stroke)
-        for air, colour in zip(AIR, shades(len(AIR)), strict=True)
-        for kind, stroke in (("modulus", Stroke.SOLID), ("mean", Stroke.DOTTED))
-    )
-    chart = Chart(
-        name="figure-5.3",
-        caption="Bulk modulus (solid) and mean bulk modulus against 0.1 MPa (dotted), by Yu's law.",
-        table="moduli",
-        panels=(Lines(lines=lines, label="bulk modulus", x_log=True, y_log=True),),
-        height=3.4,
-    )
-    return Reproduction(statements=statements, tables={"moduli": table}, charts=(chart,))
+    return Reproduction(statements=statements, tables={"moduli": table}, charts=(_modulus_chart(),))
 
 
 DESIRED = (1.0, 10.0, 50.0, 100.0, 350.0)

@@ -28,7 +28,7 @@ from vvdp.reproduction.chapter_5.chamber import HELIX, TURN, known_drive, middle
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Line, Lines
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, number_statement
 
 GAINS = PositionGains(error_rate=50.0, position_gain=55.0, velocity_gain=4.0)
 SUPPLY = 190.0 * 6894.757
@@ -181,6 +181,54 @@ def margins() -> Table:
     return Table(title="Observability margin", columns=columns, axes=("speed_Hz",), is_data=True)
 
 
+def _margin_chart() -> Chart:
+    return Chart(
+        name="section-5.5",
+        caption="Observability margin over the spool's speed, five harmonics; 1 is as good as without pollution.",
+        table="margins",
+        panels=(Lines(lines=(Line(x="speed_Hz", y="margin"),), label="margin"),),
+        height=2.4,
+    )
+
+
+def _observability(gamma: float, highest: float, rank: int) -> tuple[Statement, ...]:
+    return (
+        bound_statement(
+            "margin at 22.5 Hz",
+            observability_margin(gamma, DRIVEN, HARMONICS),
+            RATIO,
+            low=1e-3,
+            source="observable",
+        ),
+        number_statement(
+            "highest speed at which position and velocity are lost, over √(K/M)",
+            1.0,
+            highest / gamma,
+            RATIO,
+            share=1e-9,
+            because=ROUNDING,
+            source="a harmonic of the spool's speed on the plant's frequency",
+        ),
+        number_statement(
+            "directions of the plant that are seen there",
+            1,
+            rank,
+            COUNT,
+            source="the Grammian loses a rank",
+            inconsistency="position and velocity are both lost: two ranks",
+        ),
+        bound_statement(
+            "plant's frequency within the speeds of chapter 4, 9.8 to 13 Hz",
+            gamma / TURN,
+            FREQUENCY,
+            low=9.8,
+            high=13.0,
+            source="not spoken of",
+            note="with the drive of chapter 5 those speeds would hardly be observable",
+        ),
+    )
+
+
 def section_5_5() -> Reproduction:
     """Theorem 5.5.1: when position and pollution can be told apart."""
     gamma = math.sqrt(known_drive().stiffness / known_drive().moving_mass)
@@ -188,51 +236,10 @@ def section_5_5() -> Reproduction:
     left = without_noise(analytic_grammian(gamma, float(lost[0]), HARMONICS))
     rank = int(np.sum(np.abs(np.linalg.eigvalsh(left * np.outer((1.0, gamma), (1.0, gamma)))) > 1e-9))
     table = margins()
-    chart = Chart(
-        name="section-5.5",
-        caption="Observability margin over the spool's speed, five harmonics; 1 is as good as without pollution.",
-        table="margins",
-        panels=(Lines(lines=(Line(x="speed_Hz", y="margin"),), label="margin"),),
-        height=2.4,
-    )
     return Reproduction(
-        statements=(
-            bound_statement(
-                "margin at 22.5 Hz",
-                observability_margin(gamma, DRIVEN, HARMONICS),
-                RATIO,
-                low=1e-3,
-                source="observable",
-            ),
-            number_statement(
-                "highest speed at which position and velocity are lost, over √(K/M)",
-                1.0,
-                float(lost[0]) / gamma,
-                RATIO,
-                share=1e-9,
-                because=ROUNDING,
-                source="a harmonic of the spool's speed on the plant's frequency",
-            ),
-            number_statement(
-                "directions of the plant that are seen there",
-                1,
-                rank,
-                COUNT,
-                source="the Grammian loses a rank",
-                inconsistency="position and velocity are both lost: two ranks",
-            ),
-            bound_statement(
-                "plant's frequency within the speeds of chapter 4, 9.8 to 13 Hz",
-                gamma / TURN,
-                FREQUENCY,
-                low=9.8,
-                high=13.0,
-                source="not spoken of",
-                note="with the drive of chapter 5 those speeds would hardly be observable",
-            ),
-        ),
+        statements=_observability(gamma, float(lost[0]), rank),
         tables={"margins": table},
-        charts=(chart,),
+        charts=(_margin_chart(),),
     )
 
 

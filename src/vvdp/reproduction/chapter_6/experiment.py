@@ -115,6 +115,30 @@ def middle_frequency(values: Array) -> float:
     return float(np.fft.rfftfreq(values.size, PERIOD)[np.searchsorted(share, 0.5)])
 
 
+def _mean_openings(run: Run, printed: Run) -> tuple[Statement, ...]:
+    return (
+        number_statement(
+            "mean opening of the throttling valve",
+            0.8,
+            run.number("return_opening_mean"),
+            FRACTION,
+            tolerance=0.05,
+            because="it is shut at reversals",
+            source="the nominal opening is 80 %",
+        ),
+        number_statement(
+            "the same, law as printed",
+            0.8,
+            printed.number("return_opening_mean"),
+            FRACTION,
+            tolerance=0.05,
+            because="it is shut at reversals",
+            source="the same, with (6.28) as printed",
+            inconsistency="(6.28) leaves out the expected flow that (6.30) has",
+        ),
+    )
+
+
 def figure_6_7() -> Reproduction:
     """Direction, opening and flow: one switch per reversal, a quick valve beside a slow pump."""
     run, printed = model_run(), printed_run()
@@ -144,25 +168,7 @@ def figure_6_7() -> Reproduction:
             because="an octave (ours)",
             note=f"half of the variance lies below {valve:.2g} Hz and {pump:.2g} Hz",
         ),
-        number_statement(
-            "mean opening of the throttling valve",
-            0.8,
-            run.number("return_opening_mean"),
-            FRACTION,
-            tolerance=0.05,
-            because="it is shut at reversals",
-            source="the nominal opening is 80 %",
-        ),
-        number_statement(
-            "the same, law as printed",
-            0.8,
-            printed.number("return_opening_mean"),
-            FRACTION,
-            tolerance=0.05,
-            because="it is shut at reversals",
-            source="the same, with (6.28) as printed",
-            inconsistency="(6.28) leaves out the expected flow that (6.30) has",
-        ),
+        *_mean_openings(run, printed),
     )
     return as_drawn(run, "displacement-actuation", statements, "figure-6.7")
 

@@ -16,7 +16,7 @@ from vvdp.reproduction.chapter_3.optics import edge_errors
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Table
-from vvdp.results.verdict import bound_statement, number_statement
+from vvdp.results.verdict import Statement, bound_statement, number_statement
 from vvdp.sensing.wheel import TURN
 
 SEED = 0
@@ -131,10 +131,39 @@ def measured_duty_ratio() -> float:
     return float(np.mean(waves))
 
 
-def section_7_3() -> Reproduction:
-    """What the inlet pressure tells, and what adaptation brings."""
+def _learning() -> tuple[Statement, ...]:
+    """What a controller that learns the load gains over one that believes in a wrong one."""
     plain, learned = learning_run(0.0), learning_run(4e4)
     believed = float(learned.command("control.load_force")[-1])
+    return (
+        bound_statement(
+            "largest tracking error, load learned over load believed",
+            learned.number("tracking_error_max_m") / plain.number("tracking_error_max_m"),
+            RATIO,
+            high=1.0,
+            source="parameter adaptation can improve the controller",
+        ),
+        number_statement(
+            "load at the end of the learning",
+            -2500.0,
+            believed,
+            FORCE,
+            share=0.05,
+            because="friction is believed as it is, the modulus is not learned (ours)",
+            source="the load of the simulation",
+        ),
+        bound_statement(
+            "largest tracking error with the load learned",
+            learned.number("tracking_error_max_m"),
+            POSITION,
+            high=5e-3,
+            source="less than 0.5 cm (6.5)",
+        ),
+    )
+
+
+def section_7_3() -> Reproduction:
+    """What the inlet pressure tells, and what adaptation brings."""
     duty = measured_duty_ratio()
     at = rises(estimated_turns()["turned_rad"], estimated_turns()["inlet_Pa"])
     return Reproduction(
@@ -156,29 +185,7 @@ def section_7_3() -> Reproduction:
                 source="slightly different, due to the pressure dynamics",
                 note="static throttling makes it, not the dynamics (docs/errata.md)",
             ),
-            bound_statement(
-                "largest tracking error, load learned over load believed",
-                learned.number("tracking_error_max_m") / plain.number("tracking_error_max_m"),
-                RATIO,
-                high=1.0,
-                source="parameter adaptation can improve the controller",
-            ),
-            number_statement(
-                "load at the end of the learning",
-                -2500.0,
-                believed,
-                FORCE,
-                share=0.05,
-                because="friction is believed as it is, the modulus is not learned (ours)",
-                source="the load of the simulation",
-            ),
-            bound_statement(
-                "largest tracking error with the load learned",
-                learned.number("tracking_error_max_m"),
-                POSITION,
-                high=5e-3,
-                source="less than 0.5 cm (6.5)",
-            ),
+            *_learning(),
         )
     )
 
