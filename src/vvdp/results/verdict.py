@@ -107,10 +107,10 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 def _width(value: float, kind: Kind) -> str:
     """A difference of two values [SI] with the unit of their kind."""
     (zero, unit), (text, _) = (value_and_unit(each, kind) for each in (0.0, value))
-    return f"{plain(_parsed(text) - _parsed(zero), 3)} {unit}"
+    return f"{plain(_number_of(text) - _number_of(zero), 3)} {unit}"
 
 
-def _parsed(text: str) -> float:
+def _number_of(text: str) -> float:
     """A number that was written for a person."""
     mantissa, _, exponent = text.replace("−", "-").partition("·10")
     return float(mantissa) * 10.0 ** int(exponent.translate(SUPERSCRIPTS) or 0)

@@ -22,7 +22,6 @@ from vvdp.base.kinds import (
     SIGNED_FRACTION,
 )
 from vvdp.estimation.noise_basis import NoiseBasis, fourier_basis, function_count, gaussian_basis, write_basis
-from vvdp.estimation.signal_generator import samples_in_period, signal_generator
 from vvdp.hydraulics.gerotor_drive import gerotor_flow
 from vvdp.reproduction.chapter_4.gerotor import STROKE
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
@@ -56,7 +55,7 @@ def turn_angles(turns: float = 1.0) -> Array:
     return found
 
 
-def polluted(angles: Array) -> Array:
+def pollution_over(angles: Array) -> Array:
     """What the sensor shows beside the position [m]."""
     shape = pollution()
     return np.array([pollution_at(float(angle), shape) for angle in angles])
@@ -65,7 +64,7 @@ def polluted(angles: Array) -> Array:
 def figure_4_2() -> Reproduction:
     """The sensor's output while the spool spins at a stop."""
     angles = turn_angles(2.0)
-    values = polluted(angles)
+    values = pollution_over(angles)
     columns = {
         "angle_rad": Column(angles, ANGLE, "angle of the spool"),
         "shown_m": Column(values, POSITION, "position shown at a stop"),
@@ -168,7 +167,7 @@ def rms(values: Array) -> float:
 def figure_4_4() -> Reproduction:
     """The pollution described by six functions of either kind."""
     angles = turn_angles()
-    values = polluted(angles)
+    values = pollution_over(angles)
     fourier = best_fit(fourier_basis(3), angles, values)
     bells = best_fit(gaussian_basis(6, BELL_WIDTH), angles, values)
     columns = {
@@ -239,7 +238,7 @@ MEASURED_TURNS = 4.0
 def figure_4_6() -> Reproduction:
     """The pollution of some noisy turns described by 10, 20 and 40 Fourier functions."""
     angles = turn_angles(MEASURED_TURNS)
-    values = polluted(angles) + np.random.default_rng(0).normal(0.0, SCATTER, angles.size)
+    values = pollution_over(angles) + np.random.default_rng(0).normal(0.0, SCATTER, angles.size)
     left = [rms(best_fit(fourier_basis(count // 2), angles, values) - values) for count in COUNTS]
     with_10, with_20, with_40 = left[-3:]
     columns = {
@@ -273,53 +272,6 @@ def figure_4_6() -> Reproduction:
         ),
         tables={"counts": Table(title="Number of functions", columns=columns, axes=("count",))},
         charts=(chart,),
-    )
-
-
-def equation_4_3() -> Reproduction:
-    """How many states the signal generator has."""
-    sizes = [signal_generator(samples_in_period(period, 2e-3))[0].shape[0] for period in (0.1, 0.04)]
-    return Reproduction(
-        statements=(
-            number_statement(
-                "states of the noise, 10 Hz and 2 ms",
-                50,
-                sizes[0],
-                COUNT,
-                inconsistency="50 with the position: one sample of a period follows from its mean of zero",
-            ),
-            number_statement("states with the position, 25 Hz and 2 ms (4.5.1)", 20, sizes[1] + 1, COUNT),
-        )
-    )
-
-
-def equation_4_6() -> Reproduction:
-    """The determinant of the observability matrix, and its last row."""
-    N = 20
-    A, C = np.eye(N), np.ones(N)
-    A[1:, 1:], C[1:] = signal_generator(N)
-    rows = [C @ np.linalg.matrix_power(A, k) for k in range(N)]
-    printed = [*rows[:-1], C @ np.linalg.matrix_power(A, N)]
-    return Reproduction(
-        statements=(
-            number_statement(
-                "determinant for N = 20",
-                (-1) ** (N + 1) * N,
-                float(np.linalg.det(rows)),
-                NUMBER,
-                tolerance=1e-9,
-                because=ROUNDING,
-            ),
-            number_statement(
-                "determinant with C A^N as the last row, as printed",
-                (-1) ** (N + 1) * N,
-                float(np.linalg.det(printed)),
-                NUMBER,
-                tolerance=1e-9,
-                because=ROUNDING,
-                inconsistency="C A^N is C again; the row displayed is that of C A^(N−1)",
-            ),
-        )
     )
 
 
@@ -458,8 +410,6 @@ ITEMS = (
     Item(ItemKind.FIGURE, "4.4", "A periodic signal by different basis functions", figure_4_4),
     Item(ItemKind.FIGURE, "4.5", "Fourier and Gaussian basis functions", figure_4_5),
     Item(ItemKind.FIGURE, "4.6", "Sensitivity to the number of basis functions", figure_4_6),
-    Item(ItemKind.EQUATION, "4.3", "Signal generator", equation_4_3),
-    Item(ItemKind.EQUATION, "4.6", "Observability matrix", equation_4_6),
     Item(ItemKind.EQUATION, "4.9", "Gaussian basis", equation_4_9),
     Item(ItemKind.EQUATION, "4.12", "Grammian of the periodic model", equation_4_12),
     Item(ItemKind.SECTION, "4.1", "Pressure and power of the drive", section_4_1),

@@ -1,18 +1,67 @@
-"""Sections 4.3 and 4.4: reference, gains, stability and observability of the augmented systems."""
+"""Sections 4.2 to 4.4: the signal generator, reference, gains, stability and observability of the augmented systems."""
 
 import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import COUNT, NUMBER, POSITION, RATIO
 from vvdp.estimation.noise_basis import fourier_basis
+from vvdp.estimation.signal_generator import samples_in_period, signal_generator
 from vvdp.reproduction.chapter_4.noise import rows_of
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.verdict import bound_statement, number_statement
 
 TURN = 2.0 * np.pi
 INCH = 25.4e-3
+ROUNDING = "rounding"
 SAMPLES = 1000
 """In a turn of 0.1 s."""
+
+
+def equation_4_3() -> Reproduction:
+    """How many states the signal generator has."""
+    sizes = [signal_generator(samples_in_period(period, 2e-3))[0].shape[0] for period in (0.1, 0.04)]
+    return Reproduction(
+        statements=(
+            number_statement(
+                "states of the noise, 10 Hz and 2 ms",
+                50,
+                sizes[0],
+                COUNT,
+                inconsistency="50 with the position: one sample of a period follows from its mean of zero",
+            ),
+            number_statement("states with the position, 25 Hz and 2 ms (4.5.1)", 20, sizes[1] + 1, COUNT),
+        )
+    )
+
+
+def equation_4_6() -> Reproduction:
+    """The determinant of the observability matrix, and its last row."""
+    N = 20
+    A, C = np.eye(N), np.ones(N)
+    A[1:, 1:], C[1:] = signal_generator(N)
+    rows = [C @ np.linalg.matrix_power(A, k) for k in range(N)]
+    printed = [*rows[:-1], C @ np.linalg.matrix_power(A, N)]
+    return Reproduction(
+        statements=(
+            number_statement(
+                "determinant for N = 20",
+                (-1) ** (N + 1) * N,
+                float(np.linalg.det(rows)),
+                NUMBER,
+                tolerance=1e-9,
+                because=ROUNDING,
+            ),
+            number_statement(
+                "determinant with C A^N as the last row, as printed",
+                (-1) ** (N + 1) * N,
+                float(np.linalg.det(printed)),
+                NUMBER,
+                tolerance=1e-9,
+                because=ROUNDING,
+                inconsistency="C A^N is C again; the row displayed is that of C A^(N−1)",
+            ),
+        )
+    )
 
 
 def printed_trapezoid(t: float) -> float:
@@ -160,6 +209,8 @@ def equation_4_20() -> Reproduction:
 
 
 ITEMS = (
+    Item(ItemKind.EQUATION, "4.3", "Signal generator", equation_4_3),
+    Item(ItemKind.EQUATION, "4.6", "Observability matrix", equation_4_6),
     Item(ItemKind.EQUATION, "4.13", "Gains of the generator's filter", equation_4_13),
     Item(ItemKind.EQUATION, "4.16", "The trapezoid", equation_4_16),
     Item(ItemKind.EQUATION, "4.18", "Dynamics of the tracking errors", equation_4_18),

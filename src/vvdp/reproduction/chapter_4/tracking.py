@@ -48,7 +48,7 @@ def _panel(label: str, *columns: str, right: float | None = None, left: float | 
     return Lines(lines=tuple(Line(x="time_s", y=y, width=0.9) for y in columns), label=label, left=left, right=right)
 
 
-def _shown(name: str, caption: str, found: Samples, *panels: Lines) -> dict[str, Any]:
+def _drawing_of(name: str, caption: str, found: Samples, *panels: Lines) -> dict[str, Any]:
     chart = Chart(name=name, caption=caption, table="samples", panels=panels, height=1.0 + 1.3 * len(panels))
     return {"tables": {"samples": _table(found)}, "charts": (chart,)}
 
@@ -67,7 +67,7 @@ def figure_4_8() -> Reproduction:
                 because="a hundredth of the stroke (ours)",
             ),
         ),
-        **_shown(
+        **_drawing_of(
             "figure-4.8",
             "Trapezoid, tracking error and command with the signal generator at 25 Hz.",
             found,
@@ -93,7 +93,7 @@ def figure_4_9() -> Reproduction:
                 note=f"{1e6 * rms(found.pollution_error):.1f} µm rms with white noise of 20 µm",
             ),
         ),
-        **_shown(
+        **_drawing_of(
             "figure-4.9",
             "Pollution at 25 Hz and the error of its estimate.",
             found,
@@ -199,7 +199,7 @@ def figure_4_12() -> Reproduction:
                 inconsistency="the 2 % are of the estimate; the dead band keeps most of it from the spool",
             ),
         ),
-        **_shown(
+        **_drawing_of(
             "figure-4.12",
             "Constant reference with the lumped filter: estimate, spool and command.",
             found,
@@ -230,7 +230,7 @@ def figure_4_13() -> Reproduction:
                 note=DRIVE,
             ),
         ),
-        **_shown(
+        **_drawing_of(
             "figure-4.13",
             "Constant reference with the basis functions: estimate, spool and command.",
             found,
@@ -313,7 +313,7 @@ def figure_4_15() -> Reproduction:
                 because="three times (ours)",
             ),
         ),
-        **_shown(
+        **_drawing_of(
             "figure-4.15",
             "Pollution at 10 Hz and the error of what a basis at 9.5 Hz believes.",
             found,
@@ -345,7 +345,7 @@ def figure_4_16() -> Reproduction:
                 source="the spool can oscillate",
             ),
         ),
-        **_shown(
+        **_drawing_of(
             "figure-4.16",
             "Tracking error and command with a basis at 9.5 Hz and a pollution at 10 Hz.",
             found,

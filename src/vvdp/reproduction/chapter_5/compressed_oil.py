@@ -22,7 +22,7 @@ LOW, HIGH, POINTS = 1.1, 350.0, 121
 WARM = 313.15
 
 
-def entrained(air: float) -> YuAir:
+def aerated_oil(air: float) -> YuAir:
     """The oil of Yu's law with a volume of air per oil."""
     return YuAir(
         liquid_bulk_modulus=1.7e9,
@@ -39,7 +39,7 @@ def moduli() -> Table:
     pressures: Array = np.geomspace(LOW, HIGH, POINTS) * BAR
     columns = {"pressure_Pa": Column(pressures, GAUGE_PRESSURE, "pressure, absolute")}
     for air in AIR:
-        oil = entrained(air)
+        oil = aerated_oil(air)
         beta = [yu_bulk_modulus(float(P), oil) for P in pressures]
         mean = [mean_modulus(float(P), ATMOSPHERE, yu_bulk_modulus, oil) for P in pressures]
         name = f"{100 * air:.0f}"
@@ -109,7 +109,7 @@ DESIRED = (1.0, 10.0, 50.0, 100.0, 350.0)
 @cache
 def energy_shares() -> Table:
     """W_V over the pressure error, for several desired pressures and 30 % of air."""
-    oil = entrained(0.3)
+    oil = aerated_oil(0.3)
     pressures: Array = np.geomspace(1.0, HIGH, 71) * BAR
     columns = {"pressure_Pa": Column(pressures, GAUGE_PRESSURE, "pressure, absolute")}
     for desired in DESIRED:
@@ -204,7 +204,7 @@ def equation_5_19() -> Reproduction:
 
 def equation_5_36() -> Reproduction:
     """The lower bound of the storage has one square of the pressure error."""
-    oil, P, from_P = entrained(0.1), 14 * BAR, 10 * BAR
+    oil, P, from_P = aerated_oil(0.1), 14 * BAR, 10 * BAR
     energy = energy_of_law(P, from_P, yu_bulk_modulus, oil)
     mean = mean_modulus(P, from_P, yu_bulk_modulus, oil)
     g = specific_volume_exponent(P, from_P, yu_bulk_modulus, oil)

@@ -46,7 +46,7 @@ def nominal_settings() -> DisplacementSettings:
     return found
 
 
-def sampled(run: Run, column: str, begin: float = 1.0) -> Array:
+def at_samples(run: Run, column: str, begin: float = 1.0) -> Array:
     """A series of a run at every sample of the control from `begin` [s] on."""
     series = run.to_pandas()[column]
     times = np.arange(begin, run.times[-1], PERIOD)

@@ -26,11 +26,11 @@ from vvdp.reproduction.chapter_6.cylinder import (
     MODEL,
     PERIOD,
     as_drawn,
+    at_samples,
     machine_run,
     model_run,
     nominal_settings,
     printed_run,
-    sampled,
 )
 from vvdp.reproduction.drawings import circuit_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
@@ -73,7 +73,7 @@ def figure_6_5() -> Reproduction:
 
 def _extremes(run: Run) -> tuple[float, float]:
     """Lowest and highest pressure of both chambers from 1 s on [Pa, gauge]."""
-    both = np.concatenate([sampled(run, f"states.chamber_{side}_Pa") for side in "ab"]) - ATMOSPHERE
+    both = np.concatenate([at_samples(run, f"states.chamber_{side}_Pa") for side in "ab"]) - ATMOSPHERE
     return float(both.min()), float(both.max())
 
 
@@ -142,7 +142,7 @@ def _mean_openings(run: Run, printed: Run) -> tuple[Statement, ...]:
 def figure_6_7() -> Reproduction:
     """Direction, opening and flow: one switch per reversal, a quick valve beside a slow pump."""
     run, printed = model_run(), printed_run()
-    valve, pump = (middle_frequency(sampled(run, f"commands.control.{name}")) for name in ("opening", "flow_m3_s"))
+    valve, pump = (middle_frequency(at_samples(run, f"commands.control.{name}")) for name in ("opening", "flow_m3_s"))
     statements = (
         number_statement(
             "switches of the directional valve",
@@ -177,7 +177,7 @@ def efforts() -> Table:
     """What is asked as effort, and what pump and valve give of it, at every tenth sample."""
     run, settings = model_run(), nominal_settings()
     series = {
-        name: sampled(run, column, 0.0)[::10]
+        name: at_samples(run, column, 0.0)[::10]
         for name, column in (
             ("direction", "commands.control.direction"),
             ("position", "states.rod.position_m"),
@@ -210,7 +210,7 @@ def efforts() -> Table:
 def figure_6_8() -> Reproduction:
     """How the effort is shared out."""
     table = efforts()
-    flow = sampled(model_run(), "commands.control.flow_m3_s")
+    flow = at_samples(model_run(), "commands.control.flow_m3_s")
     late = table["time_s"] > 1.0
     missing = np.abs(table["asked_N_s"] - table["pump_N_s"] - table["valve_N_s"])[late]
     scale = float(np.abs(table["asked_N_s"]).max())
