@@ -189,7 +189,7 @@ def frequencies() -> Iterator[str]:
     yield f"those that were computed {told[1]}"
 
 
-ROWS = (arms, designs, openings, grids, turbines, laws)
+ROWS = (arms, designs, openings, grids, turbines, laws, flows)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)
