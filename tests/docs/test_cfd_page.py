@@ -8,7 +8,7 @@ import pytest
 
 from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
 from vvdp.cfd.refinement import grid_convergence
-from vvdp.fitting.drop import fit_centre, fit_nozzle, fit_outlet
+from vvdp.fitting.drop import fit_centre, fit_nozzle
 from vvdp.fitting.fitted import Host, settings
 from vvdp.fitting.jet import jet_law
 from vvdp.numerics.least_squares import fit
@@ -59,8 +59,8 @@ def openings() -> Iterator[str]:
         yield f"| {abs(angles[k]):.4g}°, {way} | {study['opening_formula'][k]:.3f} | {effective} | {torques} |"
     closing, opening = (100.0 * study["difference"][k::2].mean() for k in (1, 2))
     yield f"is {-closing:.0f} % below the formula while closing and {opening:.0f} % above it while opening"
-    pair = f"{1.0 + 0.01 * closing:.2f} a while closing and {1.0 + 0.01 * opening:.2f} a while opening"
-    yield f"the effective opening is {pair}"
+    factors = [1.0 + 0.01 * each for each in (closing, opening)]
+    yield f"the effective opening is {factors[0]:.2f} a while closing and {factors[1]:.2f} a while opening"
     yield f"in the mean it is {-0.5 * (closing + opening):.0f} % below"
     found = jet_law(study["opening_formula"], study["torque_N_m"], np.sign(angles))
     exponent, asymmetry = zip(found.coefficients[1:], found.half_widths[1:], strict=True)
@@ -163,16 +163,14 @@ def computed_laws() -> tuple[str, ...]:
     found = (
         (fit_nozzle({"flow": rail["flow_m3_s"], "pressure_drop": rail["pressure_drop_Pa"]}, host), "rail-flows.csv"),
         (fit_centre({**drops, "pressure_drop": centre_section["static_drop_Pa"]}, host), "centre-flows.csv"),
-        (
-            fit_outlet({"flow": turbine["flow_m3_s"], "pressure_drop": turbine["turbine_drop_Pa"]}, host),
-            "turbine-flows.csv",
-        ),
     )
     Q, w = turbine["flow_m3_s"], turbine["speed_rad_s"]
     area = 876.0 * 12.7e-3 / fit([Q**2, -Q * w], turbine["torque_N_m"]).coefficients[0]
+    coefficient = Q[0] / 46.8e-6 / np.sqrt(2.0 * turbine["turbine_drop_Pa"][0] / 876.0)
     return (
         *(text for each, name in found for text in settings(each, Path(name))),
         f"valve.outlet_effective_area={1e6 * area} mm^2",
+        f"valve.outlet_discharge_coefficient={coefficient}",
     )
 
 
@@ -190,7 +188,7 @@ def frequencies() -> Iterator[str]:
     yield f"those that were computed {told[1]}"
 
 
-ROWS = (arms, designs, openings, grids, turbines, laws)
+ROWS = (arms, designs, openings, grids, turbines, laws, flows, centre, frequencies)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)
