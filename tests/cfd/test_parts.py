@@ -1,10 +1,13 @@
 """`vvdp cfd sleeve` and `vvdp cfd valve`: the whole beside its parts."""
 
+import json
 import math
 from types import SimpleNamespace
 
 import pytest
+from tests.cfd.conftest import say
 
+from vvdp.cfd import rail
 from vvdp.cfd.balance import Torques
 from vvdp.cfd.case import Fluid, start_files
 from vvdp.cfd.centre import CentreOrder

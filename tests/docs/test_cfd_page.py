@@ -59,7 +59,8 @@ def openings() -> Iterator[str]:
         yield f"| {abs(angles[k]):.4g}°, {way} | {study['opening_formula'][k]:.3f} | {effective} | {torques} |"
     closing, opening = (100.0 * study["difference"][k::2].mean() for k in (1, 2))
     yield f"is {-closing:.0f} % below the formula while closing and {opening:.0f} % above it while opening"
-    yield f"the effective opening is {1.0 + 0.01 * closing:.2f} a while closing and {1.0 + 0.01 * opening:.2f} a while opening"
+    shut, open_ = 1.0 + 0.01 * closing, 1.0 + 0.01 * opening
+    yield f"the effective opening is {shut:.2f} a while closing and {open_:.2f} a while opening"
     yield f"in the mean it is {-0.5 * (closing + opening):.0f} % below"
     found = jet_law(study["opening_formula"], study["torque_N_m"], np.sign(angles))
     exponent, asymmetry = zip(found.coefficients[1:], found.half_widths[1:], strict=True)
