@@ -69,6 +69,16 @@ def test_drop_split_and_balance_are_what_they_were(made):
     assert told["warnings"] == []
 
 
+@pytest.mark.slow
+def test_two_cores_find_what_one_finds(made, tmp_path):
+    """Measured: the drop within 3e-5."""
+    words = ("--grid", "coarse", "--flow", "40 lpm", "--cores", "2", "--out", str(tmp_path / "two"), "--json")
+    told = json.loads(say("prototype", *words).out)
+    assert told["pressure_drop_Pa"] == pytest.approx(made.told["pressure_drop_Pa"], rel=0.02)
+    assert told["flow_split"] == pytest.approx(made.told["flow_split"], abs=5e-3)
+    assert not list((tmp_path / "two" / "case").glob("processor*"))
+
+
 def test_areas_are_those_of_formula_surface_and_mesh(made, valve, order):
     told = made.told
     assert told["opening_area_m2"] == pytest.approx(valve.nozzle_area, rel=1e-3)
@@ -137,6 +147,8 @@ def test_a_terminal_is_told_the_same(made):
         (("--grid", "huge"), "--grid: 'huge'; expected one of"),
         (("--turbulence", "none"), "--turbulence: 'none'; expected one of k-epsilon, realizable, sst, laminar"),
         (("--flow", "40"), "--flow: "),
+        (("--on", "mars"), "--on: 'mars'; expected here, dask, slurm or an address"),
+        (("--workers", "2"), "--workers: 2 workers cannot be had with --on here"),
         (("--set", "geometry.nozzle_taper=2"), "length of a nozzle's root = 12.19 mm; expected less than 10.33 mm"),
         (("--set", "valve.nozzle_area=2000 mm^2"), "do not fit into the pitch"),
     ],
