@@ -17,7 +17,7 @@ LOADS_BEGIN, LOADS_END = "<!-- loads, made by docs/site/circuits_compared.py -->
 LOADS = ("heavy", "two-loads", "three-loads")
 """Cycles of one, two and three cylinders."""
 SPREAD_BEGIN, SPREAD_END = "<!-- spread, made by docs/site/circuits_compared.py -->\n", "<!-- end of the spread -->\n"
-SPREAD = ("vvdp", "throttle", "bleed-off", "constant-pressure", "load-sensing")
+SPREAD = ("vvdp", "vvdp-slow", "throttle", "bleed-off", "constant-pressure", "load-sensing")
 SPREAD_DUTIES = ("triangle", "heavy")
 """Circuits whose assumed values are spread, and on what."""
 LEAST = 0.005
