@@ -26,6 +26,7 @@ SHARES = (0.7, 1.0, 1.3)
 SIMULATED = (
     "throttle",
     "flow-control-unit",
+    "linear-valves",
     "bleed-off",
     "constant-pressure",
     "load-sensing",
