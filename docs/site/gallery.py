@@ -163,6 +163,24 @@ ENTRIES: Mapping[str, Entry] = {
             HIGHEST_B,
         ),
     ),
+    "flow-control-unit": Entry(
+        "The machine's circuit with five on/off valves in parallel in the place of the rotary one: 32 flows. "
+        "[When it pays](when-switching-pays.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "kW"),
+            Number("highest pressure of the line", "pressure_max_supply_Pa", PRESSURE_DIFFERENCE, "bar"),
+            HIGHEST_B,
+        ),
+    ),
+    "linear-valves": Entry(
+        "The machine's circuit with fast linear on/off valves at 75 Hz in the place of the rotary one. "
+        "[When it pays](when-switching-pays.md)",
+        (
+            Number("mean power of the pump", "power_pump_shaft_W", POWER, "kW"),
+            Number("highest pressure of the line", "pressure_max_supply_Pa", PRESSURE_DIFFERENCE, "bar"),
+            HIGHEST_B,
+        ),
+    ),
     "ideal-pump-control": Entry(
         "A pump that delivers what the cylinder takes, at the pressure that it has; the return is throttled. "
         "[Compared](circuits-compared.md)",

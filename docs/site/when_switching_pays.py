@@ -14,7 +14,7 @@ from vvdp.rigs.supply_claim import WAYS, supply_claim
 from vvdp.rigs.supply_ways import RIVALS
 from vvdp.steady.test_stand import Stand, stand
 from vvdp.systems.displacement.duties import Duty, known_cylinder, read_duty, sized_duty
-from vvdp.systems.displacement.rival_circuits import CIRCUITS, RivalCircuit
+from vvdp.systems.displacement.rival_circuits import CIRCUITS
 from vvdp.systems.system import load_system
 
 DOCS = Path(__file__).parents[1]
@@ -23,6 +23,17 @@ MACHINES = {"excavator-arm": "Excavator arm", "injection-moulding": "Injection m
 """Files of the cycles, and what a person calls the machine."""
 SHARES = (0.7, 1.0, 1.3)
 """Forces and times of a cycle over those of the file."""
+SIMULATED = (
+    "throttle",
+    "flow-control-unit",
+    "linear-valves",
+    "bleed-off",
+    "constant-pressure",
+    "load-sensing",
+    "ideal-pump",
+    "four-valves",
+)
+"""Circuits that are simulated on the cycles."""
 
 
 def machines() -> list[Duty]:
@@ -144,9 +155,10 @@ def draw(claim: Claim, valves: Claim, folder: Path) -> None:
             new_figure(chart, each.tables).savefig(folder / f"{chart.name}.png", dpi=110)
 
 
-def compared(duties: Sequence[Duty], circuits: Sequence[RivalCircuit] = CIRCUITS) -> CircuitComparison:
+def compared(duties: Sequence[Duty]) -> CircuitComparison:
     """What is tabulated of the simulated circuits."""
-    return compare_circuits(duties, circuits)
+    known = {each.name: each for each in CIRCUITS}
+    return compare_circuits(duties, [known[name] for name in SIMULATED])
 
 
 def main(path: Path = PAGE, images: Path = DOCS / "images") -> None:

@@ -239,6 +239,8 @@ ALLOWED = {
     "systems.axial_benches.axial_gerotor": "one argument for each table of its system file",
     "systems.displacement.load_following.bleed_off_control": "one argument for each table of its system file",
     "systems.displacement.load_following.load_sensing": "one argument for each table of its system file",
+    "systems.displacement.digital_supply.flow_control_unit": "one argument for each table of its system file",
+    "systems.displacement.digital_supply.linear_valves": "one argument for each table of its system file",
     "systems.displacement.rivals.four_valve_circuit": "one argument for each table of its system file",
     "systems.displacement.rivals.ideal_pump_control": "one argument for each table of its system file",
     "systems.displacement.rivals.pilot_check_circuit": "one argument for each table of its system file",

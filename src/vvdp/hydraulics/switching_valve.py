@@ -118,7 +118,7 @@ def spool_frequency(switching_time: float, damping_ratio: float) -> float:
     switching_time  from the command to the end of the stroke [s]
     damping_ratio   zeta, between 0 and 1 [1]
 
-    >>> round(spool_frequency(1e-3, 0.7), 1)
+    >>> print(round(spool_frequency(1e-3, 0.7), 1))
     522.9
     """
     root = np.sqrt(1.0 - damping_ratio * damping_ratio)
@@ -127,7 +127,7 @@ def spool_frequency(switching_time: float, damping_ratio: float) -> float:
 
 
 def spool_ends(spool: SpoolState, at_first: float, at_second: float, valve: SwitchingValve) -> SpoolEnds:
-    """Whether an end of the stroke holds a switching spool, from when it comes there until it turns back [1].
+    """Whether an end of the stroke holds a switching spool, from when it comes there until it leaves [1].
 
     spool, at_first, at_second  as in `spool_rate`
     """

@@ -13,6 +13,7 @@ import numpy as np
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Count, Force, Fraction, Position, Pressure, SignedFraction
 from vvdp.base.params import Params
+from vvdp.base.select import select
 from vvdp.components.directional_valves import ThrottledDirectionalValve
 from vvdp.components.flow_control_units import add_flow_control_unit
 from vvdp.components.machines import PUMP
@@ -46,6 +47,8 @@ from vvdp.systems.displacement.rivals import LOOP, Rival, add_throttled_valve, l
 
 LEAST_DROP = 1e5
 """Drop over a unit below which its loop reckons with this one [Pa]."""
+LEAST_SHARE = 0.03
+"""Duty ratio below which no pulse is sent: at 75 Hz it would hardly open the port to the line, or not at all."""
 
 
 class FlowControlUnit(OnOffValve):
@@ -199,12 +202,13 @@ def linear_valves(
 
 
 def pump_share(pump: Pump, speed: float, flow: float) -> float:
-    """A flow over that of a pump [1].
+    """A flow over that of a pump [1]; none below `LEAST_SHARE`.
 
     speed  of its shaft [rad/s]
     flow   [m^3/s]
     """
-    return flow / (pump.displacement * speed)
+    share = flow / (pump.displacement * speed)
+    return select(share < LEAST_SHARE, 0.0, share)
 
 
 def _add_fixed_pump(net: Network, pump: Pump, drive: PumpDrive, relief_valve: ReliefValve) -> None:
