@@ -18,7 +18,6 @@ from vvdp.design.soft_switching import (
     soft_means,
     soft_quantities,
     usual_bypass,
-    usual_chamber,
 )
 from vvdp.hydraulics.check_valve import CheckValve
 from vvdp.hydraulics.soft_switching import SwitchChamber, released_area
@@ -45,7 +44,7 @@ def at(system):
 
 def with_soft(system, **chamber):
     tables = {**system.tables, "bypass": usual_bypass(FLOW)}
-    return system.with_tables(tables | ({"chamber": usual_chamber(**chamber)} if chamber else {}))
+    return system.with_tables(tables | ({"chamber": SwitchChamber(**chamber)} if chamber else {}))
 
 
 def steep_check(level):
@@ -54,7 +53,7 @@ def steep_check(level):
 
 
 def test_an_area_opens_with_the_tank_port():
-    chamber = usual_chamber(13e5)
+    chamber = SwitchChamber(precharge_pressure=13e5)
     assert released_area(0.0, chamber) == 0.0
     assert released_area(0.004, chamber) == pytest.approx(0.4e-4)
     assert released_area(0.3, chamber) == 1e-4
@@ -109,7 +108,7 @@ def test_the_best_precharge_lies_between_its_neighbours(at):
     best = best_chamber(at, bypass)
     least = soft_means(at, Softening(bypass, best), 160).loss
     for share in (0.85, 1.2):
-        other = Softening(bypass, usual_chamber(share * best.precharge_pressure))
+        other = Softening(bypass, SwitchChamber(precharge_pressure=share * best.precharge_pressure))
         assert soft_means(at, other, 160).loss > least
     drop = float(quantities(at).pressure_drop_total)
     assert (best.precharge_pressure - at.tank_pressure) / drop == pytest.approx(1.85, abs=0.15)
@@ -118,7 +117,7 @@ def test_the_best_precharge_lies_between_its_neighbours(at):
 def test_what_stays_in_the_chamber_is_lost(at):
     """With less pressure than the open port needs it never empties."""
     drop = float(quantities(at).pressure_drop_total)
-    soft = Softening(usual_bypass(FLOW), usual_chamber(at.tank_pressure + 1.01 * drop))
+    soft = Softening(usual_bypass(FLOW), SwitchChamber(precharge_pressure=at.tank_pressure + 1.01 * drop))
     assert soft_means(at, soft, 160).loss > 1000.0
 
 

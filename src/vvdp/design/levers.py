@@ -12,8 +12,9 @@ from vvdp.base.params import Params
 from vvdp.design.optimise import optimise
 from vvdp.design.problem import Bound, Limit, Point, Problem
 from vvdp.design.quantities import Quantities, Setup, quantities, setup, switching_condition
-from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, usual_bypass, usual_chamber
+from vvdp.design.soft_switching import Softening, best_chamber, soft_quantities, usual_bypass
 from vvdp.design.variables import VARIABLES, value_in, with_variables
+from vvdp.hydraulics.soft_switching import SwitchChamber
 from vvdp.simulation.link import quiet
 from vvdp.simulation.values import names
 from vvdp.steady.steady_states import Steady, steady_states
@@ -236,7 +237,7 @@ def _stand_with(system: System, *, has_bypass: bool, has_chamber: bool) -> Stand
     if has_bypass:
         more["bypass"] = usual_bypass(float(setup(system).flow))
     if has_chamber:
-        more["chamber"] = usual_chamber(1.5e6)
+        more["chamber"] = SwitchChamber(precharge_pressure=1.5e6)
     return stand(system.with_tables({**system.tables, **more}) if more else system, "design levers")
 
 

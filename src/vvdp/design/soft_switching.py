@@ -64,21 +64,6 @@ def usual_bypass(flow: float) -> CheckValve:
     return CheckValve(cracking_pressure=5e4, rated_drop=5e5, rated_flow=flow)
 
 
-def usual_chamber(precharge_pressure: float) -> SwitchChamber:
-    """A chamber of 50 cc of gas and 1 cc of oil behind a mouth of 100 mm2; assumed.
-
-    precharge_pressure  absolute [Pa]
-    """
-    return SwitchChamber(
-        oil_volume=1e-6,
-        hose_compliance=0.0,
-        gas_volume=5e-5,
-        precharge_pressure=precharge_pressure,
-        gas_exponent=1.4,
-        mouth_area=1e-4,
-    )
-
-
 def soft_means(at: Setup, soft: Softening, angles: int = ANGLES) -> SoftMeans:
     """Quasi-steady means with soft switching: stiff oil, constant pressures at load and tank, a spool of even speed.
 
@@ -134,11 +119,11 @@ def best_chamber(at: Setup, bypass: CheckValve) -> SwitchChamber:
     drop = float(quantities(at).pressure_drop_total)
 
     def loss(over_drop: float) -> float:
-        chamber = usual_chamber(at.tank_pressure + over_drop * drop)
+        chamber = SwitchChamber(precharge_pressure=at.tank_pressure + over_drop * drop)
         return soft_means(at, Softening(bypass, chamber), COARSE).loss
 
     found = minimize_scalar(loss, bounds=(1.1, 4.0), method="bounded", options={"xatol": 0.05})
-    return usual_chamber(at.tank_pressure + float(found.x) * drop)
+    return SwitchChamber(precharge_pressure=at.tank_pressure + float(found.x) * drop)
 
 
 class _Part(NamedTuple):

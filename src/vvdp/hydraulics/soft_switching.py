@@ -4,7 +4,7 @@ Source  ours, docs/models/soft-switching.md, where a function names no other.
 """
 
 from vvdp.base.errors import ParameterError
-from vvdp.base.kinds import Area, Fraction
+from vvdp.base.kinds import Area, Compliance, Fraction, Polytropic, Volume
 from vvdp.base.select import clip
 from vvdp.hydraulics.volume import Vessel
 
@@ -13,10 +13,15 @@ class SwitchChamber(Vessel):
     """A small accumulator that takes the pump flow while the tank port is partly open, and gives it back through the
     tank port once that is fully open.
 
-    Its piston is locked while the tank port is shut, and released as that opens to `release_opening`.
+    Its piston is locked while the tank port is shut, and released as that opens to `release_opening`. The defaults are
+    assumed.
     """
 
-    mouth_area: Area
+    oil_volume: Volume = 1e-6
+    hose_compliance: Compliance = 0.0
+    gas_volume: Volume = 5e-5
+    gas_exponent: Polytropic = 1.4
+    mouth_area: Area = 1e-4
     release_opening: Fraction = 0.01
 
     def check(self) -> None:
