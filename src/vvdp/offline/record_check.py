@@ -19,6 +19,8 @@ from vvdp.offline.edges import Chosen
 
 GAP = 1.5
 """A sampling interval above this multiple of the usual one is a gap."""
+LOOKED_AT = 10_000
+"""The usual interval is the median of about so many of a portion, evenly spread over it."""
 MOST = 20
 """Findings of one sort that are listed one by one; the rest are counted together."""
 FEW_LEVELS = 16
@@ -131,11 +133,14 @@ class Inspection:
         before = np.concatenate(([self._last], times[:-1]))
         intervals = times - before
         self._last = float(times[-1])
-        rising = intervals[intervals > 0.0]
+        rising = intervals[:: 1 + intervals.size // LOOKED_AT]
+        rising = rising[rising > 0.0]
         if rising.size >= 3 or (rising.size and np.isnan(self._usual)):
             self._usual = float(np.median(rising))
         still, back, gap = intervals == 0.0, intervals < 0.0, intervals > GAP * self._usual
         self._list_runs(STANDS, still, times, rows)
+        if not (still.any() or back.any() or gap.any()):
+            return [Piece(self._piece, times, values)]
         lost = np.fmax(np.round(intervals[gap] / self._usual) - 1.0, 1.0)
         self._list(BACKWARDS, before[back], times[back], np.ones(rows[back].size), rows[back])
         self._list(GAP_FOUND, before[gap], times[gap], lost, rows[gap])
@@ -150,11 +155,12 @@ class Inspection:
 
     def _list_runs(self, what: str, odd: Chosen, times: Array, rows: Chosen) -> None:
         """Lists runs of odd samples; one at the beginning goes on from the portion before."""
-        joined = bool(odd[0]) and self._open.get(what, False)
-        self._open[what] = bool(odd[-1])
         if not odd.any():
+            self._open[what] = False
             return
         first, last = np.flatnonzero(np.diff(odd, prepend=False, append=False)).reshape(-1, 2).T
+        joined = bool(odd[0]) and self._open.get(what, False)
+        self._open[what] = bool(odd[-1])
         self._list(what, times[first], times[last - 1], last - first, rows[first], joined=joined)
 
     def _list(self, what: str, *columns: Chosen, joined: bool = False) -> None:
@@ -209,9 +215,8 @@ def _after(seen: Extreme, times: Array, values: Array, rows: Chosen) -> Extreme:
     if largest < seen.next_value:
         return replace(seen, trailing=0)
     top = values == largest
-    below = values[~top]
-    second = float(below.max()) if below.size else -np.inf
-    counts = Counter({largest: int(np.count_nonzero(top)), second: int(np.count_nonzero(below == second))})
+    second = float(np.max(values, where=~top, initial=-np.inf))
+    counts = Counter({largest: int(np.count_nonzero(top)), second: int(np.count_nonzero(values == second))})
     counts.update({seen.value: seen.count})
     counts.update({seen.next_value: seen.next_count})
     (value, count), (next_value, next_count) = sorted(counts.items(), reverse=True)[:2]
