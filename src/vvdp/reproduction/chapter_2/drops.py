@@ -11,7 +11,7 @@ from vvdp.cfd.kept import KeptStudy
 from vvdp.numerics.least_squares import fit
 from vvdp.numerics.power_laws import drop_laws, power_columns
 from vvdp.reproduction.chapter_2 import valve as here
-from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table
+from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table, turbine_over
 from vvdp.reproduction.chapter_2.valve import DENSITY, LPM
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, shades
@@ -163,7 +163,7 @@ def figure_2_13() -> Reproduction:
 
 def figure_2_14() -> Reproduction:
     """The outlet turbine over the flow: a parabola, and its discharge coefficient."""
-    study = kept_or_none("turbine-flows")
+    study = turbine_over("flow_m3_s")
     tables, marks = _with_study(study, "turbine_drop_Pa")
     lines = (_law("outlet_turbine", "eq. 2.5", Colour.TANK), *marks)
     chart = _curve_chart("2.14", "Drop of the outlet turbine over the flow.", *lines)
