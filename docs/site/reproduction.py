@@ -105,6 +105,14 @@ def count_lines(expected: Mapping[tuple[str, str], str]) -> Iterator[str]:
     yield f"| all | {len(ITEMS)} | {sum(sums)} | {' | '.join(map(str, sums))} |"
 
 
+def clear_pictures(docs: Path) -> None:
+    """Takes away the pictures that no page shows any more."""
+    pages = "".join(path.read_text("utf-8") for path in (docs / PAGES).glob("*.md"))
+    for path in (docs / PICTURES).iterdir():
+        if f"{PICTURES}/{path.name})" not in pages:
+            path.unlink()
+
+
 def main(folder: Path, docs: Path = DOCS, package: Path = PACKAGE) -> None:
     """Writes the pages, pictures and expectations of the chapters that were worked out in `folder`."""
     rows = read_verdicts(folder)
@@ -119,6 +127,7 @@ def main(folder: Path, docs: Path = DOCS, package: Path = PACKAGE) -> None:
             (docs / PAGES / f"chapter-{chapter}.md").write_text(text.rstrip("\n") + "\n", "utf-8")
             verdicts = {(row["item"], row["what"]): row["verdict"] for row in own}
             (package / f"chapter_{chapter}" / FILE).write_text(expectation_text(verdicts), "utf-8")
+    clear_pictures(docs)
     text = "\n".join(count_lines(expected_verdicts()))
     page = (DOCS / PAGE).read_text("utf-8")
     pattern = re.compile(f"{re.escape(BEGIN)}.*{re.escape(END)}", re.DOTALL)

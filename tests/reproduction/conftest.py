@@ -14,7 +14,9 @@ def as_expected() -> Callable[[str], list[str]]:
 
     def check(name: str) -> list[str]:
         (item,) = chosen_items([name])
-        found = verdicts_of((name, statement) for statement in item.work().statements)
+        statements = item.work().statements
+        found = verdicts_of((name, statement) for statement in statements)
+        assert len(found) == len(statements), "two statements of one name"
         return verdict_changes(found, expected_verdicts(), [name])
 
     return check

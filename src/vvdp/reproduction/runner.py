@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from vvdp.base.errors import VvdpError
 from vvdp.base.files import write_whole
 from vvdp.report.chosen import write_figure
 from vvdp.reproduction.item import Item, Reproduction
@@ -45,7 +44,7 @@ def reproduce(items: Sequence[Item], folder: Path, say: Callable[[str], None] = 
 def _outcome(item: Item) -> Outcome:
     try:
         return Outcome(item, item.work())
-    except (VvdpError, ArithmeticError, LookupError, TypeError, ValueError, OSError) as problem:
+    except Exception as problem:  # whatever it is, the other items follow
         failure = f"{type(problem).__name__}: {problem}"
         return Outcome(item, Reproduction(statements=(missing_statement("item", "", failure),)), failure)
 

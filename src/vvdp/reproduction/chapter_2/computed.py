@@ -35,6 +35,12 @@ def kept_or_none(name: str) -> KeptStudy | None:
     return kept_study(name) if name in kept_studies() else None
 
 
+def turbine_over(column: str) -> KeptStudy | None:
+    """The kept study of the outlet turbine in which a column takes several values; None where there is none."""
+    known = filter(None, map(kept_or_none, ("turbine-flows", "turbine-speeds")))
+    return next((study for study in known if np.unique(study[column]).size > 2), None)
+
+
 def kind_of(key: str, is_text: bool) -> Kind | None:
     """The kind of a column."""
     if is_text:

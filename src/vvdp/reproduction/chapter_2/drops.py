@@ -11,7 +11,7 @@ from vvdp.cfd.kept import KeptStudy
 from vvdp.numerics.least_squares import fit
 from vvdp.numerics.power_laws import drop_laws, power_columns
 from vvdp.reproduction.chapter_2 import valve as here
-from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table
+from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table, turbine_over
 from vvdp.reproduction.chapter_2.valve import DENSITY, LPM
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Colour, Line, Lines, Stroke, shades
@@ -163,18 +163,29 @@ def figure_2_13() -> Reproduction:
 
 def figure_2_14() -> Reproduction:
     """The outlet turbine over the flow: a parabola, and its discharge coefficient."""
-    study = kept_or_none("turbine-flows")
-    what = "discharge coefficient of the computed drops"
-    if study is None:
-        found: tuple[Statement, ...] = (missing_statement(what, "0.677, a parabola", "the study turbine-flows"),)
-    else:
-        laws = drop_laws(study["flow_m3_s"], study["turbine_drop_Pa"])
-        coefficient = np.sqrt(0.5 * DENSITY / laws.orifice.coefficients[0]) / here.valve().outlet_area
-        found = (number_statement(what, 0.677, float(coefficient), DISCHARGE_COEFFICIENT, share=0.05, because=GRID),)
+    study = turbine_over("flow_m3_s")
     tables, marks = _with_study(study, "turbine_drop_Pa")
     lines = (_law("outlet_turbine", "eq. 2.5", Colour.TANK), *marks)
     chart = _curve_chart("2.14", "Drop of the outlet turbine over the flow.", *lines)
-    return Reproduction(statements=found, tables={**_law_tables(), **tables}, charts=(chart,))
+    return Reproduction(statements=(_turbine_statement(study),), tables={**_law_tables(), **tables}, charts=(chart,))
+
+
+def _turbine_statement(study: KeptStudy | None) -> Statement:
+    """The discharge coefficient over all flows where they were computed, else at 40 lpm."""
+    area, printed = here.valve().outlet_area, 0.677
+    if study is not None:
+        laws = drop_laws(study["flow_m3_s"], study["turbine_drop_Pa"])
+        found = float(np.sqrt(0.5 * DENSITY / laws.orifice.coefficients[0]) / area)
+        what = "discharge coefficient of the computed drops"
+        return number_statement(what, printed, found, DISCHARGE_COEFFICIENT, share=0.05, because=GRID)
+    grids = kept_or_none("turbine-grids")
+    what = "discharge coefficient of the computed drop at 40 lpm"
+    if grids is None:
+        return missing_statement(what, "0.677, a parabola", "a study of the turbine")
+    finest = int(grids["cells"].argmax())
+    drop = float(grids["pressure_drop_Pa"][finest])
+    found = here.FLOW / (area * float(np.sqrt(2.0 * drop / DENSITY)))
+    return number_statement(what, printed, found, DISCHARGE_COEFFICIENT, share=0.05, because=GRID)
 
 
 def figure_2_15() -> Reproduction:

@@ -3,10 +3,11 @@
 import numpy as np
 from scipy.optimize import brentq
 
+from vvdp.base.display import with_unit
 from vvdp.base.kinds import FREQUENCY, LENGTH, MEAN_POWER, NUMBER, SPEED, TORQUE
 from vvdp.base.units import ATMOSPHERE
 from vvdp.fluid.oil import density, dynamic_viscosity
-from vvdp.reproduction.chapter_2.computed import kept_or_none
+from vvdp.reproduction.chapter_2.computed import kept_or_none, turbine_over
 from vvdp.reproduction.chapter_2.drops import GRID
 from vvdp.reproduction.chapter_2.valve import DENSITY, FLOW, VISCOSITY, open_frequency, open_speed, stand, valve
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
@@ -71,7 +72,7 @@ def figure_2_17() -> Reproduction:
             ("speed of the spool there", 24.0, open_speed() / TURN),
         )
     )
-    statements = (*crossings, *_computed_torques())
+    statements = (*crossings, *_computed_torques(), _computed_fall())
     return Reproduction(statements=statements, tables={"torques": torque_table()}, charts=(chart,))
 
 
@@ -103,6 +104,17 @@ def _computed_torques() -> tuple[Statement, ...]:
             number_statement(what, float(law), torque, TORQUE, share=0.05, because=GRID, source=source, note=note)
         )
     return tuple(found)
+
+
+def _computed_fall() -> Statement:
+    """How fast the computed torque of the outlet turbine falls with the speed, beside the swirl of (2.7)."""
+    study = turbine_over("speed_rad_s")
+    what, law = "fall of the computed outlet torque over the speed [N m s]", DENSITY * valve().outlet_radius ** 2 * FLOW
+    if study is None:
+        return missing_statement(what, with_unit(law, NUMBER), "a study of the turbine at several speeds")
+    slope = -float(np.polyfit(study["speed_rad_s"], study["torque_N_m"], 1)[0])
+    note = "the friction of the walls is in it; the frame of the spool was not held against a sliding mesh"
+    return number_statement(what, law, slope, NUMBER, share=0.05, because=GRID, note=note)
 
 
 def equation_2_6() -> Reproduction:

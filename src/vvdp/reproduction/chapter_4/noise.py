@@ -31,8 +31,7 @@ from vvdp.results.verdict import bound_statement, drawing_statement, number_stat
 from vvdp.sensing.axial_sensor import Pollution, pollution_at
 
 TURN = 2.0 * np.pi
-POINTS = 720
-BELL_WIDTH = TURN / 6.0
+POINTS, BELL_WIDTH = 720, TURN / 6.0
 SHAPE = "the pollution's shape, of which five harmonics are assumed"
 SYSTEM = "axial-gerotor"
 ROUNDING = "rounding"
