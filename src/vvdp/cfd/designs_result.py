@@ -98,7 +98,7 @@ def _designs(names: Sequence[str], order: RailOrder, runs: Sequence[RailRun]) ->
             order.flow / openings.sum(1) / np.sqrt(2.0 * drops / order.fluid.density), NUMBER, "discharge coefficient"
         ),
         "cells": Column(np.array([float(run.solved.mesh.cells) for run in runs]), COUNT, "cells"),
-        **state_columns(runs),
+        **state_columns([run.solved for run in runs]),
     }
     note = "Nozzle 1 lies at the angle 0, the others follow in the direction in which the spool turns."
     return Table(title="Shapes", columns=columns, note=note)
@@ -132,4 +132,4 @@ def _findings(table: Table, runs: Sequence[RailRun]) -> Iterator[Finding]:
             text=f"{name}: {with_unit(drop, PRESSURE_DIFFERENCE)}{against}; "
             f"{most if first - second > NEAR else level}; radial force {with_unit(force, FORCE)}."
         )
-    yield from restless_findings(runs)
+    yield from restless_findings([run.solved for run in runs])

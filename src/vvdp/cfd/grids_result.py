@@ -27,7 +27,6 @@ from vvdp.cfd.rail_result import (
     LENGTHS,
     MANNER,
     METHOD,
-    Run,
     Told,
     drop_columns,
     rail_lengths,
@@ -36,6 +35,7 @@ from vvdp.cfd.rail_result import (
 )
 from vvdp.cfd.rail_study import RailRun
 from vvdp.cfd.refinement import grid_convergence
+from vvdp.cfd.solve import Solved
 from vvdp.cfd.turbine_result import LENGTHS as TURBINE_LENGTHS
 from vvdp.cfd.turbine_result import turbine_lengths
 from vvdp.cfd.turbine_study import TurbineRun
@@ -75,7 +75,7 @@ class OnGrids(NamedTuple):
 
     title: str
     manner: str
-    runs: Sequence[Run]
+    solved: Sequence[Solved]
     columns: Mapping[str, Column]
     lines: tuple[tuple[str, ...], str]
     lengths: tuple[str, Listing]
@@ -91,7 +91,7 @@ def rail_on_grids(runs: Sequence[RailRun], about: Told) -> OnGrids:
     return OnGrids(
         title="The inlet rail",
         manner=MANNER,
-        runs=runs,
+        solved=[run.solved for run in runs],
         columns=columns,
         lines=(tuple(f"split_{place}" for place in nozzles), "share of the flow"),
         lengths=(LENGTHS, rail_lengths(about)),
@@ -110,7 +110,7 @@ def centre_on_grids(runs: Sequence[CentreRun], about: Told) -> OnGrids:
     return OnGrids(
         title="The centre section",
         manner=METHOD,
-        runs=runs,
+        solved=[run.solved for run in runs],
         columns=columns,
         lines=(("torque_N_m",), "torque"),
         lengths=(CENTRE_LENGTHS, centre_lengths(about)),
@@ -129,7 +129,7 @@ def turbine_on_grids(runs: Sequence[TurbineRun], about: Told) -> OnGrids:
     return OnGrids(
         title="The outlet turbine",
         manner=METHOD,
-        runs=runs,
+        solved=[run.solved for run in runs],
         columns=columns,
         lines=(("torque_N_m",), "torque"),
         lengths=(TURBINE_LENGTHS, turbine_lengths(about)),
@@ -160,7 +160,7 @@ def grids_result(order: RailOrder, part: OnGrids, told: Sequence[str], about: To
         listings={"convergence": Listing(title="", heads=("value",), rows=rows), "lengths": lengths},
         tables={"grids": table},
         charts={"drop-over-cells": _chart(*part.lines)},
-        findings=tuple(_findings(numbers, part.runs)),
+        findings=tuple(_findings(numbers, part.solved)),
         sections=(
             Section(title="Convergence", words=(INDEX,), shows=("convergence", "drop-over-cells", "grids")),
             Section(title=part.title, words=(words,), shows=("geometry", "lengths"), starts_page=True),
@@ -196,14 +196,14 @@ def _torque_numbers(table: Table) -> dict[str, float]:
 
 def _grids(order: RailOrder, part: OnGrids, told: Sequence[str]) -> Table:
     """A row for each grid; the size of its cells is the cube root of their mean volume, up to a common factor."""
-    cells = np.array([float(run.solved.mesh.cells) for run in part.runs])
-    seconds = np.array([sum(run.solved.seconds.values()) for run in part.runs])
+    cells = np.array([float(run.mesh.cells) for run in part.solved])
+    seconds = np.array([sum(run.seconds.values()) for run in part.solved])
     columns = {
         "grid": Column(np.array(told, str), None, "grid"),
         "cells": Column(cells, COUNT, "cells"),
         "cell_size_m": Column(order.valve.spool_radius / np.cbrt(cells), LENGTH, "cell size"),
         **part.columns,
-        **state_columns(part.runs),
+        **state_columns(part.solved),
         "time_s": Column(seconds, DURATION, "time"),
     }
     note = "The cell size is the spool radius over the cube root of the number of cells."
@@ -225,7 +225,7 @@ def _chart(keys: tuple[str, ...], label: str) -> Chart:
     )
 
 
-def _findings(numbers: dict[str, float], runs: Sequence[Run]) -> Iterator[Finding]:
+def _findings(numbers: dict[str, float], solved: Sequence[Solved]) -> Iterator[Finding]:
     drop, index = with_unit(numbers["pressure_drop_finest_Pa"], PRESSURE_DIFFERENCE), numbers["grid_convergence_index"]
     yield Finding(
         text=f"On the finest grid the drop is {drop}, with a convergence index of {percent(index)} and an observed "
@@ -242,4 +242,4 @@ def _findings(numbers: dict[str, float], runs: Sequence[Run]) -> Iterator[Findin
     if "torque_spread" in numbers:
         torque, spread = with_unit(numbers["torque_finest_N_m"], TORQUE), percent(numbers["torque_spread"])
         yield Finding(text=f"The torque on the finest grid is {torque}; it spreads by {spread} over the grids.")
-    yield from restless_findings(runs)
+    yield from restless_findings(solved)

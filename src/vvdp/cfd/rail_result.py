@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -153,32 +153,23 @@ def drop_columns(runs: Sequence[RailRun]) -> dict[str, Column]:
     }
 
 
-class Run(Protocol):
-    """Of any part of the valve."""
-
-    @property
-    def solved(self) -> Solved:
-        """What the solver has reached."""
-        ...
-
-
-def state_columns(runs: Sequence[Run]) -> dict[str, Column]:
+def state_columns(runs: Sequence[Solved]) -> dict[str, Column]:
     """Columns of the same table: balance of each run, how many iterations it took, and whether it has settled."""
     return {
-        "mass_imbalance": Column(np.array([run.solved.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
-        "iterations": Column(np.array([float(run.solved.judgement.iteration) for run in runs]), COUNT, "iterations"),
-        "has_settled": Column(np.array([float(run.solved.settled) for run in runs]), FLAG, "settled"),
+        "mass_imbalance": Column(np.array([run.judgement.imbalance for run in runs]), EFFICIENCY, "imbalance"),
+        "iterations": Column(np.array([float(run.judgement.iteration) for run in runs]), COUNT, "iterations"),
+        "has_settled": Column(np.array([float(run.settled) for run in runs]), FLAG, "settled"),
     }
 
 
-def restless_findings(runs: Sequence[Run]) -> Iterator[Finding]:
+def restless_findings(runs: Sequence[Solved]) -> Iterator[Finding]:
     """A warning where some of several runs have not settled."""
-    if restless := [run for run in runs if not run.solved.settled]:
+    if restless := [run for run in runs if not run.settled]:
         yield Finding(
             title="Not settled",
             grade=Grade.WARNING,
             text=f"{len(restless)} of {len(runs)} runs still changed after all their iterations, by up to "
-            f"{percent(max(run.solved.judgement.change for run in restless), 2)}.",
+            f"{percent(max(run.judgement.change for run in restless), 2)}.",
             remedy="Take a finer grid.",
         )
 

@@ -106,7 +106,7 @@ def _sweep(order: RailOrder, runs: Sequence[RailRun]) -> Table:
         "spread_Pa": Column(np.array([run.solved.judgement.spread for run in runs]), PRESSURE_DIFFERENCE, "its range"),
         "pressure_drop_law_Pa": Column(_law(order, flows), SIGNED_PRESSURE, "law of the system"),
         "point_coefficient": Column(flows / opening / jets, NUMBER, "discharge coefficient"),
-        **state_columns(runs),
+        **state_columns([run.solved for run in runs]),
     }
     return Table(title="Runs", columns=columns, axes=("flow_m3_s",))
 
@@ -198,7 +198,7 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[RailRun]) -> 
     )
     exponent, error = numbers["flow_exponent"], numbers["flow_exponent_error"]
     yield Finding(text=f"The drop grows with the flow to the power {number(exponent, 3)} ± {number(error, 2)}.")
-    yield from restless_findings(runs)
+    yield from restless_findings([run.solved for run in runs])
 
 
 def fitted_settings(result: Result) -> tuple[str]:
