@@ -12,6 +12,7 @@ from vvdp.base.errors import ParameterError
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
 from vvdp.cfd.designs_result import radial_force
 from vvdp.cfd.kept import kept_studies, kept_study
+from vvdp.fitting.drop import fit_centre
 
 
 @pytest.mark.parametrize("name", kept_studies())
@@ -63,6 +64,17 @@ def test_the_drop_of_the_published_flow_lies_between_the_arms():
     drops = study["pressure_drop_Pa"] * (40.0 / 60e3 / study["flow_m3_s"]) ** 1.77
     arm = 8.8e-3 + (4.17e5 - drops[0]) * 0.4e-3 / (drops[1] - drops[0])
     assert arm == pytest.approx(8.74e-3, abs=0.02e-3)
+
+
+def test_the_centre_section_scales_about_as_published():
+    """Wang (2017), section 2.4.2: m = 1.91, n = 3.22, 0.81 bar at 40 lpm; torques within a tenth of eq. 2.6."""
+    study = kept_study("centre-flows")
+    columns = {"flow": study["flow_m3_s"], "diameter": study["diameter_m"], "pressure_drop": study["static_drop_Pa"]}
+    found = fit_centre(columns, None).coefficients
+    assert found["exponent"].interval.value == pytest.approx(1.91, abs=0.07)
+    assert found["diameter_exponent"].interval.value == pytest.approx(3.22, abs=0.3)
+    assert study["static_drop_Pa"][1] == pytest.approx(0.81e5, rel=0.01)
+    assert study["torque_N_m"] == pytest.approx(study["torque_law_N_m"], rel=0.08)
 
 
 @pytest.mark.slow
