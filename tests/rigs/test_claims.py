@@ -27,7 +27,7 @@ from vvdp.valve.losses import full_open_loss
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency
 
 LPM = 1e-3 / 60.0
-SUPPLY = ("supply", "duty_cycles", "supply_assumed")
+SUPPLY = ("supply", "duty_cycles", "supply_assumed", "linear_valves", "linear_switching")
 """Tables of what else there is."""
 
 
