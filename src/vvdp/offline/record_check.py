@@ -133,10 +133,7 @@ class Inspection:
         before = np.concatenate(([self._last], times[:-1]))
         intervals = times - before
         self._last = float(times[-1])
-        rising = intervals[:: 1 + intervals.size // LOOKED_AT]
-        rising = rising[rising > 0.0]
-        if rising.size >= 3 or (rising.size and np.isnan(self._usual)):
-            self._usual = float(np.median(rising))
+        self._usual = _usual_interval(intervals, self._usual)
         still, back, gap = intervals == 0.0, intervals < 0.0, intervals > GAP * self._usual
         self._list_runs(STANDS, still, times, rows)
         if not (still.any() or back.any() or gap.any()):
@@ -192,6 +189,13 @@ class Inspection:
 
     def _finding(self, what: str, begin: float, end: float, count: float, row: int) -> Finding:
         return Finding(channel=self.channel, what=what, begin=begin, end=end, count=int(count), row=row)
+
+
+def _usual_interval(intervals: Array, known: float) -> float:
+    """The usual one of the intervals [s]; what is `known` of it where they are too few to tell."""
+    some = intervals[:: 1 + intervals.size // LOOKED_AT]
+    rising = some[some > 0.0]
+    return float(np.median(rising)) if rising.size >= 3 or (rising.size and np.isnan(known)) else known
 
 
 def _latest(times: Array, known: Chosen, before: float) -> Array:
