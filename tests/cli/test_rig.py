@@ -182,7 +182,9 @@ def test_interrupted_claims_keep_what_is_worked_out(vvdp, here, monkeypatch):
     assert answer.code == 130
     assert "interrupted; what was finished is written" in answer.err
     found = read_result(here / "r")
-    assert set(found.tables) == {"throttling", "actuation"}
+    ways = {"supply", "duty_cycles", "supply_assumed"}
+    assert set(found.tables) == {"verdicts", "throttling", "actuation", *ways}
+    assert "section-1.1" in found.tables["verdicts"]["item"]
     assert not found.finished
     assert "Self-spinning against driven, and ripple: interrupted before." in found.left_out
     assert "Run interrupted: results are partial" in (here / "r" / "report.html").read_text()
