@@ -149,6 +149,7 @@ ALLOWED = {
     "components.directed_flows.directed_source": LAW,
     "components.directional_valves.directional_valve": LAW,
     "components.directional_valves.throttled_directional_valve": LAW,
+    "components.machines.controlled_pump": LAW,
     "components.meters.transition_meter": LAW,
     "components.rotary_valve.rotary_valve": LAW,
     "components.switching_valves._three_way": LAW,

@@ -120,7 +120,7 @@ def _power(table: Table, key: str, usual: float) -> _Power:
     """
     drops, flows, diameters = (table[name] for name in (key, "flow_m3_s", "diameter_m"))
     if not (drops > 0.0).all():
-        return _Power(*[math.nan] * 6)
+        return _Power(**dict.fromkeys(_Power._fields, math.nan))
     several = np.ptp(diameters) > 0.0
     columns = [np.ones_like(drops), np.log(flows), *((-np.log(diameters),) if several else ())]
     found = fit(columns, np.log(drops) + (0.0 if several else usual) * np.log(diameters))

@@ -102,7 +102,7 @@ def chamber_pump(inlet: FluidState, outlet: FluidState, shaft: ShaftState, value
 
     What fills chambers from the outlet that were not compressed before is lost, forwards and backwards.
     """
-    return _swivelled(inlet, outlet, shaft, 1.0, values)
+    return _at_swivel(inlet, outlet, shaft, 1.0, values)
 
 
 def controlled_pump(
@@ -120,7 +120,7 @@ def controlled_pump(
     """
     shortfall = level - outlet.pressure
     swivel = swivel_share(shortfall, state.swivel, control)
-    done = _swivelled(inlet, outlet, shaft, swivel, values)
+    done = _at_swivel(inlet, outlet, shaft, swivel, values)
     return ControlledPumpEffect(
         inlet=done.inlet,
         outlet=done.outlet,
@@ -133,7 +133,7 @@ def controlled_pump(
     )
 
 
-def _swivelled(inlet: FluidState, outlet: FluidState, shaft: ShaftState, swivel: float, values: Pump) -> ChamberEffect:
+def _at_swivel(inlet: FluidState, outlet: FluidState, shaft: ShaftState, swivel: float, values: Pump) -> ChamberEffect:
     """What a pump does at a share of its displacement."""
     displacement, unused = delivery(shaft.angle, inlet, outlet, values, swivel)
     q = displacement * shaft.speed

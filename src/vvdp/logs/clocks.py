@@ -48,12 +48,12 @@ class Clocks:
         if holder is None or not is_time(holder.path[-1], holder.unit):
             holder = self._chosen or self._near(leaf)
         if holder is not None:
-            return self._held(holder, leaf)
+            return self._clock_of(holder, leaf)
         if choice.rate is not None:
             return Clock(None, "s", at_rate(choice.rate))
         raise no_clock(content.path, f"channel {name!r}", content.list_channels())
 
-    def _held(self, holder: Leaf, leaf: Leaf) -> Clock:
+    def _clock_of(self, holder: Leaf, leaf: Leaf) -> Clock:
         content, name = self._content, self._content.name(holder.path)
         content.choice.refuse_rate(content.path, f"channel {name!r}")
         if holder.samples != leaf.samples:

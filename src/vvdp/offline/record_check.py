@@ -141,8 +141,6 @@ class Inspection:
         lost = np.fmax(np.round(intervals[gap] / self._usual) - 1.0, 1.0)
         self._list(BACKWARDS, before[back], times[back], np.ones(rows[back].size), rows[back])
         self._list(GAP_FOUND, before[gap], times[gap], lost, rows[gap])
-        if not (still.any() or back.any() or gap.any()):
-            return [Piece(self._piece, times, values)]
         numbers = self._piece + np.cumsum(back | gap)
         self._piece = int(numbers[-1])
         kept = _leave_out(still, numbers, times, values)

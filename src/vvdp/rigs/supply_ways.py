@@ -112,15 +112,15 @@ def rival_losses(demand: Demand, stand: Stand, assumed: Assumed) -> dict[str, Ar
         lost = load_sensing_loss(flow, rise, held, assumed.leakage * pump.leakage_conductance)
         return np.where(held >= rise, lost, np.nan) + drag(held)
 
-    def sensed(load: Any) -> Any:
+    def pressure_of(load: Any) -> Any:
         return minimum(load + assumed.margin, maximum(relief, rise))
 
     setting = relief + 0.0 * rise
     return {
         "metered": metered_loss(fixed, flow, rise, setting) + drag(setting),
         "bled_off": bled_off_loss(fixed, flow, rise) + drag(rise),
-        "load_sensing": variable(sensed(rise)),
-        "shared": variable(sensed(maximum(assumed.heavier * relief, rise))),
+        "load_sensing": variable(pressure_of(rise)),
+        "shared": variable(pressure_of(maximum(assumed.heavier * relief, rise))),
         "compensated": variable(setting),
         "displacement": variable(rise),
     }
@@ -184,7 +184,7 @@ def spread_of(
     """
     valves = [averaged_valve(demand, each, cores, cache, say) for each in varied_stands(stand)]
     nominal, *_ = found = [
-        (_switched(valve, stand, assumed), rival_losses(demand, stand, assumed))
+        (_switching_losses(valve, stand, assumed), rival_losses(demand, stand, assumed))
         for assumed in varied_assumptions()
         for valve in valves
     ]
@@ -202,7 +202,7 @@ def _across(choose: Callable[..., Any], gains: Any) -> Any:
     return np.where(known, choose(np.where(known, gains, 0.0), axis=0), np.nan)
 
 
-def _switched(valve: Averaged, stand: Stand, assumed: Assumed) -> Any:
+def _switching_losses(valve: Averaged, stand: Stand, assumed: Assumed) -> Any:
     pump, speed = stand.bench.pump, stand.set_point.pump_speed
     return valve.loss + drag_power(valve.inlet_rise, speed, pump.displacement, pump.friction_torque, assumed.drag)
 

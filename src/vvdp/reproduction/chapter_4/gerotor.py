@@ -98,7 +98,7 @@ def _samples(tables: str, without: tuple[str, ...]) -> Samples:
 def late(found: Samples, begin: float = SETTLED) -> Samples:
     """The samples from `begin` [s] on."""
     chosen = found.time > begin
-    return Samples._make(column[chosen] for column in found)
+    return Samples(**{name: column[chosen] for name, column in found._asdict().items()})
 
 
 def peak(metres: Array) -> float:

@@ -61,20 +61,22 @@ def shipped_duties() -> tuple[Duty, ...]:
     return duties(*known_cylinder())
 
 
+TRIANGLE = DutyCycle(times=(0.0, 4.0, 8.0), positions=(0.05, 0.266, 0.05), forces=(-1000.0,) * 3)
+HEAVY = DutyCycle(times=(0.0, 1.25, 2.5), positions=(0.05, 0.266, 0.05), forces=(-10000.0,) * 3)
+DIGGING = DutyCycle(
+    times=(0.0, 1.8, 2.2, 2.6, 4.8, 5.2, 5.6, 6.8, 7.2, 7.6, 9.0, 9.5),
+    positions=(0.05, 0.24, 0.25, 0.25, 0.10, 0.09, 0.09, 0.20, 0.21, 0.21, 0.06, 0.05),
+    forces=(-2e3, -2e3, -2e3, 1e3, 5e3, 5e3, 3e3, 3e3, 1e3, -4e3, -4e3, -2e3),
+)
+
+
 def duties(cylinder: Cylinder, friction: RodFriction) -> tuple[Duty, ...]:
     """The shipped duty cycles for a cylinder."""
-    triangle = DutyCycle(times=(0.0, 4.0, 8.0), positions=(0.05, 0.266, 0.05), forces=(-1000.0,) * 3)
-    heavy = DutyCycle(times=(0.0, 1.25, 2.5), positions=(0.05, 0.266, 0.05), forces=(-10000.0,) * 3)
-    digging = DutyCycle(
-        times=(0.0, 1.8, 2.2, 2.6, 4.8, 5.2, 5.6, 6.8, 7.2, 7.6, 9.0, 9.5),
-        positions=(0.05, 0.24, 0.25, 0.25, 0.10, 0.09, 0.09, 0.20, 0.21, 0.21, 0.06, 0.05),
-        forces=(-2e3, -2e3, -2e3, 1e3, 5e3, 5e3, 3e3, 3e3, 1e3, -4e3, -4e3, -2e3),
-    )
     alone = Duty(
         name="heavy",
         title="21.6 cm in 1.25 s and back",
         load="10 kN against extending",
-        cycle=heavy,
+        cycle=HEAVY,
         relief_pressure=110e5,
         return_conductance=3e-7,
     )
@@ -84,13 +86,13 @@ def duties(cylinder: Cylinder, friction: RodFriction) -> tuple[Duty, ...]:
             name="triangle",
             title="21.6 cm in 4 s and back, the source's",
             load="1000 N against extending",
-            cycle=triangle,
+            cycle=TRIANGLE,
             relief_pressure=60e5,
             return_conductance=1.2e-7,
         ),
         alone,
         sized_duty(
-            "digging", "reach, dig, dump and return", "5 kN either way, all four quadrants", digging, cylinder, friction
+            "digging", "reach, dig, dump and return", "5 kN either way, all four quadrants", DIGGING, cylinder, friction
         ),
         replace(
             alone,
