@@ -359,4 +359,4 @@ def test_bars_follow_one_another(found):
 
 def test_screen_leaves_out_what_none_loses(found):
     shown = screen_tables(found, circuit_result(found))["triangle"].shown
-    assert "loss_rotary_W" not in shown and "loss_relief_W" in shown
+    assert "loss_pump_friction_W" not in shown and "loss_relief_W" in shown
