@@ -75,12 +75,12 @@ def _draw(axes: Any, node: ElementTree.Element, styles: Styles, offset: Offset, 
             joinstyle="round",
             snap=False,
             zorder=order,
-            transform=_shift_of(offset) + axes.transData,
+            transform=_shift(offset) + axes.transData,
         )
         axes.add_patch(patch)
 
 
-def _shift_of(offset: Offset) -> Any:
+def _shift(offset: Offset) -> Any:
     from matplotlib.transforms import Affine2D
 
     return Affine2D().translate(*offset)

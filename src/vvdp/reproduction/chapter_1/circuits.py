@@ -10,7 +10,7 @@ import vvdp
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import DUTY_RATIO, FLOW, GAUGE_PRESSURE, NUMBER, RATIO, TIME
 from vvdp.base.units import ATMOSPHERE
-from vvdp.reproduction.chapter_2.shapes import solids, unrolled_surface
+from vvdp.reproduction.chapter_2.shapes import solids, surface_drawing
 from vvdp.reproduction.drawings import circuit_drawing, solid_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Line, Lines, Stroke
@@ -202,7 +202,7 @@ def _circuit(number: str, what: str, system: str) -> Callable[[], Reproduction]:
 
 def figure_1_2() -> Reproduction:
     """Sleeve and spool, rolled out."""
-    return solid_drawing("schematic of the rotary valve", "figure-1.2", unrolled_surface)
+    return solid_drawing("schematic of the rotary valve", "figure-1.2", surface_drawing)
 
 
 def figure_1_3() -> Reproduction:

@@ -3,7 +3,7 @@
 from vvdp.base.kinds import NUMBER
 from vvdp.cfd.kept import KeptStudy
 from vvdp.reproduction.chapter_2.computed import kept_or_none, kept_table, live_rail
-from vvdp.reproduction.chapter_2.shapes import unrolled_surface
+from vvdp.reproduction.chapter_2.shapes import surface_drawing
 from vvdp.reproduction.drawings import solid_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Chart, Line, Lines, Stroke
@@ -75,7 +75,7 @@ def figure_2_9() -> Reproduction:
 
 def figure_2_10() -> Reproduction:
     """The centre section, scaled in radius alone: the surface of the spool rolled out, as wide as the diameter."""
-    return solid_drawing("scaling of the centre section in radius", "figure-2.10", unrolled_surface)
+    return solid_drawing("scaling of the centre section in radius", "figure-2.10", surface_drawing)
 
 
 ITEMS = (

@@ -36,7 +36,7 @@ def oil() -> Mapping[str, Mesh]:
     }
 
 
-def unrolled_surface() -> Drawn:
+def surface_drawing() -> Drawn:
     """The spool's surface rolled out, with its lengths."""
     return unwrapped_figure(shape(), valve(), DUTY * valve().helix_length)
 
@@ -57,7 +57,7 @@ def rail_designs(designs: Sequence[str]) -> Drawn:
 def figure_2_1() -> Reproduction:
     """The key measures: those that the text names."""
     area = number_statement("area of the three nozzles", 36.5e-6, valve().nozzle_area, AREA, because="as printed")
-    return solid_drawing("key geometry of the prototype", "figure-2.1", unrolled_surface, area)
+    return solid_drawing("key geometry of the prototype", "figure-2.1", surface_drawing, area)
 
 
 def figure_2_2() -> Reproduction:
@@ -85,7 +85,7 @@ def figure_2_16() -> Reproduction:
 
 def figure_2_18() -> Reproduction:
     """Lands and pockets of the spool."""
-    return solid_drawing("bearing surface and pockets", "figure-2.18", unrolled_surface)
+    return solid_drawing("bearing surface and pockets", "figure-2.18", surface_drawing)
 
 
 ITEMS = (
