@@ -122,10 +122,10 @@ def valve_rows(claim: Claim) -> Iterator[str]:
         flow, drop, time = (float(table[key][row]) for key in ("rated_flow_m3_s", "rated_drop_Pa", "switching_time_s"))
         told = f"{flow * 6e4:.3g}" if flow == flow else "–"
         told += f" at {drop * 1e-5:.3g}" if drop == drop else " at –"
-        cells = [table["valve"][row], told, f"{1e3 * time:.3g}", f"{table['highest_pwm_frequency_Hz'][row]:.3g}"]
+        cells = [table["valve"][row], told, f"{1e3 * time:.3g}", watts(float(table["highest_pwm_frequency_Hz"][row]))]
         for key in ("parallel_valves", "loss_W", "equal_loss_pwm_frequency_Hz"):
             value = float(table[key][row])
-            cells.append(f"{value:.3g}" if value == value else "–")
+            cells.append(watts(value) if value >= 100.0 else f"{value:.3g}" if value == value else "–")
         yield f"| {' | '.join(cells)} |"
 
 
