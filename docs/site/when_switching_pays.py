@@ -27,9 +27,6 @@ SIMULATED = (
     "throttle",
     "flow-control-unit",
     "linear-valves",
-    "bleed-off",
-    "constant-pressure",
-    "load-sensing",
     "ideal-pump",
     "four-valves",
 )
