@@ -34,7 +34,7 @@ def test_every_spread_is_described(page, prototype):
 
 def test_commands_are_commands(page, designing):
     commands = re.findall(r"^    vvdp design (.+)$", page, re.MULTILINE)
-    assert len(commands) == 5
+    assert len(commands) == 7
     for command in commands:
         words = shlex.split(command)
         quick = {
@@ -42,6 +42,7 @@ def test_commands_are_commands(page, designing):
             "tolerance": ["--samples", "64", "--runs", "16"],
             "temperature": [],
             "levers": ["--no-simulation"],
+            "robust": ["--draws", "1", "--designs", "2", "--generations", "1"],
         }
         code, _, err = designing(*words, *quick.get(words[0], ["--starts", "2", "--no-simulation"]))
         assert code == 0, err
