@@ -56,13 +56,22 @@ def verdict(row: dict[str, str], found: float | None) -> str:
     return "within" if lower <= found <= upper else "OUTSIDE"
 
 
+def problem(given: list[str]) -> str:
+    """What is wrong with the arguments; nothing if they can be worked with."""
+    if len(given) != 2:
+        return str(__doc__)
+    if given[0] not in cases():
+        return f"no case {given[0]!r}; the cases are {', '.join(cases())}"
+    return "" if Path(given[1]).exists() else f"no such file: {given[1]}"
+
+
 def main(given: list[str]) -> int:
     """Prints a row for each quantity of the case."""
     if given == ["--list"]:
         print("\n".join(cases()))
         return 0
-    if len(given) != 2 or given[0] not in cases() or not Path(given[1]).exists():
-        print(__doc__, file=sys.stderr)
+    if wrong := problem(given):
+        print(wrong, file=sys.stderr)
         return 2
     case, answer = given[0], read_answer(given[0], Path(given[1]))
     all_within = True

@@ -169,8 +169,12 @@ def test_wrong_missing_and_unreadable_answers_are_told(tmp_path):
     done = check("step-down-limit", wrong)
     assert done.returncode == 1
     assert [done.stdout.count(word) for word in ("OUTSIDE", "within", "missing")] == [1, 1, 1]
-    assert check("no-such-case", wrong).returncode == 2
-    assert check("step-down-limit", tmp_path / "none.csv").returncode == 2
+    for arguments, words in (
+        (("no-such-case", wrong), "no case 'no-such-case'"),
+        (("step-down-limit", "none.csv"), "no such file: none.csv"),
+    ):
+        done = check(*arguments)
+        assert (done.returncode, done.stdout) == (2, "") and words in done.stderr
 
 
 def test_a_speed_that_leaves_out_rows_is_infinitely_wrong():

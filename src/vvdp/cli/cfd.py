@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vvdp.base.extras import require_solids
 from vvdp.cli.cfd_place import (
     Flow,
     Grid,
@@ -76,6 +77,7 @@ def rail(
     The rail is meshed from the valve's shape and solved to a steady flow. Rerun the same command to resume; what is
     finished is not computed again.
     """
+    require_solids()
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.rail_result import VERB, rail_result
     from vvdp.cfd.rail_study import run_rails
@@ -111,6 +113,7 @@ def sweep(
     One mesh is solved at every flow. The file fitted.toml is the system with the discharge coefficient that was found.
     Rerun the same command to resume; what is finished is not computed again.
     """
+    require_solids()
     from vvdp.base.display import with_unit
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.rail_study import run_rails
@@ -161,6 +164,7 @@ def grids(
     still. Rerun the same command to resume; what is finished is not
     computed again.
     """
+    require_solids()
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.grids_result import VERB, grids_result
     from vvdp.cfd.rail import three_grids
@@ -223,6 +227,7 @@ def designs(
     Drop, flow split and radial force of each. Rerun the same command to resume; what is finished is not computed
     again.
     """
+    require_solids()
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.designs_result import VERB, designs_result
     from vvdp.cfd.rail_study import run_rails
@@ -280,6 +285,7 @@ def centre(
     is the system with the exponents and the coefficient that were found. Rerun the same command to resume; what is
     finished is not computed again.
     """
+    require_solids()
     from vvdp.base.display import with_unit
     from vvdp.base.kinds import ANGLE, FLOW, LENGTH
     from vvdp.cfd.centre import scale_radially
@@ -330,6 +336,7 @@ def openings(
     The centre section is solved with open nozzles and, at each angle, with nozzles that close and that open; the spool
     stands still. Rerun the same command to resume; what is finished is not computed again.
     """
+    require_solids()
     from vvdp.base.display import with_unit
     from vvdp.base.kinds import ANGLE, FLOW
     from vvdp.cfd.centre_study import run_centre
@@ -387,6 +394,7 @@ def turbine(
     effective area, the discharge coefficient and the drop of the outlet rail that were found. Rerun the same command to
     resume; what is finished is not computed again.
     """
+    require_solids()
     from vvdp.base.display import with_unit
     from vvdp.base.kinds import FLOW, SPEED
     from vvdp.cfd.turbine_result import VERB, fitted_settings, turbine_result

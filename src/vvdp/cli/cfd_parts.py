@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vvdp.base.extras import require_solids
 from vvdp.cli.cfd_place import (
     Flow,
     Grid,
@@ -47,6 +48,7 @@ def sleeve(
     That is how the drop of rail and nozzles is measured. Rerun the same command to resume; what is finished is not
     computed again.
     """
+    require_solids()
     from vvdp.base.kinds import FLOW
     from vvdp.cfd.parts_result import SLEEVE, sleeve_parts, sleeve_result
     from vvdp.cfd.parts_study import run_parts
@@ -82,6 +84,7 @@ def valve(
     Drop and torque of the valve as one, of rail, centre section and outlet turbine, and by the system's laws. Rerun the
     same command to resume; what is finished is not computed again.
     """
+    require_solids()
     from vvdp.base.kinds import FLOW, SPEED
     from vvdp.cfd.parts_result import VALVE, valve_parts, valve_result
     from vvdp.cfd.parts_study import run_parts

@@ -123,9 +123,6 @@ def rail_order(
     system: str, settings: list[str] | None, shape: str | None, grid: str, model: str
 ) -> "tuple[System, RailOrder, Told]":
     """A system, what is to be computed of it at the flow of its pump, and what is said of it."""
-    from vvdp.base.extras import require_solids
-
-    require_solids()
     from vvdp.cfd.case import Fluid
     from vvdp.cfd.rail import GRIDS, RailOrder
     from vvdp.cfd.rail_result import Told

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vvdp.base.errors import ParameterError
+from vvdp.base.extras import require
 from vvdp.base.params import Params
 from vvdp.design.optimise import optimise
 from vvdp.design.problem import Bound, Limit, Point, Problem
@@ -94,6 +95,7 @@ def levers(
     The PWM frequency of the open valve is at least what it was. Raises ParameterError where the closed form of the
     transition loss does not hold for the system as it is.
     """
+    require("casadi", "opt", "an optimum")
     bench, points = rotary_bench(system, "design levers"), _points(system)
     if bench.is_softened:
         raise ParameterError(f"{system.name}: is switched softly already; take its tables [bypass] and [chamber] away")
