@@ -284,6 +284,7 @@ ONLY_FORWARD = {
 }  # fmt: skip
 # Tables and texts over many angles, searches, and energies under a law that is handed over: not for the loop.
 NOT_IN_THE_LOOP = {
+    "binary_valves", "equal_valves", "code_count", "code_flow", "pulse_volume",
     "quasi_steady_cycle", "quasi_steady_mean", "mean_of_cycle", "averaged_spool_speed", "speed_of_cycle",
     "balanced_cycle", "delivered_flows", "operating_point", "average_transition",
     "range_warnings", "best_relief_pressure", "bearing_eccentricity", "specific_volume_exponent", "mean_modulus",
