@@ -12,6 +12,10 @@ from vvdp.results.result import Column, Finding, Grade, Number, Result, Table
 from vvdp.results.verdict import Statement, Verdict, verdict_table
 
 
+def _count_words(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def verdict_result(outcomes: Sequence[Outcome], changes: Sequence[str], seconds: float, finished: bool) -> Result:
     """The table of all verdicts, how many there are of each, and what differs from what is expected."""
     statements = all_statements(outcomes)
@@ -30,7 +34,9 @@ def verdict_result(outcomes: Sequence[Outcome], changes: Sequence[str], seconds:
         tables={"chapters": chapter_table(outcomes), "verdicts": verdict_table(statements)},
         numbers={"item_count": Number(float(len(outcomes)), COUNT, "items"), **numbers},
         findings=(
-            Finding(text=f"{len(outcomes)} items, {len(statements)} statements: {words}."),
+            Finding(
+                text=f"{_count_words(len(outcomes), 'item')}, {_count_words(len(statements), 'statement')}: {words}."
+            ),
             *(Finding(text=text, grade=Grade.BAD) for text in failures),
             *(Finding(text=text, grade=Grade.BAD, title="Verdict changed") for text in changes),
         ),

@@ -75,6 +75,7 @@ def supply_claim(
                     low=0.5,
                     source="keeps the efficiency of variable displacement machines",
                     because="half of all points (ours)",
+                    note="what the ports lose while they are partly shut: docs/when-switching-pays.md",
                 ),
             ),
         ),

@@ -86,6 +86,7 @@ def section_1_2_2() -> Reproduction:
         RATIO,
         high=1.0,
         source="rotary valves can have all of it: small drop, fast transitions, low power",
+        note="a self-spinning valve turns as fast as its flow lets it; a motor makes it faster, at the cost of power",
     )
     statements = (drop, time, *_consistent_numbers(), _amplifier_power())
     return Reproduction(statements=statements, tables={"valves": table})

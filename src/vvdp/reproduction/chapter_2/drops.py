@@ -97,6 +97,7 @@ def figure_2_12() -> Reproduction:
                 high=2.0,
                 source="a parabola",
                 because="the margin of ours that a parabola may miss by",
+                note="flows of one mesh, whose error changes with the flow",
             ),
         )
     tables, marks = _with_study(study, "pressure_drop_Pa")
@@ -133,7 +134,7 @@ def fitted_centre(study: KeptStudy) -> tuple[Array, float]:
 def _centre_statements(study: KeptStudy | None) -> tuple[Statement, ...]:
     if study is None:
         source = "m = 1.91, n = 3.22, error below 0.05 bar"
-        return (missing_statement("law of the computed drops", source, "the study centre-scaling"),)
+        return (missing_statement("law of the computed drops", source, "the study centre-flows"),)
     (_, m, n), misfit = fitted_centre(study)
     return (
         number_statement("exponent of the flow", M, float(m), NUMBER, tolerance=0.05, because=GRID),
@@ -144,7 +145,7 @@ def _centre_statements(study: KeptStudy | None) -> tuple[Statement, ...]:
 
 def figure_2_13() -> Reproduction:
     """The centre section over flow and diameter, and the law that is fitted to it."""
-    study = kept_or_none("centre-scaling")
+    study = kept_or_none("centre-flows")
     table = scaled_table()
     lines = tuple(
         Line(

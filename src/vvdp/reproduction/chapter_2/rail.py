@@ -63,6 +63,7 @@ def _share_statements(study: KeptStudy) -> tuple[Statement, ...]:
             source=_words(printed),
             result=_words(own),
             because="2 points; no share was fitted",
+            note="on the medium grid; the largest and smallest share stand in docs/models/cfd.md",
         )
         for design, own, printed in zip(DESIGNS, computed_shares(study), PUBLISHED, strict=True)
     )

@@ -47,6 +47,7 @@ def _share_statements(which: int, bound: float, source: str) -> tuple[Statement,
             tolerance=slack,
             because=RANDOM,
             source=source,
+            note="shares of all truths, and why the text's own example meets them: docs/errata.md, convergence",
         )
         for truth, words in TRUTHS.values()
     )
