@@ -54,6 +54,8 @@ VALUES: dict[str, list[dict[str, float]]] = {
     "EndStop": [{"lower_end": -5e-3, "upper_end": 1e-2}],
     "GerotorDrive": [{"lower_end": -5e-3, "upper_end": 1e-2}],
     "GerotorCalibration": [{"commands": (-1.0, -0.1, 0.1, 1.0), "flows": (-3e-5, 0.0, 0.0, 3e-5)}],
+    "OnOffValve": [{"dead_travel": 0.25}],
+    "UnitValve": [{"weight": 2.0, "modulus": 4.0}],
     "FlowSource": [{"counted_at_outlet": 0.0}, {"counted_at_outlet": 1.0}],
 }
 OIL = Oil(
