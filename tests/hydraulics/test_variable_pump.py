@@ -54,7 +54,7 @@ def test_a_control_rests_only_where_nothing_is_missing_or_at_an_end(swivel, miss
     rate, share = (law(missing * 50e5, swivel, CONTROL) for law in (swivel_rate, swivel_share))
     assert rate * missing >= 0.0
     assert (rate == 0.0) == (missing == 0.0 or share == swivel)
-    assert 0.0 <= swivel + rate * CONTROL.reset_time <= 1.0
+    assert -1e-15 <= swivel + rate * CONTROL.reset_time <= 1.0 + 1e-15
 
 
 def test_a_controlled_pump_comes_to_its_level_without_a_remainder():

@@ -196,7 +196,7 @@ def test_drives_need_a_load_line(source_stand):
 
 def test_claims_without_a_load_line_say_what_is_missing(source_stand):
     found = claims(source_stand)
-    assert set(found.tables) == {"throttling", *SUPPLY, "actuation"}
+    assert set(found.tables) == {"throttling", *SUPPLY, "actuation", "verdicts"}
     assert any("need a load line" in sentence for sentence in found.left_out)
     assert found.numbers["rotary_power_exponent"].value == pytest.approx(2.0)
     assert found.numbers["linear_power_exponent"].value == pytest.approx(3.0)
@@ -218,7 +218,7 @@ def test_driven_spool_that_the_flow_cannot_turn(orifice_stand, quick_claims):
     """Twenty times the friction of 1.3349e-3 N m s, 0.0267: beside it there is no self-spinning spool, all else is."""
     area = orifice_stand.bench.valve.friction_area
     found = quick_claims(orifice_stand.with_tables(valve={"friction_area": 20.0 * area}).with_motor(60.0))
-    assert set(found.tables) == {"throttling", *SUPPLY, "ripple_frequency", "ripple_volume", "actuation"}
+    assert set(found.tables) == {"throttling", *SUPPLY, "ripple_frequency", "ripple_volume", "actuation", "verdicts"}
     words = "Self-spinning against driven: left to itself the spool does not turn: with a friction of 0.0267 N*m*s"
     assert any(sentence.startswith(words) for sentence in found.left_out)
     assert "largest_drive_power_W" not in found.numbers

@@ -39,7 +39,9 @@ UNTIL = {
     "axial-chamber": "0.7 s",
     "axial-gerotor": "1.2 s",
     "bleed-off-control": "5 s",
+    "flow-control-unit": "5 s",
     "ideal-pump-control": "5 s",
+    "linear-valves": "5 s",
     "load-sensing": "5 s",
 }
 """Where nothing flows while a drive stands at its stop, longer than that; where a rod turns back, until it has. With an
