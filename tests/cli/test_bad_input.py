@@ -193,6 +193,8 @@ def test_a_file_that_may_not_be_read(here, refused, monkeypatch):
         ("=3 cc", "expected table.key"),
         ("inlet.volume=", "expected table.key"),
         ("volume=3 cc", "expected table.key"),
+        ("duty_ratio=1.4", "duty_ratio=1.4: expected table.key"),
+        ("duty_ratio=1.4", "did you mean 'operation.duty_ratio=1.4'?"),
         ("a.b.c=3 cc", "--set: a: unknown table"),
         ("inlet.volum=3 cc", "did you mean 'volume'"),
         ("inlets.volume=3 cc", "unknown table"),

@@ -29,6 +29,7 @@ def test_simulated_map_in_si(vvdp, here, keys_as_described):
     assert found["load_pressure_Pa"] == [4e6, 4e6, 8e6, 8e6]
     assert found["duty_ratio"] == [0.4, 0.8, 0.4, 0.8]
     assert all(0.3 < value < 0.9 for value in found["overall_efficiency"])
+    assert "4 points of the map, and 10 for the derived capacities: 5 pressures at each setting\n" in first.err
     again = vvdp("map", "prototype-constant-load", *SMALL, "--json", "--no-report", "--out", "m")
     assert json.loads(again.out)["overall_efficiency"] == found["overall_efficiency"]
     assert "14 of 14 points are finished already" in again.err

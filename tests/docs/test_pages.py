@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer.main
 
+import vvdp
 from vvdp.cli.main import app
 from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
@@ -13,6 +14,7 @@ from vvdp.systems.system import load_system
 from vvdp.valve.geometry import transition_fraction
 
 ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text("utf-8")
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 LINK = re.compile(r"(?<!`)\[[^\]`]*(?:`[^`]*`)?[^\]]*\]\(([^)\s]+)\)")
 COMMAND = re.compile(r"^(?: {4}\$ | {4}|\$ )?vvdp ([a-z].*)$", re.MULTILINE)
@@ -53,13 +55,13 @@ def test_every_command_of_every_page_is_one():
 
 def test_links_of_the_readme_lead_somewhere():
     """Those of the other pages are held by the build of the site."""
-    links = LINK.findall(re.sub(r"```.*?```", "", (ROOT / "README.md").read_text("utf-8"), flags=re.DOTALL))
+    links = LINK.findall(re.sub(r"```.*?```", "", README, flags=re.DOTALL))
     assert len(links) > 25
     assert [link for link in links if not re.match(r"[a-z]+:", link) and not (ROOT / link).exists()] == []
 
 
 def test_the_first_run_ends_as_the_readme_says():
-    section = (ROOT / "README.md").read_text("utf-8").partition("## How the first run ends\n")[2].partition("\n## ")[0]
+    section = README.partition("## How the first run ends\n")[2].partition("\n## ")[0]
     system = load_system("prototype")
     found = summary(system, simulate(system.model, system.case, system.stepping))
     said = {
@@ -87,8 +89,11 @@ def test_the_first_run_ends_as_the_readme_says():
 
 def test_the_script_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    (script,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     exec(compile(script, "README.md", "exec"), {})
-    power, names = capsys.readouterr().out.split(maxsplit=1)
-    assert 1000.0 < float(power) < 3000.0 and "load_pressure" in names
+    said = re.search(r"It prints (\d+) W and `True`. A run of 0.5 s prints (\d+) W and `False`", README)
+    power, settled = capsys.readouterr().out.split()
+    assert round(float(power)) == int(said[1]) and settled == "True"
+    short = vvdp.load("prototype", operation={"duty_ratio": 0.4}).run(until="0.5 s").summary
+    assert round(short["load_power_W"], -1) == int(said[2]) and not short["settled"]
     assert (tmp_path / "load.png").stat().st_size > 1000

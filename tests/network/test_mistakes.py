@@ -349,7 +349,27 @@ IN_FILE = [
     ('mass = "2 kg"', 'mass = "0 kg"', 9, "rod has no mass"),
     ('until = "1 s"', 'until = "1 bar"', 4, "run.until"),
     ("spring = {", "line = {", 14, "the name 'line' is taken"),
+    ("spring = {", "check = {", 14, "the name 'check' is reserved for the equations that are written from the network"),
+    ("line = {", "check = {", 8, "the name 'check' is reserved"),
+    ('type = "orifice"', 'type = "pulsed-switching-valve"', 13, "takes no a, b, area, discharge_coefficient"),
 ]
+ONE_CAUSE = [
+    ("load = {", "check = {", "the name 'check' is reserved"),
+    ('type = "orifice"', 'type = "pulsed-switching-valve"', "the keys given are those of type 'orifice'"),
+    ('type = "spring"', 'type = "gerotor-drive"', "the keys given are those of type 'spring'"),
+    ('type = "spring"', 'type = "sprig"', "type 'sprig' is unknown; did you mean 'spring'?"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "told"), ONE_CAUSE, ids=[told for *_, told in ONE_CAUSE])
+def test_what_follows_from_a_mistake_is_not_told_beside_it(tmp_path, old, new, told):
+    path = tmp_path / "mine.toml"
+    assert old in FILE
+    path.write_text(FILE.replace(old, new), encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_system(str(path))
+    (fault,) = caught.value.faults
+    assert told in fault.message
 
 
 @pytest.mark.parametrize(("old", "new", "line", "told"), IN_FILE, ids=[told for *_, told in IN_FILE])

@@ -13,15 +13,16 @@ from vvdp.base.errors import ConfigError
 from vvdp.base.kinds import SPEED
 from vvdp.report.report import write_report
 from vvdp.report.result_page import listing_html
-from vvdp.results.result import Listing, Row
+from vvdp.results.result import Badge, Grade, Listing, Row
 from vvdp.runs.bench import causes, components
-from vvdp.runs.result import run_result
+from vvdp.runs.result import key_listings, run_result
 from vvdp.runs.run import open_run
 from vvdp.runs.simulate import run_system
-from vvdp.runs.tables import overview
-from vvdp.systems.bench_overview import OVERVIEW
+from vvdp.systems.bench_overview import OVERVIEW_NOTE
+from vvdp.systems.overview import warnings
 from vvdp.systems.quantities import quantities
 from vvdp.systems.system import load_system
+from vvdp.valve.validity import CAVITATION_NUMBER
 
 FIGURES = {"cycle-time", "cycle-angle", "run", "speed", "spectrum", "losses-cause", "losses-component"}
 VOID = {"meta", "br", "wbr", "img", "hr", "input", "link"}
@@ -132,7 +133,7 @@ def test_losses_by_cause_and_by_component_are_all_that_is_lost(whole):
 
 
 def test_lines_of_the_overview_are_all_that_is_lost(whole):
-    rows = {row.label: row.values for row in overview(open_run(whole), OVERVIEW).rows}
+    rows = {row.label: row.values for row in key_listings(open_run(whole))["overview"].rows}
     for column in (0, 1):
         parts = [values[column] for label, values in rows.items() if label.startswith("loss, ")]
         total = rows["input power minus load power"][column]
@@ -184,6 +185,32 @@ def test_what_lies_outside_its_bounds_is_said_with_numbers(orifice, changes, exp
     shown = run_result(open_run(orifice))
     said = [f"{n.title} {n.text} {n.remedy}" for n in shown.findings] + [b.words for b in shown.badges]
     assert expected in " ".join(said)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "badge"),
+    [
+        ("prototype", [], Badge("not settled", Grade.WARNING)),
+        ("prototype", ["operation.duty_ratio={step=['0.5','0.4'], at='0.15 s'}"], Badge("varies by design")),
+        ("displacement-chapter6", [], Badge("varies by design")),
+    ],
+)
+def test_screen_badge_and_finding_agree_on_what_should_have_settled(name, settings, badge):
+    """A run that is over too early is warned of; where inputs vary, or motion is the purpose, nothing is amiss."""
+    run = run_system(load_system(name, settings, "0.2 s"))
+    assert not run.has("settled")
+    shown, expected = run_result(run), badge.grade is Grade.WARNING
+    assert badge in shown.badges
+    assert any(each.title == "Not settled" for each in shown.findings) is expected
+    assert any(line.startswith("not settled: ") for line in warnings(run.system, run.summary)) is expected
+
+
+def test_the_cavitation_numbers_are_printed_with_what_they_mean(whole):
+    run = open_run(whole)
+    listing = key_listings(run)["overview"]
+    assert any(row.label.startswith("cavitation number") for row in listing.rows)
+    assert f"below {CAVITATION_NUMBER:g} oil is held to evaporate" in listing.note
+    assert OVERVIEW_NOTE in words(page(whole))
 
 
 def test_text_of_a_user_cannot_become_markup(orifice):

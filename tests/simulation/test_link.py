@@ -17,6 +17,7 @@ from vvdp.base.errors import RunError
 from vvdp.base.kinds import Kind
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal, constant, signal_stop, signal_value, table
+from vvdp.simulation import installed
 from vvdp.simulation import link as linking
 from vvdp.simulation.cache import check_private
 from vvdp.simulation.layout import as_memory, case_shape, command_parts, memory_parts, rows, vectors
@@ -383,6 +384,8 @@ def test_time_left_while_compiling_by_hand(tmp_path, monkeypatch):
     """Parts of 2, 6 and 12 s, one of no title; the first takes 5 s, and the others are then expected to take 45."""
     now = [100.0]
     monkeypatch.setattr(linking.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(linking, "is_warm", lambda: True)
+    monkeypatch.setattr(linking, "is_loop_compiled", lambda: True)
     names = {"pending_a": (2.0, "the circuit"), "pending_b": (6.0, ""), "pending_c": (12.0, "the program p")}
     parts = [Bulky(name, seconds, Part("", {}, Classes(), title)) for name, (seconds, title) in names.items()]
     pending = linking.Pending(parts, tmp_path)
@@ -395,8 +398,42 @@ def test_time_left_while_compiling_by_hand(tmp_path, monkeypatch):
     assert alone.words(parts[0]) == "compiling the circuit (first use only): about 2 s left"
 
 
-def test_each_part_with_a_title_is_told_with_its_place_among_all(tmp_path, fresh):
+def test_the_first_line_counts_all_that_is_compiled_afterwards(tmp_path, monkeypatch):
+    """Parts of 2 and 12 s, 2 s for Numba itself and 30 s for the loop: 46 s in all.
+
+    When the first part and Numba have taken 6 s, a pace of 1.5, 1.5 (12 + 30) = 63 s are left.
+    """
+    now = [100.0]
+    monkeypatch.setattr(linking.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(linking, "is_warm", lambda: False)
+    monkeypatch.setattr(linking, "is_loop_compiled", lambda: False)
+    parts = [
+        Bulky(f"first_{title}", seconds, Part("", {}, Classes(), title)) for seconds, title in ((2.0, "a"), (12.0, "b"))
+    ]
+    pending = linking.Pending(parts, tmp_path)
+    assert pending.words(parts[0]) == "compiling a (first use only): part 1 of 3, about 46 s left"
+    now[0] += 6.0
+    assert pending.words(parts[1]) == "compiling b (first use only): part 2 of 3, about 63 s left"
+
+
+def test_each_loop_is_told_before_it_is_compiled_and_never_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(installed, "FOLDER", tmp_path)
+    monkeypatch.setattr(installed, "_drop_stale_loops", lambda: None)
+    (tmp_path / "__pycache__").mkdir()
+    said: list[str] = []
+    for loop in (installed.ALONE, installed.SIDE_BY_SIDE):
+        installed.announce(loop, said.append)
+        (tmp_path / "__pycache__" / f"{loop}-12.py312.nbi").touch()
+        installed.announce(loop, said.append)
+    assert said == [
+        "compiling the simulation loop (once for each installation): about half a minute",
+        "compiling the loop for many cases at once (once for each installation): about half a minute",
+    ]
+
+
+def test_each_part_with_a_title_is_told_with_its_place_among_all(tmp_path, fresh, monkeypatch):
     """Rates, jumps and events; then sensor and step of two programs, and what joins them: nine with the conditions."""
+    monkeypatch.setattr(linking, "is_loop_compiled", lambda: True)
     said: list[str] = []
     link(TANK, tank_case(), tmp_path, said.append)
     assert [text.partition(":")[0] for text in said] == [
@@ -416,7 +453,8 @@ def other_tank(t, s, u, p):
     return Level(u.controller.flow - s.x), Flow(2.0 * s.x)
 
 
-def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_path, fresh):
+def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_path, fresh, monkeypatch):
+    monkeypatch.setattr(linking, "is_loop_compiled", lambda: True)
     link(TANK, tank_case(), tmp_path)
     before, said = folders(tmp_path), []
     forget()
@@ -427,7 +465,7 @@ def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_pa
     programs = {**PROGRAMS, "controller": Program(flow_sensor, other_controller, Flow(0.0))}
     link(Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case(), tmp_path, said.append)
     assert len(folders(tmp_path) - before) == 2  # the step, and what joins the programs
-    assert said == ["compiling the program controller (first use only): part 1 of 2, about 1 s left"]
+    assert said == ["compiling the program controller (first use only): part 1 of 2, about 2 s left"]
 
     before = folders(tmp_path)
     link(Model(other_tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark), tank_case(), tmp_path)

@@ -10,7 +10,7 @@ def test_cases_outside_the_range_of_a_law_are_named(tmp_path):
     study = Study("prototype-constant-load", duty, ("efficiency", "trusted"), until="0.3 s")
     found = run_study(study, tmp_path / "kept")
     doubts = {doubt.text: doubt.cases for doubt in found.doubts}
-    words = "duty ratio: 1.4, above 1.35; the spool stands beyond the helix"
+    words = "duty ratio: 1.4, outside −0.3501 to 1.35; the spool stands beyond the helix (operation.duty_ratio)"
     assert doubts[words] == (1, 2)
     assert found.outputs["trusted"].values.tolist() == [1.0, 0.0, 0.0]
     said = [finding.text for finding in study_result(found).findings]

@@ -56,11 +56,14 @@ def test_a_shipped_system_is_trusted_settled_and_has_no_warning(name):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        (["operation.duty_ratio=-1"], "duty ratio: −1, below −0.3501; the spool stands beyond the helix"),
-        (["operation.duty_ratio=2"], "duty ratio: 2, above 1.35"),
+        (
+            ["operation.duty_ratio=-1"],
+            "outside −0.3501 to 1.35; the spool stands beyond the helix (operation.duty_ratio)",
+        ),
+        (["operation.duty_ratio=2"], "duty ratio: 2, outside −0.3501 to 1.35"),
         (["valve.eccentricity=0.95"], "eccentricity of the spool: 0.95, above 0.9; it touches the sleeve"),
         (["valve.radial_clearance=1 mm"], "clearance over radius: 0.07874, above 0.01"),
-        (["operation.oil_temperature=150 degC"], "oil temperature: 150 °C, above 100 °C"),
+        (["operation.oil_temperature=150 degC"], "oil temperature: 150 °C, outside −15 °C to 100 °C"),
         (["operation.oil_temperature=-40 degC"], "oil temperature: −40 °C, below −15 °C"),
         (["operation.oil_temperature=-40 degC"], "Reynolds number of the nozzles: 0.7754, below 20"),
         (["valve.lap_ratio=1e-4"], "breadth of the barriers over the clearance: 0.03142, below 10"),
@@ -144,7 +147,11 @@ def test_a_negative_transition_loss_is_none():
 
 def test_a_bound_by_hand():
     bound = Bound(label="x", kind=NUMBER, low=1.0, high=3.0, least=0.0, most=2.0, otherwise="y")
-    assert not bound.is_kept and bound.sentence == "x: 3, above 2; y"
+    assert not bound.is_kept and bound.sentence == "x: 3, outside 0 to 2; y"
+    lower = Bound(label="x", kind=NUMBER, low=1.0, high=3.0, least=2.0, otherwise="y")
+    assert lower.sentence == "x: 1, below 2; y"
+    upper = Bound(label="x", kind=NUMBER, low=1.0, high=3.0, most=2.0, otherwise="y")
+    assert upper.sentence == "x: 3, above 2; y"
     unknown = Bound(label="x", kind=NUMBER, low=math.nan, high=math.nan, least=0.0, most=2.0, otherwise="y")
     assert unknown.is_kept
 

@@ -144,7 +144,7 @@ def with_settings(table: Table, settings: list[str]) -> Table:
         key, text = key.strip(), text.strip()
         parts = key.split(".")
         if not equals or len(parts) < 2 or not all(parts) or not text:
-            meant = _full_keys(key, content) if equals else ""
+            meant = _full_keys(key, text, content) if equals and text else ""
             faults.append(Fault("--set", 0, setting, f'expected table.key="value with unit"{meant}'))
             continue
         try:
@@ -166,9 +166,9 @@ def with_settings(table: Table, settings: list[str]) -> Table:
     return Table(table.place, content, lines)
 
 
-def _full_keys(key: str, content: Mapping[str, Any]) -> str:
-    """The end of a message about a `key` that is given without its table: those of `content` that have it."""
-    found = [f"'{name}.{key}'" for name, part in content.items() if isinstance(part, Mapping) and key in part]
+def _full_keys(key: str, text: str, content: Mapping[str, Any]) -> str:
+    """The end of a message about a `key` that is given without its table: the settings that `content` has for it."""
+    found = [f"'{name}.{key}={text}'" for name, part in content.items() if isinstance(part, Mapping) and key in part]
     return f"; did you mean {' or '.join(found)}?" if found else ""
 
 

@@ -59,12 +59,13 @@ def report_reach(end: float, words: Callable[[float], str]) -> Iterator[Callable
             task = bar.add_task(words(0.0), total=end)
             yield lambda now: bar.update(task, completed=now, description=words(now))
         return
-    last, began = time.monotonic(), None
+    last, began = 0.0, None
 
     def line(now: float) -> None:
         nonlocal last, began
-        if began is None:
-            began = time.monotonic(), now
+        if began is None:  # what was compiled before takes no part in the pace
+            last = time.monotonic()
+            began = last, now
         if now < end and time.monotonic() - last >= LINE_INTERVAL:
             last = time.monotonic()
             say(f"{words(now)}{_time_left(last - began[0], now - began[1], end - now)}")

@@ -91,6 +91,7 @@ def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
     """The run with its ranges where they are `wanted` and there are any, or quickly made where nobody says."""
     from vvdp.cli.screen import say
     from vvdp.runs.ranges import MOST_EVALUATIONS, expected_evaluations, run_ranges, with_ranges
+    from vvdp.simulation.installed import SIDE_BY_SIDE, is_loop_compiled
 
     count, expected = len(run.system.uncertainties), expected_evaluations(run)
     if wanted is False or not count or not run.has("finished"):
@@ -98,7 +99,7 @@ def _with_ranges(run: "RecordedRun", wanted: bool | None) -> "RecordedRun":
     if wanted is None and expected > MOST_EVALUATIONS:
         say(f"{count} values have a range: --ranges shows how far the results move over them")
         return run
-    if expected > MOST_EVALUATIONS:
+    if expected > MOST_EVALUATIONS or not is_loop_compiled(SIDE_BY_SIDE):
         say(f"{2 * count} runs at the ends of {count} values")
     found = run_ranges(run, say=say)
     if found is None:
@@ -148,6 +149,8 @@ def _print(run: "RecordedRun", changes: "tuple[Move, ...]") -> None:
         if place == 0 and listing.title:
             tell("")
         out.print(listing_grid(listing))
+    if run.system.extras is not None and run.system.extras.OVERVIEW_NOTE:
+        tell(f"{run.system.extras.OVERVIEW_NOTE}\n")
     if "trusted" in found:
         energy, oil = found["energy_residual"], found["mass_residual"]
         tell(f"balances: energy {energy:.1e}, oil {oil:.1e} of the throughput (limit {LIMIT:.0e})")

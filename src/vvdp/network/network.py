@@ -148,7 +148,7 @@ class Network:
 
     def add(self, name: str, component: Component, *values: Params, start: Any = None, **joints: Source) -> None:
         """Add a component; `joints` give the node of each port and the source of each input, by their names."""
-        self._check_name(name)
+        self.check_name(name)
         check_component(component)
         classes = component.params
         if [type(v) for v in values] != list(classes) and not all(map(isinstance, values, classes)):
@@ -185,7 +185,7 @@ class Network:
         start: Start,
     ) -> None:
         """Add a pipe as a chain: volumes `name_1` ..., columns between them, and at the ends the first component."""
-        self._check_name(name)
+        self.check_name(name)
         _check_pressure(name, "start", self.start_value(start))
         if self.values.get(name, pipe) is not pipe:
             raise NetworkError(f"{name}: the network has other values of this name")
@@ -195,7 +195,7 @@ class Network:
         assert isinstance(node, HydraulicNode)
         inside = [f"{name}_{i}" for i in range(1, int(pipe.pieces) + 1)]
         for volume in inside:
-            self._check_name(volume)
+            self.check_name(volume)
             self.nodes[volume] = OilVolume(volume, pipe, start, node.oil)
         column, piece = components
         places = [ends[0], *inside, ends[1]]
@@ -228,7 +228,7 @@ class Network:
         `reads` gives the path of each field of its reading: "t", a node's "inlet.pressure", a result "load.flow",
         another program's "encoder.speed"; `sensors` the instruments through which fields are measured.
         """
-        self._check_name(name)
+        self.check_name(name)
         fields = set(names(kind.reading))
         if set(reads) != fields:
             odd = ", ".join(sorted(set(reads) ^ fields))
@@ -272,14 +272,18 @@ class Network:
         return self._oils.setdefault(oil, replace(oil, liquid_bulk_modulus=modulus, bulk_modulus_fall=0.0))
 
     def _add_node(self, node: Node) -> None:
-        self._check_name(node.name)
+        self.check_name(node.name)
         self.nodes[node.name] = node
 
-    def _check_name(self, name: str) -> None:
+    def check_name(self, name: str) -> None:
+        """Raises NetworkError where `name` cannot be given to a further node, component or program."""
         if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or keyword.iskeyword(name):
             raise NetworkError(f"{name!r} cannot be a name; use small letters, digits and _, beginning with a letter")
         if name in RESERVED:
-            raise NetworkError(f"{name!r} is reserved; choose another name")
+            raise NetworkError(
+                f"the name {name!r} is reserved for the equations that are written from the network; choose another, "
+                f"for example '{name}_1'"
+            )
         if any(name in taken for taken in (self.nodes, self.parts, self.programs, self.groups)):
             raise NetworkError(f"the name {name!r} is taken; nodes, components and programs need one each")
 

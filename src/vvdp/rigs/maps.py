@@ -27,7 +27,7 @@ from vvdp.fluid.mixture import compression_energy_per_volume, specific_volume_ra
 from vvdp.fluid.oil import density
 from vvdp.hydraulics.spool_drive import drive_power
 from vvdp.results.store import DESCRIPTION, read_result
-from vvdp.rigs.capacity import averaged_flows, capacity_points, derived_capacities
+from vvdp.rigs.capacity import PRESSURES, averaged_flows, capacity_points, derived_capacities
 from vvdp.rigs.efficiencies import EFFICIENCIES, SET, with_efficiencies
 from vvdp.rigs.map_axes import Axes
 from vvdp.rigs.ripple import line_capacity
@@ -289,7 +289,12 @@ def simulated_map(
     digest = link(stand.model, stand.bench.case, cache, say).digest
     wanted = {point: _key(stand, point, digest) for point in (*settings, *axes.points)}
     pending = [_Wanted(key, point) for point, key in wanted.items() if key not in finished]
-    count = len(wanted)
+    count, mapped_points = len(wanted), len(axes.points)
+    if count > mapped_points:
+        say(
+            f"{mapped_points} points of the map, and {count - mapped_points} for the derived capacities: "
+            f"{PRESSURES} pressures at each setting"
+        )
     if len(pending) < count:
         say(f"{count - len(pending)} of {count} points are finished already")
     progress(count - len(pending), count)

@@ -12,7 +12,7 @@ from vvdp.simulation.balance import LIMIT
 from vvdp.simulation.outcome import SETTLED
 from vvdp.systems.bench import RotaryBench
 from vvdp.systems.bench_validity import efficiency_doubt
-from vvdp.systems.overview import impossible_part, loss_lines, node_lines, power_lines
+from vvdp.systems.overview import expects_steady_state, impossible_part, loss_lines, node_lines, power_lines
 from vvdp.systems.spool_estimate import estimate_doubts
 from vvdp.systems.spool_travel import travel_warnings
 from vvdp.systems.summary import is_closed
@@ -34,8 +34,10 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
         yield Badge("interrupted", Grade.BAD)
     if run.number("averaged_periods") < 1 and "pwm_frequency_Hz" in run.summary:
         yield Badge(f"no {run.period}", Grade.WARNING)
+    elif run.has("settled"):
+        yield Badge("settled", Grade.GOOD)
     else:
-        yield Badge("settled", Grade.GOOD) if run.has("settled") else Badge("not settled", Grade.WARNING)
+        yield Badge("not settled", Grade.WARNING) if expects_steady_state(run.system) else Badge("varies by design")
     if run.has("cavitation_volume"):
         yield Badge("cavitation", Grade.BAD)
     if "motor_overloaded" in run.summary:
@@ -85,8 +87,14 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             text=f"{sentence[:1].upper()}{sentence[1:]}.",
             remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
         )
-    if not run.has("settled") and (run.system.extras is not None or not run.varies):
-        yield _settling_warning(run)
+    if not run.has("settled") and expects_steady_state(run.system):
+        yield Finding(
+            grade=Grade.WARNING,
+            title="Not settled",
+            text=f"A mean would still change by more than {percent(SETTLED)} if the run went on.",
+            remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to where it "
+            "settles.",
+        )
 
 
 def _fault_warnings(run: RecordedRun) -> Iterator[Finding]:
@@ -107,17 +115,6 @@ def _range_warnings(run: RecordedRun) -> Iterator[Finding]:
             text=f"{sentence[:1].upper()}{sentence[1:]}.",
             remedy="The numbers are those of the equations, not of the machine. docs/design.md tells the ranges.",
         )
-
-
-def _settling_warning(run: RecordedRun) -> Finding:
-    wanted = " Something prescribed changes over time; then this may be what was asked for." if run.varies else ""
-    return Finding(
-        grade=Grade.WARNING,
-        title="Not settled",
-        text=f"A mean would still change by more than {percent(SETTLED)} if the run went on.",
-        remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to where it "
-        f"settles.{wanted}",
-    )
 
 
 def bench_warnings(run: RecordedRun, bench: RotaryBench) -> Iterator[Finding]:

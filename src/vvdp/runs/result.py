@@ -73,7 +73,7 @@ def run_result(run: RecordedRun) -> Result:
 def key_listings(run: RecordedRun) -> dict[str, Listing]:
     """The overview that the system brings along; none where it brings none."""
     extras = run.system.extras
-    return {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras.OVERVIEW)}
+    return {} if extras is None or not extras.OVERVIEW else {"overview": overview(run, extras)}
 
 
 def _findings(run: RecordedRun, bench: RotaryBench | None) -> tuple[Finding, ...]:

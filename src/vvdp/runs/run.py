@@ -15,7 +15,7 @@ from vvdp.network.nodes import HydraulicNode, OilVolume
 from vvdp.results.result import Number
 from vvdp.simulation.record import Record
 from vvdp.simulation.results import read_results
-from vvdp.systems.overview import flow_ports, inside, period, varies
+from vvdp.systems.overview import flow_ports, inside, period
 from vvdp.systems.quantities import summary_numbers
 from vvdp.systems.system import System, built_system
 
@@ -117,11 +117,6 @@ class RecordedRun:
                 yield part.name, port, self.output(name)
         for name, group in self.network.groups.items():
             yield name, "", self.output(f"{group.parts[-1]}_flow")
-
-    @property
-    def varies(self) -> bool:
-        """Whether anything prescribed changes over time."""
-        return varies(self.system)
 
     def fine_from(self) -> int:
         """Row from which on the run is recorded finely; 0 where it nowhere is."""

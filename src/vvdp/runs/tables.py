@@ -23,7 +23,7 @@ from vvdp.network.nodes import DrivenShaft, Rod, Shaft
 from vvdp.results.result import Column, Listing, Row, Table
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.balance import LIMIT
-from vvdp.systems.extras import Line
+from vvdp.systems.extras import Extras
 from vvdp.systems.overview import flow_lines, loss_lines, node_lines, power_lines
 
 ROUNDING = 1e-9
@@ -32,19 +32,20 @@ GAUGE = "Pressures are gauge."
 MEANS = "Means over the averaging window; lowest and highest over the whole run, its start included."
 
 
-def overview(run: RecordedRun, lines: tuple[Line, ...]) -> Listing:
+def overview(run: RecordedRun, extras: Extras) -> Listing:
     """The lines that a system brings along, simulated and analytic; those of which nothing is known are left out."""
 
     def total(keys: tuple[str, ...]) -> float | None:
         known = [run.number(key) for key in keys if key in run.summary]
         return sum(known) if known and len(known) == len(keys) else None
 
-    values = [(line, (total(line.keys), total(line.closed_form))) for line in lines]
+    values = [(line, (total(line.keys), total(line.closed_form))) for line in extras.OVERVIEW]
     columns = 2 if any(analytic is not None for _, (_, analytic) in values) else 1
     rows = tuple(
         Row(line.label, line.kind, found[:columns], line.group) for line, found in values if found != (None, None)
     )
-    return Listing(title="", heads=("simulated", "analytic")[:columns], rows=rows, note=f"{MEANS} {GAUGE}")
+    note = " ".join(filter(None, (MEANS, GAUGE, extras.OVERVIEW_NOTE)))
+    return Listing(title="", heads=("simulated", "analytic")[:columns], rows=rows, note=note)
 
 
 def without_dust(power: float, largest: float) -> float:
@@ -56,7 +57,7 @@ def screen_listings(run: RecordedRun) -> tuple[Listing, ...]:
     """What the screen shows: the overview that the system brings along; else nodes, components and losses."""
     extras = run.system.extras
     if extras is not None and extras.OVERVIEW:
-        return (overview(run, extras.OVERVIEW),)
+        return (overview(run, extras),)
     return node_listing(run), component_listing(run), loss_listing(run)
 
 

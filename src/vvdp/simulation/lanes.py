@@ -11,6 +11,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.signal import Signal
 from vvdp.simulation import places
 from vvdp.simulation.crew import Crew
+from vvdp.simulation.installed import SIDE_BY_SIDE, announce
 from vvdp.simulation.lane_code import lane_rates
 from vvdp.simulation.layout import SIGNAL_SLOTS, blocks, members
 from vvdp.simulation.link import Hashed, default_cache, quiet
@@ -41,6 +42,7 @@ def side_by_side(
     if digest not in _known:
         try:
             _known[digest] = _compile(model, case, cache, say)
+            announce(SIDE_BY_SIDE, say)
         except Untraceable as problem:
             _known[digest] = str(problem)
     return _known[digest]
@@ -61,8 +63,8 @@ def _compile(model: Model, case: Case, cache: Path | None, say: Callable[[str], 
         else:
             place += 1
     return SideBySide(
-        rates=lane_rates(rates, cache, say).address,
-        events=lane_rates(events, cache, say).address,
+        rates=lane_rates(rates, cache).address,
+        events=lane_rates(events, cache).address,
         signals=Hashed(signals_part(case)).module(cache or default_cache(), say).signals,
         places=tuple(found),
         commands=tuple(sorted({int(n.number) for g in (rates, events) for n in g.nodes if n.op is Op.COMMAND})),

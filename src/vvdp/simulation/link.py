@@ -8,6 +8,7 @@ changed is not compiled again. A program's step knows nothing of the circuit, so
 
 import hashlib
 import platform
+import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import cache as remembered
@@ -20,6 +21,7 @@ import numpy as np
 from vvdp.base.errors import RunError
 from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.simulation.cache import Wanted, default_cache, is_kept, is_loaded, load, quiet
+from vvdp.simulation.installed import ALONE, SECONDS, is_loop_compiled
 from vvdp.simulation.layout import arrays, blocks
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.parts import (
@@ -43,8 +45,10 @@ from vvdp.simulation.watch import Remembered, model_key
 WRITERS = ("compiled", "in_place", "lane_code", "lane_math", "lane_values")
 BASE = ("powers", "select", "signal")
 """Modules that compiled code is made by or with, whatever the model."""
-SECONDS_EACH, SECONDS_PER_BYTE = 0.3, 1.5e-4
+SECONDS_EACH, SECONDS_PER_BYTE = 0.7, 1.5e-4
 """About how long a part takes to compile, and each byte of the code that it reaches, on an idle machine of 2024."""
+WARMING = 2.0
+"""What the first part takes longer: all that Numba imports before it compiles [s]."""
 
 __all__ = ["Hashed", "Linked", "default_cache", "link", "quiet"]
 
@@ -170,10 +174,14 @@ class Hashed:
 
 
 class Pending:
-    """Those of `parts` that must be compiled, in this order, and how long that may still take."""
+    """Those of `parts` that must be compiled, in this order, then the loop, and how long that may still take."""
 
     def __init__(self, parts: Sequence[Hashed], cache: Path) -> None:
         self._seconds = {part.digest: part.seconds for part in parts if not is_kept(part.digest, cache)}
+        for first in list(self._seconds)[: not is_warm()]:
+            self._seconds[first] += WARMING
+        if not is_loop_compiled():
+            self._seconds[ALONE] = SECONDS
         self._began = time.monotonic()
 
     def words(self, part: Hashed) -> str:
@@ -186,6 +194,11 @@ class Pending:
         pace = (time.monotonic() - self._began) / past if past else 1.0
         place = f"part {number + 1} of {len(digests)}, " if len(digests) > 1 else ""
         return f"compiling {part.part.title} (first use only): {place}about {max(1.0, pace * left):.0f} s left"
+
+
+def is_warm() -> bool:
+    """Whether Numba has imported what it compiles with."""
+    return "numba.np.linalg" in sys.modules
 
 
 @remembered

@@ -1,10 +1,8 @@
 """What a run needs before its first step: a checked and linked case as flat vectors, and the compiled loop."""
 
-import hashlib
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +16,7 @@ from vvdp.numerics.sparse import Pattern, pattern
 from vvdp.simulation import places
 from vvdp.simulation.cache import one_at_a_time
 from vvdp.simulation.check import check_model, check_times
+from vvdp.simulation.installed import ALONE, announce
 from vvdp.simulation.layout import Vectors, command_parts, vectors
 from vvdp.simulation.link import Linked, link, quiet
 from vvdp.simulation.loading import registries_left_out
@@ -27,11 +26,6 @@ from vvdp.simulation.symbols import Untraceable
 from vvdp.simulation.trace import dependencies, trace
 from vvdp.simulation.values import leaves
 
-LOOP = (
-    *("landing", "lane_code", "lane_loop", "lane_vectors", "loop", "marks", "pace", "places", "queue", "schedule"),
-    *("steps", "stiff"),
-)
-"""The modules that the compiled loop is written in."""
 MOST_MODES = 8
 """How often modes may follow each other at one call of `free_rates`."""
 AT_TRIGGER, AT_MODE, AT_KINK = 1e-12, 1e-7, 1e-6
@@ -171,41 +165,12 @@ def start_run(ready: Prepared, stepping: Stepping) -> Reached:
     )
 
 
-def is_loop_compiled() -> bool:
-    """Whether the compiled loop is kept from an earlier run."""
-    return any((Path(__file__).parent / "__pycache__").glob("loop.run-*.nbi"))
-
-
 def compiled_loop(say: Callable[[str], None]) -> Any:
     """The compiled loop; Numba is loaded here, and only here."""
     with one_at_a_time, interrupts_afterwards(), registries_left_out(), warnings.catch_warnings():
-        _drop_stale_loop()
-        if not is_loop_compiled():
-            say("compiling the simulation loop (once for each installation, about half a minute)")
+        announce(ALONE, say)
         # That a function may be handed to another is new in Numba, and says so at the first run of an installation.
         warnings.filterwarnings("ignore", message=".*First-class function type feature is experimental")
         from vvdp.simulation import loop
 
         return loop
-
-
-@cache
-def _drop_stale_loop() -> None:
-    """Numba knows a change of a function's own file only; the loop is written in several."""
-    folder = Path(__file__).parent
-    texts = (
-        *(folder / f"{stem}.py" for stem in LOOP),
-        folder.parent / "numerics" / "tableaus.py",
-    )
-    digest = hashlib.sha256(b"".join(text.read_bytes() for text in texts)).hexdigest()
-    kept = folder / "__pycache__" / "loop.digest"
-    try:
-        if kept.exists() and kept.read_text() == digest:
-            return
-        for stem in LOOP:
-            for old in kept.parent.glob(f"{stem}.*.nb[ic]"):
-                old.unlink(missing_ok=True)
-        kept.parent.mkdir(exist_ok=True)
-        kept.write_text(digest)
-    except OSError:
-        return  # a folder that cannot be written holds nothing of an earlier version

@@ -16,12 +16,12 @@ from vvdp.base.errors import RunError
 from vvdp.base.interrupts import interrupts_afterwards
 from vvdp.simulation import places
 from vvdp.simulation.crew import first_call
+from vvdp.simulation.installed import is_loop_compiled as is_loop_compiled
 from vvdp.simulation.layout import as_memory, memory_parts
 from vvdp.simulation.link import quiet
 from vvdp.simulation.model import Case, Model
 from vvdp.simulation.prepare import Prepared, Reached, start_run
 from vvdp.simulation.prepare import compiled_loop as compiled_loop
-from vvdp.simulation.prepare import is_loop_compiled as is_loop_compiled
 from vvdp.simulation.prepare import prepare as prepare
 from vvdp.simulation.stepping import Method as Method
 from vvdp.simulation.stepping import Stepping as Stepping

@@ -20,7 +20,7 @@ from vvdp.simulation.model import Case
 from vvdp.simulation.outcome import Outcome
 from vvdp.simulation.run import Run
 from vvdp.simulation.values import as_value, flat, leaves
-from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, QUANTITIES
+from vvdp.systems.bench_overview import ANALYTIC, OVERVIEW, OVERVIEW_NOTE, QUANTITIES
 from vvdp.systems.bench_tables import AxialOperation, DriveMotor, DutyOperation, Limits, OrificeLoad, PressureLoad
 from vvdp.systems.bench_validity import bench_bounds, bench_warnings, efficiency, switching_limits, transition_loss
 from vvdp.systems.extras import Extras, Summary
@@ -69,6 +69,7 @@ class RotaryBench(Extras):
 
     PERIOD = "PWM period"
     OVERVIEW = OVERVIEW
+    OVERVIEW_NOTE = OVERVIEW_NOTE
     HEADLINE = ("efficiency", "pwm_frequency_Hz", "pressure_max_inlet_Pa", "loss_total_W")
     QUANTITIES = QUANTITIES
 

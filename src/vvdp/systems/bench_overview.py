@@ -1,5 +1,6 @@
 """The numbers of a test bench of the rotary valve: what each means, and the lines that a person is shown."""
 
+from vvdp.base.display import plain
 from vvdp.base.kinds import (
     COUNT,
     EFFICIENCY,
@@ -14,6 +15,7 @@ from vvdp.base.kinds import (
     Kind,
 )
 from vvdp.systems.extras import Line
+from vvdp.valve.validity import CAVITATION_NUMBER
 
 ANALYTIC = (
     "analytic_pwm_frequency_Hz",
@@ -103,3 +105,9 @@ OVERVIEW: tuple[Line, ...] = (
     Line("input power minus load power", ("loss_total_W",), MEAN_POWER, ("analytic_loss_total_W",), "Losses"),
 )
 """Simulated numbers beside the analytic ones."""
+OVERVIEW_NOTE = (
+    "The cavitation number of a port is the pressure that is left above cavitation behind its nozzles over their "
+    f"pressure drop; below {plain(CAVITATION_NUMBER)} oil is held to evaporate there. Each port passes through that "
+    "while it is nearly shut, so a low number is usual and no warning: the share tells for how much of the time the "
+    "orifice law is in doubt and the edges may erode."
+)

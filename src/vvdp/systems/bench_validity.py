@@ -95,7 +95,7 @@ def bench_bounds(bench: "RotaryBench", found: Mapping[str, Any]) -> Iterator[Bou
     yield _bound(
         "duty ratio",
         high,
-        "the spool stands beyond the helix",
+        f"the spool stands beyond the helix (operation.{'axial_position' if bench.is_placed else 'duty_ratio'})",
         low=low,
         least=ends.low / bench.valve.helix_length - STOP_ROOM,
         most=ends.high / bench.valve.helix_length + STOP_ROOM,

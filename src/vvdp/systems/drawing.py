@@ -2,7 +2,8 @@
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from types import SimpleNamespace
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
@@ -38,6 +39,7 @@ from vvdp.network.nodes import Chamber, Load, Rotor
 from vvdp.network.program import ProgramType
 from vvdp.sensing.instrument import Instrument, ideal_instrument
 from vvdp.systems.bench_tables import Limits
+from vvdp.systems.part_keys import PartType, other_type, part_keys
 
 TABLES = ("oil", "oils", "operation", "nodes", "components", "programs", "limits", "faults")
 DRAWING_WORDS = ("type", "at", "oil")
@@ -185,11 +187,11 @@ class Drawer:
         net = Network(
             oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o}
         )
-        for name, part in self._parts("nodes"):
+        for name, part in self._named(net, "nodes"):
             self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
-        for name, part in self._parts("components"):
+        for name, part in self._named(net, "components"):
             self._add_component(net, name, part)
-        for name, part in self._parts("programs"):
+        for name, part in self._named(net, "programs"):
             self._add_program(net, name, part)
         return None if self.faults else net
 
@@ -208,6 +210,14 @@ class Drawer:
             if not isinstance(part, Mapping):
                 self._fault(f"{table}.{name}", f"{part!r} is not a table; expected {{ type = ... }}")
         return [(name, part) for name, part in found.items() if isinstance(part, Mapping)]
+
+    def _named(self, net: Network, table: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        """The parts of a table whose name can be given; of another one nothing but its name is told."""
+        for name, part in self._parts(table):
+            path = f"{table}.{name}"
+            self._try(path, partial(net.check_name, name))
+            if not self._has_faults(path):
+                yield name, part
 
     def _fault(self, path: str, message: str) -> None:
         line, part = self.origin.lines.get(path), path
@@ -276,12 +286,9 @@ class Drawer:
             self._add_assembly(net, name, part, component)
         if component is None or isinstance(component, Assembly):
             return
-        own = {key for cls in component.params for key in _fields(cls)}
         inputs = {argument.name for argument in component.inputs}
-        known = [*component.ports, *inputs, *own, "type", "at", "start"]
-        for key in part:
-            if key not in known:
-                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+        if not self._has_own_keys(path, part, COMPONENTS):
+            return
         values = [self._table(cls, path, {k: part[k] for k in _fields(cls) if k in part}) for cls in component.params]
         joints = {key: part[key] for key in component.ports if key in part}
         joints |= self._inputs(component, path, {key: part[key] for key in inputs if key in part})
@@ -294,10 +301,8 @@ class Drawer:
     def _add_assembly(self, net: Network, name: str, part: Mapping[str, Any], assembly: Assembly) -> None:
         path = f"components.{name}"
         fields = _fields(assembly.params)
-        known = [*assembly.ports, *fields, "type", "at", "start"]
-        for key in part:
-            if key not in known:
-                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+        if not self._has_own_keys(path, part, COMPONENTS):
+            return
         values = self._table(assembly.params, path, {key: part[key] for key in fields if key in part})
         start = self._table(StartPressure, path, {"start": part["start"]} if "start" in part else {})
         if values is not None and start is not None:
@@ -305,6 +310,18 @@ class Drawer:
             if not any(self._has_faults(f"nodes.{node}") for node in nodes.values()):
                 self._try(path, lambda: assembly.add(net, name, values, nodes, start.start))
         self._place(net, name, path, part)
+
+    def _has_own_keys(self, path: str, part: Mapping[str, Any], types: Mapping[str, PartType]) -> bool:
+        """Whether the keys of a part are not those of another type; unknown ones are told."""
+        word = str(part["type"])
+        if meant := other_type(word, part, types):
+            self._fault(path, meant)
+            return False
+        known = part_keys(types[word]).known
+        for key in part:
+            if key not in known:
+                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+        return True
 
     def _has_faults(self, path: str) -> bool:
         return any(fault.key == path or fault.key.startswith(f"{path}.") for fault in self.faults)
@@ -344,10 +361,8 @@ class Drawer:
             return
         fields = kind.reading._fields  # type: ignore[attr-defined]
         own = set(_fields(kind.settings)) if kind.settings else set()
-        known = [*fields, *own, "type", "sensors", "period", "phase", "latency"]
-        for key in part:
-            if key not in known:
-                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+        if not self._has_own_keys(path, part, PROGRAMS):
+            return
         for key in fields:
             if not isinstance(part.get(key), str):
                 self._fault(f"{path}.{key}", 'missing; expected what it reads, such as "inlet.pressure"')

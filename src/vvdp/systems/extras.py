@@ -43,6 +43,8 @@ class Extras:
     """Whether a person expects means of a steady state from a run."""
     OVERVIEW: tuple[Line, ...] = ()
     """The lines of the overview; where there are none, nodes and components are shown."""
+    OVERVIEW_NOTE = ""
+    """What a reader has to know of these lines, in sentences."""
 
     HEADLINE: tuple[str, ...] = ()
     """Keys of the numbers whose ranges are told where values have one; without, pressures and speeds."""

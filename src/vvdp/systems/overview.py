@@ -117,8 +117,11 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     yield from broken_bounds(system, found)
     yield from travel_warnings(system)
-    if not found["settled"]:
-        yield from _not_settled(system)
+    if not found["settled"] and expects_steady_state(system):
+        yield (
+            f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
+            "longer (run.until), or average later (run.average_from)"
+        )
     if system.extras is not None:
         yield from system.extras.warnings(found)
 
@@ -142,21 +145,10 @@ def impossible_part(system: System, found: Mapping[str, Any]) -> str:
     return f"a loss gives energy back ({given})" if given else "a loss gives energy back, or a state left its range"
 
 
-def _not_settled(system: System) -> Iterator[str]:
-    """Whether a reader expects means of a steady state, which these are not."""
-    is_steady = system.extras is None or system.extras.STEADY
-    if is_steady and not varies(system):
-        yield (
-            f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
-            "longer (run.until), or average later (run.average_from)"
-        )
-    elif system.extras is not None and is_steady:
-        yield "what is prescribed changes over time: the means are those of the averaging window, no steady state"
-
-
-def varies(system: System) -> bool:
-    """Whether anything prescribed changes over time."""
-    return any(isinstance(row.value, Signal) and not row.value.is_constant for row in system.rows)
+def expects_steady_state(system: System) -> bool:
+    """Whether a run should end in a steady state: nothing prescribed changes, by its values or by its purpose."""
+    varies = any(isinstance(row.value, Signal) and not row.value.is_constant for row in system.rows)
+    return not varies and (system.extras is None or system.extras.STEADY)
 
 
 def period(system: System) -> str:

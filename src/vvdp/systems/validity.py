@@ -1,5 +1,6 @@
 """Whether the laws of a system hold at what a run came to: bounds, each with its source, and sentences from them."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -37,8 +38,11 @@ class Bound:
         """What is the matter where it does not."""
         under = self.low < self.least
         value, limit = (self.low, self.least) if under else (self.high, self.most)
-        side = "below" if under else "above"
-        return f"{self.label}: {with_unit(value, self.kind)}, {side} {with_unit(limit, self.kind)}; {self.otherwise}"
+        least, most, found = (with_unit(number, self.kind) for number in (self.least, self.most, value))
+        limits = f"{'below' if under else 'above'} {with_unit(limit, self.kind)}"
+        if math.isfinite(self.least) and math.isfinite(self.most):
+            limits = f"outside {least} to {most}"
+        return f"{self.label}: {found}, {limits}; {self.otherwise}"
 
 
 def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:

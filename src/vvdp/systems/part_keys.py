@@ -1,0 +1,46 @@
+"""The keys that a component or a program has in a file, and the type that was meant where they are those of another."""
+
+import inspect
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from vvdp.base.params import default_values
+from vvdp.network.assembly import Assembly
+from vvdp.network.component import Component
+from vvdp.network.program import ProgramType
+
+PartType = Component | Assembly | ProgramType
+
+
+class PartKeys(NamedTuple):
+    """The keys that a part must have, and all that it may have."""
+
+    needed: frozenset[str]
+    known: frozenset[str]
+
+
+def part_keys(part: PartType) -> PartKeys:
+    """The keys of a component or program in a file: ports, inputs or readings, values, and what a drawing adds."""
+    if isinstance(part, ProgramType):
+        classes = (part.settings,) if part.settings else ()
+        joined, optional = {*part.reading._fields}, {"sensors", "period", "phase", "latency"}  # type: ignore[attr-defined]
+    elif isinstance(part, Assembly):
+        classes, joined, optional = (part.params,), {*part.ports}, {"at", "start"}
+    else:
+        joined = {*part.ports, *(each.name for each in part.inputs if each.default is None)}
+        classes, optional = tuple(part.params), {"at", "start", *(each.name for each in part.inputs)}
+    fields = {key for cls in classes for key in inspect.signature(cls).parameters}
+    needed = {"type", *joined, *(fields - {key for cls in classes for key in default_values(cls)})}
+    return PartKeys(frozenset(needed), frozenset({*needed, *fields, *optional}))
+
+
+def other_type(word: str, given: Mapping[str, object], types: Mapping[str, PartType]) -> str:
+    """A message where the keys `given` with type `word` are not its own but all those of another; else empty."""
+    odd = [key for key in given if key not in part_keys(types[word]).known]
+    if not odd:
+        return ""
+    keys = {name: part_keys(part) for name, part in types.items()}
+    meant = [name for name, each in keys.items() if each.needed <= given.keys() <= each.known]
+    if not meant:
+        return ""
+    return f"type {word!r} takes no {', '.join(odd)}; the keys given are those of type {' or '.join(map(repr, meant))}"
