@@ -427,7 +427,7 @@ def test_each_loop_is_told_before_it_is_compiled_and_never_again(tmp_path, monke
         installed.announce(loop, said.append)
     assert said == [
         "compiling the simulation loop (once for each installation): about half a minute",
-        "compiling the loop for many cases at once (once for each installation): about half a minute",
+        "compiling the loop for many cases at once (once for each installation): about a minute",
     ]
 
 

@@ -11,9 +11,13 @@ LOOP = (
 )
 """The modules that the compiled loops are written in."""
 ALONE, SIDE_BY_SIDE = "loop.run", "lane_loop.run_lanes"
-"""The functions for one case, and for many at once."""
+"""The functions for one case, and for many at once; the second takes twice as long to compile as the first."""
 SECONDS = 30.0
-"""About how long one of them takes to compile, on an idle machine of 2024."""
+"""About how long the loop for one case takes to compile, on an idle machine of 2024."""
+WORDS = {
+    ALONE: "the simulation loop (once for each installation): about half a minute",
+    SIDE_BY_SIDE: "the loop for many cases at once (once for each installation): about a minute",
+}
 FOLDER = Path(__file__).parent
 
 
@@ -26,8 +30,7 @@ def is_loop_compiled(loop: str = ALONE) -> bool:
 def announce(loop: str, say: Callable[[str], None]) -> None:
     """Says that a loop must be compiled, where that is so."""
     if not is_loop_compiled(loop):
-        what = "the simulation loop" if loop == ALONE else "the loop for many cases at once"
-        say(f"compiling {what} (once for each installation): about half a minute")
+        say(f"compiling {WORDS[loop]}")
 
 
 @cache

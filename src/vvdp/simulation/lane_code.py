@@ -16,7 +16,7 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 
 from vvdp.simulation import lane_math, lane_values
-from vvdp.simulation.cache import cached_bytes, default_cache, one_at_a_time
+from vvdp.simulation.cache import cached_bytes, default_cache, one_at_a_time, quiet
 from vvdp.simulation.lane_math import FUNCTIONS
 from vvdp.simulation.lane_values import DOUBLE, Code, Mask, Vector
 from vvdp.simulation.symbols import Node, Op
@@ -43,8 +43,8 @@ class LaneRates(NamedTuple):
     symbol: str  # under which other compiled code finds it
 
 
-def lane_rates(graph: Graph, cache: Path | None = None) -> LaneRates:
-    """The compiled form of `graph` for this processor.
+def lane_rates(graph: Graph, cache: Path | None = None, say: Callable[[str], None] = quiet) -> LaneRates:
+    """The compiled form of `graph` for this processor; `say` hears when it must be compiled.
 
     Raises RunError where the cache cannot be trusted.
     """
@@ -52,6 +52,7 @@ def lane_rates(graph: Graph, cache: Path | None = None) -> LaneRates:
     symbol = f"{NAME}_{hashlib.sha256(told.encode()).hexdigest()[:16]}"
 
     def make() -> bytes:
+        say("compiling rates for many cases at once")
         return compile_text(lane_text(graph, host_width(), is_fused()).replace(NAME, symbol))
 
     with one_at_a_time:
