@@ -351,7 +351,7 @@ IN_FILE = [
     ("spring = {", "line = {", 14, "the name 'line' is taken"),
     ("spring = {", "check = {", 14, "the name 'check' is reserved for the equations that are written from the network"),
     ("line = {", "check = {", 8, "the name 'check' is reserved"),
-    ('type = "orifice"', 'type = "pulsed-switching-valve"', 13, "takes no a, b, area, discharge_coefficient"),
+    ('type = "orifice"', 'type = "pulsed-switching-valve"', 13, "takes no a, b, area; the keys given"),
 ]
 ONE_CAUSE = [
     ("load = {", "check = {", "the name 'check' is reserved"),

@@ -385,7 +385,6 @@ def test_time_left_while_compiling_by_hand(tmp_path, monkeypatch):
     now = [100.0]
     monkeypatch.setattr(linking.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(linking, "is_warm", lambda: True)
-    monkeypatch.setattr(linking, "is_loop_compiled", lambda: True)
     names = {"pending_a": (2.0, "the circuit"), "pending_b": (6.0, ""), "pending_c": (12.0, "the program p")}
     parts = [Bulky(name, seconds, Part("", {}, Classes(), title)) for name, (seconds, title) in names.items()]
     pending = linking.Pending(parts, tmp_path)
@@ -406,11 +405,10 @@ def test_the_first_line_counts_all_that_is_compiled_afterwards(tmp_path, monkeyp
     now = [100.0]
     monkeypatch.setattr(linking.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(linking, "is_warm", lambda: False)
-    monkeypatch.setattr(linking, "is_loop_compiled", lambda: False)
     parts = [
         Bulky(f"first_{title}", seconds, Part("", {}, Classes(), title)) for seconds, title in ((2.0, "a"), (12.0, "b"))
     ]
-    pending = linking.Pending(parts, tmp_path)
+    pending = linking.Pending(parts, tmp_path, loop=installed.SECONDS)
     assert pending.words(parts[0]) == "compiling a (first use only): part 1 of 3, about 46 s left"
     now[0] += 6.0
     assert pending.words(parts[1]) == "compiling b (first use only): part 2 of 3, about 63 s left"
@@ -465,7 +463,7 @@ def test_another_gain_compiles_nothing_and_another_controller_only_itself(tmp_pa
     programs = {**PROGRAMS, "controller": Program(flow_sensor, other_controller, Flow(0.0))}
     link(Model(tank, conditions=tank_conditions, programs=programs, mark=tank_mark), tank_case(), tmp_path, said.append)
     assert len(folders(tmp_path) - before) == 2  # the step, and what joins the programs
-    assert said == ["compiling the program controller (first use only): part 1 of 2, about 2 s left"]
+    assert said == ["compiling the program controller (first use only): part 1 of 2, about 1 s left"]
 
     before = folders(tmp_path)
     link(Model(other_tank, conditions=tank_conditions, programs=PROGRAMS, mark=tank_mark), tank_case(), tmp_path)

@@ -94,7 +94,7 @@ def link(model: Model, case: Case, cache: Path | None = None, say: Callable[[str
     sample = Hashed(sample_part(None if held is None else symbol(held.digest), sampled))
     outside = [*programs, *([held] if held else [])]
     parts = (rates, stop, events, *outside, sample)
-    pending = Pending(parts, place)
+    pending = Pending(parts, place, loop=0.0 if is_loop_compiled() else SECONDS)
     found = {part.digest: part.module(place, say, pending) for part in (rates, stop, events)}
     for each in outside:
         each.export(place, say, pending)
@@ -174,14 +174,17 @@ class Hashed:
 
 
 class Pending:
-    """Those of `parts` that must be compiled, in this order, then the loop, and how long that may still take."""
+    """Those of `parts` that must be compiled, in this order, and how long that may still take.
 
-    def __init__(self, parts: Sequence[Hashed], cache: Path) -> None:
+    loop  what the loop takes that is compiled after them, 0 where none is [s]
+    """
+
+    def __init__(self, parts: Sequence[Hashed], cache: Path, loop: float = 0.0) -> None:
         self._seconds = {part.digest: part.seconds for part in parts if not is_kept(part.digest, cache)}
         for first in list(self._seconds)[: not is_warm()]:
             self._seconds[first] += WARMING
-        if not is_loop_compiled():
-            self._seconds[ALONE] = SECONDS
+        if loop > 0.0:
+            self._seconds[ALONE] = loop
         self._began = time.monotonic()
 
     def words(self, part: Hashed) -> str:

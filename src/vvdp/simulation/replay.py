@@ -105,6 +105,6 @@ def _part(step: Step, memory: Any, reading: Any, settings: Any, shown: Any) -> P
         source="\n".join([*classes.heading(), "", "", *lines]) + "\n",
         called={"step": step},
         classes=classes,
-        title=step.__name__,
+        title=f"the {step.__name__.replace('_', ' ')}",
         effort=STEP_EFFORT,
     )
