@@ -98,7 +98,7 @@ shipped = [each for each in contenders() if each.name == "event-filter"]
 start = Belief(0.0, 0.0, 0.0, 0.0)
 mine = [
     Contender(f"loop-{w:g}", f"tracking loop of my own, {w:g} rad/s", loop_step, start, Loop(bandwidth=w, damping=0.8))
-    for w in (10.0, 30.0)
+    for w in (20.0, 60.0)
 ]
 found = compare(chosen, [*shipped, *mine], seeds=20)
 for scenario in wanted:

@@ -130,7 +130,7 @@ for name, part in (("before", (run.times > 0.2) & (run.times < 0.5)), ("after", 
 print("trusted", balance(run).is_trusted)
 
 # %% [markdown]
-# The meter is low by what slips, 0.12 lpm, and shows steps, since a pulse is only known to a sample: that is its noise, larger at large flow. Averaging pulses
+# The meter is low by about what slips, 0.12 lpm, and shows steps, since a pulse is only known to a sample: that is its noise, larger at large flow. Averaging pulses
 # over a longer time would quieten it and make it late; [an estimator of your own](own-estimator.md) does better.
 
 # %%
