@@ -1,4 +1,4 @@
-"""The pages on subjects, docs/subjects: their blocks run and print what stands under them, and no number of theirs is made up."""
+"""docs/subjects: the blocks of each page run and print what stands under them, and no number of theirs is made up."""
 
 import re
 import shlex
