@@ -27,7 +27,7 @@ SECTOR = 2.0 * np.pi / 8.0
 # %% [markdown]
 # ## The step
 #
-# The loop's bandwidth is its only setting. Memory is angle, speed and the time for which they hold; the wheel's edges are counted.
+# Bandwidth and damping are its settings. Memory is angle, speed and the time for which they hold; the wheel's edges are counted.
 
 
 # %%
@@ -44,7 +44,7 @@ class Belief(NamedTuple):
 
 
 def loop_step(memory: Belief, reading: Reading, settings: Loop) -> tuple[Belief, Estimate]:
-    """Goes on at the speed; each edge moves angle and speed by a share of the error that the gap before it makes."""
+    """Goes on at the speed; each edge moves angle and speed by a share of the error."""
     time, angle, speed, edge = memory
     innovation = 0.0
     if reading.edges > 0.0:
@@ -96,16 +96,17 @@ wanted = ("constant", "step", "missed-edges")
 chosen = [each for each in scenarios() if each.name in wanted]
 shipped = [each for each in contenders() if each.name == "event-filter"]
 start = Belief(0.0, 0.0, 0.0, 0.0)
-mine = [
-    Contender(f"loop-{w:g}", f"tracking loop of my own, {w:g} rad/s", loop_step, start, Loop(bandwidth=w, damping=0.8))
-    for w in (20.0, 60.0)
-]
+mine = []
+for w in (20.0, 60.0):
+    loop = Loop(bandwidth=w, damping=0.8)
+    mine.append(Contender(f"loop-{w:g}", "a tracking loop of my own", loop_step, start, loop))
 found = compare(chosen, [*shipped, *mine], seeds=20)
+print("rms of the speed's error in rad/s; sectors lost")
 for scenario in wanted:
-    errors = {name: found.scores[scenario, name]["speed_error_rms_rad_s"].value for name in found.contenders}
-    print(f"{scenario:13}", ", ".join(f"{name} {error:.3g} rad/s" for name, error in errors.items()))
-lost = {name: found.scores["missed-edges", name]["lost_sectors"].value for name in found.contenders}
-print("sectors lost: ", ", ".join(f"{name} {number:.0f}" for name, number in lost.items()))
+    for name in found.contenders:
+        scores = found.scores[scenario, name]
+        error, lost = scores["speed_error_rms_rad_s"].value, scores["lost_sectors"].value
+        print(f"{scenario:13} {name:13} {error:7.3g} {lost:4.0f}")
 
 # %% [markdown]
 # A fixed bandwidth is a choice between quiet and quick: the slow loop is the quieter one at a steady speed and late at the step, the quick one the other way

@@ -123,10 +123,10 @@ net.program("meter", METER, meter, reads={"flow": "load.flow"}, period=1e-3)
 circuit = build(net)
 run = simulate(circuit.model, circuit.case, Stepping(until=1.5))
 told, true = run.command.meter.flow, run.outputs.load_flow
-for name, part in (("before", (run.times > 0.2) & (run.times < 0.5)), ("after", run.times > 1.0)):
-    print(
-        f"{name}: {true[part].mean() / LPM:.2f} lpm, told {told[part].mean() / LPM:.2f} +- {told[part].std() / LPM:.2f} lpm"
-    )
+early, late = (run.times > 0.2) & (run.times < 0.5), run.times > 1.0
+for name, part in (("before", early), ("after", late)):
+    mean, scatter = told[part].mean() / LPM, told[part].std() / LPM
+    print(f"{name}: {true[part].mean() / LPM:.2f} lpm, told {mean:.2f} +- {scatter:.2f} lpm")
 print("trusted", balance(run).is_trusted)
 
 # %% [markdown]
