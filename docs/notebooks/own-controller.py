@@ -36,7 +36,7 @@ from vvdp.simulation.run import Stepping, simulate
 # ## The sensor
 #
 # An instrument of the library is enough here: range, lag, resolution, noise, offset and faults are values. What it cannot say is
-# written as a step of a program, in the same way as the estimator below.
+# written as a step of a program: [a sensor of your own](own-sensor.md).
 
 # %%
 gauge = replace(ideal_instrument(0.0, 250e5), lag=1e-3, resolution=0.1e5, noise=0.3e5, seed=1.0)
