@@ -214,7 +214,7 @@ class _Solver:
         """Tells how the run stands, and stops it where it has settled. Raises RunError where it diverges."""
         since = self.state.begun[phase.name]
         history = _history(self.case, self.folder)
-        require_sane(history, self.case.largest)
+        require_sane(history, self.case.largest, log_path(self.folder, solver(self.case.step)))
         history = until_settled(history, since, phase.window, phase.tolerance)
         found = judge(history, since, phase.window)
         if found is None:

@@ -61,14 +61,15 @@ def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_
     return Reported(result, not no_report and add_report(CFD, directory))
 
 
-def write_fitted(directory: Path, system: str, settings: list[str]) -> None:
-    """Writes the system with what was found."""
+def write_fitted(directory: Path, system: str, shape: str | None, settings: list[str]) -> None:
+    """Writes the system with what was found, and with the shape that it was found of."""
     from vvdp.base.files import write_whole
+    from vvdp.geometry.shape_tables import shape_settings
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
-    kept = [text for text in settings if not text.strip().startswith("geometry.")]
-    write_whole(directory / "fitted.toml", resolved_text(load_system(system, kept)))
+    lengths = shape_settings(shape) if shape else ()
+    write_whole(directory / "fitted.toml", resolved_text(load_system(system, [*lengths, *settings])))
 
 
 class Where(NamedTuple):
