@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
@@ -53,10 +54,13 @@ class Reported(NamedTuple):
 
 def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_report: bool) -> Reported:
     """Writes a result, the system that it is of, and the page."""
+    from vvdp.cfd.solve import used_cores
     from vvdp.cli.report import CFD, add_report
     from vvdp.results.store import write_result
     from vvdp.systems.resolved import resolved_text
 
+    cores = " and ".join(map(str, used_cores(directory)))
+    result = replace(result, conditions={**result.conditions, "cores for each solver": cores})
     write_result(directory, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
     return Reported(result, not no_report and add_report(CFD, directory))
 
