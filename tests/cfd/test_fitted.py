@@ -57,7 +57,7 @@ def frequency(ratio):
 
 
 def test_another_arm_of_the_nozzles_is_another_pwm_frequency():
-    """Two arms computed on the same grid; the jets make 63 % of the torque of open ports, the outlet turbine the rest."""
+    """Two arms computed on one grid. The jets make 63 % of the torque of open ports, the outlet turbine the rest."""
     study = kept_study("centre-arms")
     valve, ratios = load_system("prototype").tables["valve"], []
     for arm in (8.7e-3, 9.2e-3):
