@@ -59,7 +59,7 @@ def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_
     from vvdp.results.store import write_result
     from vvdp.systems.resolved import resolved_text
 
-    cores = " and ".join(map(str, used_cores(directory)))
+    cores = " and ".join(map(str, used_cores(directory))) or "not noted"
     result = replace(result, conditions={**result.conditions, "cores for each solver": cores})
     write_result(directory, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
     return Reported(result, not no_report and add_report(CFD, directory))
