@@ -5,6 +5,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from typing import NamedTuple
 
 import pytest
+from tests.slurm import own_slurm  # noqa: F401
 
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.engine import MissingProgramError, OpenFoam, find_openfoam

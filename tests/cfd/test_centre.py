@@ -89,7 +89,23 @@ def test_the_law_of_the_system_comes_back(order, shaped):
 def test_a_static_drop_that_the_mesh_has_lost_is_told(order, shaped):
     result = made_up(order, shaped[2], -0.5)
     assert any("too coarse" in finding.text for finding in result.findings)
-    assert fitted_settings(result) == ()
+    (torque,) = fitted_settings(result)
+    assert torque.startswith("valve.inlet_area_ratio=")
+
+
+def test_a_drop_steeper_than_the_valve_takes_is_met_in_the_middle(order, shaped):
+    """Exponent 2.03, and the valve takes 2 at most: in the mean of the logarithms the written law has the drops."""
+    runs = []
+    for flow in FLOWS.tolist():
+        jet = 0.5 * 876.0 * (flow / perpendicular_area(order.shape, order.valve)) ** 2
+        judgement = Judgement(160, 0.8e5 * (flow / FLOWS[1]) ** 2.03 + jet, 300.0, 0.0, 1e-5)
+        solved = SimpleNamespace(judgement=judgement, settled=True, mesh=SimpleNamespace(cells=22765))
+        runs.append(CentreRun(order._replace(flow=flow), solved, 0.1, 27.5e-6, 1.0))
+    result = centre_result(runs, Told("prototype", "coarse", "oil", shaped[2]))
+    valve = load_system("prototype", fitted_settings(result)).tables["valve"]
+    assert valve.centre_flow_exponent == 2.0
+    laws = [turbulent_drops(flow, 1.0, 876.0, valve).centre_section for flow in FLOWS.tolist()]
+    assert np.log(laws / result.tables["runs"]["static_drop_Pa"]).mean() == pytest.approx(0.0, abs=1e-5)
 
 
 def test_every_key_of_a_centre_section_is_described(order, shaped, keys_as_described):

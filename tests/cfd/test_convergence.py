@@ -1,5 +1,7 @@
 """When a run has settled, and when it diverges."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,7 @@ def test_flows_that_do_not_balance_have_not_settled():
 
 @pytest.mark.parametrize("last", [np.nan, np.inf, 1e112])
 def test_a_run_that_diverges_is_named_with_its_iteration(last):
-    with pytest.raises(RunError, match="diverged: at iteration 3"):
-        require_sane(history([1e5, 2e5, last, 1e5]), 1e9)
-    require_sane(history([1e5, 2e5]), 1e9)
+    log = Path("case", "log.simpleFoam")
+    with pytest.raises(RunError, match=r"diverged: at iteration 3.*see case/log\.simpleFoam"):
+        require_sane(history([1e5, 2e5, last, 1e5]), 1e9, log)
+    require_sane(history([1e5, 2e5]), 1e9, log)

@@ -72,6 +72,15 @@ def test_the_installed_one_is_found(openfoam):
     assert openfoam.environment[FOLDER] == str(openfoam.folder)
 
 
+def test_programs_do_not_know_of_a_job_and_are_bound_to_no_core(monkeypatch, tmp_path):
+    monkeypatch.setenv("SLURM_NTASKS", "1")
+    monkeypatch.setenv("KEPT", "yes")
+    found = OpenFoam(1912, tmp_path).environment
+    assert "SLURM_NTASKS" not in found
+    assert found["KEPT"] == "yes"
+    assert found["OMPI_MCA_hwloc_base_binding_policy"] == "none"
+
+
 FATAL = """echo '--> FOAM FATAL ERROR:
 Cannot find patchField entry for background
 

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
@@ -13,8 +14,11 @@ from tests.cfd.conftest import OIL, PIPE
 
 from vvdp.base.errors import ConfigError, RunError
 from vvdp.cfd.monitor import states
+from vvdp.cfd.rail import RailOrder, rail_case, turned_rail
 from vvdp.cfd.solve import solve
 from vvdp.cfd.verification import pipe_case
+from vvdp.geometry.shape_tables import given_shape
+from vvdp.systems.system import load_system
 
 
 def silent(progress):
@@ -188,3 +192,20 @@ def test_a_solver_that_lost_its_vvdp_is_asked_to_end(openfoam, tmp_path, monkeyp
     assert not solver.is_running() or solver.status() == psutil.STATUS_ZOMBIE
     assert seen[-1].done > 0
     assert solver_starts(tmp_path) == 2
+
+
+@pytest.mark.slow
+def test_a_surface_with_a_hole_is_named(openfoam, tmp_path):
+    """The crown of the rail is missing: the mesh leaks out to the background."""
+    valve = load_system("prototype").tables["valve"]
+    order = RailOrder(valve, given_shape(valve, None, [])[0], OIL, 40.0 / 60e3, 4.0)
+    domain = turned_rail(order)
+    mesh = domain.mesh
+    corners = mesh.vertices[mesh.triangles]
+    walls = mesh.patch == mesh.names.index("rail")
+    kept = ~(walls & (corners[:, :, 2].mean(1) > 0.8 * corners[walls][:, :, 2].max()))
+    assert not kept.all()
+    holed = replace(mesh, triangles=mesh.triangles[kept], patch=mesh.patch[kept])
+    with pytest.raises(RunError, match="a patch background that is none of the surface: it is not closed"):
+        solve(rail_case(order, replace(domain, mesh=holed)), tmp_path, openfoam, 1, silent)
+    assert (tmp_path / "log.snappyHexMesh").is_file()

@@ -138,6 +138,19 @@ def centre() -> Iterator[str]:
         yield f"{words} drop: {', '.join(told)}"
 
 
+def two_arms() -> Iterator[str]:
+    study = kept_study("centre-arms")
+    Q = study["flow_m3_s"]
+    for arm in dict.fromkeys(study["nozzle_arm_m"].tolist()):
+        rows = study["nozzle_arm_m"] == arm
+        law = 876.0 * 12.7e-3 / 36.5e-6 * Q[rows] ** 2
+        ratio = 1.0 / float(fit([law], study["torque_N_m"][rows]).coefficients[0])
+        valve = load_system("prototype-constant-load", [f"valve.inlet_area_ratio={ratio}"]).tables["valve"]
+        frequency = pwm_frequency(equilibrium_speed(Q40, 876.0, 0.0387, valve), valve)
+        torque = study["torque_N_m"][rows & np.isclose(Q, Q40)][0]
+        yield f"| {1e3 * arm:.1f} mm | {torque:.4f} N m | {ratio:.3f} | {frequency:.1f} Hz |"
+
+
 def flows() -> Iterator[str]:
     study = kept_study("turbine-flows")
     Q, w = study["flow_m3_s"], study["speed_rad_s"]
@@ -188,7 +201,7 @@ def frequencies() -> Iterator[str]:
     yield f"those that were computed {told[1]}"
 
 
-ROWS = (arms, designs, openings, grids, turbines, laws, flows, centre, frequencies)
+ROWS = (arms, designs, openings, grids, turbines, laws, flows, centre, two_arms, frequencies)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)

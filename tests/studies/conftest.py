@@ -10,6 +10,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from tests.slurm import own_slurm  # noqa: F401
 
 from vvdp.studies.study import Random, Study, Uniform
 
@@ -68,7 +69,7 @@ def awaited() -> Callable[[Callable[[], object], subprocess.Popen[str]], None]:
     """Waits until a condition is fulfilled, or a process has ended."""
 
     def wait(condition: Callable[[], object], process: subprocess.Popen[str]) -> None:
-        until = time.monotonic() + 120.0
+        until = time.monotonic() + 300.0
         while not condition() and process.poll() is None and time.monotonic() < until:
             time.sleep(0.002)
 

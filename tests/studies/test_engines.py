@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import numpy as np
 import psutil
 import pytest
 
-from vvdp.base.errors import ConfigError, ParameterError, RunError
+from vvdp.base.errors import ConfigError, Fault, ParameterError, RunError
 from vvdp.base.extras import MissingExtraError
 from vvdp.studies import dask_engines
 from vvdp.studies.dask_engines import DaskScheduler, LocalDask, Slurm
@@ -86,6 +87,22 @@ def test_an_error_of_a_task_is_raised_and_the_engine_can_be_used_again(engine: E
     with pytest.raises(ParameterError, match="item 3 on 1 cores"):
         list(engine.run_all(refused, [3]))
     assert [item for item, _ in engine.run_all(squared, [5])] == [5]
+
+
+def test_an_error_of_a_file_comes_back_from_a_worker_as_it_was() -> None:
+    fault = Fault("drop.toml", 3, "flow", "expected a number")
+    sent = pickle.loads(pickle.dumps(ConfigError([fault])))
+    assert isinstance(sent, ConfigError) and sent.faults == (fault,) and str(sent) == str(ConfigError([fault]))
+
+
+def test_workers_are_kept_within_with(two_workers: LocalDask) -> None:
+    processes: list[set[int]] = []
+    for _ in range(2):
+        with two_workers:
+            processes.append({process for _, (_, _, process) in two_workers.run_all(squared, range(20))})
+    assert processes[0] == processes[1]
+    with ThisProcess(1) as here:
+        assert [item for item, _ in here.run_all(squared, [5])] == [5]
 
 
 def test_the_first_to_finish_comes_first(two_workers: LocalDask) -> None:

@@ -47,6 +47,16 @@ def test_torques_of_the_open_valve_at_40_lpm(prototype):
     assert power == pytest.approx(30.35, rel=1e-3)
 
 
+def test_jets_of_another_arm_have_another_torque(prototype):
+    """876 * 0.0127 * 4.4444e-7 / (0.945 * 36.5e-6) = 0.14335 N m; the speed goes with the torque of both turbines."""
+    fine = replace(prototype, inlet_area_ratio=0.945)
+    assert inlet_torque(Q40, 1.0, RHO, fine) == pytest.approx(0.14335, rel=1e-4)
+    share = (0.14335 + 0.08001) / (0.13547 + 0.08001)
+    assert full_open_frequency(Q40, fine) / full_open_frequency(Q40, prototype) == pytest.approx(share, rel=1e-4)
+    with pytest.raises(ParameterError, match="inlet_area_ratio must be greater than zero"):
+        replace(prototype, inlet_area_ratio=0.0)
+
+
 @pytest.mark.parametrize("nozzles", [1.0, 3.0, 7.0])
 def test_inlet_torque_is_the_sum_over_single_nozzles(prototype, nozzles):
     # each nozzle has A / N and carries Q / N

@@ -48,6 +48,9 @@ class ConfigError(VvdpError, ValueError):
         self.faults = tuple(faults)
         super().__init__("\n".join(str(fault) for fault in faults))
 
+    def __reduce__(self) -> tuple[type, tuple[list[Fault]]]:
+        return type(self), (list(self.faults),)  # workers send it to who asked them
+
 
 def unusable(path: Path | str, message: str) -> ConfigError:
     """A `ConfigError` about a file as a whole."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -45,6 +46,7 @@ LENGTHS = (
     "None of these is published. The windows were chosen so that flow simulation gave about the published drop, so the "
     "drop is calibrated; the exponent of the flow is not."
 )
+EXPONENTS = ("centre_flow_exponent", "centre_diameter_exponent")
 SHOWN_LENGTHS = ("hub_", "pocket_", "window_", "ring_", "nozzle_")
 QUANTITIES = {
     "flow_exponent": (NUMBER, "exponent of the flow in the static drop"),
@@ -60,6 +62,10 @@ QUANTITIES = {
     "total_diameter_exponent_error": (NUMBER, "half of its interval"),
     "centre_coefficient": (NUMBER, "coefficient k of the static drop Q^m/(k D^n), SI"),
     "centre_coefficient_law": (NUMBER, "coefficient of the system, SI"),
+    "inlet_area_ratio": (NUMBER, "effective area of the jets' torque over that of the nozzles, fitted"),
+    "inlet_area_ratio_low": (NUMBER, "its interval, lower end"),
+    "inlet_area_ratio_high": (NUMBER, "its interval, upper end"),
+    "inlet_area_ratio_law": (NUMBER, "ratio of the system"),
     "jet_area_m2": (AREA, "section across all jets"),
     "stub_area_m2": (AREA, "area of the stubs' ends in the mesh"),
     "spool_angle_rad": (ANGLE, "spool angle"),
@@ -159,6 +165,19 @@ def _runs(runs: Sequence[CentreRun]) -> Table:
     return Table(title="Runs", columns=columns, axes=("diameter_m", "flow_m3_s"))
 
 
+def _jets(runs: Sequence[CentreRun]) -> dict[str, float]:
+    """The area that gives the torque of the jets, rho R Q^2/(r A), over that of the nozzles: r, and its interval."""
+    full = [inlet_torque(each.flow, 1.0, each.fluid.density, replace(each.valve, inlet_area_ratio=1.0))
+            for each in (run.order for run in runs)]  # fmt: skip
+    found = fit([np.array(full)], np.array([run.torque for run in runs]))
+    (share,), (half,) = found.coefficients, found.half_widths
+    return {
+        "inlet_area_ratio": float(1.0 / share),
+        "inlet_area_ratio_low": float(1.0 / (share + half)),
+        "inlet_area_ratio_high": float(1.0 / (share - half)) if share > half else math.nan,
+    }
+
+
 def _numbers(runs: Sequence[CentreRun], table: Table) -> dict[str, float]:
     order, valve = runs[0].order, runs[0].order.valve
     static, total = (_power(table, key, valve.centre_diameter_exponent) for key in ("static_drop_Pa", "total_drop_Pa"))
@@ -176,6 +195,8 @@ def _numbers(runs: Sequence[CentreRun], table: Table) -> dict[str, float]:
         "total_diameter_exponent_error": total.diameter_exponent_error,
         "centre_coefficient": static.coefficient,
         "centre_coefficient_law": valve.centre_coefficient,
+        **_jets(runs),
+        "inlet_area_ratio_law": valve.inlet_area_ratio,
         "jet_area_m2": perpendicular_area(order.shape, valve),
         "stub_area_m2": runs[0].stub_area,
         "spool_angle_rad": order.angle,
@@ -225,6 +246,11 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[CentreRun], s
         text=f"From {span} the static drop grows with the flow to the power {exponent} ± {error}; the system has "
         f"{number(numbers['flow_exponent_law'], 3)}."
     )
+    low, found, high = (number(numbers[f"inlet_area_ratio{end}"], 3) for end in ("_low", "", "_high"))
+    yield Finding(
+        text=f"The torque is that of jets of {found} ({low} to {high}) times the nozzles' area; the system has "
+        f"{number(numbers['inlet_area_ratio_law'], 3)}."
+    )
     if not math.isnan(numbers["diameter_exponent_error"]):
         fall, error = number(numbers["diameter_exponent"], 3), number(numbers["diameter_exponent_error"], 2)
         yield Finding(
@@ -241,20 +267,34 @@ def _findings(numbers: dict[str, float], span: str, runs: Sequence[CentreRun], s
 
 
 def fitted_settings(result: Result) -> tuple[str, ...]:
-    """Exponents and coefficient that were found, as settings of a system with their origin, where there are any."""
+    """Laws of drop and torque that were found, as settings of a system with their origin, where there are any.
+
+    A spool that is turned closes nozzles, and the laws are those of open ones.
+    """
     numbers = {key: each.value for key, each in result.numbers.items()}
-    if math.isnan(numbers["flow_exponent"]):
+    if numbers["spool_angle_rad"]:
         return ()
     made = result.conditions
     note = (
         f"fitted to computed flow, {made['flow']}, {made['turbulence']}, {result.tables['runs']['cells'][0]:.0f} cells"
     )
-    values = {
-        "centre_flow_exponent": f"{_within_range('centre_flow_exponent', numbers['flow_exponent']):.6g}",
-        "centre_diameter_exponent": f"{_within_range('centre_diameter_exponent', numbers['diameter_exponent']):.6g}",
-        "centre_coefficient": f"{numbers['centre_coefficient']:.6g} SI",
-    }
-    return tuple(f'valve.{key}={{value="{text}", status="derived", note="{note}"}}' for key, text in values.items())
+    ratio, low, high = (numbers[f"inlet_area_ratio{end}"] for end in ("", "_low", "_high"))
+    spread = {"inlet_area_ratio": f'range=["{low:.6g}", "{high:.6g}"], '} if high > 0.0 else {}
+    values = {"inlet_area_ratio": f"{ratio:.6g}"} if ratio > 0.0 else {}
+    if not math.isnan(numbers["flow_exponent"]):
+        exponents = [_within_range(key, numbers[key.removeprefix("centre_")]) for key in EXPONENTS]
+        values |= {key: f"{exponent:.6g}" for key, exponent in zip(EXPONENTS, exponents, strict=True)}
+        values["centre_coefficient"] = f"{_coefficient(result.tables['runs'], *exponents):.6g} SI"
+    return tuple(
+        f'valve.{key}={{value="{text}", {spread.get(key, "")}status="derived", note="{note}"}}'
+        for key, text in values.items()
+    )
+
+
+def _coefficient(table: Table, exponent: float, diameter_exponent: float) -> float:
+    """The k of Q^m/(k D^n) that comes closest to the logarithm of the static drop at given exponents [SI]."""
+    flows, diameters, drops = (np.log(table[key]) for key in ("flow_m3_s", "diameter_m", "static_drop_Pa"))
+    return float(np.exp(np.mean(exponent * flows - diameter_exponent * diameters - drops)))
 
 
 def _within_range(key: str, value: float) -> float:

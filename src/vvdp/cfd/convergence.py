@@ -1,6 +1,7 @@
 """Whether a steady run has settled: by moving means of what it is run for, and by the balance of its flows."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -87,12 +88,12 @@ def _imbalance(flows: list[Array]) -> float:
     return float(np.mean(abs(total)) / np.mean(entering))
 
 
-def require_sane(history: History, largest: float) -> None:
-    """Raises RunError where a run diverges: its value is no number, or larger than `largest`."""
+def require_sane(history: History, largest: float, log: Path) -> None:
+    """Raises RunError, which names the `log`, where a run diverges: its value is no number, or over `largest`."""
     wild = ~(abs(history.value) < largest)
     if wild.any():
         place = int(np.argmax(wild))
         raise RunError(
             f"the run diverged: at iteration {history.iterations[place]:g} what it is judged by is "
-            f"{history.value[place]:.3g}, and {largest:.3g} would be too much; its files are kept"
+            f"{history.value[place]:.3g}, and {largest:.3g} would be too much; see {log}"
         )

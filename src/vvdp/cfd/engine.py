@@ -30,9 +30,14 @@ class OpenFoam(NamedTuple):
 
     @property
     def environment(self) -> Mapping[str, str]:
-        """The variables with which its programs are started."""
+        """The variables with which its programs are started.
+
+        Those of a SLURM job are left out: mpirun would start its processes by srun, one for each task, and vvdp has
+        one task with several cores. Nor does it bind them, since cases side by side would all be bound to core 0.
+        """
         root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"} if os.geteuid() == 0 else {}
-        return {**os.environ, FOLDER: str(self.folder), **root}
+        own = {name: value for name, value in os.environ.items() if not name.startswith("SLURM_")}
+        return {**own, FOLDER: str(self.folder), "OMPI_MCA_hwloc_base_binding_policy": "none", **root}
 
     def command(self, words: Sequence[str], cores: int = 1) -> tuple[str, ...]:
         """What is typed to start a program, on several cores where there are."""

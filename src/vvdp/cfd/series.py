@@ -67,7 +67,7 @@ def solve_series(cases: Sequence[NamedCase], plane: Plane, directory: Path, engi
     find_openfoam()
     items = list(_items([case for _, case in cases], directory.resolve()))
     solved: dict[int, Solved] = {}
-    with _listen(items, [name for name, _ in cases], solved, hear):
+    with engine, _listen(items, [name for name, _ in cases], solved, hear):
         for has_mesh in (False, True):
             ready = [item for item in items if (item.mesh_of is not None) == has_mesh]
             for done in batches(partial(_solve_items, plane), ready, engine, threading.Event(), ONE_BY_ONE):

@@ -25,6 +25,7 @@ from vvdp.cfd.engine import OpenFoam
 from vvdp.cfd.monitor import MeshCheck, forget_from, patch_faces, read_mesh_check, states, times
 from vvdp.cfd.numerics import INTERVAL, STEADY, STOP, Phase, parts_text, solver
 from vvdp.cfd.programs import PATIENCE, log_path, run_program
+from vvdp.cfd.snapping import ORDERING
 
 STATE, LOCK = "state.json", "lock"
 LOOK = 1.0
@@ -106,10 +107,17 @@ class _State:
         self.done: list[str] = kept.get("done", [])
         self.begun: dict[str, int] = kept.get("begun", {})
         self.seconds: dict[str, float] = kept.get("seconds", {})
+        self.cores: list[int] = kept.get("cores", [])
 
     def write(self) -> None:
         """Keeps the state."""
-        kept = {"identity": self.identity, "done": self.done, "begun": self.begun, "seconds": self.seconds}
+        kept = {
+            "identity": self.identity,
+            "done": self.done,
+            "begun": self.begun,
+            "seconds": self.seconds,
+            "cores": self.cores,
+        }
         write_whole(self.path, json.dumps(kept, indent=1) + "\n")
 
     def spend(self, step: str, seconds: float) -> None:
@@ -120,6 +128,12 @@ class _State:
         """Notes that a step is done."""
         self.done.append(step)
         self.write()
+
+
+def used_cores(directory: Path) -> tuple[int, ...]:
+    """On how many cores solvers have worked in the folders of a directory: each number that there was."""
+    states = [json.loads(path.read_text("utf-8")) for path in directory.glob(f"*/{STATE}")]
+    return tuple(sorted({cores for state in states for cores in state.get("cores", ())}))
 
 
 def _make_mesh(case: Case, folder: Path, openfoam: OpenFoam, told: tuple["_State", Hear], mesh_of: Path | None) -> None:
@@ -139,8 +153,16 @@ def _make_mesh(case: Case, folder: Path, openfoam: OpenFoam, told: tuple["_State
     else:
         write_files(folder, case.mesh_files)
         for program in case.mesh_programs:
+            if program == ORDERING:  # it stumbles over a patch that has no conditions
+                _require_patches(case, folder)
             hear(Progress(program[0], 0, _most(case), None))
             state.spend(program[0], run_program(program, folder, openfoam))
+    _require_patches(case, folder)
+    state.finish("mesh")
+
+
+def _require_patches(case: Case, folder: Path) -> None:
+    """Raises RunError where a patch has vanished from the mesh, or there is one that the surface does not have."""
     faces = patch_faces(folder)
     if missing := sorted(name for name in case.patches if not faces.get(name)):
         raise RunError(
@@ -149,7 +171,6 @@ def _make_mesh(case: Case, folder: Path, openfoam: OpenFoam, told: tuple["_State
         )
     if foreign := sorted(name for name, count in faces.items() if count and name not in case.patches):
         raise RunError(f"the mesh has a patch {foreign[0]} that is none of the surface: it is not closed; see {folder}")
-    state.finish("mesh")
 
 
 def _check_mesh(case: Case, folder: Path, openfoam: OpenFoam, state: _State) -> MeshCheck:
@@ -198,6 +219,7 @@ class _Solver:
 
     def work(self, phase: Phase) -> None:
         """Lets the solver work, on all its cores."""
+        self.state.cores = sorted({*self.state.cores, self.cores})
         if self.cores > 1:
             write_files(self.folder, {"system/decomposeParDict": parts_text(self.cores)})
             run_program(("decomposePar", "-force", "-latestTime"), self.folder, self.openfoam)
@@ -214,7 +236,7 @@ class _Solver:
         """Tells how the run stands, and stops it where it has settled. Raises RunError where it diverges."""
         since = self.state.begun[phase.name]
         history = _history(self.case, self.folder)
-        require_sane(history, self.case.largest)
+        require_sane(history, self.case.largest, log_path(self.folder, solver(self.case.step)))
         history = until_settled(history, since, phase.window, phase.tolerance)
         found = judge(history, since, phase.window)
         if found is None:

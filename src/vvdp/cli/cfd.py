@@ -126,7 +126,7 @@ def sweep(
         orders = {with_unit(each, FLOW): order._replace(flow=each) for each in flows}
         runs = run_rails(orders, *place)
     reported = write_and_report(place.directory, loaded, sweep_result(order, runs, told), no_report=no_report)
-    write_fitted(place.directory, system, [*(settings or ()), *fitted_settings(reported.result)])
+    write_fitted(place.directory, system, shape, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "sweep"))
 
 
@@ -306,7 +306,7 @@ def centre(
     with workplace(VERB, out, f"centre-{loaded.name}-{grid}", where, force=force) as place:
         runs = run_centre(orders, *place)
     reported = write_and_report(place.directory, loaded, centre_result(runs, told), no_report=no_report)
-    write_fitted(place.directory, system, [*(settings or ()), *fitted_settings(reported.result)])
+    write_fitted(place.directory, system, shape, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "runs"))
 
 
@@ -413,5 +413,5 @@ def turbine(
     with workplace(VERB, out, f"turbine-{loaded.name}-{grid}", where, force=force) as place:
         runs = run_turbine(orders, *place)
     reported = write_and_report(place.directory, loaded, turbine_result(runs, told), no_report=no_report)
-    write_fitted(place.directory, system, [*(settings or ()), *fitted_settings(reported.result)])
+    write_fitted(place.directory, system, shape, [*(settings or ()), *fitted_settings(reported.result)])
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("fits", "runs"))

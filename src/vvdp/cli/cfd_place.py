@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
@@ -53,22 +54,26 @@ class Reported(NamedTuple):
 
 def write_and_report(directory: Path, loaded: "System", result: "Result", *, no_report: bool) -> Reported:
     """Writes a result, the system that it is of, and the page."""
+    from vvdp.cfd.solve import used_cores
     from vvdp.cli.report import CFD, add_report
     from vvdp.results.store import write_result
     from vvdp.systems.resolved import resolved_text
 
+    cores = " and ".join(map(str, used_cores(directory))) or "not noted"
+    result = replace(result, conditions={**result.conditions, "cores for each solver": cores})
     write_result(directory, result, resolved_text(loaded), ("vvdp", *sys.argv[1:]))
     return Reported(result, not no_report and add_report(CFD, directory))
 
 
-def write_fitted(directory: Path, system: str, settings: list[str]) -> None:
-    """Writes the system with what was found."""
+def write_fitted(directory: Path, system: str, shape: str | None, settings: list[str]) -> None:
+    """Writes the system with what was found, and with the shape that it was found of."""
     from vvdp.base.files import write_whole
+    from vvdp.geometry.shape_tables import shape_settings
     from vvdp.systems.resolved import resolved_text
     from vvdp.systems.system import load_system
 
-    kept = [text for text in settings if not text.strip().startswith("geometry.")]
-    write_whole(directory / "fitted.toml", resolved_text(load_system(system, kept)))
+    lengths = shape_settings(shape) if shape else ()
+    write_whole(directory / "fitted.toml", resolved_text(load_system(system, [*lengths, *settings])))
 
 
 class Where(NamedTuple):

@@ -90,6 +90,17 @@ def given_shape(
     return valve_shape(valve, {**(own or {}), **given}, table)
 
 
+def shape_settings(name: str) -> tuple[str, ...]:
+    """A shape by shipped name or path as settings of a system, each with its origin."""
+
+    def text(entry: Any) -> str:
+        if not isinstance(entry, Mapping):
+            return json.dumps(entry, ensure_ascii=False)
+        return f"{{{', '.join(f'{word} = {json.dumps(each, ensure_ascii=False)}' for word, each in entry.items())}}}"
+
+    return tuple(f"{NAME}.{key}={text(entry)}" for key, entry in shape_table(name).content.get(NAME, {}).items())
+
+
 def shape_table(name: str) -> Table:
     """The parsed text of a shape, by shipped name or path. Raises ConfigError where there is none, or more in it."""
     texts = shipped_shapes()

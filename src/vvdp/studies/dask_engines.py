@@ -32,6 +32,12 @@ from vvdp.studies.engine import Item, Result, all_cores
 PATIENCE = 0.5
 """Time [s] after which the workers are counted again while none of the items is finished."""
 
+CENSUS = 10.0
+"""Time [s] between two looks at which jobs have ended, while workers are missing."""
+
+MOST_LOST = 4
+"""Jobs that may end one after the other before one of them has begun to work."""
+
 CONNECTING = 15.0
 """Time [s] within which a scheduler must answer."""
 
@@ -50,6 +56,7 @@ class DaskEngine(ABC):
     say: Callable[[str], None] = quiet
     _client: Any = field(default=None, init=False, repr=False)
     _opened: ExitStack = field(default_factory=ExitStack, init=False, repr=False)
+    _depth: int = field(default=0, init=False, repr=False)  # of `with` in `with`
 
     @property
     @abstractmethod
@@ -64,15 +71,22 @@ class DaskEngine(ABC):
         """What workers take in before they get work."""
         return ()
 
+    def _tend(self, count: int) -> None:  # noqa: B027
+        """Sees to workers that are missing, `count` being there. Raises RunError where none will come."""
+
     def __enter__(self) -> Self:
-        with ExitStack() as opened:
-            self._client = opened.enter_context(self._connect(opened))
-            self._opened = opened.pop_all()
+        if self._client is None:
+            with ExitStack() as opened:
+                self._client = opened.enter_context(self._connect(opened))
+                self._opened = opened.pop_all()
+        self._depth += 1
         return self
 
     def __exit__(self, *reason: object) -> None:
-        self._client = None
-        self._opened.close()
+        self._depth -= 1
+        if self._depth == 0:
+            self._client = None
+            self._opened.close()
 
     @contextmanager
     def _connect(self, opened: ExitStack) -> Iterator[Any]:
@@ -116,6 +130,7 @@ class DaskEngine(ABC):
                         future.add_done_callback(ended.put)
                 if not under_way and not more:
                     return
+                self._tend(count)
                 if count:
                     since = math.inf
                 elif since == math.inf:
@@ -197,6 +212,9 @@ class Slurm(DaskEngine):
     options: Sequence[str] = ()
     interface: str | None = None
     logs: Path | None = None
+    _cluster: Any = field(default=None, init=False, repr=False)
+    _looked: float = field(default=0.0, init=False, repr=False)
+    _lost: int = field(default=0, init=False, repr=False)  # jobs that have ended since one was at work
 
     def __post_init__(self) -> None:
         if self.jobs < 1 or self.cores < 1:
@@ -229,7 +247,31 @@ class Slurm(DaskEngine):
         opened.enter_context(cluster)
         _check_job(cluster.job_script())
         cluster.adapt(minimum_jobs=self.jobs, maximum_jobs=self.jobs)
+        self._cluster, self._looked, self._lost = cluster, time.monotonic(), 0
         return cluster
+
+    def _tend(self, count: int) -> None:
+        """Submits jobs again that have ended before they were workers; of those that were, Dask hears by itself."""
+        if count:
+            self._lost = 0
+        if count >= self.jobs or time.monotonic() - self._looked < CENSUS:
+            return
+        self._looked = time.monotonic()
+        there = {worker["name"] for worker in self._cluster.scheduler_info["workers"].values()}
+        waited_for = {name: job.job_id for name, job in dict(self._cluster.workers).items() if name not in there}
+        ended = {name: job for name, job in waited_for.items() if job and not _is_queued(job)}
+        if not ended:
+            return
+        self._lost += len(ended)
+        if self._lost >= MOST_LOST and not count:
+            said = f"; see {self.logs}/dask-worker-{next(iter(ended.values()))}.err" if self.logs else ""
+            raise RunError(f"{self._lost} SLURM jobs have ended, one after the other, before they were at work{said}")
+        self._cluster.loop.add_callback(self._submit_again, tuple(ended))
+
+    def _submit_again(self, names: Sequence[str]) -> None:
+        for name in names:
+            self._cluster.workers.pop(name, None)
+        self._cluster.scale(jobs=self.jobs)
 
 
 def library(name: str) -> Any:
@@ -246,6 +288,12 @@ def _check_job(script: str) -> None:
         found = subprocess.run(["sbatch", "--test-only", file.name], capture_output=True, text=True)
     if found.returncode:
         raise unusable("sbatch", found.stderr.strip() or f"ended with {found.returncode}")
+
+
+def _is_queued(job: str) -> bool:
+    """Whether SLURM has a job waiting or running; one of which it cannot tell is taken for it."""
+    found = subprocess.run(["squeue", "-h", "-o", "%i", "-j", job], capture_output=True, text=True)
+    return bool(found.stdout.strip()) or (found.returncode != 0 and "Invalid job id" not in found.stderr)
 
 
 def _worker_count(client: Any) -> int:

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Protocol, Self, TypeVar
 
 from vvdp.base.errors import ParameterError
 
@@ -12,7 +12,14 @@ Result = TypeVar("Result")
 
 
 class Engine(Protocol):
-    """Carries out one task for many items, in this process or elsewhere."""
+    """Carries out one task for many items, in this process or elsewhere.
+
+    Within `with engine:` workers are kept from one call of `run_all` to the next.
+    """
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *reason: object) -> None: ...
 
     @property
     def workers(self) -> int:
@@ -46,6 +53,12 @@ class ThisProcess:
     def __post_init__(self) -> None:
         if self.cores is not None and not 1 <= self.cores <= all_cores():
             raise ParameterError(f"{self.cores} cores; expected 1 to {all_cores()}")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        pass
 
     @property
     def workers(self) -> int:

@@ -32,7 +32,8 @@ class RotaryValve(Params):
     """Rotary spool with zig-zag barriers, fed by `sections` rhombic nozzles and left through two outlet turbines.
 
     `nozzle_area` is the area of all nozzles together and `outlet_area` that of one whole outlet turbine;
-    `outlet_effective_area` is the one that gives its torque. `centre_coefficient` goes with flow in m^3/s, diameter
+    `outlet_effective_area` is the one that gives its torque, and `inlet_area_ratio` times `nozzle_area` the one that
+    gives the torque of the nozzles' jets. `centre_coefficient` goes with flow in m^3/s, diameter
     in m and drop in Pa. `lap_ratio` is barrier width over nozzle width: 1 is zero lap, more is overlap.
     `jet_exponent` says how far a partly open port concentrates the jet: 0 not at all, 1 as the opening; and
     `jet_asymmetry` by how much more torque it gives while the port closes than while it opens, 0 none.
@@ -66,6 +67,7 @@ class RotaryValve(Params):
     transition_pressure: PressureDifference
     jet_asymmetry: Fraction = 0.0
     pressure_recovery: Fraction = 0.0
+    inlet_area_ratio: Ratio = 1.0
 
     def check(self) -> None:
         """Refuse a valve that cannot be made."""
@@ -81,6 +83,7 @@ class RotaryValve(Params):
             "spool_mass",
             "land_length",
             "transition_pressure",
+            "inlet_area_ratio",
         ):
             if not getattr(self, name) > 0.0:
                 raise ParameterError(f"RotaryValve.{name} must be greater than zero")

@@ -70,10 +70,18 @@ def jet_section_compiled(opening: float, skew: float, exponent: float) -> float:
     return concentration * (opening + skew)
 
 
+def jet_arm(valve: RotaryValve) -> float:
+    """Torque of the jets of open nozzles over the momentum rho Q^2, R_in / (r A_in) [1/m].
+
+    Source  wang2017, eq. 2.6; the ratio r of the effective area to A_in is ours, docs/models/rotary-valve.md
+    """
+    return valve.inlet_radius / (valve.inlet_area_ratio * valve.nozzle_area)
+
+
 def inlet_torque(
     full_section_flow: float, opening: float, density: float, valve: RotaryValve, skew: float = 0.0
 ) -> float:
-    """Torque of the nozzle jets of one branch on a spool [N m]: rho R_in Q^2 / (A_in a^s) (1 + skew / a).
+    """Torque of the nozzle jets of one branch on a spool [N m]: rho R_in Q^2 / (r A_in a^s) (1 + skew / a).
 
     Zero for reversed flow. Written with the flow per open fraction, Q = a Q_f, so that it stays finite when the port
     shuts.
@@ -83,10 +91,11 @@ def inlet_torque(
     density            [kg/m^3]
     skew               what the jet's asymmetry adds to the opening, `geometry.JetSkews` [1]
 
-    Source  wang2017, eq. 2.6, with the area of all nozzles; exponent s and skew are ours, docs/models/rotary-valve.md
+    Source  wang2017, eq. 2.6, with the area of all nozzles; exponent s, skew and the ratio r of the effective area to
+            it are ours, docs/models/rotary-valve.md
     """
     Q = maximum(full_section_flow, 0.0)
-    return density * valve.inlet_radius / valve.nozzle_area * Q * Q * jet_section(opening, skew, valve.jet_exponent)
+    return density * jet_arm(valve) * Q * Q * jet_section(opening, skew, valve.jet_exponent)
 
 
 def outlet_torque(flow: float, spool_speed: float, density: float, valve: RotaryValve) -> float:
@@ -161,8 +170,7 @@ def stall_torque(flow: float, density: float, valve: RotaryValve) -> float:
 
     Source  wang2017, eqs. 2.6 and 2.7
     """
-    arms = valve.inlet_radius / valve.nozzle_area + valve.outlet_radius / valve.outlet_effective_area
-    return density * flow * flow * arms
+    return density * flow * flow * (jet_arm(valve) + valve.outlet_radius / valve.outlet_effective_area)
 
 
 def equilibrium_speed(flow: float, density: float, viscosity: float, valve: RotaryValve) -> float:
