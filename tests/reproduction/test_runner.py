@@ -91,3 +91,11 @@ def test_a_verdict_that_is_expected_exits_with_0_and_another_with_1(capsys, tmp_
         assert first["source_value"] == pytest.approx(first["vvdp_value"], abs=first["tolerance"])
         assert bool(shown["changed"]) is bool(code)
         monkeypatch.setattr("vvdp.reproduction.expectation.expected_verdicts", dict)
+
+
+def test_the_report_is_named_where_it_was_written(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit):
+        main(["reproduce", "equation-3.4", "--out", "found"])
+    assert "results: found\nreport: found/report.html\n" in capsys.readouterr().out
+    assert (tmp_path / "found" / "report.html").exists()

@@ -64,7 +64,7 @@ def test_a_shipped_system_is_trusted_settled_and_has_no_warning(name):
         (["valve.eccentricity=0.95"], "eccentricity of the spool: 0.95, above 0.9; it touches the sleeve"),
         (["valve.radial_clearance=1 mm"], "clearance over radius: 0.07874, above 0.01"),
         (["operation.oil_temperature=150 degC"], "oil temperature: 150 °C, outside −15 °C to 100 °C"),
-        (["operation.oil_temperature=-40 degC"], "oil temperature: −40 °C, below −15 °C"),
+        (["operation.oil_temperature=-40 degC"], "oil temperature: −40 °C, outside −15 °C to 100 °C"),
         (["operation.oil_temperature=-40 degC"], "Reynolds number of the nozzles: 0.7754, below 20"),
         (["valve.lap_ratio=1e-4"], "breadth of the barriers over the clearance: 0.03142, below 10"),
         (["valve.sections=1000"], "pressure waves across the valve during a transition"),

@@ -64,7 +64,7 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
         changes = verdict_changes(verdicts_of(all_statements(outcomes)), expected_verdicts(), names)
         finished = len(outcomes) == len(items)
         result = verdict_result(outcomes, changes, time.perf_counter() - began, finished)
-        write_with_report(folder, result, "", no_report=no_report)
+        reported = write_with_report(folder, result, "", no_report=no_report)
     if json:
         counts = {key: json_value(number) for key, number in result.numbers.items()}
         told = {"changed": changes, "finished": finished, "out": str(directory)}
@@ -72,7 +72,7 @@ def _work(items: "tuple[Item, ...]", directory: Path, force: bool, json: bool, n
     else:
         short = result.tables["verdicts"].rows <= MOST_ROWS
         print_result(result, ("verdicts",) if short else ("chapters",))
-        tell(f"results: {directory}")
+        tell(f"results: {directory}" + (f"\nreport: {directory / 'report.html'}" if reported else ""))
     if not finished:
         raise typer.Exit(INTERRUPTED)
     if changes or any(each.failure for each in outcomes):

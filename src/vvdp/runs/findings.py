@@ -88,13 +88,17 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
         )
     if not run.has("settled") and expects_steady_state(run.system):
-        yield Finding(
-            grade=Grade.WARNING,
-            title="Not settled",
-            text=f"A mean would still change by more than {percent(SETTLED)} if the run went on.",
-            remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to where it "
-            "settles.",
-        )
+        yield _settling_warning()
+
+
+def _settling_warning() -> Finding:
+    return Finding(
+        grade=Grade.WARNING,
+        title="Not settled",
+        text=f"A mean would still change by more than {percent(SETTLED)} if the run went on.",
+        remedy="Let the run last longer (run.until), average later (run.average_from), or start closer to where it "
+        "settles.",
+    )
 
 
 def _fault_warnings(run: RecordedRun) -> Iterator[Finding]:

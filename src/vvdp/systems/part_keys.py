@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from vvdp.base.params import default_values
+from vvdp.base.params import Params, default_values
 from vvdp.network.assembly import Assembly
 from vvdp.network.component import Component
 from vvdp.network.program import ProgramType
@@ -21,6 +21,7 @@ class PartKeys(NamedTuple):
 
 def part_keys(part: PartType) -> PartKeys:
     """The keys of a component or program in a file: ports, inputs or readings, values, and what a drawing adds."""
+    classes: tuple[type[Params], ...]
     if isinstance(part, ProgramType):
         classes = (part.settings,) if part.settings else ()
         joined, optional = {*part.reading._fields}, {"sensors", "period", "phase", "latency"}  # type: ignore[attr-defined]
