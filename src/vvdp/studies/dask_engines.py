@@ -46,8 +46,7 @@ CONNECTING = 15.0
 class DaskEngine(ABC):
     """What the engines on Dask have in common.
 
-    Workers are started for every call of `run_all` and ended with it; within `with engine:` they are kept from call
-    to call. `say` hears when workers are waited for.
+    Workers are started for every call of `run_all`; within `with engine:` they are kept. `say` hears of a wait.
     """
 
     _longest_wait: ClassVar[float] = math.inf  # [s] for workers to come
