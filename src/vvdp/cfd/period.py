@@ -80,7 +80,7 @@ def law_drop(order: CentreOrder) -> float:
 
 
 def turned_period(order: PeriodOrder) -> Domain:
-    """The oil as it is meshed. Raises ParameterError where the nozzles never shut."""
+    """The oil as it is meshed. Raises ParameterError where the nozzles hardly shut."""
     centre = order.centre
     return turn_domain(sliding_domain(centre.shape, centre.valve, centre.position))
 
@@ -136,7 +136,7 @@ def _middle(order: PeriodOrder) -> Plane:
 
 
 def run_period(order: PeriodOrder, directory: Path, engine: Engine, hear: Hear) -> PeriodRun:
-    """Computes a period, or goes on with it; see `solve`. Raises ParameterError where the nozzles never shut."""
+    """Computes a period, or goes on with it; see `solve`. Raises ParameterError where the nozzles hardly shut."""
     case = NamedCase("", period_case(order, turned_period(order)))
     (solved,) = solve_series([case], _middle(order), directory, engine, hear)
     history, ends = solved.history, inlets(order.centre.valve)

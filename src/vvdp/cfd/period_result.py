@@ -65,7 +65,7 @@ QUANTITIES = {
 }
 
 
-class _Ramps(NamedTuple):
+class Ramps(NamedTuple):
     """Factors of the effective opening over the formula, where nozzles close and where they open."""
 
     closing: Fit
@@ -133,16 +133,21 @@ def _angles(run: PeriodRun) -> Table:
     return Table(title="Angles", columns=columns, is_data=True)
 
 
-def _ramps(angle: Array, formula: Array, effective: Array) -> _Ramps:
-    """Least squares on each ramp; the nozzles close at positive angles."""
+def fit_ramps(angle: Array, formula: Array, effective: Array) -> Ramps:
+    """A factor by least squares for each ramp; the nozzles close at positive angles.
+
+    >>> angle, formula = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([0.5, 0.8, 0.8, 0.5])
+    >>> [round(float(each.coefficients[0]), 4) for each in fit_ramps(angle, formula, np.array([0.6, 0.9, 0.7, 0.4]))]
+    [0.8539, 1.1461]
+    """
     partly = (formula > 0.0) & (formula < 1.0)
     ways = (partly & (angle > 0.0), partly & (angle < 0.0))
-    return _Ramps(*(fit([formula[rows]], effective[rows]) for rows in ways))
+    return Ramps(*(fit([formula[rows]], effective[rows]) for rows in ways))
 
 
 def _numbers(run: PeriodRun, table: Table) -> dict[str, float]:
     angle, formula, effective = (table[key] for key in ("spool_angle_rad", "opening_formula", "opening_effective"))
-    ramps = _ramps(angle, formula, effective)
+    ramps = fit_ramps(angle, formula, effective)
     middle, expected = (float((angle * share).sum() / share.sum()) for share in (effective, formula))
     return {
         "total_drop_Pa": run.order.drop,

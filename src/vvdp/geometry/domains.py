@@ -43,6 +43,8 @@ LEAST_OPENING = 1e-4
 """Share of the nozzle area below which nozzles count as shut."""
 STUB = 0.197
 """Length of the nozzle stubs that feed the centre section alone, over the spool radius: 2.5 mm on 12.7 mm."""
+APART = 0.04
+"""Half the angle for which nozzles have to be shut where pieces meet along the bore, over half a pitch."""
 ROUNDING = 1e-11
 """Length [m] by which a position may miss the stroke."""
 APPROACH = 0.63
@@ -192,17 +194,18 @@ def sliding_domain(shape: ValveShape, valve: RotaryValve, position: float, finen
     """Centre section in pieces that meet along the bore: the oil on the spool, and each nozzle stub.
 
     The spool stands half a pitch back, where the nozzles are shut. Patches as of `centre_domain`, but for the bore:
-    mouths ends the stubs, rim the pockets. Raises ParameterError where the nozzles never shut.
+    mouths ends the stubs, rim the pockets. Raises ParameterError where the nozzles hardly shut.
 
     Source  ours, docs/models/geometry.md
     """
     N, R, kernel = round(valve.sections), valve.spool_radius, facet_kernel(valve, fineness)
     require_within_stroke(position, shape, valve)
-    shut = -np.pi / N
-    if (left := clipped_openings(shut, position, valve).load) > 0.0:
+    shut, apart = -np.pi / N, APART * np.pi / N
+    if any(clipped_openings(shut + turn, position, valve).load > 0.0 for turn in (-apart, apart)):
         raise ParameterError(
-            f"the nozzles never shut towards this side at an axial position of {1e3 * position:.4g} mm: their opening "
-            f"goes no lower than {left:.2g}; expected a spool whose barriers cover them once in a period"
+            f"the nozzles are shut towards this side for less than {2.0 * np.degrees(apart):.3g} deg of a turn at an "
+            f"axial position of {1e3 * position:.4g} mm, so that pockets and nozzles are nowhere apart; expected a "
+            f"lower one"
         )
     pockets = _ended_pockets(shape, valve, kernel, "rim").rotate(shut).translate(-position)
     bore = kernel.cylinder("mouths", R, -shape.rail_diameter, shape.rail_diameter)
