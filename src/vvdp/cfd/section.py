@@ -71,7 +71,7 @@ def cut_sections(planes: Mapping[str, Plane], patches: Sequence[str], case: Path
 
     From patches that are inlets streamlines are followed.
     """
-    functions: dict[str, Entry] = {SECTIONS: _sampled([*_cuts(planes), *_shown(patches)], 1)}
+    functions: dict[str, Entry] = {SECTIONS: _surface_writer([*_plane_entries(planes), *_patch_entries(patches)], 1)}
     if inlets := [patch for patch in patches if patch.startswith(INLET)]:
         functions[STREAMLINES] = streamline_function(inlets)
     write_files(case, {DICTIONARY: dictionary_text({"functions": functions}, SECTIONS)})
@@ -83,7 +83,7 @@ def frame_function(name: str, plane: Plane, interval: int) -> Mapping[str, Entry
 
     It cuts tetrahedra: cells whose faces are there twice, where meshes slide, would be left out.
     """
-    return _sampled([name, _cut("cuttingPlane", plane)], interval)
+    return _surface_writer([name, _cut("cuttingPlane", plane)], interval)
 
 
 def _cut(kind: str, plane: Plane) -> Mapping[str, Entry]:
@@ -97,12 +97,12 @@ def _cut(kind: str, plane: Plane) -> Mapping[str, Entry]:
     }
 
 
-def _cuts(planes: Mapping[str, Plane]) -> list[Entry]:
+def _plane_entries(planes: Mapping[str, Plane]) -> list[Entry]:
     """Planes by their names."""
     return [entry for name, plane in planes.items() for entry in (name, _cut("plane", plane))]
 
 
-def _shown(patches: Sequence[str]) -> list[Entry]:
+def _patch_entries(patches: Sequence[str]) -> list[Entry]:
     """Patches by their names."""
     surfaces: list[Entry] = []
     for patch in patches:
@@ -110,7 +110,7 @@ def _shown(patches: Sequence[str]) -> list[Entry]:
     return surfaces
 
 
-def _sampled(surfaces: Sequence[Entry], interval: int) -> Mapping[str, Entry]:
+def _surface_writer(surfaces: Sequence[Entry], interval: int) -> Mapping[str, Entry]:
     """A function object that writes pressure and velocity on surfaces every `interval` steps."""
     return {
         "type": "surfaces",
