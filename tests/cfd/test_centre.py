@@ -57,7 +57,7 @@ def test_a_total_drop_has_the_dynamic_pressure_on_the_areas_of_the_mesh(tmp_path
         folder = tmp_path / "postProcessing" / name / "0"
         folder.mkdir(parents=True)
         (folder / "surfaceFieldValue.dat").write_text(f"# Area : 1e-05\n1 {value}\n2 {value}\n")
-    found = read_total_drop(("inlet1",), "outlet", 876.0, tmp_path)
+    found = read_total_drop(("inlet1",), ("outlet",), 876.0, tmp_path)
     assert found.value == pytest.approx([438e3, 438e3])
     assert found.flows["outlet"].tolist() == [2e-4, 2e-4]
 

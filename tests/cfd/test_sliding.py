@@ -9,7 +9,7 @@ from vvdp.cfd.boundary import MOVING
 from vvdp.cfd.case import Fluid, phase_files, start_files
 from vvdp.cfd.numerics import PASSING, SECOND_ORDER, UPWIND
 from vvdp.cfd.section import cut_sections
-from vvdp.cfd.snapping import RING_PATCHES
+from vvdp.cfd.sliding import RING_PATCHES
 from vvdp.cfd.solve import solve
 from vvdp.cfd.turbine import TurbineOrder, sliding_case, turbine_case, turned_turbine
 from vvdp.geometry.shape_tables import given_shape

@@ -117,6 +117,7 @@ ALLOWED = {
     "cli.cfd.rail": VERB,
     "cli.cfd.sweep": VERB,
     "cli.cfd.turbine": VERB,
+    "cli.cfd_parts.period": VERB,
     "cli.cfd_parts.sleeve": VERB,
     "cli.cfd_parts.valve": VERB,
     "cli.compare.circuits": VERB,

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
+from vvdp.cfd.period_result import Ramps, fit_ramps
 from vvdp.cfd.refinement import grid_convergence
 from vvdp.fitting.drop import fit_centre, fit_nozzle
 from vvdp.fitting.fitted import Host, settings
@@ -69,6 +70,39 @@ def openings() -> Iterator[str]:
     yield f"leave up to {100.0 * np.abs(found.residuals).max():.0f} %"
     law = study["torque_N_m"] / study["torque_law_N_m"] - 1.0
     yield f"the torque is within {100.0 * law[1::2].max():.0f} % of the law of the system"
+
+
+def periods() -> Iterator[str]:
+    still, slow, fast = (kept_study(name) for name in ("openings", "period-slow", "period"))
+    for k, angle in enumerate(still["spool_angle_rad"][1:], 1):
+        way = "closing" if angle > 0.0 else "opening"
+        found = [
+            [np.interp(angle, each["spool_angle_rad"], each[key]) for each in (slow, fast)]
+            for key in ("opening_effective", "torque_N_m")
+        ]
+        openings = [still["opening_formula"][k], still["opening_effective"][k], *found[0]]
+        told = " | ".join([*(f"{each:.3f}" for each in openings), *(f"{each:.3f} N m" for each in found[1])])
+        yield f"| {abs(np.degrees(angle)):.4g}°, {way} | {told} |"
+    yield from (f"| {' | '.join(row)} |" for row in zip(*(_period_column(each) for each in (slow, fast)), strict=True))
+    closing, opening = (each.coefficients[0] for each in _factors(fast))
+    yield f"factors {closing:.3f} while closing and {opening:.3f} while opening"
+
+
+def _factors(study: KeptStudy) -> Ramps:
+    return fit_ramps(study["spool_angle_rad"], study["opening_formula"], study["opening_effective"])
+
+
+def _period_column(study: KeptStudy) -> Iterator[str]:
+    """What a period comes to, in the order of the page's table."""
+    angle, flow = study["spool_angle_rad"], study["flow_m3_s"]
+    yield f"{1e6 * np.interp(0.0, angle, flow) / np.sqrt(2.0 * 3.563e5 / 876.0):.1f} mm²"
+    yield from (f"{each.coefficients[0]:.3f} ± {each.half_widths[0]:.3f}" for each in _factors(study))
+    formula, effective = study["opening_formula"], study["opening_effective"]
+    yield f"{100.0 * (effective.mean() / formula.mean() - 1.0):.1f} %"
+    middles = [(angle * share).sum() / share.sum() for share in (effective, formula)]
+    yield f"{np.degrees(middles[0] - middles[1]):.2f}°"
+    yield from (f"{study[key].mean():.4f} N m" for key in ("torque_N_m", "torque_law_N_m"))
+    yield f"{100.0 * abs(study['flow_out_m3_s'] - flow).mean() / flow.mean():.2f} %"
 
 
 def grids() -> Iterator[str]:
@@ -201,7 +235,7 @@ def frequencies() -> Iterator[str]:
     yield f"those that were computed {told[1]}"
 
 
-ROWS = (arms, designs, openings, grids, turbines, laws, flows, centre, two_arms, frequencies)
+ROWS = (arms, designs, openings, periods, grids, turbines, laws, flows, centre, two_arms, frequencies)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)

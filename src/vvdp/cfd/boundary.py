@@ -43,16 +43,27 @@ def flow_inlet(flow: float, inflow: Inflow) -> Patch:
     return Patch("patch", {"U": velocity, "p": NO_GRADIENT, "nut": CALCULATED, **fixed})
 
 
+def pressure_inlet(total: float, inflow: Inflow) -> Patch:
+    """Where the oil enters across the patch, under a total pressure over its density [m^2/s^2]."""
+    velocity = {"type": "pressureInletOutletVelocity", "value": uniform((0.0, 0.0, 0.0))}
+    pressure = {"type": "totalPressure", "p0": uniform(total), "value": uniform(total)}
+    return Patch("patch", {"U": velocity, "p": pressure, "nut": CALCULATED, **_both_ways(inflow)})
+
+
 def pressure_outlet(inflow: Inflow) -> Patch:
     """Where the oil leaves at pressure 0; what flows back has no velocity along the patch, and `inflow`."""
-    back = {
-        name: {"type": "inletOutlet", "inletValue": uniform(value), "value": uniform(value)}
-        for name, value in inflow._asdict().items()
-    }
     still = uniform((0.0, 0.0, 0.0))
     velocity = {"type": "inletOutlet", "inletValue": still, "value": still}
     pressure = {"type": "fixedValue", "value": uniform(0.0)}
-    return Patch("patch", {"U": velocity, "p": pressure, "nut": CALCULATED, **back})
+    return Patch("patch", {"U": velocity, "p": pressure, "nut": CALCULATED, **_both_ways(inflow)})
+
+
+def _both_ways(inflow: Inflow) -> Conditions:
+    """Turbulence that oil brings along where it enters, and takes away where it leaves."""
+    return {
+        name: {"type": "inletOutlet", "inletValue": uniform(value), "value": uniform(value)}
+        for name, value in inflow._asdict().items()
+    }
 
 
 def rotation(speed: float) -> Mapping[str, Entry]:
@@ -85,6 +96,14 @@ def slip() -> Patch:
 def constraint(kind: str) -> Patch:
     """A patch that only says how the mesh goes on there: "empty", "wedge", "symmetry"."""
     return Patch(kind, {name: {"type": kind} for name in DIMENSIONS})
+
+
+def meeting(inflow: Inflow) -> Patch:
+    """Where one mesh sees another that slides along it, as far as that covers it; at rest at the start."""
+    kind = "cyclicACMI"
+    values = {"U": uniform((0.0, 0.0, 0.0)), "p": uniform(0.0), "nut": uniform(0.0)}
+    values |= {name: uniform(value) for name, value in inflow._asdict().items()}
+    return Patch(kind, {name: {"type": kind, "value": value} for name, value in values.items()})
 
 
 def field_files(patches: Mapping[str, Patch], turbulence: Turbulence, start: Inflow) -> dict[str, str]:

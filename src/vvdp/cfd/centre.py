@@ -18,7 +18,7 @@ from vvdp.cfd.numerics import SECOND_ORDER, UPWIND, Phase, patch_mean
 from vvdp.cfd.passage import IMPOSSIBLE, OUTLET
 from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
 from vvdp.cfd.snapping import ORDERING, PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
-from vvdp.cfd.turbulence import STANDARD, Turbulence, duct_turbulence
+from vvdp.cfd.turbulence import STANDARD, Inflow, Turbulence, duct_turbulence
 from vvdp.cfd.watching import Monitors, align, flow_monitors, flow_name
 from vvdp.geometry.domains import Domain, centre_domain
 from vvdp.geometry.shape import ValveShape, perpendicular_area
@@ -70,6 +70,12 @@ def inlets(valve: RotaryValve) -> tuple[str, ...]:
     return tuple(f"inlet{number + 1}" for number in range(round(valve.sections)))
 
 
+def stub_inflow(order: CentreOrder) -> Inflow:
+    """Turbulence of the flow in a stub."""
+    area = perpendicular_area(order.shape, order.valve)
+    return duct_turbulence(order.flow / area, math.sqrt(area / round(order.valve.sections)))
+
+
 def centre_case(order: CentreOrder, domain: Domain) -> Case:
     """The case of an order on its domain, `turned_centre`; each stub has its share of the flow, and walls that slip.
 
@@ -79,9 +85,7 @@ def centre_case(order: CentreOrder, domain: Domain) -> Case:
     Source  ours, docs/models/cfd.md
     """
     valve, shape = order.valve, order.shape
-    sections, area = round(valve.sections), perpendicular_area(shape, valve)
-    jet = order.flow / area
-    entering = duct_turbulence(jet, math.sqrt(area / sections))
+    sections, jet, entering = round(valve.sections), order.flow / perpendicular_area(shape, valve), stub_inflow(order)
     ends, turning = inlets(valve), rotor_patches(domain)
     patches = {
         **dict.fromkeys(ends, flow_inlet(order.flow / sections, entering)),
@@ -92,17 +96,17 @@ def centre_case(order: CentreOrder, domain: Domain) -> Case:
     }
     kinds = {name: patch.kind for name, patch in patches.items()}
     openings, spins = (*ends, OUTLET), order.speed != 0.0
-    surface = meshing_files(domain, kinds, _refinement(order, domain))
+    surface = meshing_files(domain, kinds, centre_refinement(order, domain))
     return Case(
         mesh_files={**surface, **(zone_files(valve.spool_radius) if spins else {})},
         mesh_programs=(*PROGRAMS, ORDERING, *([ZONE_PROGRAM] if spins else [])),
         patches=patches,
         monitors={
             **flow_monitors(openings),
-            **_end_monitors(ends),
+            **end_monitors(ends),
             **torque_monitors(turning, ("sleeve",), order.fluid.density),
         },
-        read_history=partial(read_total_drop, ends, OUTLET, order.fluid.density),
+        read_history=partial(read_total_drop, ends, (OUTLET,), order.fluid.density),
         fluid=order.fluid,
         turbulence=order.turbulence,
         start=entering,
@@ -116,18 +120,19 @@ def _pressure_name(patch: str) -> str:
     return f"pressure-{patch}"
 
 
-def _end_monitors(ends: tuple[str, ...]) -> Monitors:
+def end_monitors(ends: tuple[str, ...]) -> Monitors:
+    """Function objects for the mean pressure at each stub's end."""
     return {_pressure_name(end): patch_mean(end, "areaAverage", "p") for end in ends}
 
 
-def read_total_drop(ends: tuple[str, ...], outlet: str, density: float, case: Path) -> History:
-    """The mean over the stubs of static and dynamic pressure at their ends [Pa], and the flows."""
+def read_total_drop(ends: tuple[str, ...], others: tuple[str, ...], density: float, case: Path) -> History:
+    """The mean over the stubs of static and dynamic pressure at their ends [Pa]; flows by these and `others`."""
     count = len(ends)
     pressures = [read_monitor(case, _pressure_name(end)) for end in ends]
-    flows = [read_monitor(case, flow_name(patch)) for patch in (*ends, outlet)]
+    flows = [read_monitor(case, flow_name(patch)) for patch in (*ends, *others)]
     tables = align([*pressures, *flows])
     total = [_total(*pair) for pair in zip(tables[:count], tables[count : 2 * count], strict=True)]
-    values = {patch: flow.values[:, 0] for patch, flow in zip((*ends, outlet), tables[count:], strict=True)}
+    values = {patch: flow.values[:, 0] for patch, flow in zip((*ends, *others), tables[count:], strict=True)}
     return History(tables[0].iterations, density * np.mean(total, axis=0), values)
 
 
@@ -137,7 +142,7 @@ def _total(pressure: Monitor, flow: Monitor) -> Array:
     return pressure.values[:, 0] + 0.5 * speed**2
 
 
-def _refinement(order: CentreOrder, domain: Domain) -> Refinement:
+def centre_refinement(order: CentreOrder, domain: Domain) -> Refinement:
     """Cells are finest in the stubs, whose area sets the jets' speed, and fine where the jets meet the pockets."""
     radius, half = order.valve.spool_radius, 0.5 * nozzle_length(order.valve)
     reach = half + 0.08 * radius

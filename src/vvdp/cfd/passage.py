@@ -10,15 +10,8 @@ from vvdp.cfd.case import Case, Fluid
 from vvdp.cfd.numerics import Phase, patch_mean
 from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
 from vvdp.cfd.section import INLET
-from vvdp.cfd.snapping import (
-    ORDERING,
-    PARTING_PROGRAMS,
-    PROGRAMS,
-    RING_PATCHES,
-    Refinement,
-    meshing_files,
-    parting_files,
-)
+from vvdp.cfd.sliding import PARTING_PROGRAMS, RING_PATCHES, parting_files
+from vvdp.cfd.snapping import ORDERING, PROGRAMS, Refinement, meshing_files
 from vvdp.cfd.turbulence import Inflow, Turbulence
 from vvdp.cfd.watching import drop_monitors, read_drop
 from vvdp.geometry.domains import Domain

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from vvdp.cfd.dictionary import Entry, dictionary_text
 from vvdp.geometry.domains import TURNING, Domain
 
-ROTOR = "rotor"
-"""The zone of cells that is solved in the frame of the spool."""
+ROTOR, STATOR = "rotor", "stator"
+"""Zones of cells: what turns, or is solved in the frame of the spool; what is meshed apart from it and stands still."""
 ZONE_PROGRAM = ("topoSet",)
 FAR = 100.0
 """Half the length of the zone over its radius: beyond any domain."""

@@ -13,12 +13,12 @@ from vvdp.base.errors import RunError
 from vvdp.cfd.case import write_files
 from vvdp.cfd.dictionary import Entry, dictionary_text
 from vvdp.cfd.engine import OpenFoam
-from vvdp.cfd.monitor import starts
+from vvdp.cfd.monitor import FOLDER, starts, times
 from vvdp.cfd.programs import run_program
 from vvdp.cfd.streamlines import STREAMLINES, streamline_function
 from vvdp.geometry.mesh import Floats, Indices
 
-SECTIONS, INLET = "sections", "inlet"
+SECTIONS, FRAMES, INLET = "sections", "frames", "inlet"
 DICTIONARY = f"system/{SECTIONS}"
 
 
@@ -71,41 +71,77 @@ def cut_sections(planes: Mapping[str, Plane], patches: Sequence[str], case: Path
 
     From patches that are inlets streamlines are followed.
     """
-    surfaces: list[Entry] = []
-    for name, plane in planes.items():
-        through: Mapping[str, Entry] = {"point": plane.point, "normal": plane.normal}
-        cut: Mapping[str, Entry] = {
-            "type": "plane",
-            "planeType": "pointAndNormal",
-            "pointAndNormalDict": through,
-        }
-        surfaces += [name, {**cut, "triangulate": False, "interpolate": True}]
-    for patch in patches:
-        surfaces += [patch, {"type": "patch", "patches": (patch,), "triangulate": False, "interpolate": True}]
-    sampled: Mapping[str, Entry] = {
-        "type": "surfaces",
-        "libs": ("sampling",),
-        "fields": ("p", "U"),
-        "surfaceFormat": "vtk",
-        "interpolationScheme": "cellPoint",
-        "executeControl": "timeStep",
-        "writeControl": "timeStep",
-        "surfaces": surfaces,
-    }
-    functions: dict[str, Entry] = {SECTIONS: sampled}
+    functions: dict[str, Entry] = {SECTIONS: _surface_writer([*_plane_entries(planes), *_patch_entries(patches)], 1)}
     if inlets := [patch for patch in patches if patch.startswith(INLET)]:
         functions[STREAMLINES] = streamline_function(inlets)
     write_files(case, {DICTIONARY: dictionary_text({"functions": functions}, SECTIONS)})
     return run_program(("postProcess", "-latestTime", "-dict", DICTIONARY, "-fields", "(p U)"), case, openfoam)
 
 
+def frame_function(name: str, plane: Plane, interval: int) -> Mapping[str, Entry]:
+    """A function object, to be called `FRAMES`, that cuts the flow every `interval` steps; `read_frames` reads it.
+
+    It cuts tetrahedra: cells whose faces are there twice, where meshes slide, would be left out.
+    """
+    return _surface_writer([name, _cut("cuttingPlane", plane)], interval)
+
+
+def _cut(kind: str, plane: Plane) -> Mapping[str, Entry]:
+    through: Mapping[str, Entry] = {"point": plane.point, "normal": plane.normal}
+    return {
+        "type": kind,
+        "planeType": "pointAndNormal",
+        "pointAndNormalDict": through,
+        "triangulate": False,
+        "interpolate": True,
+    }
+
+
+def _plane_entries(planes: Mapping[str, Plane]) -> list[Entry]:
+    """Planes by their names."""
+    return [entry for name, plane in planes.items() for entry in (name, _cut("plane", plane))]
+
+
+def _patch_entries(patches: Sequence[str]) -> list[Entry]:
+    """Patches by their names."""
+    surfaces: list[Entry] = []
+    for patch in patches:
+        surfaces += [patch, {"type": "patch", "patches": (patch,), "triangulate": False, "interpolate": True}]
+    return surfaces
+
+
+def _surface_writer(surfaces: Sequence[Entry], interval: int) -> Mapping[str, Entry]:
+    """A function object that writes pressure and velocity on surfaces every `interval` steps."""
+    return {
+        "type": "surfaces",
+        "libs": ("sampling",),
+        "fields": ("p", "U"),
+        "surfaceFormat": "vtk",
+        "interpolationScheme": "cellPoint",
+        "executeControl": "timeStep",
+        "executeInterval": interval,
+        "writeControl": "timeStep",
+        "writeInterval": interval,
+        "surfaces": surfaces,
+    }
+
+
+def read_frames(case: Path, name: str) -> dict[float, Section]:
+    """The sections of a plane that were cut while a flow was computed, by the time [s]."""
+    found = times(case / FOLDER / FRAMES)
+    return {time: _read(path) for time, folder in found.items() if (path := folder / f"{name}.vtp").is_file()}
+
+
 def read_section(case: Path, name: str) -> Section | None:
     """A section that was cut last, None where none was. Raises RunError where its file is damaged."""
     found = [path for start in starts(case, SECTIONS) if (path := start / f"{name}.vtp").is_file()]
-    if not found:
-        return None
+    return _read(found[-1]) if found else None
+
+
+def _read(path: Path) -> Section:
+    """A section. Raises RunError where its file is damaged."""
     try:
-        piece = ElementTree.parse(found[-1]).getroot().find("PolyData/Piece")
+        piece = ElementTree.parse(path).getroot().find("PolyData/Piece")
         assert piece is not None
         return Section(
             points=_array(piece, "Points/DataArray").reshape(-1, 3),
@@ -115,7 +151,7 @@ def read_section(case: Path, name: str) -> Section | None:
             velocity=_array(piece, "PointData/DataArray[@Name='U']").reshape(-1, 3),
         )
     except (ElementTree.ParseError, AssertionError, ValueError) as problem:
-        raise RunError(f"{found[-1]} is damaged: {problem}") from None
+        raise RunError(f"{path} is damaged: {problem}") from None
 
 
 TYPES: Mapping[str, str] = {"Float32": "<f4", "Float64": "<f8", "Int32": "<i4", "Int64": "<i8"}

@@ -9,6 +9,8 @@ import numpy as np
 
 from vvdp.cfd.blocks import BLOCK_MESH, Point, block, block_mesh_text
 from vvdp.cfd.dictionary import Entry, dictionary_text
+from vvdp.cfd.rotor import ROTOR, STATOR
+from vvdp.cfd.sliding import RING
 from vvdp.geometry.domains import Domain
 from vvdp.geometry.files import ascii_stl
 from vvdp.geometry.mesh import Floats
@@ -29,8 +31,9 @@ def turn_domain(domain: Domain) -> Domain:
     """The same oil, turned by `TURN` about the axis."""
     cos, sin = math.cos(TURN), math.sin(TURN)
     turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    x, y, z = (np.array(domain.inside) @ turn).tolist()
-    return replace(domain, mesh=replace(domain.mesh, vertices=domain.mesh.vertices @ turn), inside=(x, y, z))
+    inside, *further = ((x, y, z) for x, y, z in (np.array([domain.inside, *domain.further]) @ turn).tolist())
+    mesh = replace(domain.mesh, vertices=domain.mesh.vertices @ turn)
+    return replace(domain, mesh=mesh, inside=inside, further=tuple(further))
 
 
 class Cylinder(NamedTuple):
@@ -95,7 +98,7 @@ def meshing_files(domain: Domain, kinds: Mapping[str, str], fine: Refinement) ->
         SURFACE: ascii_stl(domain.mesh),
         BLOCK_MESH: _background(domain.mesh.vertices, fine.cell),
         "system/surfaceFeatureExtractDict": dictionary_text(features, "surfaceFeatureExtractDict"),
-        "system/snappyHexMeshDict": dictionary_text(_snapping(domain.inside, kinds, fine), "snappyHexMeshDict"),
+        "system/snappyHexMeshDict": dictionary_text(_snapping(domain, kinds, fine), "snappyHexMeshDict"),
     }
 
 
@@ -103,12 +106,6 @@ PROGRAMS = (("blockMesh",), ("surfaceFeatureExtract",), ("snappyHexMesh", "-over
 """What makes the mesh, one after the other."""
 ORDERING = ("renumberMesh", "-overwrite")
 """Then it is solved faster."""
-
-
-LEAST_SEEN = 0.3
-"""Share of a face on the ring below which it sees only itself: rims are not quite round, and slide off each other."""
-RING, RING_PATCHES = "ring", ("ring1", "ring2")
-PARTING_PROGRAMS = (("createBaffles", "-overwrite"), ("mergeOrSplitBaffles", "-split", "-overwrite"))
 
 
 def _background(points: Floats, cell: float) -> str:
@@ -123,7 +120,7 @@ def _background(points: Floats, cell: float) -> str:
     return block_mesh_text(vertices, [block(range(8), (nx, ny, nz))], {"background": ("patch", sides)})
 
 
-def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
+def _snapping(domain: Domain, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
     bodies: Mapping[str, Entry] = {name: within.entry for name, within in _near(fine).items()}
     rings: Mapping[str, Entry] = {RING: fine.ring.cylinder.entry} if fine.ring else {}
     named: Mapping[str, Entry] = {name: {"name": name} for name in fine.patches}
@@ -132,7 +129,7 @@ def _snapping(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapp
         "snap": True,
         "addLayers": False,
         "geometry": {"oil.stl": {"type": "triSurfaceMesh", "name": "oil", "regions": named}, **bodies, **rings},
-        "castellatedMeshControls": _castellation(inside, kinds, fine),
+        "castellatedMeshControls": _castellation(domain, kinds, fine),
         "snapControls": {
             "nSmoothPatch": 3,
             "tolerance": 2.0,
@@ -163,21 +160,14 @@ def _parting(ring: Ring | None) -> Mapping[str, Entry]:
     return {RING: {"level": (level, level), **zones}}
 
 
-_SEEING: Mapping[str, Entry] = {"type": "cyclicAMI", "transform": "noOrdering", "lowWeightCorrection": LEAST_SEEN}
+def _places(domain: Domain) -> Mapping[str, Entry]:
+    """Where the oil is; of several pieces the first is the zone of cells that turns."""
+    if not domain.further:
+        return {"locationInMesh": domain.inside}
+    return {"locationsInMesh": ((domain.inside, ROTOR), *((place, STATOR) for place in domain.further))}
 
 
-def parting_files() -> dict[str, str]:
-    """What splits the mesh along its ring, by `PARTING_PROGRAMS`: two patches that see each other."""
-    sides: Mapping[str, Entry] = {
-        side: {**_SEEING, "name": name, "neighbourPatch": other}
-        for side, name, other in zip(("master", "slave"), RING_PATCHES, RING_PATCHES[::-1], strict=True)
-    }
-    ring: Mapping[str, Entry] = {"type": "faceZone", "zoneName": RING, "patches": sides}
-    content: Mapping[str, Entry] = {"internalFacesOnly": True, "noFields": True, "baffles": {RING: ring}}
-    return {"system/createBafflesDict": dictionary_text(content, "createBafflesDict")}
-
-
-def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
+def _castellation(domain: Domain, kinds: Mapping[str, str], fine: Refinement) -> Mapping[str, Entry]:
     """How cells are halved before they are moved to the surface."""
     regions: Mapping[str, Entry] = {
         name: {"level": (level, level), "patchInfo": {"type": kinds[name]}} for name, level in fine.patches.items()
@@ -194,7 +184,7 @@ def _castellation(inside: Point, kinds: Mapping[str, str], fine: Refinement) -> 
         "refinementRegions": {
             name: {"mode": "inside", "levels": ((1e15, within.level),)} for name, within in _near(fine).items()
         },
-        "locationInMesh": inside,
+        **_places(domain),
         "allowFreeStandingZoneFaces": False,
     }
 

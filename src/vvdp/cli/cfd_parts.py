@@ -1,4 +1,4 @@
-"""`vvdp cfd sleeve` and `vvdp cfd valve`: parts of the valve beside the whole."""
+"""`vvdp cfd sleeve` and `valve`: parts of the valve beside the whole; `vvdp cfd period`: a spool that turns."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -23,6 +23,7 @@ from vvdp.cli.options import AsJson, NoReport, Restart, Settings, SystemName, ou
 from vvdp.cli.printing import show_result
 
 if TYPE_CHECKING:
+    from vvdp.base.kinds import Kind
     from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.section import Plane
 
@@ -99,6 +100,58 @@ def valve(
         runs = run_parts(parts, _middle(rail), *place)
     reported = write_and_report(place.directory, loaded, valve_result(turbine, runs, told), no_report=no_report)
     show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found", "parts"))
+
+
+def period(
+    system: SystemName,
+    grid: Grid = "coarse",
+    speed: Annotated[str, typer.Option("--speed", metavar="SPEED", help="Speed of the spool.")] = "1440 rpm",
+    drop: Annotated[
+        str,
+        typer.Option(
+            "--drop", metavar="DROP", help="Total drop that is held (default: by the laws at the pump's flow)."
+        ),
+    ] = "",
+    model: Model = "k-epsilon",
+    shape: Shape = None,
+    settings: Settings = None,
+    cores: Cores = None,
+    on: On = HERE,
+    workers: Workers = None,
+    sbatch: Sbatch = None,
+    out: Annotated[Path | None, out_option("results/cfd-period-SYSTEM-GRID")] = None,
+    force: Restart = False,
+    json: AsJson = False,
+    no_report: NoReport = False,
+) -> None:
+    """Compute a PWM period of the turning spool.
+
+    The mesh of the spool's oil slides along the nozzles, which its barriers open and shut: effective area and torque
+    over the angle. Rerun the same command to resume; what is finished is not computed again.
+    """
+    require_solids()
+    from vvdp.base.kinds import PRESSURE_DIFFERENCE, SPEED
+    from vvdp.cfd.period import PeriodOrder, law_drop, run_period
+    from vvdp.cfd.period_result import VERB, period_result
+
+    loaded, rail, told = rail_order(system, settings, shape, grid, model)
+    centre = centre_order(rail, 0.0)._replace(speed=_above_zero("--speed", speed, SPEED))
+    held = _above_zero("--drop", drop, PRESSURE_DIFFERENCE) if drop else law_drop(centre)
+    where = Where(on, workers, cores, sbatch)
+    with workplace(VERB, out, f"period-{loaded.name}-{grid}", where, force=force) as place:
+        run = run_period(PeriodOrder(centre, held), *place)
+    reported = write_and_report(place.directory, loaded, period_result(run, told), no_report=no_report)
+    show_result(reported.result, place.directory, json=json, reported=reported.page, names=("found",))
+
+
+def _above_zero(option: str, text: str, kind: "Kind") -> float:
+    """The value of an option. Raises ConfigError where it is not above zero."""
+    from vvdp.base.errors import ConfigError, Fault
+
+    value = parsed_option(option, text, kind)
+    if not value > 0.0:
+        raise ConfigError([Fault(option, 0, text, "expected a value above zero")])
+    return value
 
 
 def _middle(rail: "RailOrder") -> "Plane":

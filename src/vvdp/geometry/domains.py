@@ -43,6 +43,8 @@ LEAST_OPENING = 1e-4
 """Share of the nozzle area below which nozzles count as shut."""
 STUB = 0.197
 """Length of the nozzle stubs that feed the centre section alone, over the spool radius: 2.5 mm on 12.7 mm."""
+APART = 0.04
+"""Half the angle for which nozzles have to be shut where pieces meet along the bore, over half a pitch."""
 ROUNDING = 1e-11
 """Length [m] by which a position may miss the stroke."""
 APPROACH = 0.63
@@ -51,11 +53,15 @@ APPROACH = 0.63
 
 @dataclass(frozen=True)
 class Domain:
-    """A closed volume of oil: its surface, and a point well inside [m] for a mesher to start from."""
+    """A closed volume of oil: its surface, and a point well inside [m] for a mesher to start from.
+
+    Where it is in several pieces, `further` has a point in each piece but the first.
+    """
 
     name: str
     mesh: Mesh
     inside: tuple[float, float, float]
+    further: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def volume(self) -> float:
@@ -136,10 +142,29 @@ def require_within_stroke(position: float, shape: ValveShape, valve: RotaryValve
         )
 
 
-def _pockets(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Part:
-    """The oil on the spool from the load pockets to the ring behind the windows, in spool coordinates."""
+def _pockets(shape: ValveShape, valve: RotaryValve, kernel: Faceted, bore: str = "sleeve") -> Part:
+    """The oil on the spool from the load pockets to the ring behind the windows, in spool coordinates.
+
+    `bore` is the patch along the bore.
+    """
     end = 2.0 * stations(shape, valve).spool_end
-    return pocket_cutter(shape, valve, kernel) & kernel.cylinder("sleeve", valve.spool_radius, -end, end)
+    return pocket_cutter(shape, valve, kernel) & kernel.cylinder(bore, valve.spool_radius, -end, end)
+
+
+def _ended_pockets(shape: ValveShape, valve: RotaryValve, kernel: Faceted, bore: str = "sleeve") -> Part:
+    """The same, ended in the ring behind the windows by the patch outlet."""
+    R, ring_end = valve.spool_radius, stations(shape, valve).ring_end
+    end = kernel.cylinder("outlet", 2.0 * R, ring_end - OVERLAP * R, 2.0 * ring_end)
+    return _pockets(shape, valve, kernel, bore) - end
+
+
+def _stubs(shape: ValveShape, valve: RotaryValve, within: Part, kernel: Faceted) -> list[Part]:
+    """The nozzles' stubs, which patches inlet1 to inletN end outside, and `within` towards the bore."""
+    N, stub = round(valve.sections), STUB * valve.spool_radius
+    start, far = -4.0 * OVERLAP * valve.spool_radius, 2.0 * stub + nozzle_width(valve)
+    whole = nozzle("nozzles", shape, valve, valve.spool_radius, start, far, kernel)
+    ends = [_across_jet(f"inlet{number + 1}", shape, valve, stub, kernel) for number in range(N)]
+    return [(whole - end - within).rotate(2.0 * np.pi * number / N) for number, end in enumerate(ends)]
 
 
 def _spool_within(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Part:
@@ -157,18 +182,39 @@ def centre_domain(
 
     Source  ours, docs/models/geometry.md
     """
-    N, R, at, kernel = round(valve.sections), valve.spool_radius, stations(shape, valve), facet_kernel(valve, fineness)
+    N, kernel = round(valve.sections), facet_kernel(valve, fineness)
     _require_open(angle, position, shape, valve)
-    end = kernel.cylinder("outlet", 2.0 * R, at.ring_end - OVERLAP * R, 2.0 * at.ring_end)
-    fluid = (_pockets(shape, valve, kernel) - end).rotate(angle).translate(-position)
-    stub = STUB * R
-    whole = nozzle("nozzles", shape, valve, R, -4.0 * OVERLAP * R, 2.0 * stub + nozzle_width(valve), kernel)
-    within = _spool_within(shape, valve, kernel)
-    for number in range(N):
-        one = whole - _across_jet(f"inlet{number + 1}", shape, valve, stub, kernel) - within
-        fluid = fluid + one.rotate(2.0 * np.pi * number / N)
+    pockets = _ended_pockets(shape, valve, kernel).rotate(angle).translate(-position)
+    fluid = union([pockets, *_stubs(shape, valve, _spool_within(shape, valve, kernel), kernel)])
     mesh = require_sound(fluid.mesh(), "centre section", 1, N + 1)
     return Domain("centre", mesh, _in_ring(shape, valve, angle, position))
+
+
+def sliding_domain(shape: ValveShape, valve: RotaryValve, position: float, fineness: float = FINENESS) -> Domain:
+    """Centre section in pieces that meet along the bore: the oil on the spool, and each nozzle stub.
+
+    The spool stands half a pitch back, where the nozzles are shut. Patches as of `centre_domain`, but for the bore:
+    mouths ends the stubs, rim the pockets. Raises ParameterError where the nozzles hardly shut.
+
+    Source  ours, docs/models/geometry.md
+    """
+    N, R, kernel = round(valve.sections), valve.spool_radius, facet_kernel(valve, fineness)
+    require_within_stroke(position, shape, valve)
+    shut, apart = -np.pi / N, APART * np.pi / N
+    if any(clipped_openings(shut + turn, position, valve).load > 0.0 for turn in (-apart, apart)):
+        raise ParameterError(
+            f"the nozzles are shut towards this side for less than {2.0 * np.degrees(apart):.3g} deg of a turn at an "
+            f"axial position of {1e3 * position:.4g} mm, so that pockets and nozzles are nowhere apart; expected a "
+            f"lower one"
+        )
+    pockets = _ended_pockets(shape, valve, kernel, "rim").rotate(shut).translate(-position)
+    bore = kernel.cylinder("mouths", R, -shape.rail_diameter, shape.rail_diameter)
+    mesh = union([pockets, *_stubs(shape, valve, bore, kernel)]).mesh()
+    sound = require_sound(mesh, "centre section in pieces", N + 1, N + 1)
+    middle, tilt = 0.5 * STUB * R, _jet_tilt(shape, valve)
+    places = (R + middle * np.exp(1j * tilt)) * np.exp(2j * np.pi * np.arange(N) / N)
+    further = tuple((float(place.real), float(place.imag), 0.0) for place in places)
+    return Domain("sliding", sound, _in_ring(shape, valve, shut, position), further)
 
 
 def _in_ring(shape: ValveShape, valve: RotaryValve, angle: float, position: float) -> tuple[float, float, float]:
@@ -178,10 +224,14 @@ def _in_ring(shape: ValveShape, valve: RotaryValve, angle: float, position: floa
     return float(between * np.cos(angle)), float(between * np.sin(angle)), float(height)
 
 
+def _jet_tilt(shape: ValveShape, valve: RotaryValve) -> float:
+    """Direction of the axis of the nozzle at angle 0, from its mouth outwards [rad]."""
+    return -float(np.arcsin(shape.nozzle_arm / valve.spool_radius))
+
+
 def _across_jet(patch: str, shape: ValveShape, valve: RotaryValve, distance: float, kernel: Faceted) -> Part:
     """The block beyond the plane across the axis of the nozzle at angle 0, at `distance` from its mouth."""
-    R, arm = valve.spool_radius, shape.nozzle_arm
-    tilt = -np.arcsin(arm / R)
+    R, tilt = valve.spool_radius, _jet_tilt(shape, valve)
 
     def block(a: Floats, b: Floats, c: Floats) -> Floats:
         s, q = distance + a * R, (2.0 * b - 1.0) * R

@@ -1,13 +1,13 @@
 """The page about a computed flow: its result, the geometry with its patches, and sections through the flow."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vvdp.base.arrays import Array
-from vvdp.cfd.section import Section, read_section
+from vvdp.cfd.section import Section, read_frames, read_section
 from vvdp.cfd.series import CASE, MIDDLE
 from vvdp.cfd.snapping import SURFACE
 from vvdp.cfd.streamlines import Streamline, read_streamlines
@@ -28,6 +28,8 @@ PICTURE, DOTS = 4.0, 170
 """Width of a painted field [inch], and its points per inch."""
 SPEEDS, PALE = "viridis", 0.25
 """Colours of speeds; how strong the oil is behind its streamlines."""
+FRAMES_ACROSS, LEAST_SPEED = 4, 0.2
+"""Pictures of a flow over time: how many side by side; share of the highest speed below which one is left out."""
 WINDOW = 4e-3
 """How far from the middle of their picture cells are shown [m]."""
 
@@ -44,6 +46,9 @@ def write_cfd_report(directory: Path) -> Path:
         drawings.append(streamlines_figure(read_stl(case / SURFACE), lines))
     if section := read_section(case, MIDDLE):
         drawings.append(section_figure(section, result.numbers["density_kg_m3"].value))
+    if frames := read_frames(case, MIDDLE):
+        begin, speed = (result.numbers[key].value for key in ("begin_angle_rad", "spool_speed_rad_s"))
+        drawings.append(frames_figure({begin + speed * time: each for time, each in frames.items()}))
     return write_result_page(directory, Page(result, read_meta(directory), {}, {each.name: each for each in drawings}))
 
 
@@ -98,6 +103,32 @@ def section_figure(section: Section, density: float) -> Drawn:
         "the oil is fastest."
     )
     return draw_figure("sections", caption, 2.9, draw)
+
+
+def frames_figure(frames: Mapping[float, Section]) -> Drawn:
+    """Speed in sections across the axis at several angles of the spool [rad], as far as oil flows fast."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    speeds = {angle: np.linalg.norm(each.velocity, axis=1) for angle, each in frames.items()}
+    highest = {angle: float(np.quantile(speed, 0.99)) for angle, speed in speeds.items()}
+    fast = sorted(angle for angle in frames if highest[angle] > LEAST_SPEED * max(highest.values()))
+    norm, rows = Normalize(0.0, max(highest.values())), -(-len(fast) // FRAMES_ACROSS)
+
+    def draw(figure: "Figure") -> None:
+        grid = list(figure.subplots(rows, FRAMES_ACROSS, squeeze=False).flat)
+        for axes in grid:
+            axes.set_axis_off()
+        for axes, angle in zip(grid, fast, strict=False):
+            picture, extent = _field_picture(frames[angle], speeds[angle], norm, SPEEDS)
+            axes.imshow(picture, extent=extent, interpolation="none")
+            axes.set_title(f"{np.degrees(angle):+.1f}°", loc="left")
+        figure.colorbar(ScalarMappable(norm, SPEEDS), ax=grid, location="bottom", label="speed [m/s]", shrink=0.5)
+
+    caption = (
+        "Speed in the section across the axis: nozzles open at negative angles of the spool, close at positive ones."
+    )
+    return draw_figure("frames", caption, 2.1 * rows + 0.6, draw)
 
 
 def _field(figure: "Figure", axes: "Axes", section: Section, shown: tuple[Array, str, str]) -> None:
