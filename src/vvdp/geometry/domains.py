@@ -14,7 +14,15 @@ from vvdp.base.errors import ParameterError
 from vvdp.geometry.facets import FINENESS, Faceted, Part
 from vvdp.geometry.kernel import Floats, union
 from vvdp.geometry.mesh import Mesh, patch_areas, require_sound, volume
-from vvdp.geometry.shape import ValveShape, collector_position, rail_arc, sleeve_half_length, stations, travel
+from vvdp.geometry.shape import (
+    ValveShape,
+    collector_position,
+    nozzle_reach,
+    rail_arc,
+    sleeve_half_length,
+    stations,
+    travel,
+)
 from vvdp.geometry.solids import (
     BEYOND,
     OVERLAP,
@@ -148,12 +156,13 @@ def _spool_within(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Par
 
 
 def centre_domain(
-    shape: ValveShape, valve: RotaryValve, angle: float, position: float, fineness: float = FINENESS
+    shape: ValveShape, valve: RotaryValve, angle: float, position: float, fineness: float = FINENESS, stub: float = STUB
 ) -> Domain:
-    """Centre section: short nozzle stubs, load pockets, windows.
+    """Centre section: nozzles as far as `stub` [spool radii] from their mouths, load pockets, windows.
 
     Patches inlet1 to inletN, nozzles, sleeve, spool, windows, outlet. The oil enters through the stubs' ends, across
-    their axes, and leaves axially through the ring behind the windows. Raises ParameterError where a nozzle is shut.
+    their axes, and leaves axially through the ring behind the windows. Raises ParameterError where a nozzle is shut,
+    and for a stub that ends in its mouth or beyond the rail.
 
     Source  ours, docs/models/geometry.md
     """
@@ -161,14 +170,26 @@ def centre_domain(
     _require_open(angle, position, shape, valve)
     end = kernel.cylinder("outlet", 2.0 * R, at.ring_end - OVERLAP * R, 2.0 * at.ring_end)
     fluid = (_pockets(shape, valve, kernel) - end).rotate(angle).translate(-position)
-    stub = STUB * R
-    whole = nozzle("nozzles", shape, valve, R, -4.0 * OVERLAP * R, 2.0 * stub + nozzle_width(valve), kernel)
+    far = _stub_length(stub, shape, valve)
+    whole = nozzle("nozzles", shape, valve, R, -4.0 * OVERLAP * R, far + nozzle_width(valve), kernel)
     within = _spool_within(shape, valve, kernel)
     for number in range(N):
-        one = whole - _across_jet(f"inlet{number + 1}", shape, valve, stub, kernel) - within
+        one = whole - _across_jet(f"inlet{number + 1}", shape, valve, far, kernel) - within
         fluid = fluid + one.rotate(2.0 * np.pi * number / N)
     mesh = require_sound(fluid.mesh(), "centre section", 1, N + 1)
     return Domain("centre", mesh, _in_ring(shape, valve, angle, position))
+
+
+def _stub_length(stub: float, shape: ValveShape, valve: RotaryValve) -> float:
+    """Length of nozzle stubs [m]. Raises ParameterError where their ends cut the oblique mouths, or lie in the rail."""
+    length, R = stub * valve.spool_radius, valve.spool_radius
+    least, most = 0.5 * nozzle_width(valve) * shape.nozzle_arm / R, nozzle_reach(shape, valve)
+    if not least < length <= most:
+        raise ParameterError(
+            f"nozzle stubs of {1e3 * length:.4g} mm; expected more than {1e3 * least:.4g} mm, the depth of their "
+            f"oblique mouths, and at most {1e3 * most:.4g} mm, where the rail's centre line is"
+        )
+    return length
 
 
 def _in_ring(shape: ValveShape, valve: RotaryValve, angle: float, position: float) -> tuple[float, float, float]:
