@@ -12,6 +12,7 @@ from vvdp.cfd import rail
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.rail import RailOrder, outlets, rail_case, turned_rail
 from vvdp.cfd.snapping import SURFACE
+from vvdp.cli.cfd_place import rail_order
 from vvdp.geometry.domains import rail_domain
 from vvdp.geometry.measure import rail_mouths
 from vvdp.geometry.shape import perpendicular_area
@@ -144,10 +145,17 @@ def test_a_terminal_is_told_the_same(made):
     assert f"report: {made.folder / 'report.html'}" in said.out
 
 
+@pytest.mark.parametrize(("grid", "cells"), [("coarse", 8.0), ("16", 16.0), ("28.5", 28.5)])
+def test_a_grid_is_a_name_or_cells_per_radius(grid, cells):
+    assert rail_order("prototype", None, None, grid, "k-epsilon")[1].grid == cells
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--grid", "huge"), "--grid: 'huge'; expected one of"),
+        (("--grid", "huge"), "--grid: 'huge'; expected one of coarse, medium, fine, or 4 to 64 cells per spool radius"),
+        (("--grid", "3"), "--grid: '3'; expected one of coarse, medium, fine, or 4 to 64 cells"),
+        (("--grid", "nan"), "--grid: 'nan'; expected one of"),
         (("--turbulence", "none"), "--turbulence: 'none'; expected one of k-epsilon, realizable, sst, laminar"),
         (("--flow", "40"), "--flow: "),
         (("--on", "mars"), "--on: 'mars'; expected here, dask, slurm or an address"),

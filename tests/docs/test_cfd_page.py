@@ -12,7 +12,7 @@ from vvdp.cfd.refinement import grid_convergence
 from vvdp.fitting.drop import fit_centre, fit_nozzle
 from vvdp.fitting.fitted import Host, settings
 from vvdp.fitting.jet import jet_law
-from vvdp.numerics.least_squares import fit
+from vvdp.numerics.least_squares import Fit, fit
 from vvdp.numerics.power_laws import drop_laws
 from vvdp.systems.bench import rotary_bench
 from vvdp.systems.system import load_system
@@ -63,13 +63,48 @@ def openings() -> Iterator[str]:
     factors = [1.0 + 0.01 * each for each in (closing, opening)]
     yield f"the effective opening is {factors[0]:.2f} a while closing and {factors[1]:.2f} a while opening"
     yield f"in the mean it is {-0.5 * (closing + opening):.0f} % below"
-    found = jet_law(study["opening_formula"], study["torque_N_m"], np.sign(angles))
-    exponent, asymmetry = zip(found.coefficients[1:], found.half_widths[1:], strict=True)
-    yield f"$s$ = {exponent[0]:.2f} ± {exponent[1]:.2f}"
-    yield f"$\\varepsilon_j$ = {asymmetry[0]:.2f} ± {asymmetry[1]:.2f}"
-    yield f"leave up to {100.0 * np.abs(found.residuals).max():.0f} %"
-    law = study["torque_N_m"] / study["torque_law_N_m"] - 1.0
-    yield f"the torque is within {100.0 * law[1::2].max():.0f} % of the law of the system"
+
+
+def nozzles() -> Iterator[str]:
+    """The same with the whole nozzle, and the laws of the torque beside each other."""
+    studies = tuple(map(kept_study, ("openings", "openings-nozzles")))
+    whole = studies[1]
+    angles = np.degrees(whole["spool_angle_rad"])
+    for k in range(whole.rows):
+        way = f"{abs(angles[k]):.4g}°, {'closing' if angles[k] > 0.0 else 'opening'}" if angles[k] else "0"
+        effective, torques = ([study[key][k] for study in studies] for key in ("opening_effective", "torque_N_m"))
+        shares = f"{effective[0]:.3f} | {effective[1]:.3f}" if k else "1 | 1"
+        yield f"| {way} | {shares} | {torques[0]:.4f} N m | {torques[1]:.4f} N m |"
+    for study, length in zip(studies, ("2.5 mm", "9.7 mm"), strict=True):
+        law, power, narrow = torque_laws(study)
+        yield (
+            f"| {length} | {told(law, 1)} | {told(law, 2)} | {misfit(law)} | {told(power, 1)} | {told(power, 2)} | "
+            f"{misfit(power)} | {told(narrow, 1)} | {misfit(narrow)} |"
+        )
+    opening = whole["torque_N_m"][2::2] / whole["torque_law_N_m"][2::2]
+    both = np.stack([study["torque_N_m"] / study["torque_law_N_m"] - 1.0 for study in studies])[:, 1::2]
+    yield f"the torque is within {100.0 * np.abs(both).max():.0f} % of the law of the system with either length"
+    yield f"{100.0 * opening.min():.0f} to {100.0 * opening.max():.0f} % of the law's"
+    law, _, narrow = torque_laws(whole)
+    yield f"the asymmetry is {told(law, 2)} instead of 0.85"
+    yield f"What stands out, to {misfit(narrow)}, is"
+
+
+def torque_laws(study: KeptStudy) -> tuple[Fit, Fit, Fit]:
+    """The law of the system, a power for either way, and closing nozzles over their effective opening."""
+    a, T, side = study["opening_formula"], study["torque_N_m"], np.sign(study["spool_angle_rad"])
+    power = fit([np.ones_like(a), -np.log(a), -side * np.log(a)], np.log(T))
+    closes = side >= 0.0
+    narrow = fit([np.ones(int(closes.sum())), -np.log(study["opening_effective"][closes])], np.log(T[closes]))
+    return jet_law(a, T, side), power, narrow
+
+
+def misfit(found: Fit) -> str:
+    return f"{100.0 * np.abs(found.residuals).max():.1f} %"
+
+
+def told(found: Fit, place: int) -> str:
+    return f"{found.coefficients[place]:.2f} ± {found.half_widths[place]:.2f}"
 
 
 def periods() -> Iterator[str]:
@@ -198,6 +233,15 @@ def flows() -> Iterator[str]:
     area, error = 876.0 * 12.7e-3 / c, 876.0 * 12.7e-3 / c * errors[0] / c
     yield f"effective area of {1e6 * area:.1f} ± {1e6 * error:.1f} mm²"
     yield f"{b / (876.0 * 12.7e-3**2):.2f} ± {errors[1] / (876.0 * 12.7e-3**2):.2f} times"
+    yield f"a discharge coefficient of {turbine_coefficient():.3f} (published 0.677)"
+
+
+def turbine_coefficient() -> float:
+    """The discharge coefficient of the turbine with its spool at rest, over all flows."""
+    study = kept_study("turbine-flows")
+    still = study["speed_rad_s"] == 0.0
+    square = study["flow_m3_s"][still] ** 2
+    return float(1.0 / 46.8e-6 / np.sqrt(2.0 / 876.0 * (square @ study["turbine_drop_Pa"][still]) / (square @ square)))
 
 
 def computed_laws() -> tuple[str, ...]:
@@ -213,7 +257,7 @@ def computed_laws() -> tuple[str, ...]:
     )
     Q, w = turbine["flow_m3_s"], turbine["speed_rad_s"]
     area = 876.0 * 12.7e-3 / fit([Q**2, -Q * w], turbine["torque_N_m"]).coefficients[0]
-    coefficient = Q[0] / 46.8e-6 / np.sqrt(2.0 * turbine["turbine_drop_Pa"][0] / 876.0)
+    coefficient = turbine_coefficient()
     return (
         *(text for each, name in found for text in settings(each, Path(name))),
         f"valve.outlet_effective_area={1e6 * area} mm^2",
@@ -225,17 +269,24 @@ def frequencies() -> Iterator[str]:
     """Of the ideal machine at 40 lpm, with the published laws and with those that were computed."""
     at = Condition(flow=Q40, load_pressure=1.01e7, relief_pressure=1.21e7, tank_pressure=101325.0, density=876.0)
     jets = ("valve.jet_exponent=0.65", "valve.jet_asymmetry=0.85")
-    told = []
+    found = []
     for laws in ((), computed_laws()):
         valve = load_system("prototype-constant-load", [*jets, *laws]).tables["valve"]
         full = pwm_frequency(equilibrium_speed(Q40, 876.0, 0.0387, valve), valve)
         switching = pwm_frequency(averaged_spool_speed(0.5, at, 0.0387, valve), valve)
-        told.append(f"{full:.1f} Hz fully open and {switching:.1f} Hz switching at duty ratio 0.5")
-    yield f"the published laws give {told[0]}"
-    yield f"those that were computed {told[1]}"
+        found.append(f"{full:.1f} Hz fully open and {switching:.1f} Hz switching at duty ratio 0.5")
+    yield f"the published laws give {found[0]}"
+    yield f"those that were computed {found[1]}"
+    exponent = torque_laws(kept_study("openings-nozzles"))[0].coefficients[1]
+    for s, words in (
+        (exponent, "the exponent of the whole nozzles, {:.2f}"),
+        (1.0, "jets as narrow as the opening, {:g}"),
+    ):
+        valve = load_system("prototype-constant-load", [f"valve.jet_exponent={s}"]).tables["valve"]
+        yield f"{words.format(s)}, {pwm_frequency(averaged_spool_speed(0.5, at, 0.0387, valve), valve):.1f} Hz"
 
 
-ROWS = (arms, designs, openings, periods, grids, turbines, laws, flows, centre, two_arms, frequencies)
+ROWS = (arms, designs, openings, nozzles, periods, grids, turbines, laws, flows, centre, two_arms, frequencies)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)

@@ -98,6 +98,25 @@ def test_volume_of_the_centre_section(oil, built_shape, built_valve):
     assert oil["centre"].volume == pytest.approx(pockets + stubs, rel=5e-3)
 
 
+def test_longer_stubs_widen_as_the_nozzles_do(oil, built_shape, built_valve):
+    """Across a nozzle's axis, at the distance t, the section is (1 + g t)^2 times that of the mouth."""
+    s, valve, R = built_shape, built_valve, built_valve.spool_radius
+    growth, area = (s.nozzle_taper - 1.0) / nozzle_reach(s, valve), perpendicular_area(s, valve)
+    made = centre_domain(s, valve, 0.0, 0.5 * valve.helix_length, FINE, stub=0.7)
+    near, far = (1.0 + growth * length * R for length in (STUB, 0.7))
+    ends = sum(made.areas[f"inlet{number}"] for number in (1, 2, 3))
+    assert ends == pytest.approx(area * far**2, rel=5e-3)
+    added = area * (far**3 - near**3) / (3.0 * growth)
+    assert made.volume - oil["centre"].volume == pytest.approx(added, rel=5e-3)
+
+
+@pytest.mark.parametrize("stub", [0.1, 1.3])
+def test_stubs_that_end_in_their_mouths_or_beyond_the_rail_are_refused(stub, built_shape, built_valve):
+    """The mouth is 3.991 mm wide and meets the jet at asin(8.7/12.7): 1.367 mm deep; the rail is 15.25 mm away."""
+    with pytest.raises(ParameterError, match=r"more than 1\.367 mm, .* and at most 15\.25 mm"):
+        centre_domain(built_shape, built_valve, 0.0, 0.5 * built_valve.helix_length, 10.0, stub=stub)
+
+
 def test_the_whole_valve_is_the_sum_of_its_parts(oil, built_shape, built_valve):
     """Less the stubs, which the rail's nozzles replace, plus the chamber between ring and the turbine's inlet."""
     s, valve, at = built_shape, built_valve, stations(built_shape, built_valve)

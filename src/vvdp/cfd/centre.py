@@ -1,4 +1,4 @@
-"""The centre section: jets from short nozzle stubs meet the pockets of the spool and leave by its windows."""
+"""The centre section: jets from nozzle stubs meet the pockets of the spool and leave by its windows."""
 
 import math
 from dataclasses import replace
@@ -20,7 +20,7 @@ from vvdp.cfd.rotor import ZONE_PROGRAM, frame_files, rotor_patches, zone_files
 from vvdp.cfd.snapping import ORDERING, PROGRAMS, Cylinder, Refinement, meshing_files, turn_domain
 from vvdp.cfd.turbulence import STANDARD, Inflow, Turbulence, duct_turbulence
 from vvdp.cfd.watching import Monitors, align, flow_monitors, flow_name
-from vvdp.geometry.domains import Domain, centre_domain
+from vvdp.geometry.domains import STUB, Domain, centre_domain
 from vvdp.geometry.shape import ValveShape, perpendicular_area
 from vvdp.valve.geometry import nozzle_length
 from vvdp.valve.rotary import RotaryValve
@@ -29,7 +29,8 @@ from vvdp.valve.rotary import RotaryValve
 class CentreOrder(NamedTuple):
     """What is to be computed: the centre section of a valve's shape at a flow [m^3/s].
 
-    `angle`, `position` and `speed` are those of the spool [rad, m, rad/s], `grid` the cells per spool radius.
+    `angle`, `position` and `speed` are those of the spool [rad, m, rad/s], `grid` the cells per spool radius, `stub`
+    the length of the nozzles [spool radii].
     """
 
     valve: RotaryValve
@@ -42,6 +43,7 @@ class CentreOrder(NamedTuple):
     turbulence: Turbulence = STANDARD
     phases: tuple[Phase, ...] = (UPWIND, SECOND_ORDER)
     speed: float = 0.0
+    stub: float = STUB
 
 
 def scale_radially(order: CentreOrder, diameter: float) -> CentreOrder:
@@ -62,7 +64,7 @@ def scale_radially(order: CentreOrder, diameter: float) -> CentreOrder:
 
 def turned_centre(order: CentreOrder) -> Domain:
     """The oil of the centre section as it is meshed. Raises ParameterError where the nozzles are shut."""
-    return turn_domain(centre_domain(order.shape, order.valve, order.angle, order.position))
+    return turn_domain(centre_domain(order.shape, order.valve, order.angle, order.position, stub=order.stub))
 
 
 def inlets(valve: RotaryValve) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from vvdp.base.kinds import (
     FLAG,
     FLOW,
     FRACTION,
+    LENGTH,
     NUMBER,
     SIGNED_PRESSURE,
     TORQUE,
@@ -42,6 +43,7 @@ JETS = (
 )
 QUANTITIES = {
     "flow_m3_s": (FLOW, "flow"),
+    "stub_length_m": (LENGTH, "length of the nozzles"),
     "open_area_m2": (AREA, "effective area of open nozzles"),
     "closing_difference": (EFFICIENCY, "effective opening against the formula, closing, mean"),
     "opening_difference": (EFFICIENCY, "effective opening against the formula, opening, mean"),
@@ -136,6 +138,7 @@ def _numbers(order: CentreOrder, table: Table) -> dict[str, float]:
     asymmetry = fit([1.0 - share], (closing - opening) / (closing + opening))
     return {
         "flow_m3_s": order.flow,
+        "stub_length_m": order.stub * valve.spool_radius,
         "open_area_m2": float(table["effective_area_m2"][0]),
         "closing_difference": float(difference[1::2].mean()),
         "opening_difference": float(difference[2::2].mean()),

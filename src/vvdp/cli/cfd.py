@@ -13,6 +13,7 @@ from vvdp.cli.cfd_place import (
     Model,
     Place,
     Shape,
+    Stub,
     Where,
     centre_order,
     rail_order,
@@ -143,7 +144,10 @@ def grids(
     system: SystemName,
     part: Annotated[Part, typer.Option("--part", metavar="PART", help="One of rail, centre, turbine.")] = Part.RAIL,
     grid: Annotated[
-        str, typer.Option("--grid", metavar="GRID", help="The finest of the three, each 1.4 times as fine.")
+        str,
+        typer.Option(
+            "--grid", metavar="GRID", help="The finest of the three, each 1.4 times as fine: a name, or a number."
+        ),
     ] = "fine",
     flow: Flow = "",
     model: Model = "k-epsilon",
@@ -267,6 +271,7 @@ def centre(
         list[str] | None,
         typer.Option("--diameter", metavar="D", help="Spool diameters, lengths along it as they are (repeatable)."),
     ] = None,
+    stub: Stub = "",
     model: Model = "k-epsilon",
     shape: Shape = None,
     settings: Settings = None,
@@ -293,7 +298,7 @@ def centre(
     from vvdp.cfd.centre_study import run_centre
 
     loaded, rail, told = rail_order(system, settings, shape, grid, model)
-    order = centre_order(rail, parsed_option("--angle", angle, ANGLE))
+    order = centre_order(rail, parsed_option("--angle", angle, ANGLE), stub)
     flows = stretch("--flow", flow, FLOW, LEAST_FLOW) if flow else tuple(share * rail.flow for share in USUAL_SHARES)
     diameters = [parsed_option("--diameter", text, LENGTH) for text in diameter or ()]
     wide = [scale_radially(order, each) for each in diameters] or [order]
@@ -319,6 +324,7 @@ def openings(
         list[str] | None,
         typer.Option("--angle", metavar="ANGLE", help="Spool angle, two or more (default: 16.5 deg and 21 deg)."),
     ] = None,
+    stub: Stub = "",
     model: Model = "k-epsilon",
     shape: Shape = None,
     settings: Settings = None,
@@ -343,7 +349,7 @@ def openings(
     from vvdp.cfd.openings_result import VERB, both_ways, openings_result
 
     loaded, rail, told = rail_order(system, settings, shape, grid, model)
-    order = centre_order(rail, 0.0)
+    order = centre_order(rail, 0.0, stub)
     order = order._replace(flow=parsed_option("--flow", flow, FLOW)) if flow else order
     angles = both_ways(_two_or_more("--angle", angle or ["16.5 deg", "21 deg"], ANGLE))
     where = Where(on, workers, cores, sbatch)

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
@@ -26,10 +26,15 @@ if TYPE_CHECKING:
     from vvdp.systems.system import System
 
 T = TypeVar("T")
+COARSEST, FINEST = 4.0, 64.0
+"""Cells per spool radius: with fewer, nozzles are two cells wide; more are some ten million."""
 LEAST_RUNS = 3
 """Runs to which a law with its confidence can be fitted."""
 Grid = Annotated[
-    str, typer.Option("--grid", metavar="GRID", help="One of coarse, medium, fine, each 1.4 times as fine.")
+    str,
+    typer.Option(
+        "--grid", metavar="GRID", help="One of coarse, medium, fine (8, 11.3, 16 cells per spool radius), or a number."
+    ),
 ]
 Model = Annotated[
     str, typer.Option("--turbulence", metavar="MODEL", help="One of k-epsilon, realizable, sst, laminar.")
@@ -43,6 +48,10 @@ Shape = Annotated[
     ),
 ]
 Flow = Annotated[str, typer.Option("--flow", metavar="FLOW", help="Flow (default: that of the pump).")]
+Stub = Annotated[
+    str,
+    typer.Option("--stub", metavar="LENGTH", help="Length of the nozzles (default: 0.197 spool radii)."),
+]
 
 
 class Reported(NamedTuple):
@@ -129,7 +138,7 @@ def rail_order(
 ) -> "tuple[System, RailOrder, Told]":
     """A system, what is to be computed of it at the flow of its pump, and what is said of it."""
     from vvdp.cfd.case import Fluid
-    from vvdp.cfd.rail import GRIDS, RailOrder
+    from vvdp.cfd.rail import RailOrder
     from vvdp.cfd.rail_result import Told
     from vvdp.cfd.turbulence import MODELS
     from vvdp.fluid.oil import density, dynamic_viscosity
@@ -148,7 +157,7 @@ def rail_order(
         shape=made,
         fluid=Fluid(float(density(temperature, oil)), float(dynamic_viscosity(temperature, oil))),
         flow=held.pump_flow(held.set_point),
-        grid=choice("--grid", grid, GRIDS),
+        grid=_cells(grid),
         turbulence=choice("--turbulence", model, MODELS),
     )
     return loaded, order, Told(loaded.name, grid, fluid(held), rows)
@@ -161,6 +170,20 @@ def choice(option: str, name: str, known: "Mapping[str, T]") -> "T":
     if name not in known:
         raise ConfigError([Fault(option, 0, "", f"{name!r}; expected one of {', '.join(known)}")])
     return known[name]
+
+
+def _cells(grid: str) -> float:
+    """Cells of the background per spool radius. Raises ConfigError for what is neither a grid nor such a number."""
+    from vvdp.base.errors import ConfigError, Fault
+    from vvdp.cfd.rail import GRIDS
+
+    with suppress(ValueError):
+        if COARSEST <= float(grid) <= FINEST:
+            return float(grid)
+    if grid not in GRIDS:
+        words = f"{grid!r}; expected one of {', '.join(GRIDS)}, or {COARSEST:g} to {FINEST:g} cells per spool radius"
+        raise ConfigError([Fault("--grid", 0, "", words)])
+    return GRIDS[grid]
 
 
 @contextmanager
@@ -197,11 +220,12 @@ def _words(now: "Progress") -> str:
     return f"{now.words}: iteration {found.iteration}, {drop}{change}, balance {balance}"
 
 
-def centre_order(rail: "RailOrder", angle: float) -> "CentreOrder":
-    """The centre section to a rail, the spool half-way along its stroke."""
+def centre_order(rail: "RailOrder", angle: float, stub: str = "") -> "CentreOrder":
+    """The centre section to a rail, its nozzles as long as `--stub` says, the spool half-way along its stroke."""
+    from vvdp.base.kinds import LENGTH
     from vvdp.cfd.centre import CentreOrder
 
-    return CentreOrder(
+    order = CentreOrder(
         valve=rail.valve,
         shape=rail.shape,
         fluid=rail.fluid,
@@ -211,6 +235,7 @@ def centre_order(rail: "RailOrder", angle: float) -> "CentreOrder":
         grid=rail.grid,
         turbulence=rail.turbulence,
     )
+    return order._replace(stub=parsed_option("--stub", stub, LENGTH) / rail.valve.spool_radius) if stub else order
 
 
 def turbine_order(rail: "RailOrder") -> "TurbineOrder":

@@ -14,7 +14,15 @@ from vvdp.base.errors import ParameterError
 from vvdp.geometry.facets import FINENESS, Faceted, Part
 from vvdp.geometry.kernel import Floats, union
 from vvdp.geometry.mesh import Mesh, patch_areas, require_sound, volume
-from vvdp.geometry.shape import ValveShape, collector_position, rail_arc, sleeve_half_length, stations, travel
+from vvdp.geometry.shape import (
+    ValveShape,
+    collector_position,
+    nozzle_reach,
+    rail_arc,
+    sleeve_half_length,
+    stations,
+    travel,
+)
 from vvdp.geometry.solids import (
     BEYOND,
     OVERLAP,
@@ -158,12 +166,11 @@ def _ended_pockets(shape: ValveShape, valve: RotaryValve, kernel: Faceted, bore:
     return _pockets(shape, valve, kernel, bore) - end
 
 
-def _stubs(shape: ValveShape, valve: RotaryValve, within: Part, kernel: Faceted) -> list[Part]:
-    """The nozzles' stubs, which patches inlet1 to inletN end outside, and `within` towards the bore."""
-    N, stub = round(valve.sections), STUB * valve.spool_radius
-    start, far = -4.0 * OVERLAP * valve.spool_radius, 2.0 * stub + nozzle_width(valve)
-    whole = nozzle("nozzles", shape, valve, valve.spool_radius, start, far, kernel)
-    ends = [_across_jet(f"inlet{number + 1}", shape, valve, stub, kernel) for number in range(N)]
+def _stubs(length: float, shape: ValveShape, valve: RotaryValve, within: Part, kernel: Faceted) -> list[Part]:
+    """The nozzles' stubs of a length [m], which patches inlet1 to inletN end outside, and `within` towards the bore."""
+    N, start = round(valve.sections), -4.0 * OVERLAP * valve.spool_radius
+    whole = nozzle("nozzles", shape, valve, valve.spool_radius, start, length + nozzle_width(valve), kernel)
+    ends = [_across_jet(f"inlet{number + 1}", shape, valve, length, kernel) for number in range(N)]
     return [(whole - end - within).rotate(2.0 * np.pi * number / N) for number, end in enumerate(ends)]
 
 
@@ -173,19 +180,21 @@ def _spool_within(shape: ValveShape, valve: RotaryValve, kernel: Faceted) -> Par
 
 
 def centre_domain(
-    shape: ValveShape, valve: RotaryValve, angle: float, position: float, fineness: float = FINENESS
+    shape: ValveShape, valve: RotaryValve, angle: float, position: float, fineness: float = FINENESS, stub: float = STUB
 ) -> Domain:
-    """Centre section: short nozzle stubs, load pockets, windows.
+    """Centre section: nozzles as far as `stub` [spool radii] from their mouths, load pockets, windows.
 
     Patches inlet1 to inletN, nozzles, sleeve, spool, windows, outlet. The oil enters through the stubs' ends, across
-    their axes, and leaves axially through the ring behind the windows. Raises ParameterError where a nozzle is shut.
+    their axes, and leaves axially through the ring behind the windows. Raises ParameterError where a nozzle is shut,
+    and for a stub that ends in its mouth or beyond the rail.
 
     Source  ours, docs/models/geometry.md
     """
     N, kernel = round(valve.sections), facet_kernel(valve, fineness)
     _require_open(angle, position, shape, valve)
     pockets = _ended_pockets(shape, valve, kernel).rotate(angle).translate(-position)
-    fluid = union([pockets, *_stubs(shape, valve, _spool_within(shape, valve, kernel), kernel)])
+    length = _stub_length(stub, shape, valve)
+    fluid = union([pockets, *_stubs(length, shape, valve, _spool_within(shape, valve, kernel), kernel)])
     mesh = require_sound(fluid.mesh(), "centre section", 1, N + 1)
     return Domain("centre", mesh, _in_ring(shape, valve, angle, position))
 
@@ -209,12 +218,25 @@ def sliding_domain(shape: ValveShape, valve: RotaryValve, position: float, finen
         )
     pockets = _ended_pockets(shape, valve, kernel, "rim").rotate(shut).translate(-position)
     bore = kernel.cylinder("mouths", R, -shape.rail_diameter, shape.rail_diameter)
-    mesh = union([pockets, *_stubs(shape, valve, bore, kernel)]).mesh()
+    length = _stub_length(STUB, shape, valve)
+    mesh = union([pockets, *_stubs(length, shape, valve, bore, kernel)]).mesh()
     sound = require_sound(mesh, "centre section in pieces", N + 1, N + 1)
-    middle, tilt = 0.5 * STUB * R, _jet_tilt(shape, valve)
+    middle, tilt = 0.5 * length, _jet_tilt(shape, valve)
     places = (R + middle * np.exp(1j * tilt)) * np.exp(2j * np.pi * np.arange(N) / N)
     further = tuple((float(place.real), float(place.imag), 0.0) for place in places)
     return Domain("sliding", sound, _in_ring(shape, valve, shut, position), further)
+
+
+def _stub_length(stub: float, shape: ValveShape, valve: RotaryValve) -> float:
+    """Length of nozzle stubs [m]. Raises ParameterError where their ends cut the oblique mouths, or lie in the rail."""
+    length, R = stub * valve.spool_radius, valve.spool_radius
+    least, most = 0.5 * nozzle_width(valve) * shape.nozzle_arm / R, nozzle_reach(shape, valve)
+    if not least < length <= most:
+        raise ParameterError(
+            f"nozzle stubs of {1e3 * length:.4g} mm; expected more than {1e3 * least:.4g} mm, the depth of their "
+            f"oblique mouths, and at most {1e3 * most:.4g} mm, where the rail's centre line is"
+        )
+    return length
 
 
 def _in_ring(shape: ValveShape, valve: RotaryValve, angle: float, position: float) -> tuple[float, float, float]:

@@ -172,10 +172,11 @@ def figure_2_14() -> Reproduction:
 
 
 def _turbine_statement(study: KeptStudy | None) -> Statement:
-    """The discharge coefficient over all flows where they were computed, else at 40 lpm."""
+    """The discharge coefficient over all flows, the spool at rest, where they were computed; else at 40 lpm."""
     area, printed = here.valve().outlet_area, 0.677
     if study is not None:
-        laws = drop_laws(study["flow_m3_s"], study["turbine_drop_Pa"])
+        at_rest = study["speed_rad_s"] == 0.0
+        laws = drop_laws(study["flow_m3_s"][at_rest], study["turbine_drop_Pa"][at_rest])
         found = float(np.sqrt(0.5 * DENSITY / laws.orifice.coefficients[0]) / area)
         what = "discharge coefficient of the computed drops"
         return number_statement(what, printed, found, DISCHARGE_COEFFICIENT, share=0.05, because=GRID)
@@ -198,7 +199,7 @@ def figure_2_15() -> Reproduction:
             statements=(open_statement("drop of the outlet rail", "a curve", "no study of the turbine is kept", shape),)
         )
     flow: Any = study["flow_m3_s"]
-    row = int(np.argmin(np.abs(flow - here.FLOW)))
+    row = int(np.argmin(np.abs(flow - here.FLOW)))  # of several, the spool at rest
     found = bound_statement(
         "drop of the outlet rail and its port at 40 lpm",
         float(study["collector_drop_Pa"][row]),
