@@ -103,10 +103,7 @@ class DaskEngine(ABC):
 
     def run_all(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
         """See `Engine`. Raises RunError where an item brings its workers down, and where the scheduler is lost."""
-        if self._client is None:
-            with self:
-                yield from self._run_all(task, items)
-        else:
+        with self:
             yield from self._run_all(task, items)
 
     def _run_all(self, task: Callable[[Item, int], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
