@@ -77,6 +77,14 @@ def test_the_centre_section_scales_about_as_published():
     assert study["torque_N_m"] == pytest.approx(study["torque_law_N_m"], rel=0.08)
 
 
+def test_the_exponent_of_the_flow_is_the_published_one_on_the_finer_grid():
+    """Wang (2017), section 2.4.2: m = 1.91; 2 % of the total drop are a tenth of the static one, 0.05 in m."""
+    study = kept_study("centre-flows-medium")
+    assert np.polyfit(np.log(study["flow_m3_s"]), np.log(study["static_drop_Pa"]), 1)[0] == pytest.approx(
+        1.91, abs=0.05
+    )
+
+
 @pytest.mark.slow
 def test_a_row_is_repeated_by_its_command(openfoam, tmp_path):
     study = kept_study("rail-arm")

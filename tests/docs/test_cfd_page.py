@@ -205,6 +205,14 @@ def centre() -> Iterator[str]:
         m, n = (found[name].interval for name in ("exponent", "diameter_exponent"))
         told = (f"${name}$ = {each.value:.2f} ± {each.high - each.value:.2f}" for name, each in (("m", m), ("n", n)))
         yield f"{words} drop: {', '.join(told)}"
+    finer = kept_study("centre-flows-medium")
+    first, *others, last = (f"{1e-5 * drop:.3f}" for drop in finer["static_drop_Pa"])
+    yield f"the static drops are {', '.join([first, *others])} and {last} bar"
+    totals = kept_study("centre-grids")["pressure_drop_Pa"]
+    swings = [100.0 * (high - low) / finer["static_drop_Pa"][1] for high, low in (totals[:2], totals[:0:-1])]
+    yield f"those are {swings[0]:.0f} % and {swings[1]:.0f} %"
+    m = np.polyfit(np.log(finer["flow_m3_s"]), np.log(finer["static_drop_Pa"]), 1)[0]
+    yield f"$m$ = {m:.2f}: by so much a grid moves it"
 
 
 def two_arms() -> Iterator[str]:

@@ -140,7 +140,17 @@ def _centre_statements(study: KeptStudy | None) -> tuple[Statement, ...]:
         number_statement("exponent of the flow", M, float(m), NUMBER, tolerance=0.05, because=GRID),
         number_statement("exponent of the diameter", N, float(n), NUMBER, tolerance=0.3, because=GRID),
         bound_statement("largest misfit", misfit, PRESSURE_DIFFERENCE, high=0.05e5, tolerance=0.0),
+        _finer_exponent(kept_or_none("centre-flows-medium")),
     )
+
+
+def _finer_exponent(study: KeptStudy | None) -> Statement:
+    """The exponent of the flow on a finer grid, where one diameter was computed."""
+    what = "exponent of the flow on a finer grid, one diameter"
+    if study is None:
+        return missing_statement(what, f"{M}", "the study centre-flows-medium")
+    m = fit(power_columns(study["flow_m3_s"]), np.log(study["static_drop_Pa"])).coefficients[1]
+    return number_statement(what, M, float(m), NUMBER, tolerance=0.05, because=GRID)
 
 
 def figure_2_13() -> Reproduction:
