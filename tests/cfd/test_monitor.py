@@ -141,3 +141,12 @@ def test_a_state_that_was_being_written_does_not_count(tmp_path):
         (tmp_path / time / "p").write_text("1\n// * * //\n")
     (tmp_path / "60").mkdir()
     assert [path.name for path in states(tmp_path)] == ["0", "20"]
+
+
+def test_what_checkmesh_leaves_beside_the_start_is_no_field(tmp_path):
+    """Of a mesh in pieces; else no later state would ever count as whole, and a run would begin anew."""
+    for time in ("0", "20"):
+        (tmp_path / time).mkdir()
+        (tmp_path / time / "U").write_text("1\n// * * //\n")
+    (tmp_path / "0" / "cellToRegion").write_text("1\n")
+    assert [path.name for path in states(tmp_path)] == ["0", "20"]

@@ -14,10 +14,11 @@ from vvdp.cfd.centre import CentreOrder
 from vvdp.cfd.period import STEPS, PeriodOrder, PeriodRun, law_drop, period_case, run_period, turned_period
 from vvdp.cfd.period_result import period_result
 from vvdp.cfd.rail_result import Told
-from vvdp.cfd.section import read_frames
+from vvdp.cfd.section import Section, read_frames
 from vvdp.geometry.domains import sliding_domain
 from vvdp.geometry.shape import perpendicular_area
 from vvdp.geometry.shape_tables import given_shape
+from vvdp.report.cfd_report import frames_figure
 from vvdp.studies.engine import ThisProcess
 from vvdp.systems.system import load_system
 from vvdp.valve.geometry import port_openings
@@ -127,6 +128,17 @@ def test_what_is_not_above_zero_is_refused(option, text, tmp_path):
     said = say("prototype", option, text, "--out", str(tmp_path / "new"), verb="period")
     assert said.code == 2
     assert "expected a value above zero" in said.err
+
+
+def test_pictures_are_of_angles_at_which_the_oil_is_fast():
+    square = 1e-3 * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+    still, slow, fast = (
+        Section(square, np.arange(4), np.array([4]), np.zeros(4), np.full((4, 3), speed)) for speed in (0.0, 1.0, 10.0)
+    )
+    drawn = frames_figure({math.radians(angle): each for angle, each in ((-60.0, still), (0.0, fast), (30.0, slow))})
+    assert "+0.0°" in drawn.svg
+    assert "60.0°" not in drawn.svg
+    assert "30.0°" not in drawn.svg
 
 
 @pytest.mark.slow

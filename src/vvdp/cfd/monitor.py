@@ -19,6 +19,10 @@ END = b"* //"
 """How every field ends that a solver has written to its end."""
 
 
+PIECES = "cellToRegion"
+"""What checkMesh leaves beside the start where a mesh is in pieces; no solver writes it."""
+
+
 class Monitor(NamedTuple):
     """What a function object wrote: an iteration and a row of values at a time; `area` of its patch [m^2], or nan."""
 
@@ -128,7 +132,7 @@ def states(case: Path) -> list[Path]:
 
     A state that a killed solver had not finished lacks a field, or the line at the end of one.
     """
-    fields = [path.name for path in (case / "0").iterdir()]
+    fields = [path.name for path in (case / "0").iterdir() if path.name != PIECES]
     return [path for time, path in times(case).items() if time == 0.0 or all(_is_whole(path / name) for name in fields)]
 
 

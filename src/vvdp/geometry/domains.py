@@ -205,7 +205,7 @@ def sliding_domain(shape: ValveShape, valve: RotaryValve, position: float, finen
     The spool stands half a pitch back, where the nozzles are shut. Patches as of `centre_domain`, but for the bore:
     mouths ends the stubs, rim the pockets. Raises ParameterError where the nozzles hardly shut.
 
-    Source  ours, docs/models/geometry.md
+    Source  ours, docs/models/cfd.md, "A period of the turning spool"
     """
     N, R, kernel = round(valve.sections), valve.spool_radius, facet_kernel(valve, fineness)
     require_within_stroke(position, shape, valve)
