@@ -263,6 +263,14 @@ def turbine_coefficient() -> float:
     return float(1.0 / 46.8e-6 / np.sqrt(2.0 / 876.0 * (square @ study["turbine_drop_Pa"][still]) / (square @ square)))
 
 
+def million() -> Iterator[str]:
+    study = kept_study("rail-million")
+    mesh, solver = (f"{study[key][0] / 2**30:.1f} GiB" for key in ("mesh_memory_B", "solver_memory_B"))
+    yield f"gives the rail {study['cells'][0]:,.0f} cells".replace(",", " ")
+    yield f"its mesh took {mesh} and {study['mesh_time_s'][0]:.0f} s of processor time"
+    yield f"the solver {solver}, and {study['iteration_time_s'][0]:.1f} s an iteration on either core"
+
+
 def computed_laws() -> tuple[str, ...]:
     """What the kept studies make of the valve's laws, as settings of a system."""
     loaded = load_system("prototype-constant-load")
@@ -305,7 +313,7 @@ def frequencies() -> Iterator[str]:
         yield f"{words.format(s)}, {pwm_frequency(averaged_spool_speed(0.5, at, 0.0387, valve), valve):.1f} Hz"
 
 
-ROWS = (arms, designs, openings, nozzles, periods, grids, turbines, laws, flows, centre, two_arms, frequencies)
+ROWS = (arms, designs, openings, nozzles, periods, grids, turbines, laws, flows, centre, million, two_arms, frequencies)
 
 
 @pytest.mark.parametrize("rows", ROWS, ids=lambda rows: rows.__name__)
