@@ -187,11 +187,11 @@ class Drawer:
         net = Network(
             oil, temperature=heat.oil_temperature if heat else ROOM_TEMPERATURE, **{n: o for n, o in oils.items() if o}
         )
-        for name, part in self._of_known_type(net, "nodes"):
+        for name, part in self._validly_named_parts(net, "nodes"):
             self._add_node(net, name, part, {n: o for n, o in oils.items() if o})
-        for name, part in self._of_known_type(net, "components"):
+        for name, part in self._validly_named_parts(net, "components"):
             self._add_component(net, name, part)
-        for name, part in self._of_known_type(net, "programs"):
+        for name, part in self._validly_named_parts(net, "programs"):
             self._add_program(net, name, part)
         return None if self.faults else net
 
@@ -211,7 +211,7 @@ class Drawer:
                 self._fault(f"{table}.{name}", f"{part!r} is not a table; expected {{ type = ... }}")
         return [(name, part) for name, part in found.items() if isinstance(part, Mapping)]
 
-    def _of_known_type(self, net: Network, table: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    def _validly_named_parts(self, net: Network, table: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
         """The parts of a table whose name can be given; of another one nothing but its name is told."""
         for name, part in self._parts(table):
             path = f"{table}.{name}"
