@@ -114,7 +114,7 @@ def _computed_fall() -> Statement:
         return missing_statement(what, with_unit(law, NUMBER), "a study of the turbine at several speeds")
     at = np.isclose(study["flow_m3_s"], FLOW)
     slope = -float(np.polyfit(study["speed_rad_s"][at], study["torque_N_m"][at], 1)[0])
-    note = "the friction of the walls is in it; on a small grid a sliding mesh has a seventh less (docs/models/cfd.md)"
+    note = "the friction of the walls is in it; on a small grid a sliding mesh has a sixth less (docs/models/cfd.md)"
     return number_statement(what, law, slope, NUMBER, share=0.05, because=GRID, note=note)
 
 
