@@ -10,6 +10,7 @@
 
 #define PI 3.14159265358979323846
 #define STILL_FLOW 1e-11
+#define CAVITATION_NUMBER 0.4
 #define LAMINAR_SHARE 0.01
 #define RAREFIED 0.01
 #define P(name) (p[P_##name])
@@ -125,11 +126,19 @@ static inline double jet_section(double a, double skew, double s)
     return (s == 0.0 || a == 0.0 || a == 1.0 ? a : pow(a, 1.0 - s)) * (a + skew);
 }
 
+static inline double branch_cavitates(double inlet_pressure, double outlet_pressure, double opening, Branch b, double limit)
+{
+    double drop = b.nozzle * (inlet_pressure - outlet_pressure), behind = inlet_pressure - drop;
+    double low = least(inlet_pressure, behind) - limit;
+    return opening > 0.0 && low < CAVITATION_NUMBER * fabs(drop) ? 1.0 : 0.0;
+}
+
 static inline double branch_torque(Branch b, double opening, double skew, double speed, double rho, const double *p)
 {
     double q = most(b.full, 0.0), out = most(b.flow, 0.0);
     double r_in = P(valve_inlet_radius), r_out = P(valve_outlet_radius), r = b.flow < 0.0 ? r_in : r_out;
-    return rho * r_in / P(valve_nozzle_area) * q * q * jet_section(opening, skew, P(valve_jet_exponent))
+    return rho * (r_in / (P(valve_inlet_area_ratio) * P(valve_nozzle_area))) * q * q
+           * jet_section(opening, skew, P(valve_jet_exponent))
          + rho * r_out / P(valve_outlet_effective_area) * out * out - rho * r * r * speed * fabs(b.flow);
 }
 
@@ -250,6 +259,9 @@ void rates(double t, const double *y, const double *u, const double *p, double *
     RATE(books_totals_relief_valve_flow) = relief.flow;
     RATE(books_totals_valve_leakage) = leak.flow;
     RATE(books_totals_valve_load_opening) = load_open;
+    RATE(books_totals_valve_cavitating) = most(
+        branch_cavitates(inlet_pressure, load_pressure, load_open, load_branch, P(limits_cavitation_pressure)),
+        branch_cavitates(inlet_pressure, tank_pressure, tank_open, tank_branch, P(limits_cavitation_pressure)));
 }
 
 /* What depends on oil temperature and tank pressure alone, worked out at every sample. */

@@ -1,5 +1,6 @@
 """Every benchmark runs in its short form, and what is written into the page is what was measured."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -26,7 +27,9 @@ def test_short_form_runs(name, not_tested, tmp_path):
     command = [sys.executable, "-m", f"benchmarks.{name}", "--short", "--lines", str(tmp_path / "lines.json")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=dict(os.environ))
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "lines.json").read_text().startswith("[{")
+    lines = json.loads((tmp_path / "lines.json").read_text())
+    # Times miss their targets on a busy machine; what agrees with what does not hang on it.
+    assert lines and [line for line in lines if "difference" in line["name"] and line["met"] is False] == []
 
 
 def test_all_are_run_and_described():
