@@ -37,7 +37,7 @@ class Made(NamedTuple):
 def small(openfoam):
     """The grid that is called coarse is small in this module."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rail, "GRIDS", {"coarse": SMALL})
+        patch.setattr(rail, "GRIDS", {**rail.GRIDS, "coarse": SMALL})
         yield
 
 
@@ -145,7 +145,7 @@ def test_a_terminal_is_told_the_same(made):
     assert f"report: {made.folder / 'report.html'}" in said.out
 
 
-@pytest.mark.parametrize(("grid", "cells"), [("coarse", 8.0), ("16", 16.0), ("28.5", 28.5)])
+@pytest.mark.parametrize(("grid", "cells"), [("fine", 16.0), ("16", 16.0), ("28.5", 28.5)])
 def test_a_grid_is_a_name_or_cells_per_radius(grid, cells):
     assert rail_order("prototype", None, None, grid, "k-epsilon")[1].grid == cells
 
