@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -29,7 +30,8 @@ def test_short_form_runs(name, not_tested, tmp_path):
     assert done.returncode == 0, done.stderr
     lines = json.loads((tmp_path / "lines.json").read_text())
     # Times miss their targets on a busy machine; what agrees with what does not hang on it.
-    assert lines and [line for line in lines if "difference" in line["name"] and line["met"] is False] == []
+    agreements = [line for line in lines if re.search("largest.* difference", line["name"])]
+    assert lines and [line for line in agreements if line["met"] is False] == []
 
 
 def test_all_are_run_and_described():

@@ -307,7 +307,7 @@ def test_any_text_as_a_value(vvdp, text):
         ("compare estimators --estimator event-fliter", "'event-filter'"),
         ("run prototype --set operation.duty_rato=0.4", "'duty_ratio'"),
         ("run prototype --set operatin.duty_ratio=0.4", "'operation'"),
-        ("run prototype --set duty_ratio=0.4", "'operation.duty_ratio'"),
+        ("run prototype --set duty_ratio=0.4", "'operation.duty_ratio=0.4'"),
         ("valve prototype --flw 40lpm", "--flow"),
     ],
 )
