@@ -16,10 +16,11 @@ if TYPE_CHECKING:
     from vvdp.steady.test_stand import Stand
     from vvdp.systems.system import System
 
-# Times of single examples say nothing on a shared machine; in continuous integration every run draws the same ones.
-settings.register_profile("local", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True)
-settings.load_profile("ci" if os.environ.get("CI") else "local")
+# Times of single examples say nothing on a shared machine. Every run draws the same ones; `--hypothesis-profile=search`
+# draws others.
+settings.register_profile("same", deadline=None, derandomize=True)
+settings.register_profile("search", deadline=None)
+settings.load_profile("same")
 
 
 def required_program(name: str) -> str:
