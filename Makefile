@@ -31,7 +31,7 @@ $(VENV)/full: requirements.lock $(VENV)/core
 	@touch $@
 
 test: setup
-	$(BIN)/python -m pytest -n 2 -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
 
 test-slow: setup
 	$(BIN)/python -m pytest -m slow

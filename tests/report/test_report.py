@@ -205,12 +205,12 @@ def test_screen_badge_and_finding_agree_on_what_should_have_settled(name, settin
     assert any(line.startswith("not settled: ") for line in warnings(run.system, run.summary)) is expected
 
 
-def test_the_cavitation_numbers_are_printed_with_what_they_mean(whole):
+def test_the_cavitation_numbers_are_printed_with_what_they_mean(whole, written):
     run = open_run(whole)
     listing = key_listings(run)["overview"]
     assert any(row.label.startswith("cavitation number") for row in listing.rows)
     assert f"below {CAVITATION_NUMBER:g} oil is held to evaporate" in listing.note
-    assert OVERVIEW_NOTE in words(page(whole))
+    assert OVERVIEW_NOTE in words(written)
 
 
 def test_text_of_a_user_cannot_become_markup(orifice):
