@@ -284,7 +284,7 @@ def mutilated(draw):
 @given(text=mutilated())
 def test_a_mutilated_file_is_shown_or_refused(here, vvdp, text):
     (here / "my.toml").write_bytes(text.encode("utf-8", "surrogatepass"))
-    answer = vvdp("valve", "my.toml")
+    answer = vvdp("show", "my.toml")
     assert answer.code in (0, 2)
     assert (answer.code == 0) == bool(answer.out)
     assert (answer.code == 2) == bool(answer.err)

@@ -157,7 +157,7 @@ def test_interrupted_while_limits_are_moved_keeps_the_simulations(designing, tmp
     def stopped(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("vvdp.design.sensitivity._least_from", stopped)
+    monkeypatch.setattr("vvdp.design.sensitivity._least", stopped)
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--starts", "1", "--out", "there", "--json")
     assert code == 130
     assert json.loads(out)["after_simulated_trusted"] is True

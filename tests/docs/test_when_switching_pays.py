@@ -46,7 +46,7 @@ def test_tables_of_the_claim(pays, claim):
 def test_no_winner_rests_on_forces_and_times(pays):
     """30 % to either side: displacement control loses least, and the PWM valve loses more than load sensing."""
     held = pays.bench()
-    for forces in pays.SHARES:
+    for forces in (pays.SHARES[0], pays.SHARES[-1]):
         duties = [pays.scaled(duty, forces, times) for duty in pays.machines() for times in (1.0, 1.3)]
         means = cycle_losses(held, duties).means
         for row in range(len(duties)):

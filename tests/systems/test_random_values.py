@@ -91,9 +91,9 @@ def tally(seeds) -> dict[str, int]:
     return {end: ends.count(end) for end in sorted(set(ends))}
 
 
-def test_300_random_variations_show_nothing_impossible():
-    found = tally(range(300))
-    assert found["ran"] > 150, found
+def test_100_random_variations_show_nothing_impossible():
+    found = tally(range(100))
+    assert found["ran"] > 50, found
 
 
 @pytest.mark.slow

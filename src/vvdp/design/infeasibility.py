@@ -180,7 +180,7 @@ def _worst(problem: Problem, item: Limit, traced: Traced) -> Any:
     import casadi
 
     values = {b.variable.name: casadi.exp(traced.x[i]) for i, b in enumerate(traced.bounds)} | traced.held
-    at_points = problem.evaluate(values)
+    at_points = problem.evaluate_symbols(values)
     if item.over_the_points:
         return problem.mean(at_points, item.quantity)
     return reduce(casadi.fmin if item.at_least else casadi.fmax, [getattr(q, item.quantity) for q in at_points])

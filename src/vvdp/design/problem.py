@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -142,6 +142,17 @@ class Point:
     weight: float
     system: System
     setup: Setup
+    _traced: dict[tuple[str, ...], Any] = field(default_factory=dict, compare=False, repr=False)
+
+    def traced(self, names: tuple[str, ...]) -> Any:
+        """The quantities as a CasADi function of the variables `names`, traced once for all questions."""
+        import casadi
+
+        if names not in self._traced:
+            x = casadi.SX.sym("x", len(names))
+            found = quantities(with_variables(self.setup, {name: x[i] for i, name in enumerate(names)}))
+            self._traced[names] = casadi.Function("quantities", [x], [casadi.vertcat(*found)])
+        return self._traced[names]
 
 
 @dataclass(frozen=True)
@@ -176,6 +187,14 @@ class Problem:
     def evaluate(self, values: Mapping[str, Any]) -> list[Quantities]:
         """The quantities at every point with the variables at `values` [SI]."""
         return [quantities(with_variables(point.setup, values)) for point in self.points]
+
+    def evaluate_symbols(self, values: Mapping[str, Any]) -> list[Quantities]:
+        """The same for CasADi symbols and numbers together."""
+        import casadi
+
+        x = casadi.vertcat(*values.values())
+        rows = [casadi.vertsplit(point.traced(tuple(values))(x)) for point in self.points]
+        return [Quantities(**dict(zip(Quantities._fields, row, strict=True))) for row in rows]
 
     def excesses(self, found: Sequence[Quantities]) -> list[list[Any]]:
         """How far each limit is exceeded, at every point or in the mean over them."""

@@ -32,7 +32,6 @@ from vvdp.valve.condition import Condition
 from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.losses import (
-    closed_form_load_flow,
     compressibility_loss,
     friction_loss,
     full_open_drop,
@@ -189,10 +188,10 @@ def quantities(at: Setup) -> Quantities:
     f = pwm_frequency(omega, valve)
     drive = at.coupling * (at.spool_motor_speed - omega) * at.spool_motor_speed
     condition = switching_condition(at)
-    transition = transition_loss(condition, valve).loss
+    switching = transition_loss(condition, valve)
+    transition, load_flow = switching.loss, Q * d - switching.load_flow_lost
     leakage = leakage_loss(P_L - P_T, mu, valve)
     compression = compressibility_loss(f, at.inlet_volume, P_L, P_T, oil)
-    load_flow = closed_form_load_flow(d, condition, valve)
     open_loss, passed = Q * total, (P_L - P_T) * load_flow
     return Quantities(
         pressure_drop_total=total,

@@ -1,7 +1,7 @@
 """How the optimum changes with what it is asked for: one limit or bound limit_curves at a time, and exact gradients."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -41,11 +41,13 @@ def limit_curves(found: Optimum, *, progress: Callable[[int, int], None] | None 
     """
     curves: list[LimitCurve] = []
     wanted = movable(found)
+    held = {b.variable.name: found.values[b.variable.name] for b in found.problem.bounds if b.variable.whole}
     try:
+        traced = Traced(found.problem, held)
         for source in wanted:
             values, objectives = tuple(f * source.value for f in FACTORS), []
             for value in values:
-                objectives.append(_least_from(found, _with_value(found.problem, source, value)))
+                objectives.append(_least(traced.moved(source, value), found))
                 if progress:
                     progress(len(curves) * len(FACTORS) + len(objectives), len(wanted) * len(FACTORS))
             curves.append(LimitCurve(source, values, tuple(objectives)))
@@ -54,26 +56,12 @@ def limit_curves(found: Optimum, *, progress: Callable[[int, int], None] | None 
     return curves
 
 
-def _with_value(problem: Problem, source: Limit | Side, value: float) -> Problem:
-    """The problem with a limit or one side of a bound at `value` [SI]."""
-    if isinstance(source, Limit):
-        limits = tuple(replace(each, value=value) if each is source else each for each in problem.limits)
-        return replace(problem, limits=limits)
-    bound = source.bound
-    low, high = (value, value) if bound.is_fixed else (bound.low, value) if source.upper else (value, bound.high)
-    moved = replace(bound, low=low, high=high)
-    return replace(problem, bounds=tuple(moved if each is bound else each for each in problem.bounds))
-
-
-def _least_from(found: Optimum, variant: Problem) -> float:
-    """The least objective of a `variant` of a solved problem; NaN where there is no design."""
-    if any(bound.low > bound.high for bound in variant.bounds):
+def _least(traced: Traced, found: Optimum) -> float:
+    """The least objective of a variant of the problem that `found` solves; NaN where there is no design."""
+    if np.any(traced.low > traced.high):
         return float("nan")
-    held = {b.variable.name: found.values[b.variable.name] for b in variant.bounds if b.variable.whole}
-    traced = Traced(variant, held)
-    start = np.clip(traced.inside(found.values), traced.low, traced.high)
-    ends = [local.objective for point in (start, traced.inside(variant.start)) if (local := traced.solve(point))]
-    return min(ends, default=float("nan"))
+    starts = (np.clip(traced.inside(values), traced.low, traced.high) for values in (found.values, found.problem.start))
+    return min((local.objective for start in starts if (local := traced.solve(start))), default=float("nan"))
 
 
 def gradients(problem: Problem, values: Mapping[str, float]) -> dict[str, Array]:
@@ -84,7 +72,7 @@ def gradients(problem: Problem, values: Mapping[str, float]) -> dict[str, Array]
     with quiet_casadi():
         x = casadi.SX.sym("x", len(problem.bounds))
         symbols = {b.variable.name: casadi.exp(x[i]) for i, b in enumerate(problem.bounds)}
-        found = problem.evaluate(symbols)[0]
+        found = problem.evaluate_symbols(symbols)[0]
         at = np.log([values[b.variable.name] for b in problem.bounds])
         return {
             name: row_of(casadi.Function("g", [x], [casadi.gradient(getattr(found, name), x)])(at))

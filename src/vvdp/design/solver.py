@@ -7,6 +7,7 @@ elasticities: by how many per cent the objective changes when a limit or a bound
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.select import maximum
-from vvdp.design.problem import TRANSITIONAL, Problem
+from vvdp.design.problem import TRANSITIONAL, Limit, Problem, Side
 from vvdp.design.quantities import Quantities
 from vvdp.design.variables import with_variables
 from vvdp.valve.geometry import barrier_width, nozzle_width, pitch
@@ -101,7 +102,7 @@ class Traced:
         with quiet_casadi():
             x = casadi.SX.sym("x", len(self.bounds))
             values = {b.variable.name: casadi.exp(x[i]) for i, b in enumerate(self.bounds)} | self.held
-            found = problem.evaluate(values)
+            found = problem.evaluate_symbols(values)
             valve = valve_of(problem, values)
             objective = problem.sign * problem.mean(found, problem.objective)
             of_limits = problem.excesses(found)
@@ -113,6 +114,7 @@ class Traced:
         self.count = len(excesses) + len(demands)
         exact = np.repeat([limit.exactly for limit in problem.limits], self.per_limit).astype(bool)
         self.floors = np.concatenate([np.where(exact, 0.0, -np.inf), np.full(len(demands), -np.inf)])
+        self.ceilings = np.zeros(self.count)
         start = self.inside(problem.start)
         self.scale = abs(float(casadi.Function("f", [x], [objective])(start))) or 1.0
         self.low = np.log([b.low for b in self.bounds])
@@ -127,6 +129,22 @@ class Traced:
         """The point of the search for `values`."""
         return np.log([values[b.variable.name] for b in self.bounds])
 
+    def moved(self, source: Limit | Side, value: float) -> "Traced":
+        """The same with a limit or one side of a bound at `value` [SI]; nothing is traced again."""
+        other = copy(self)
+        if isinstance(source, Limit):
+            rows = np.repeat([each is source for each in self.problem.limits], self.per_limit)
+            rows = np.concatenate([rows, np.zeros(self.count - rows.size, bool)])
+            other.ceilings = np.where(rows, source.excess(value), self.ceilings)
+            other.floors = np.where(rows & np.isfinite(self.floors), other.ceilings, self.floors)
+        else:
+            place = self.bounds.index(source.bound)
+            for ends in ("low", "high") if source.bound.is_fixed else ("high",) if source.upper else ("low",):
+                moved = getattr(self, ends).copy()
+                moved[place] = np.log(value)
+                setattr(other, ends, moved)
+        return other
+
     def values(self, x: Array) -> dict[str, float]:
         """All variables [SI] at a point of the search, those at a bound exactly there."""
         found = dict(self.held)
@@ -138,10 +156,10 @@ class Traced:
     def solve(self, start: Array) -> "Local | None":
         """The local optimum from `start`; None where the solver found none that is feasible."""
         with quiet_casadi():
-            answer = self.solver(x0=start, lbx=self.low, ubx=self.high, lbg=self.floors, ubg=0.0)
+            answer = self.solver(x0=start, lbx=self.low, ubx=self.high, lbg=self.floors, ubg=self.ceilings)
         x, g = row_of(answer["x"]), row_of(answer["g"])
-        fine = self.solver.stats()["success"] and np.all((g >= self.floors - FEASIBLE) & (g <= FEASIBLE))
-        if not fine:
+        within = np.all((g >= self.floors - FEASIBLE) & (g <= self.ceilings + FEASIBLE))
+        if not (self.solver.stats()["success"] and within):
             return None
         return Local(
             traced=self,

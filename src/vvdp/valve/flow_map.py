@@ -21,7 +21,10 @@ from vvdp.valve.rotary import RotaryValve
 from vvdp.valve.torque import friction_coefficient, spool_torque
 
 ANGLES, FEWER_ANGLES = 1000, 250
-BISECTIONS = 50
+BISECTIONS = 24
+"""To within some Pa; a straight line between these ends is then right to 1e-12."""
+LEAST_FLOW = 1e-30
+"""What a flow is divided by where there is none [m^3/s]."""
 
 
 class Cycle(NamedTuple):
@@ -96,21 +99,29 @@ def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cyc
     """State of the valve at given openings, arrays of one shape; see `quasi_steady_cycle`."""
     law, shape = branch_law(at.density, valve, at.vapour_pressure), np.shape(openings.load)
     relief = at.relief_pressure, at.relief_override, at.relief_rated_flow
+
+    def passed(pressure: Any) -> tuple[BranchFlow, BranchFlow, Any]:
+        load = throttled_flow(pressure, at.load_pressure, openings.load, law)
+        tank = throttled_flow(pressure, at.tank_pressure, openings.tank, law)
+        spilled = static_relief_flow(pressure, *relief, at.tank_pressure)
+        return load, tank, load.flow + tank.flow + spilled + at.pump_leakage * (pressure - at.tank_pressure)
+
+    # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
     low: Any = np.full(shape, minimum(at.load_pressure, at.tank_pressure))
     high: Any = np.full(shape, highest_inlet_pressure(at.flow, *relief))
-    # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
+    least, most = passed(low)[2], passed(high)[2]
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        load = throttled_flow(middle, at.load_pressure, openings.load, law)
-        tank = throttled_flow(middle, at.tank_pressure, openings.tank, law)
-        passed = static_relief_flow(middle, *relief, at.tank_pressure) + at.pump_leakage * (middle - at.tank_pressure)
-        short = load.flow + tank.flow + passed < at.flow
-        low, high = select(short, middle, low), select(short, high, middle)
-    load = throttled_flow(high, at.load_pressure, openings.load, law)
-    tank = throttled_flow(high, at.tank_pressure, openings.tank, law)
-    leakage = at.pump_leakage * (high - at.tank_pressure)
+        found = passed(middle)[2]
+        short = found < at.flow
+        low, least = select(short, middle, low), select(short, found, least)
+        high, most = select(short, high, middle), select(short, most, found)
+    missing = maximum(at.flow - least, 0.0)
+    inlet = low + missing / maximum(maximum(most - least, missing), LEAST_FLOW) * (high - low)
+    load, tank, _ = passed(inlet)
+    leakage = at.pump_leakage * (inlet - at.tank_pressure)
     spilled = maximum(at.flow - leakage - load.flow - tank.flow, 0.0)
-    return Cycle(openings=openings, inlet_pressure=high, load=load, tank=tank, relief_flow=spilled)
+    return Cycle(openings=openings, inlet_pressure=inlet, load=load, tank=tank, relief_flow=spilled)
 
 
 def delivered_flows(duty_ratios: Array, at: Condition, valve: RotaryValve) -> Array:

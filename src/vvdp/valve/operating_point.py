@@ -42,9 +42,9 @@ from vvdp.valve.torque import (
     pwm_frequency,
 )
 
-LEAKAGE_TRIALS = 5
-"""Times that a pump's leakage is found anew: each divides the error by 100 or more, as the mean inlet pressure changes
-little with the flow."""
+LEAKAGE_TRIALS, SETTLED = 5, 1e-7
+"""Times that a pump's leakage is found anew, and the part of the flow by which it then changes no more: each divides
+the error by 100 or more, as the mean inlet pressure changes little with the flow."""
 
 
 class SetPoint(NamedTuple):
@@ -77,9 +77,12 @@ class SetPoint(NamedTuple):
 
     def delivering(self, flow: float, oil: Oil, valve: RotaryValve) -> "SetPoint":
         """The same with a pump that delivers `flow` > 0 [m^3/s]: it displaces as much more as its leakage takes."""
-        point = self._replace(flow=flow)
-        for _ in range(LEAKAGE_TRIALS if self.pump_leakage > 0.0 else 0):
+        point, change = self._replace(flow=flow), self.pump_leakage * self.load_pressure
+        for _ in range(LEAKAGE_TRIALS):
+            if change <= SETTLED * flow:
+                break
             mean = quasi_steady_mean(point.duty_ratio, point.condition(oil), valve)
+            change = abs(flow + mean.pump_leakage_flow - point.flow)
             point = point._replace(flow=flow + mean.pump_leakage_flow)
         return point
 
