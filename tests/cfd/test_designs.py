@@ -1,11 +1,15 @@
 """`vvdp cfd designs`: the force that an uneven split leaves, and shapes computed side by side."""
 
 import json
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.cfd.conftest import say
 
+import vvdp.cfd
 from vvdp.cfd import rail
 from vvdp.cfd.designs_result import radial_force
 
@@ -53,3 +57,9 @@ def test_five_shapes_divide_the_flow_as_published(openfoam, monkeypatch, tmp_pat
     assert {name: largest[name] for name in ("rail-b", "rail-final")} == {"rail-b": 2, "rail-final": 2}
     assert told["drop_change"][0] == 0.0
     assert (tmp_path / "designs" / "report.html").is_file()
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in Path(vvdp.cfd.__path__[0]).glob("*_result.py")))
+def test_every_result_tells_the_density_that_the_picture_of_its_section_needs(name):
+    module = import_module(f"vvdp.cfd.{name}")
+    assert any(isinstance(each, Mapping) and "density_kg_m3" in each for each in vars(module).values())

@@ -6,7 +6,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
-from vvdp.base.kinds import COUNT, EFFICIENCY, FLOW, FORCE, NUMBER, PRESSURE_DIFFERENCE, VOLUME
+from vvdp.base.kinds import COUNT, DENSITY, EFFICIENCY, FLOW, FORCE, NUMBER, PRESSURE_DIFFERENCE, VOLUME
 from vvdp.cfd.rail import RailOrder
 from vvdp.cfd.rail_result import (
     LEFT_OUT,
@@ -29,7 +29,7 @@ FORCES = (
 )
 NEAR = 0.003
 """Shares of the flow nearer than this are called equal."""
-QUANTITIES = {"flow_m3_s": (FLOW, "flow")}
+QUANTITIES = {"flow_m3_s": (FLOW, "flow"), "density_kg_m3": (DENSITY, "density")}
 
 
 def designs_result(orders: Mapping[str, RailOrder], runs: Sequence[RailRun], told: Told) -> Result:
@@ -52,7 +52,7 @@ def designs_result(orders: Mapping[str, RailOrder], runs: Sequence[RailRun], tol
             "turbulence": order.turbulence.model,
         },
         left_out=LEFT_OUT,
-        numbers=numbers_of({"flow_m3_s": order.flow}, QUANTITIES),
+        numbers=numbers_of({"flow_m3_s": order.flow, "density_kg_m3": order.fluid.density}, QUANTITIES),
         listings={"lengths": rail_lengths(told)},
         tables={"designs": table},
         charts={"shares": _chart(len(runs[0].mouths))},
