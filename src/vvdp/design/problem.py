@@ -142,17 +142,17 @@ class Point:
     weight: float
     system: System
     setup: Setup
-    _traced: dict[tuple[str, ...], Any] = field(default_factory=dict, compare=False, repr=False)
+    _functions: dict[tuple[str, ...], Any] = field(default_factory=dict, compare=False, repr=False)
 
-    def traced(self, names: tuple[str, ...]) -> Any:
+    def function(self, names: tuple[str, ...]) -> Any:
         """The quantities as a CasADi function of the variables `names`, traced once for all questions."""
         import casadi
 
-        if names not in self._traced:
+        if names not in self._functions:
             x = casadi.SX.sym("x", len(names))
             found = quantities(with_variables(self.setup, {name: x[i] for i, name in enumerate(names)}))
-            self._traced[names] = casadi.Function("quantities", [x], [casadi.vertcat(*found)])
-        return self._traced[names]
+            self._functions[names] = casadi.Function("quantities", [x], [casadi.vertcat(*found)])
+        return self._functions[names]
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class Problem:
         import casadi
 
         x = casadi.vertcat(*values.values())
-        rows = [casadi.vertsplit(point.traced(tuple(values))(x)) for point in self.points]
+        rows = [casadi.vertsplit(point.function(tuple(values))(x)) for point in self.points]
         return [Quantities(**dict(zip(Quantities._fields, row, strict=True))) for row in rows]
 
     def excesses(self, found: Sequence[Quantities]) -> list[list[Any]]:

@@ -47,7 +47,7 @@ def limit_curves(found: Optimum, *, progress: Callable[[int, int], None] | None 
         for source in wanted:
             values, objectives = tuple(f * source.value for f in FACTORS), []
             for value in values:
-                objectives.append(_least(traced.moved(source, value), found))
+                objectives.append(_least(traced.with_limit(source, value), found))
                 if progress:
                     progress(len(curves) * len(FACTORS) + len(objectives), len(wanted) * len(FACTORS))
             curves.append(LimitCurve(source, values, tuple(objectives)))

@@ -129,7 +129,7 @@ class Traced:
         """The point of the search for `values`."""
         return np.log([values[b.variable.name] for b in self.bounds])
 
-    def moved(self, source: Limit | Side, value: float) -> "Traced":
+    def with_limit(self, source: Limit | Side, value: float) -> "Traced":
         """The same with a limit or one side of a bound at `value` [SI]; nothing is traced again."""
         other = copy(self)
         if isinstance(source, Limit):

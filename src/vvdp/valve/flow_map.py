@@ -100,7 +100,7 @@ def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cyc
     law, shape = branch_law(at.density, valve, at.vapour_pressure), np.shape(openings.load)
     relief = at.relief_pressure, at.relief_override, at.relief_rated_flow
 
-    def passed(pressure: Any) -> tuple[BranchFlow, BranchFlow, Any]:
+    def flows_at(pressure: Any) -> tuple[BranchFlow, BranchFlow, Any]:
         load = throttled_flow(pressure, at.load_pressure, openings.load, law)
         tank = throttled_flow(pressure, at.tank_pressure, openings.tank, law)
         spilled = static_relief_flow(pressure, *relief, at.tank_pressure)
@@ -109,16 +109,16 @@ def balanced_cycle(openings: Openings, at: Condition, valve: RotaryValve) -> Cyc
     # Without override the search ends at the relief pressure, and what it leaves over is the relief flow.
     low: Any = np.full(shape, minimum(at.load_pressure, at.tank_pressure))
     high: Any = np.full(shape, highest_inlet_pressure(at.flow, *relief))
-    least, most = passed(low)[2], passed(high)[2]
+    least, most = flows_at(low)[2], flows_at(high)[2]
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        found = passed(middle)[2]
+        found = flows_at(middle)[2]
         short = found < at.flow
         low, least = select(short, middle, low), select(short, found, least)
         high, most = select(short, high, middle), select(short, most, found)
     missing = maximum(at.flow - least, 0.0)
     inlet = low + missing / maximum(maximum(most - least, missing), LEAST_FLOW) * (high - low)
-    load, tank, _ = passed(inlet)
+    load, tank, _ = flows_at(inlet)
     leakage = at.pump_leakage * (inlet - at.tank_pressure)
     spilled = maximum(at.flow - leakage - load.flow - tank.flow, 0.0)
     return Cycle(openings=openings, inlet_pressure=inlet, load=load, tank=tank, relief_flow=spilled)
