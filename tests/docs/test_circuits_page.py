@@ -99,6 +99,7 @@ def test_one_to_three_loads_are_those_of_their_tables():
         assert numbers(row) == pytest.approx(drawn - returned, abs=max(0.01 * max(drawn), 1.0)), name
 
 
+@pytest.mark.slow
 def test_the_spread_is_what_its_command_writes():
     """Of the rivals; each assumed value with a range stands there with the ends at which it is not already."""
     import circuits_compared

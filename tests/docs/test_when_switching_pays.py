@@ -43,6 +43,7 @@ def test_tables_of_the_claim(pays, claim):
     assert are_same(list(pays.lead_rows(claim)), kept(pays, "leads"), abs_=12.0)
 
 
+@pytest.mark.slow
 def test_no_winner_rests_on_forces_and_times(pays):
     """30 % to either side: displacement control loses least, and the PWM valve loses more than load sensing."""
     held = pays.bench()

@@ -144,6 +144,7 @@ def test_dask_gives_the_same_numbers(two_workers: LocalDask, tmp_path: Path) -> 
     assert again.ran == 0 and heard == ["12 of 12 cases are finished already"]
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_nothing_that_was_finished(
     two_workers: LocalDask, kill_a_worker, kept, tmp_path: Path
 ) -> None:

@@ -184,7 +184,7 @@ def test_a_directory_with_something_else_or_damaged_is_refused(tmp_path: Path) -
         run_study(STUDY, tmp_path / "s")
 
 
-@pytest.mark.parametrize("where", ["here", "dask"])
+@pytest.mark.parametrize("where", ["here", pytest.param("dask", marks=pytest.mark.slow)])
 def test_kill_9_at_any_moment_loses_nothing_that_was_finished(
     begin_study, awaited, kept, long_study, tmp_path: Path, where: str
 ) -> None:
@@ -250,7 +250,7 @@ def begun_since(directory: Path, moment: float) -> bool:
     return path.exists() and path.stat().st_mtime >= moment
 
 
-@pytest.mark.parametrize("where", ["here", "dask"])
+@pytest.mark.parametrize("where", ["here", pytest.param("dask", marks=pytest.mark.slow)])
 def test_ctrl_c_keeps_the_batches_at_hand(begin_study, awaited, kept, long_study, tmp_path: Path, where: str) -> None:
     """The keys reach all processes of the terminal."""
     directory = tmp_path / "long"
