@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,6 +39,7 @@ def patient(pipe):
 def at_once(monkeypatch):
     """Looks at the solver all the time."""
     monkeypatch.setattr("vvdp.cfd.solve.LOOK", 0.0)
+    monkeypatch.setattr("vvdp.cfd.solve.PAUSE", 0.0)
     monkeypatch.setattr("vvdp.cfd.programs.GLANCE", 0.01)
 
 
@@ -48,6 +50,21 @@ def test_what_is_finished_is_not_repeated(pipe, openfoam, tmp_path):
     assert again.judgement == first.judgement
     assert again.seconds == first.seconds
     assert {path.name: path.stat().st_mtime_ns for path in tmp_path.glob("log.*")} == logs
+
+
+def test_readings_that_take_long_are_rare(patient, openfoam, tmp_path, monkeypatch):
+    """One that takes 20 ms, and the next after a minute or more: beside it only the one at the end."""
+    at_once(monkeypatch)
+    monkeypatch.setattr("vvdp.cfd.solve.PAUSE", 3000.0)
+    heard = []
+
+    def slow(progress):
+        heard.append(progress)
+        if progress.judgement:
+            time.sleep(0.02)
+
+    solve(patient._replace(phases=(patient.phases[0]._replace(most=400),)), tmp_path, openfoam, 1, slow)
+    assert 1 <= len([each for each in heard if each.judgement]) <= 2
 
 
 def test_the_disk_holds_the_start_and_a_few_states(pipe, openfoam, tmp_path):
@@ -154,6 +171,7 @@ def test_two_cores_give_the_same(pipe, openfoam, tmp_path):
 
 ORPHAN = """
 import sys
+import time
 from pathlib import Path
 from tests.cfd.conftest import OIL, PIPE
 from vvdp.cfd.engine import find_openfoam

@@ -29,7 +29,9 @@ from vvdp.cfd.snapping import ORDERING
 
 STATE, LOCK = "state.json", "lock"
 LOOK = 1.0
-"""Seconds between two readings of what a solver has written."""
+"""Seconds between two readings of what a solver has written, at least."""
+PAUSE = 100.0
+"""Times as long as a reading takes the next one waits: those of a long run are long."""
 
 
 class Progress(NamedTuple):
@@ -196,7 +198,7 @@ class _Solver:
     def __init__(self, case: Case, folder: Path, openfoam: OpenFoam, cores: int, told: tuple[_State, Hear]) -> None:
         self.case, self.folder, self.openfoam, self.cores = case, folder, openfoam, cores
         self.state, self.hear = told
-        self.looked = 0.0
+        self.next_look = 0.0
 
     def run(self, phase: Phase) -> None:
         """Runs a phase from the last state until it has settled, or its iterations are used up."""
@@ -228,9 +230,11 @@ class _Solver:
 
     def watch(self, phase: Phase) -> None:
         """Looks at the run now and then."""
-        if time.monotonic() - self.looked > LOOK:
-            self.looked = time.monotonic()
+        began = time.monotonic()
+        if began > self.next_look:
             self.look(phase)
+            ended = time.monotonic()
+            self.next_look = ended + max(LOOK, PAUSE * (ended - began))
 
     def look(self, phase: Phase) -> None:
         """Tells how the run stands, and stops it where it has settled. Raises RunError where it diverges."""
