@@ -7,7 +7,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 LOCK := uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --group build \
 	--generate-hashes --no-annotate --no-header
 
-.PHONY: run setup test test-slow lint bench docs dist lock clean
+.PHONY: run setup test test-thorough test-slow lint bench docs dist lock clean
 
 run: $(VENV)/core
 	$(BIN)/vvdp run prototype
@@ -31,7 +31,10 @@ $(VENV)/full: requirements.lock $(VENV)/core
 	@touch $@
 
 test: setup
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not thorough"
+
+test-thorough: setup
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "thorough and not slow"
 
 test-slow: setup
 	$(BIN)/python -m pytest -m slow

@@ -19,6 +19,7 @@ NEEDED = {"against_c": "gcc"}
 MODULES = {"estimators": ("filterpy",), "logs": ("h5py", "pyarrow")}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_short_form_runs(name, not_tested, tmp_path):
     if name in NEEDED and not shutil.which(NEEDED[name]):

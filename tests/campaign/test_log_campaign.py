@@ -10,6 +10,8 @@ from tests.campaign.log_campaign import Logged, one, pooled_row
 from tests.campaign.scoring import coverage, pool
 from tests.campaign.test_filter_campaign import JUMPS, NEEDS_POLARITY, WITHIN_THE_MODEL
 
+pytestmark = pytest.mark.thorough
+
 QUICK, SLOW = 3, 36
 
 records = pytest.mark.parametrize("records", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])

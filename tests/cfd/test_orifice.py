@@ -29,6 +29,7 @@ def test_what_enters_has_the_mean_velocity():
     assert np.sum(speeds * np.diff(edges**2)) == pytest.approx(PLATE.velocity)
 
 
+@pytest.mark.thorough
 def test_the_drop_of_an_orifice_comes_to_that_of_the_standard(openfoam, tmp_path):
     """Measured 0.689, 0.643 and 0.618 at 10, 20 and 40 cells along the radius, where the standard has 0.607."""
     exact = orifice_drop(PLATE, WATER)

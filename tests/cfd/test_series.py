@@ -38,6 +38,7 @@ def test_cases_come_back_in_their_order_and_share_a_mesh(pipes, openfoam, tmp_pa
     assert max(dones, default=0) <= 9000
 
 
+@pytest.mark.thorough
 def test_workers_find_what_this_process_finds(pipes, openfoam, tmp_path):
     here = solve_series(pipes[:2], ACROSS, tmp_path / "here", ThisProcess(1), lambda now: None)
     there = solve_series(pipes[:2], ACROSS, tmp_path / "there", LocalDask(2, 1), lambda now: None)

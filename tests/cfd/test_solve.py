@@ -91,6 +91,7 @@ def test_an_interrupted_run_goes_on_to_the_same_end(pipe, openfoam, tmp_path, mo
     assert found.history.iterations.tolist() == list(range(1, len(found.history.iterations) + 1))
 
 
+@pytest.mark.thorough
 def test_a_killed_solver_is_told_and_its_run_goes_on(patient, openfoam, tmp_path, monkeypatch):
     at_once(monkeypatch)
 

@@ -83,6 +83,7 @@ def _scores(found):
     return {key: values for key, values in found.items() if key.startswith("comparison_")}
 
 
+@pytest.mark.thorough
 def test_a_comparison_on_dask_is_the_comparison_here(vvdp, here):
     at_home = json.loads(vvdp("compare", "estimators", *QUICK, "--json").out)
     done = vvdp("compare", "estimators", *QUICK, "--json", "--on", "dask", "--workers", "1")

@@ -61,6 +61,7 @@ def verbs(command=None, name=""):
         yield from verbs(inner, f"{name} {word}".strip())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("verb", "options"), [("valve", ()), ("run", ("--until", "1.5 s", "--no-report"))])
 def test_keys_are_those_described(vvdp, here, keys_as_described, verb, options):
     """Mean powers of the whole machine need a whole period of its cycle."""
@@ -126,6 +127,7 @@ def test_the_run_of_the_guide_shows_what_a_run_shows(vvdp, here):
     assert set(quantities) <= labels
 
 
+@pytest.mark.thorough
 def test_the_examples_on_results_are_real(vvdp, here, is_shown):
     """`vvdp compare runs`, `vvdp plot` and `vvdp export data`, on the two runs that the guide has."""
     guide = (DOCUMENTS / "command-line.md").read_text("utf-8")

@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 SMALL = ("--duty", "0.4", "0.8", "2", "--pressure", "40 bar", "80 bar", "2")
 
 
@@ -57,6 +59,7 @@ def test_an_analytic_map_needs_no_workers(vvdp, here):
     assert not (here / "results").exists()
 
 
+@pytest.mark.thorough
 def test_a_map_on_dask_is_the_map_here(vvdp, here):
     small = ("prototype-constant-load", "--duty", "0.4", "0.8", "2", "--pressure", "40 bar", "40 bar", "1", "--json")
     at_home = json.loads(vvdp("map", *small, "--no-report", "--out", "one").out)

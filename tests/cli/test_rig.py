@@ -15,6 +15,7 @@ from vvdp.systems.system import load_system
 FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml"}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("verb", "system", "tables", "pictures", "standard"),
     [
@@ -133,6 +134,7 @@ def test_claims(vvdp, here, keys_as_described):
         assert words in answer.out
 
 
+@pytest.mark.thorough
 def test_claims_of_a_system_without_a_load_line(vvdp, here):
     answer = vvdp("rig", "claims", "prototype-constant-load", "--out", "c")
     assert answer.code == 0, answer.err

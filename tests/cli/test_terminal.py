@@ -67,6 +67,7 @@ def wide(folder):
     return {name: numbers(screen(WIDTH_WITHOUT_TERMINAL, command, folder)) for name, command in COMMANDS.items()}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [60, 80, 120])
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_number_is_broken(name, width, folder, wide):
@@ -81,6 +82,7 @@ def test_no_word_of_a_list_is_broken(folder):
     assert {word for word in words if "─" not in word} <= {word for line in lines for word in line.split()}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [60, 80, 120])
 def test_the_screen_has_all_numbers_of_json(width, folder):
     from vvdp.base.display import display_unit, number

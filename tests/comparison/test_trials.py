@@ -76,6 +76,7 @@ def test_threads_change_nothing(known_contenders, short_scenarios):
     assert repr(one.scores) == repr(two.scores)
 
 
+@pytest.mark.thorough
 def test_a_comparison_on_dask_is_the_comparison_here(short_scenarios):
     """Bit for bit, with an estimator of every sort: alone, in a loop with the encoder, and afterwards."""
     names = ("event-filter", "adaptive-threshold", "smoother")

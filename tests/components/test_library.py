@@ -87,6 +87,7 @@ def test_arrays_and_symbols_give_the_same(component, meetings, met_argument):
         assert np.max(np.abs(found - plain) / scale) < ROUNDING
 
 
+@pytest.mark.thorough
 def test_compiled_code_gives_the_same(component, meetings, met_argument):
     from numba import njit
 

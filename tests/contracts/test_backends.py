@@ -148,6 +148,7 @@ def signal_values(params, times):
     return np.array([[signal_value(t, one) for t in times.tolist()] for one in signals])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "setting"), variants())
 def test_traced_rates_are_those_of_the_circuit(name, setting):
     """And no state that a rate depends on is missing in the pattern of the graph."""
@@ -557,6 +558,7 @@ def numbers_of_arguments(arguments: list[Any]) -> list[float]:
     return found
 
 
+@pytest.mark.thorough
 def test_every_formula_agrees_between_floats_and_compiled_code(formula_modules, functions_of, components):
     from numba import njit
 

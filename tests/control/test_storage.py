@@ -80,6 +80,7 @@ def rest(t):
     return reference_at_rest(3e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("path", [rest, swing], ids=["fixed", "moving"])
 def test_storage_falls_from_an_error_of_1_mm(drive, passive, path):
     """With an ideal flow source: from 1.98e-3 J to 1e-20 J or less, no rise in 12479 samples; its change is that of the

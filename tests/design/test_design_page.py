@@ -32,6 +32,7 @@ def test_every_spread_is_described(page, prototype):
     assert all(f"`{each.name}`" in page for each in usual_spreads(prototype))
 
 
+@pytest.mark.thorough
 def test_commands_are_commands(page, designing):
     commands = re.findall(r"^    vvdp design (.+)$", page, re.MULTILINE)
     assert len(commands) == 7

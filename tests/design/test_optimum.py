@@ -177,6 +177,7 @@ def test_a_value_demanded_exactly_has_one_multiplier(prototype):
     assert of_frequency[0].sensitivity == pytest.approx(1.756 * found.objective / 72.0, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_a_value_demanded_exactly_is_met_where_it_costs_most_and_searched_for_without_gradients(prototype):
     """Least drop alone would be slower than 72 Hz, least pulsation faster: all are held at 72 Hz, and the elasticities
     are those of differences."""

@@ -73,6 +73,7 @@ def test_numbers_are_written_short():
     assert written == ["4240", "1040", "89", "0.0852", "0", "0", "5"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["heavy", "three-loads"])
 def test_the_rows_of_the_rivals_are_what_their_command_writes(name):
     import circuits_compared

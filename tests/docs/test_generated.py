@@ -13,6 +13,7 @@ NUMBER = re.compile(r"(?<=\| )-?[\d.]+(?= \S+ \|)")
 ANY_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
+@pytest.mark.thorough
 def test_the_gallery_is_what_its_command_writes(tmp_path):
     """To the letter but for the numbers, which may differ in their last digit on another machine."""
     import gallery
@@ -39,6 +40,7 @@ def test_keys_of_a_run_have_their_units_and_labels():
     assert keys.fill_in(page, "run", keys.run_keys()) == page
 
 
+@pytest.mark.thorough
 def test_keys_of_results_have_their_units_and_labels():
     page, keys = _page_and_generator()
     for verb, result in keys.results_of(keys.COMMANDS):

@@ -37,6 +37,7 @@ def claim(pays):
     return supply_claim(pays.bench(), pays.machines())
 
 
+@pytest.mark.thorough
 def test_tables_of_the_claim(pays, claim):
     assert are_same(list(pays.share_rows(claim)), kept(pays, "shares"))
     assert are_same(list(pays.loss_rows(claim)), kept(pays, "losses"))

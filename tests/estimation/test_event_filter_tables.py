@@ -99,6 +99,7 @@ def test_published_case_from_anywhere(edge_times, filtered, name):
     np.testing.assert_allclose(own, shares, atol=0.08)
 
 
+@pytest.mark.thorough
 def test_convergence_of_the_errata(edge_times, filtered):
     """Every number of the table in docs/errata.md, to the last of its digits; beside the pairs (constant R, R
     scheduled) stand a start on an edge and one from anywhere."""

@@ -78,6 +78,8 @@ def test_edge_times_in_no_order_are_refused(tmp_path, capsys):
 BOMBS = """
 import sys, time
 from pathlib import Path
+
+pytestmark = pytest.mark.thorough
 from vvdp.base.errors import ConfigError
 from vvdp.logs.source import open_log
 for name in sys.argv[1:]:

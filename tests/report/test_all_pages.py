@@ -122,6 +122,7 @@ def check_paper(browser):
     assert 1 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 20
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", PAGES)
 def test_page(browser, write_page, name):
     check_page(browser, write_page(PAGES[name]))

@@ -313,6 +313,7 @@ def test_interrupted_map_goes_on(source_stand, simulated, tmp_path, monkeypatch)
     np.testing.assert_allclose(whole.columns["overall_efficiency"], simulated.columns["overall_efficiency"], rtol=1e-9)
 
 
+@pytest.mark.thorough
 def test_a_map_on_dask_is_the_map_here(source_stand, simulated, tmp_path):
     """Bit for bit, in other batches; what was finished here is not run again there."""
     simulated_map(source_stand, replace(COARSE, duty_ratios=(0.4,)), tmp_path)
@@ -343,6 +344,7 @@ maps.simulated_map(held, axes, Path({folder!r}), progress=lambda done, total: pr
 """
 
 
+@pytest.mark.thorough
 def test_killed_map_loses_no_finished_point(source_stand, tmp_path):
     """kill -9 after some batches; what was reported as done is done, and no file is in pieces."""
     folder = tmp_path / "map"

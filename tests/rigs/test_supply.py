@@ -76,6 +76,7 @@ def test_corners_by_hand(prototype, share, rise, expected):
     assert {rival: float(loss[0]) for rival, loss in found.items()} == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_winners_at_the_corners(claim):
     """Load sensing with little flow, bleeding off near full flow at little pressure; but metering loses to the PWM
     valve at each of them."""

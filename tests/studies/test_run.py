@@ -184,6 +184,7 @@ def test_a_directory_with_something_else_or_damaged_is_refused(tmp_path: Path) -
         run_study(STUDY, tmp_path / "s")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("where", ["here", pytest.param("dask", marks=pytest.mark.slow)])
 def test_kill_9_at_any_moment_loses_nothing_that_was_finished(
     begin_study, awaited, kept, long_study, tmp_path: Path, where: str
