@@ -1,5 +1,6 @@
 """Numbers that docs/models/cfd.md spells out, from the studies that are kept."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -326,3 +327,9 @@ def test_rows_are_those_of_the_kept_studies(rows):
 def test_every_study_that_is_kept_is_named():
     named = PAGE[PAGE.index("## What is kept") :]
     assert [name for name in kept_studies() if f"`{name}`" not in named] == []
+
+
+def test_what_vvdp_takes_is_what_the_benchmark_found():
+    table = (Path(__file__).parents[2] / "benchmarks" / "README.md").read_text("utf-8")
+    share, seconds = re.search(r"vvdp itself over the bare solver \| ([\d.]+ %) of (\d+) s", table).groups()
+    assert f"{share} of {seconds} s of the bare solver on the rail at `--grid 8`" in PAGE
