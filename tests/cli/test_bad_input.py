@@ -280,6 +280,7 @@ def mutilated(draw):
     return text
 
 
+@pytest.mark.thorough
 @settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=mutilated())
 def test_a_mutilated_file_is_shown_or_refused(here, vvdp, text):
@@ -290,6 +291,7 @@ def test_a_mutilated_file_is_shown_or_refused(here, vvdp, text):
     assert (answer.code == 2) == bool(answer.err)
 
 
+@pytest.mark.thorough
 @settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.text(st.characters(exclude_categories=("Cs",), exclude_characters="\x00"), max_size=30))
 def test_any_text_as_a_value(vvdp, text):

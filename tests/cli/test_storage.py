@@ -21,6 +21,8 @@ import pytest
 import vvdp as package
 from vvdp.base.files import UNFINISHED
 
+pytestmark = pytest.mark.thorough
+
 SOURCE = str(Path(package.__file__).parents[1])
 STUDY = """
 title = "Two cases"
@@ -117,7 +119,6 @@ def expect_one_line(answer, name, place):
         assert not list(place.iterdir())
 
 
-@pytest.mark.thorough
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("size", [8, 60])
 @pytest.mark.parametrize("name", VERBS)
@@ -202,7 +203,6 @@ SUITE = [("run", 1), ("map", 3), ("rig", 5), ("design", 6), ("compare", 7)]
 MANY = [(name, 100 * seed) for name in ("run", "map", "rig", "design", "compare") for seed in range(1, 11)]
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "seed"), [*SUITE, *(pytest.param(*each, marks=pytest.mark.slow) for each in MANY)]
 )  # fmt: skip
@@ -227,7 +227,6 @@ def test_a_killed_map_goes_on_from_what_it_kept(vvdp, place):
     assert " of 36 points are finished already" in again.err
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGINT, 130)])
 def test_a_signal_that_ends_it_keeps_what_was_reached(place, number, code):
     words = ("--until", "500 s", "--set", "run.window=0.01 s", "--no-report")

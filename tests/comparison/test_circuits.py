@@ -28,6 +28,8 @@ from vvdp.systems.displacement.rival_circuits import (
 )
 from vvdp.systems.system import load_system
 
+pytestmark = pytest.mark.thorough
+
 A, B = 20.26e-4, 10.77e-4
 """Areas of the cylinder [m^2]."""
 FRICTION = 2000.0

@@ -14,6 +14,8 @@ from vvdp.design.variables import with_variables
 from vvdp.systems.system import load_system
 from vvdp.valve.losses import best_relief_pressure
 
+pytestmark = pytest.mark.thorough
+
 PAGE = (Path(__file__).parents[2] / "docs/design.md").read_text("utf-8")
 
 
@@ -32,7 +34,6 @@ def mean_loss(pulled, **changes):
     return np.mean([float(quantities(each).loss_total) for each in at])
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("lever", ["underlap", "underlap, spool and areas"])
 def test_no_other_lap_loses_less(closed, lever):
     pulled = closed[lever]
@@ -40,7 +41,6 @@ def test_no_other_lap_loses_less(closed, lever):
     assert all(mean_loss(pulled, lap_ratio=lap) >= least - 1e-6 for lap in np.linspace(0.35, 1.4, 43))
 
 
-@pytest.mark.thorough
 def test_a_relief_setting_that_follows_is_the_best_one_at_each_load(closed):
     """By golden section on the transition loss alone; what else depends on the setting is nothing."""
     pulled = closed["relief setting follows the load"]
@@ -50,7 +50,6 @@ def test_a_relief_setting_that_follows_is_the_best_one_at_each_load(closed):
         assert at.relief_pressure == pytest.approx(best, rel=2e-3)
 
 
-@pytest.mark.thorough
 def test_every_lever_keeps_the_frequency_and_saves(closed):
     before = closed["as it is"]
     wanted = np.mean([q.pwm_frequency for q in before.closed])

@@ -209,6 +209,7 @@ def test_small_steps_lose_no_digits():
         assert mean == pytest.approx(yu_bulk_modulus(14 * BAR, params), rel=2.0 * abs(d) / (14 * BAR) + 1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("law", "params"), LAWS)
 @settings(max_examples=30, deadline=None)
 @given(one=st.floats(0.0, 2.54), other=st.floats(0.0, 2.54), air=st.sampled_from([0.01, 0.1, 0.3]))

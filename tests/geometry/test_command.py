@@ -22,6 +22,8 @@ from vvdp.report.shading import lying_frame, shade
 from vvdp.results.store import read_result
 from vvdp.valve.geometry import port_openings
 
+pytestmark = pytest.mark.thorough
+
 
 class Made(NamedTuple):
     folder: Path

@@ -10,6 +10,8 @@ from tests.logs import files, hostile
 
 from vvdp.cli.main import main
 
+pytestmark = pytest.mark.thorough
+
 LONGEST = 10.0
 """Processor time that a file may take [s]."""
 SOURCES = (("--wave", "v"), ("--counts", "w"), ("--edges", "time"))
@@ -78,8 +80,6 @@ def test_edge_times_in_no_order_are_refused(tmp_path, capsys):
 BOMBS = """
 import sys, time
 from pathlib import Path
-
-pytestmark = pytest.mark.thorough
 from vvdp.base.errors import ConfigError
 from vvdp.logs.source import open_log
 for name in sys.argv[1:]:

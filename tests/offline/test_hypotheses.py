@@ -15,6 +15,8 @@ from vvdp.offline.passages import AROUND, WINDOWS, slow_passages
 from vvdp.results.result import Grade
 from vvdp.sensing.wheel import equal_wheel
 
+pytestmark = pytest.mark.thorough
+
 SPEED = 155.0
 LOGGED_SHIFT = {"sensor__edges": "edge", "sensor__index_shift": 0.25}
 

@@ -26,6 +26,8 @@ from vvdp.valve.geometry import transition_fraction
 from vvdp.valve.losses import full_open_loss
 from vvdp.valve.torque import equilibrium_speed, pwm_frequency
 
+pytestmark = pytest.mark.thorough
+
 LPM = 1e-3 / 60.0
 SUPPLY = ("supply", "duty_cycles", "supply_assumed", "linear_valves", "linear_switching")
 """Tables of what else there is."""
@@ -194,7 +196,6 @@ def test_drives_need_a_load_line(source_stand):
         self_against_driven(source_stand)
 
 
-@pytest.mark.thorough
 def test_claims_without_a_load_line_say_what_is_missing(source_stand):
     found = claims(source_stand)
     assert set(found.tables) == {"throttling", *SUPPLY, "actuation", "verdicts"}
@@ -215,7 +216,6 @@ def quick_claims(monkeypatch):
     return claims
 
 
-@pytest.mark.thorough
 def test_driven_spool_that_the_flow_cannot_turn(orifice_stand, quick_claims):
     """Twenty times the friction of 1.3349e-3 N m s, 0.0267: beside it there is no self-spinning spool, all else is."""
     area = orifice_stand.bench.valve.friction_area

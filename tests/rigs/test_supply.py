@@ -27,6 +27,8 @@ from vvdp.systems.displacement.duty_cycle import DutyCycle, cycle_demand
 from vvdp.systems.system import load_system
 from vvdp.valve.torque import pwm_frequency
 
+pytestmark = pytest.mark.thorough
+
 FLOW, LEAKAGE, BAR = 22.8e-6 * 30.0, 2.45e-12, 1e5
 """Of the prototype's pump at 1800 rpm [m^3/s, m^3/(s Pa)]: 41.04 lpm."""
 
@@ -76,7 +78,6 @@ def test_corners_by_hand(prototype, share, rise, expected):
     assert {rival: float(loss[0]) for rival, loss in found.items()} == pytest.approx(expected, rel=1e-5)
 
 
-@pytest.mark.thorough
 def test_winners_at_the_corners(claim):
     """Load sensing with little flow, bleeding off near full flow at little pressure; but metering loses to the PWM
     valve at each of them."""

@@ -26,6 +26,8 @@ from vvdp.simulation.model import Case, Model, Program
 from vvdp.simulation.parts import Part, measure_part, rates_part
 from vvdp.simulation.text import Classes
 
+pytestmark = pytest.mark.thorough
+
 Plain = Annotated[float, Kind("plain number", "1", -1e9, 1e9, "1")]
 Prescribed = Annotated[Signal, Kind("plain number", "1", -1e9, 1e9, "1")]
 
@@ -592,7 +594,6 @@ def write(folder: Path, factor: float, formula: str, *, by_module: bool) -> None
     (folder / "wiring.py").write_text(textwrap.dedent(CIRCUIT).format(imported=imported, called=called))
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("by_module", [False, True])
 def test_changed_formula_in_another_file_is_never_served_stale(by_module, tmp_path):
     """x' = loss: a change of the formula, and of a constant that it uses, both show at once; and nothing is compiled

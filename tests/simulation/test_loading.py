@@ -11,6 +11,8 @@ from numba.core.caching import FunctionCache
 
 from vvdp.simulation.loading import registries_left_out
 
+pytestmark = pytest.mark.thorough
+
 SECOND_RUN = """
 import sys
 import numpy as np

@@ -23,6 +23,8 @@ from vvdp.studies.engine import Engine, ThisProcess, all_cores
 from vvdp.studies.run import run_study
 from vvdp.studies.study import Random, Study, Uniform
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(scope="module")
 def two_workers() -> Iterator[LocalDask]:
