@@ -95,7 +95,7 @@ def variants():
             yield pytest.param(name, setting, id=f"{name}, {setting}")
 
 
-@pytest.mark.parametrize(("name", "setting"), variants())
+@pytest.mark.parametrize(("name", "setting"), [*variants()])
 def test_whole_circuit_is_the_same_in_every_form(name, setting):
     """Rates and outputs, what is stored and held between samples: floats, arrays, symbols and compiled code."""
     casadi = pytest.importorskip("casadi")
@@ -149,7 +149,7 @@ def signal_values(params, times):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("name", "setting"), variants())
+@pytest.mark.parametrize(("name", "setting"), [*variants()])
 def test_traced_rates_are_those_of_the_circuit(name, setting):
     """And no state that a rate depends on is missing in the pattern of the graph."""
     system = load_system(name, SETTINGS[setting])
@@ -182,7 +182,7 @@ def in_lanes(lanes, values):
     return np.ascontiguousarray(values.reshape(values.shape[0], -1, lanes.width).swapaxes(0, 1))
 
 
-@pytest.mark.parametrize(("name", "setting"), variants())
+@pytest.mark.parametrize(("name", "setting"), [*variants()])
 def test_rates_of_many_cases_at_once_are_those_of_each(name, setting):
     system = load_system(name, SETTINGS[setting])
     model, case = system.model, system.case

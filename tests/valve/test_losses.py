@@ -109,6 +109,12 @@ def test_port_ramp_by_quadrature(prototype, port, relief):
     assert found.excess_drop == pytest.approx(total, rel=1e-8)
 
 
+def test_nothing_passes_a_port_at_the_relief_pressure(prototype):
+    """q = 0 at H = 0, so that all goes over the relief valve until the port would take it: int (1 - 0) da = a*."""
+    found = port_ramp(120.0 * BAR + T, condition(120.0), full_open_drop(Q, RHO, prototype))
+    assert (found.relief_opening, found.relief_flow, found.relieved_port_flow) == (1.0, pytest.approx(1.0), 0.0)
+
+
 def test_best_relief_setting_lies_a_fifth_above_the_load(prototype):
     best = best_relief_pressure(Q, P_L, T, RHO, prototype)
     assert 118.0 < (best - T) / BAR < 120.0

@@ -115,7 +115,8 @@ def associated_edge(last: float, sighting: Sighting, wheel: CodeWheel) -> Associ
     odd = abs(nearest - counted)  # edges missed, or too many
     nearest_cost = 0.5 * off * off / S - np.log(maximum(missed_share(sighting.irregular) ** odd, DROPOUT))
     between = edge_angle(nearest, wheel) - edge_angle(counted, wheel)
-    slip = between * between / (1.0 + np.exp(abs(nearest_cost - count_cost)))
+    odds = np.exp(-abs(nearest_cost - count_cost))
+    slip = between * between * odds / (1.0 + odds)
     return Association(nearest if nearest_cost < count_cost else counted, 1.0, slip)
 
 

@@ -21,6 +21,9 @@ from vvdp.valve.joined_ports import Ends, joined_ports
 from vvdp.valve.leakage import leakage_conductance
 from vvdp.valve.rotary import RotaryValve
 
+LEAST_DROP = 1e-6
+"""Below any drop that lets oil through [Pa]."""
+
 
 class PortRamp(NamedTuple):
     """What happens while one port opens or closes by itself: the open fraction below which the relief valve is open,
@@ -126,8 +129,8 @@ def port_ramp(port_pressure: float, at: Condition, full_drops: BranchDrops, join
     for i in range(16):
         a = joint + (0.5 + NODES[i]) * (end - joint)
         c = n + r * a * a
-        # sqrt(o^2 a^2 + 4 (H + o) c) - o a without the cancellation
-        q = 2.0 * a * (H + o) / (o * a + np.sqrt(o * o * a * a + 4.0 * (H + o) * c))
+        # sqrt(o^2 a^2 + 4 (H + o) c) - o a without the cancellation; 0 where H + o is
+        q = 2.0 * a * (H + o) / maximum(o * a + np.sqrt(o * o * a * a + 4.0 * (H + o) * c), LEAST_DROP)
         passed = passed + WEIGHTS[i] * (end - joint) * q
         spilled = (1.0 - q) * (at.relief_pressure - at.tank_pressure + o)
         relieved = relieved + WEIGHTS[i] * (end - joint) * (q * H + spilled)
