@@ -42,6 +42,14 @@ def test_a_published_example():
     assert found.band == pytest.approx(0.022, abs=5e-4)
 
 
+def test_an_order_above_that_of_the_schemes_is_not_believed():
+    """Steps of 0.8 and 0.1 are of third order; at second 1.25 * (0.1/5) / (4 - 1), and 5 + 0.1/3 without cells."""
+    found = grid_convergence((1.0, 2.0, 4.0), (5.0, 4.9, 4.1))
+    assert found.order == pytest.approx(3.0)
+    assert found.band == pytest.approx(0.025 / 3.0)
+    assert found.extrapolated == pytest.approx(5.0 + 0.1 / 3.0)
+
+
 def test_values_that_swing_are_told_as_such():
     found = grid_convergence((1.0, 1.4, 1.96), (2.226, 2.177, 2.195))
     assert not found.is_monotone
@@ -49,9 +57,11 @@ def test_values_that_swing_are_told_as_such():
 
 
 def test_values_that_drift_apart_have_no_order():
+    """The index is that of first order: 1.25 * (1/5) / (2 - 1)."""
     found = grid_convergence((1.0, 2.0, 4.0), (5.0, 4.0, 3.9))
     assert math.isnan(found.order)
-    assert math.isnan(found.band)
+    assert math.isnan(found.extrapolated)
+    assert found.band == pytest.approx(0.25)
     assert grid_convergence((1.0, 2.0, 4.0), (5.0, 5.0, 5.0)).band == 0.0
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
 from vvdp.cfd.period_result import Ramps, fit_ramps
@@ -13,6 +14,7 @@ from vvdp.cfd.refinement import grid_convergence
 from vvdp.fitting.drop import fit_centre, fit_nozzle
 from vvdp.fitting.fitted import Host, settings
 from vvdp.fitting.jet import jet_law
+from vvdp.fluid.oil import dynamic_viscosity
 from vvdp.numerics.least_squares import Fit, fit
 from vvdp.numerics.power_laws import drop_laws
 from vvdp.systems.bench import rotary_bench
@@ -86,9 +88,22 @@ def nozzles() -> Iterator[str]:
     both = np.stack([study["torque_N_m"] / study["torque_law_N_m"] - 1.0 for study in studies])[:, 1::2]
     yield f"the torque is within {100.0 * np.abs(both).max():.0f} % of the law of the system with either length"
     yield f"{100.0 * opening.min():.0f} to {100.0 * opening.max():.0f} % of the law's"
-    law, _, narrow = torque_laws(whole)
-    yield f"the asymmetry is {told(law, 2)} instead of 0.85"
-    yield f"What stands out, to {misfit(narrow)}, is"
+    means = [mean_laws(study) for study in studies]
+    exponents, asymmetries = ([told(pair[place], 0) for pair in means] for place in (0, 1))
+    yield f"$s$ = {exponents[0]} and $\\varepsilon_j$ = {asymmetries[0]} with 2.5 mm"
+    yield f"$s$ = {exponents[1]} and $\\varepsilon_j$ = {asymmetries[1]} with 9.7 mm"
+    found = [pair[1].coefficients[0] for pair in means] + [torque_laws(each)[0].coefficients[2] for each in studies]
+    yield f"The asymmetry is {min(found):.2f} to {max(found):.2f} instead of 0.85"
+    misses = [each["torque_N_m"] / each["torque_N_m"][0] * each["opening_effective"] - 1.0 for each in studies]
+    yield f"$T = T_0/a_{{eff}}$, to {100.0 * max(np.abs(each[1::2]).max() for each in misses):.0f} %"
+
+
+def mean_laws(study: KeptStudy) -> tuple[Fit, Fit]:
+    """Exponent and asymmetry from means and differences of both ways, as `vvdp cfd openings` fits them."""
+    a, torque = study["opening_formula"][1::2], study["torque_N_m"]
+    closing, opening = torque[1::2], torque[2::2]
+    exponent = fit([-np.log(a)], np.log(0.5 * (closing + opening) / torque[0]))
+    return exponent, fit([1.0 - a], (closing - opening) / (closing + opening))
 
 
 def torque_laws(study: KeptStudy) -> tuple[Fit, Fit, Fit]:
@@ -120,8 +135,27 @@ def periods() -> Iterator[str]:
         told = " | ".join([*(f"{each:.3f}" for each in openings), *(f"{each:.3f} N m" for each in found[1])])
         yield f"| {abs(np.degrees(angle)):.4g}°, {way} | {told} |"
     yield from (f"| {' | '.join(row)} |" for row in zip(*(_period_column(each) for each in (slow, fast)), strict=True))
+    yield from _missing_torques(still, slow, fast)
     closing, opening = (each.coefficients[0] for each in _factors(fast))
     yield f"factors {closing:.3f} while closing and {opening:.3f} while opening"
+
+
+def _missing_torques(still: KeptStudy, slow: KeptStudy, fast: KeptStudy) -> Iterator[str]:
+    """What the turning spool has less than one at rest, and than the law."""
+    angle, torque = still["spool_angle_rad"][1:], still["torque_N_m"][1:]
+    flow, turning = (np.interp(angle, slow["spool_angle_rad"], slow[key]) for key in ("flow_m3_s", "torque_N_m"))
+    change = 100.0 * (turning / (torque * (flow / still["flow_m3_s"][1:]) ** 2) - 1.0)
+    yield f"{-change[1::2].max():.0f} to {-change[1::2].min():.0f} % below that of the spools at rest"
+    yield f"while closing {change[::2].min():.0f} to {change[::2].max():.0f} % above"
+    late, whole = (np.interp(np.radians(at), slow["spool_angle_rad"], slow["torque_N_m"]) for at in (-12.0, 0.0))
+    yield f"it is {late:.3f} N m, and {whole:.3f} N m only at 0°"
+    turned = (876.0 * 12.7e-3**2 * speed * each["flow_m3_s"].mean() for each, speed in ((fast, 48.0), (slow, 4.8)))
+    swirls = [np.pi * each for each in turned]
+    less = [(each["torque_law_N_m"] - each["torque_N_m"]).mean() for each in (fast, slow)]
+    yield f"{swirls[0]:.4f} of the {less[0]:.4f} N m that are missing in the mean"
+    yield f"at 144 rpm {swirls[1]:.4f} of {less[1]:.4f} N m"
+    off = np.abs(fast["opening_effective"] - fast["opening_formula"]).max()
+    yield f"up to {100.0 * off:.0f} % of the open area off"
 
 
 def _factors(study: KeptStudy) -> Ramps:
@@ -150,8 +184,8 @@ def grids() -> Iterator[str]:
             found = grid_convergence(tuple(study["cell_size_m"][::-1]), tuple(study[key][::-1]))
             values = " / ".join(f"{scale * value:.{digits}f}" for value in study[key])
             many = " / ".join(cells(study, k) for k in range(study.rows))
-            order = f"{found.order:.1f} | {100.0 * found.band:.1f} %" if found.order > 0.0 else "none |"
-            order = order if found.is_monotone else "swings |"
+            order = f"{found.order:.1f}" if found.order > 0.0 else "none"
+            order = f"{order} | {100.0 * found.band:.1f} %" if found.is_monotone else "swings |"
             yield f"| {words[key]} | {many} | {values} {unit} | {order} | {100.0 * found.spread:.1f} % |"
 
 
@@ -213,7 +247,8 @@ def centre() -> Iterator[str]:
     swings = [100.0 * (high - low) / finer["static_drop_Pa"][1] for high, low in (totals[:2], totals[:0:-1])]
     yield f"those are {swings[0]:.0f} % and {swings[1]:.0f} %"
     m = np.polyfit(np.log(finer["flow_m3_s"]), np.log(finer["static_drop_Pa"]), 1)[0]
-    yield f"$m$ = {m:.2f}: by so much a grid moves it"
+    logs = np.log(finer["flow_m3_s"]), np.log(finer["static_drop_Pa"])
+    yield f"$m$ = {m:.2f} ± {fit([np.ones_like(logs[0]), logs[0]], logs[1]).half_widths[1]:.2f}"
 
 
 def two_arms() -> Iterator[str]:
@@ -242,13 +277,22 @@ def flows() -> Iterator[str]:
     area, error = 876.0 * 12.7e-3 / c, 876.0 * 12.7e-3 / c * errors[0] / c
     yield f"effective area of {1e6 * area:.1f} ± {1e6 * error:.1f} mm²"
     yield f"{b / (876.0 * 12.7e-3**2):.2f} ± {errors[1] / (876.0 * 12.7e-3**2):.2f} times"
-    yield f"a discharge coefficient of {turbine_coefficient():.3f} (published 0.677)"
+    yield f"the discharge coefficient is {turbine_coefficient():.3f} (published 0.677)"
     yield f"the law of both leaves {1e3 * np.abs(fit([Q**2, -Q * w], study['torque_N_m']).residuals).max():.1f} mN m"
     still = w == 0.0
     spreads = [np.ptp(study[key][still] / Q[still] ** 2 * Q40**2) for key in ("torque_N_m", "turbine_drop_Pa")]
     middles = [study[key][still][1] for key in ("torque_N_m", "turbine_drop_Pa")]
-    yield " and ".join(f"{100.0 * spread / middle:.0f} %" for spread, middle in zip(spreads, middles, strict=True))
-    arms, torques = (kept_study("turbine-lengths")[key][::3] for key in ("outlet_arm_m", "torque_N_m"))
+    torques, drops = (100.0 * spread / middle for spread, middle in zip(spreads, middles, strict=True))
+    yield f"differs by {torques:.1f} %, the drop by {drops:.1f} %"
+    other, ratio = fit([Q**2, -Q * w], study["torque_momentum_N_m"]), 876.0 * 12.7e-3
+    (c, b), errors = other.coefficients, other.half_widths
+    told = f"{1e6 * ratio / c:.1f} ± {1e6 * ratio / c * errors[0] / c:.1f} mm²"
+    yield f"give {told} and {b / (ratio * 12.7e-3):.2f} ± {errors[1] / (ratio * 12.7e-3):.2f} times"
+    apart = 100.0 * np.abs(study["torque_momentum_N_m"] / study["torque_N_m"] - 1.0)
+    yield f"the torques differ from those by {apart.min():.0f} to {apart.max():.0f} %"
+    lengths = kept_study("turbine-lengths")
+    same = (lengths["outlet_entry_taper"] == 1.08) & (lengths["speed_rad_s"] == 0.0)
+    arms, torques = (lengths[key][same] for key in ("outlet_arm_m", "torque_N_m"))
     less = 1.0 - np.interp(8.6e-3, arms, torques) / study["torque_N_m"][still][1]
     yield f"8.6 mm have {100.0 * less:.0f} % less torque than here"
     finer = kept_study("turbine-grids")["torque_N_m"][-1]
@@ -287,8 +331,10 @@ def computed_laws() -> tuple[str, ...]:
     Q, w = turbine["flow_m3_s"], turbine["speed_rad_s"]
     area = 876.0 * 12.7e-3 / fit([Q**2, -Q * w], turbine["torque_N_m"]).coefficients[0]
     coefficient = turbine_coefficient()
+    jets = fit([centre_section["torque_law_N_m"]], centre_section["torque_N_m"]).coefficients[0]
     return (
         *(text for each, name in found for text in settings(each, Path(name))),
+        f"valve.inlet_area_ratio={1.0 / jets}",
         f"valve.outlet_effective_area={1e6 * area} mm^2",
         f"valve.outlet_discharge_coefficient={coefficient}",
     )
@@ -306,13 +352,23 @@ def frequencies() -> Iterator[str]:
         found.append(f"{full:.1f} Hz fully open and {switching:.1f} Hz switching at duty ratio 0.5")
     yield f"the published laws give {found[0]}"
     yield f"those that were computed {found[1]}"
-    exponent = torque_laws(kept_study("openings-nozzles"))[0].coefficients[1]
-    for s, words in (
-        (exponent, "the exponent of the whole nozzles, {:.2f}"),
-        (1.0, "jets as narrow as the opening, {:g}"),
-    ):
-        valve = load_system("prototype-constant-load", [f"valve.jet_exponent={s}"]).tables["valve"]
-        yield f"{words.format(s)}, {pwm_frequency(averaged_spool_speed(0.5, at, 0.0387, valve), valve):.1f} Hz"
+    whole = kept_study("openings-nozzles")
+    means, logs = mean_laws(whole)[0].coefficients[0], torque_laws(whole)[0].coefficients[1]
+
+    def switching_at(s: float, temperature: float = 313.15) -> float:
+        system = load_system("prototype-constant-load", [f"valve.jet_exponent={s}"])
+        oil, valve = system.tables["oil"], system.tables["valve"]
+        return pwm_frequency(averaged_spool_speed(0.5, at, float(dynamic_viscosity(temperature, oil)), valve), valve)
+
+    def reaches(frequency: float, s: float) -> float:
+        return float(brentq(lambda T: switching_at(s, T) - frequency, 305.0, 318.0)) - 273.15
+
+    yield f"by their means, {means:.2f}, {switching_at(means):.1f} Hz"
+    yield f"by logarithms, {logs:.2f}, {switching_at(logs):.1f} Hz"
+    yield f"the system's 0.65 {switching_at(0.65):.1f} Hz; jets as narrow as the opening, 1, {switching_at(1.0):.1f} Hz"
+    yield f"a kelvin is {100.0 * (switching_at(0.65, 314.15) / switching_at(0.65) - 1.0):.0f} %"
+    bands = [f"between {reaches(70.4, s):.1f} and {reaches(82.0, s):.1f} °C" for s in (0.65, 1.0)]
+    yield f"an exponent of 0.65 has 70.4 to 82 Hz {bands[0]}, 1 {bands[1]}"
 
 
 ROWS = (arms, designs, openings, nozzles, periods, grids, turbines, laws, flows, centre, million, two_arms, frequencies)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import curve_fit
+from scipy.signal import lfilter
 
 from vvdp.base.errors import ParameterError
 from vvdp.numerics.least_squares import fit
@@ -53,3 +54,23 @@ def test_columns_in_another_unit_give_the_same_law():
 def test_values_that_do_not_tell_the_coefficients_apart_are_refused():
     with pytest.raises(ParameterError, match="do not tell the 2 coefficients of a law apart"):
         fit([np.ones(4), np.full(4, 7.0)], np.arange(4.0))
+
+
+def test_values_in_a_row_whose_errors_hang_together():
+    """Errors e_i = 0.8 e_i-1 + n_i about a constant: its interval would hold it in half of all cases only."""
+    rng = np.random.default_rng(4)
+    held = np.zeros(2)
+    for _ in range(300):
+        errors = lfilter([1.0], [1.0, -0.8], rng.normal(size=600))[200:]
+        plain = fit([np.ones(400)], 5.0 + errors)
+        held += [abs(each.coefficients[0] - 5.0) < each.half_widths[0] for each in (plain, plain.in_series())]
+    assert held[0] / 300 < 0.6
+    assert held[1] / 300 == pytest.approx(0.95, abs=0.04)
+
+
+def test_intervals_of_values_in_a_row_by_hand():
+    """Residuals 2, 2, -2, -2: c = (4 - 4 + 4)/16, so the covariance is (1 + c)/(1 - c) = 5/3 times as large."""
+    plain = fit([np.ones(4)], np.array([7.0, 7.0, 3.0, 3.0]))
+    assert plain.in_series().covariance == pytest.approx(5.0 / 3.0 * plain.covariance)
+    swinging = fit([np.ones(4)], np.array([7.0, 3.0, 7.0, 3.0]))
+    assert swinging.in_series().covariance == pytest.approx(swinging.covariance)

@@ -1,5 +1,6 @@
 """What three grids of one family say of the flow through a part of the valve, and how far they are off."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -44,8 +45,9 @@ from vvdp.results.result import Column, Finding, Grade, Listing, Result, Row, Se
 
 VERB = "cfd grids"
 INDEX = (
-    "Order, extrapolation and convergence index by the usual procedure for three grids. Where a value does not move "
-    "one way they mean little; then the spread is the better measure."
+    "Order, extrapolation and convergence index by the usual procedure for three grids. For the last two an order "
+    "above 2, that of the schemes, counts as 2; values that drift apart have no order, and the index of the first. "
+    "Where a value does not move one way they mean little; then the spread is the better measure."
 )
 LARGE_INDEX = 0.05
 DROPS = {
@@ -227,9 +229,10 @@ def _chart(keys: tuple[str, ...], label: str) -> Chart:
 
 def _findings(numbers: dict[str, float], solved: Sequence[Solved]) -> Iterator[Finding]:
     drop, index = with_unit(numbers["pressure_drop_finest_Pa"], PRESSURE_DIFFERENCE), numbers["grid_convergence_index"]
+    order = numbers["observed_order"]
+    observed = "no observed order" if math.isnan(order) else f"an observed order of {number(order, 3)}"
     yield Finding(
-        text=f"On the finest grid the drop is {drop}, with a convergence index of {percent(index)} and an observed "
-        f"order of {number(numbers['observed_order'], 3)}."
+        text=f"On the finest grid the drop is {drop}, with a convergence index of {percent(index)} and {observed}."
     )
     if not numbers["is_monotone"] or not index < LARGE_INDEX:
         yield Finding(
@@ -237,7 +240,7 @@ def _findings(numbers: dict[str, float], solved: Sequence[Solved]) -> Iterator[F
             grade=Grade.WARNING,
             text=f"The drop spreads by {percent(numbers['spread'])} over the grids"
             + (" without moving one way." if not numbers["is_monotone"] else "."),
-            remedy="Take its spread for its error.",
+            remedy="Take the larger of spread and index for its error.",
         )
     if "torque_spread" in numbers:
         torque, spread = with_unit(numbers["torque_finest_N_m"], TORQUE), percent(numbers["torque_spread"])

@@ -134,7 +134,7 @@ def _angles(run: PeriodRun) -> Table:
 
 
 def fit_ramps(angle: Array, formula: Array, effective: Array) -> Ramps:
-    """A factor by least squares for each ramp; the nozzles close at positive angles.
+    """A factor by least squares for each ramp, the angles in order; the nozzles close at positive angles.
 
     >>> angle, formula = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([0.5, 0.8, 0.8, 0.5])
     >>> [round(float(each.coefficients[0]), 4) for each in fit_ramps(angle, formula, np.array([0.6, 0.9, 0.7, 0.4]))]
@@ -142,7 +142,7 @@ def fit_ramps(angle: Array, formula: Array, effective: Array) -> Ramps:
     """
     partly = (formula > 0.0) & (formula < 1.0)
     ways = (partly & (angle > 0.0), partly & (angle < 0.0))
-    return Ramps(*(fit([formula[rows]], effective[rows]) for rows in ways))
+    return Ramps(*(fit([formula[rows]], effective[rows]).in_series() for rows in ways))
 
 
 def _numbers(run: PeriodRun, table: Table) -> dict[str, float]:

@@ -31,6 +31,17 @@ class Fit(NamedTuple):
         widths: Array = self.quantile * np.sqrt(np.einsum("ij,jk,ik->i", matrix, self.covariance, matrix))
         return widths
 
+    def in_series(self) -> "Fit":
+        """The same fit, of values in a row whose residuals r hang together, with wider intervals.
+
+        So many values say no more than (1 - c)/(1 + c) of them would, c = sum r_i r_i+1 / sum r_i^2 where above 0.
+
+        Source  bartlett1946
+        """
+        square = float(self.residuals @ self.residuals)
+        together = float(self.residuals[1:] @ self.residuals[:-1]) / square if square else 0.0
+        return self._replace(covariance=self.covariance * (1.0 + max(together, 0.0)) / (1.0 - max(together, 0.0)))
+
     def scale(self, factors: Array) -> "Fit":
         """The fit of columns that are smaller by `factors`: its coefficients are larger by them."""
         return self._replace(
