@@ -127,6 +127,9 @@ def turbine_on_grids(runs: Sequence[TurbineRun], about: Told) -> OnGrids:
         "pressure_drop_Pa": Column(total - behind, PRESSURE_DIFFERENCE, "drop of the turbine"),
         "collector_drop_Pa": Column(behind, PRESSURE_DIFFERENCE, "drop of the collector"),
         "torque_N_m": Column(np.array([run.torques.forces for run in runs]), TORQUE, "torque"),
+        "torque_momentum_N_m": Column(
+            np.array([run.torques.momentum for run in runs]), TORQUE, "torque by angular momentum"
+        ),
     }
     return OnGrids(
         title="The outlet turbine",
