@@ -137,3 +137,10 @@ def test_words_make_what_they_say() -> None:
     assert swing.extremes == (8.0, 12.0) and not swing.is_constant
     assert signal_stop(0.0, swing) == math.inf
     assert sine(1.0, 0.0, 5.0).is_constant and step(1.0, 1.0, 3.0).is_constant
+
+
+def test_what_changes_between_two_times_is_told_from_what_changed_before_or_will():
+    jump, slope, swing = step(1.0, 2.0, 3.0), ramp(1.0, 2.0, 3.0, 5.0), sine(1.0, 0.1, 2.0)
+    assert not jump.is_constant_within(2.0, 4.0) and not slope.is_constant_within(4.0, 4.5)
+    assert jump.is_constant_within(3.0, 4.0) and jump.is_constant_within(1.0, 3.0) and slope.is_constant_within(5.0, 9.0)
+    assert constant(1.0).is_constant_within(0.0, 9.0) and not swing.is_constant_within(0.0, 9.0)

@@ -11,7 +11,7 @@ from tests.cfd.conftest import say
 
 import vvdp.cfd
 from vvdp.cfd import rail
-from vvdp.cfd.designs_result import radial_force
+from vvdp.valve.bearing import radial_force
 
 PUBLISHED = {"rail-a": 1, "rail-b": 2, "rail-c": 1, "rail-final": 2}
 """Of each design of table 2.1 in Wang (2017) the nozzle with the largest share; (d) is decided by 0.3 points there."""

@@ -10,9 +10,9 @@ from tests.cfd.conftest import say
 
 from vvdp.base.errors import ParameterError
 from vvdp.cfd.convergence import LARGEST_IMBALANCE
-from vvdp.cfd.designs_result import radial_force
 from vvdp.cfd.kept import kept_studies, kept_study
 from vvdp.fitting.drop import fit_centre
+from vvdp.valve.bearing import radial_force
 
 
 @pytest.mark.parametrize("name", kept_studies())

@@ -288,7 +288,8 @@ NOT_IN_THE_LOOP = {
     "binary_valves", "equal_valves", "code_count", "code_flow", "pulse_volume",
     "quasi_steady_cycle", "quasi_steady_mean", "mean_of_cycle", "averaged_spool_speed", "speed_of_cycle",
     "balanced_cycle", "delivered_flows", "operating_point", "average_transition",
-    "range_warnings", "best_relief_pressure", "bearing_eccentricity", "specific_volume_exponent", "mean_modulus",
+    "range_warnings", "best_relief_pressure", "bearing_eccentricity", "radial_force",
+    "specific_volume_exponent", "mean_modulus",
     "modulus.compression_energy_per_volume", "modulus.compression_energy_per_mass",
 }  # fmt: skip
 # Refuse a value with an error, which only plain numbers can.

@@ -192,11 +192,13 @@ def test_what_lies_outside_its_bounds_is_said_with_numbers(orifice, changes, exp
     [
         ("prototype", [], Badge("not settled", Grade.WARNING)),
         ("prototype", ["operation.duty_ratio={step=['0.5','0.4'], at='0.15 s'}"], Badge("varies by design")),
+        ("prototype", ["operation.duty_ratio={step=['0.5','0.4'], at='0.02 s'}"], Badge("not settled", Grade.WARNING)),
         ("displacement-chapter6", [], Badge("varies by design")),
     ],
 )
 def test_screen_badge_and_finding_agree_on_what_should_have_settled(name, settings, badge):
-    """A run that is over too early is warned of; where inputs vary, or motion is the purpose, nothing is amiss."""
+    """A run that is over too early is warned of; where inputs vary where means are taken, or motion is the purpose,
+    nothing is amiss."""
     run = run_system(load_system(name, settings, "0.2 s"))
     assert not run.has("settled")
     shown, expected = run_result(run), badge.grade is Grade.WARNING

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
 from vvdp.base.kinds import COUNT, DENSITY, EFFICIENCY, FLOW, FORCE, NUMBER, PRESSURE_DIFFERENCE, VOLUME
 from vvdp.cfd.rail import RailOrder
@@ -21,6 +20,7 @@ from vvdp.cfd.rail_result import (
 from vvdp.cfd.rail_study import RailRun
 from vvdp.results.chart import Bars, Chart, Colour
 from vvdp.results.result import Column, Finding, Result, Section, Table, numbers_of
+from vvdp.valve.bearing import radial_force
 
 VERB = "cfd designs"
 FORCES = (
@@ -65,19 +65,6 @@ def designs_result(orders: Mapping[str, RailOrder], runs: Sequence[RailRun], tol
         ),
         seconds=sum(run.seconds for run in runs),
     )
-
-
-def radial_force(flows: Array, openings: Array, density: float) -> float:
-    """The force that evenly spaced jets leave on the spool [N]: the size of the sum of rho q^2/A along each of them.
-
-    flows     through the nozzles, in their order round the axis [m^3/s]
-    openings  of the nozzles in the bore, A [m^2]
-    density   rho [kg/m^3]
-
-    Source  ours, docs/models/cfd.md
-    """
-    directions = np.exp(2j * np.pi * np.arange(len(flows)) / len(flows))
-    return float(abs(np.sum(density * flows**2 / openings * directions)))
 
 
 def _designs(names: Sequence[str], order: RailOrder, runs: Sequence[RailRun]) -> Table:

@@ -29,9 +29,6 @@ def reproduce(
     Each figure, table, equation and claimed number stands beside what vvdp finds, with a verdict. Exit code 1 if a
     verdict is not the expected one.
     """
-    from vvdp.base.extras import require_solids
-
-    require_solids()
     from vvdp.reproduction.items import ITEMS, chosen_items
 
     if show or not items:

@@ -37,7 +37,7 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
     elif run.has("settled"):
         yield Badge("settled", Grade.GOOD)
     else:
-        yield Badge("not settled", Grade.WARNING) if expects_steady_state(run.system) else Badge("varies by design")
+        yield Badge("not settled", Grade.WARNING) if expects_steady_state(run.system, run.summary) else Badge("varies by design")
     if run.has("cavitation_volume"):
         yield Badge("cavitation", Grade.BAD)
     if "motor_overloaded" in run.summary:
@@ -87,7 +87,7 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
             text=f"{sentence[:1].upper()}{sentence[1:]}.",
             remedy="The numbers are those of the drive and helix as given. Make end stops, helix and [geometry] agree.",
         )
-    if not run.has("settled") and expects_steady_state(run.system):
+    if not run.has("settled") and expects_steady_state(run.system, run.summary):
         yield _settling_warning()
 
 

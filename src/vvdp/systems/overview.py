@@ -117,7 +117,7 @@ def warnings(system: System, found: Mapping[str, Any]) -> Iterator[str]:
         yield f"the run was interrupted at {found['duration_s']:.6g} s"
     yield from broken_bounds(system, found)
     yield from travel_warnings(system)
-    if not found["settled"] and expects_steady_state(system):
+    if not found["settled"] and expects_steady_state(system, found):
         yield (
             f"not settled: a mean would still change by more than {percent(SETTLED)} if the run went on; let it last "
             "longer (run.until), or average later (run.average_from)"
@@ -145,10 +145,13 @@ def impossible_part(system: System, found: Mapping[str, Any]) -> str:
     return f"a loss gives energy back ({given})" if given else "a loss gives energy back, or a state left its range"
 
 
-def expects_steady_state(system: System) -> bool:
-    """Whether a run should end in a steady state: nothing prescribed changes, by its values or by its purpose."""
-    varies = any(isinstance(row.value, Signal) and not row.value.is_constant for row in system.rows)
-    return not varies and (system.extras is None or system.extras.STEADY)
+def expects_steady_state(system: System, found: Mapping[str, Any]) -> bool:
+    """Whether a run should be in a steady state where its means are taken: nothing prescribed changes meanwhile, by its
+    values or by its purpose.
+    """
+    window = found["averaged_from_s"], found["averaged_to_s"]
+    steady = all(row.value.is_constant_within(*window) for row in system.rows if isinstance(row.value, Signal))
+    return steady and (system.extras is None or system.extras.STEADY)
 
 
 def period(system: System) -> str:

@@ -5,10 +5,24 @@ Derived in docs/design.md, "Where the model leaves its range".
 
 import numpy as np
 
+from vvdp.base.arrays import Array
 from vvdp.base.select import select
 from vvdp.valve.rotary import RotaryValve
 
 BISECTIONS = 50
+
+
+def radial_force(flows: Array, openings: Array, density: float) -> float:
+    """The force that evenly spaced jets leave on the spool [N]: the size of the sum of rho q^2/A along each of them.
+
+    flows     through the nozzles, in their order round the axis [m^3/s]
+    openings  of the nozzles in the bore, A [m^2]
+    density   rho [kg/m^3]
+
+    Source  ours, docs/models/cfd.md
+    """
+    directions = np.exp(2j * np.pi * np.arange(len(flows)) / len(flows))
+    return float(abs(np.sum(density * flows**2 / openings * directions)))
 
 
 def radial_jet_force(flow: float, excess_share: float, density: float, valve: RotaryValve) -> float:

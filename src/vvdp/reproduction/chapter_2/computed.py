@@ -6,12 +6,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from vvdp.base import kinds
+from vvdp.base.extras import MissingExtraError, require_solids
 from vvdp.base.kinds import Kind
 from vvdp.cfd.case import Fluid
 from vvdp.cfd.engine import MissingProgramError, find_openfoam
 from vvdp.cfd.kept import KeptStudy, kept_studies, kept_study
-from vvdp.cfd.rail import RailOrder, rail_case, turned_rail
-from vvdp.cfd.solve import Progress, solve
 from vvdp.geometry.shape_tables import valve_shape
 from vvdp.reproduction.chapter_2.valve import DENSITY, FLOW, VISCOSITY, valve
 from vvdp.results.result import Column, Table
@@ -58,23 +57,23 @@ def kept_table(study: KeptStudy) -> Table:
 
 
 def live_rail(grid: float) -> Table | None:
-    """The inlet rail at 40 lpm, computed now with so many cells per spool radius; None without OpenFOAM."""
+    """The inlet rail at 40 lpm, computed now with so many cells per spool radius; None without what it takes."""
     try:
         openfoam = find_openfoam()
-    except MissingProgramError:
+        require_solids()
+    except (MissingProgramError, MissingExtraError):
         return None
+    from vvdp.cfd.rail import RailOrder, rail_case, turned_rail
+    from vvdp.cfd.solve import solve
+
     order = RailOrder(valve(), valve_shape(valve()).shape, Fluid(DENSITY, VISCOSITY), FLOW, grid)
     with TemporaryDirectory() as place:
         folder = Path(place) / "case"
         folder.mkdir()
-        solved = solve(rail_case(order, turned_rail(order)), folder, openfoam, 1, _hear_nothing)
+        solved = solve(rail_case(order, turned_rail(order)), folder, openfoam, 1, lambda progress: None)
     columns = {
         "cells": Column(np.array([float(solved.mesh.cells)]), kinds.COUNT, "cells"),
         "pressure_drop_Pa": Column(np.array([solved.judgement.value]), kinds.PRESSURE_DIFFERENCE, "drop"),
         "mass_imbalance": Column(np.array([solved.judgement.imbalance]), kinds.NUMBER, "imbalance"),
     }
     return Table(title="Computed just now", columns=columns)
-
-
-def _hear_nothing(progress: Progress) -> None:
-    """Nobody watches the small case."""

@@ -5,7 +5,6 @@ import numpy as np
 from vvdp.base.arrays import Array
 from vvdp.base.kinds import BULK_MODULUS, EFFICIENCY, FORCE, FRACTION, MEAN_POWER, NUMBER, VOLUME
 from vvdp.base.units import ATMOSPHERE
-from vvdp.cfd.designs_result import radial_force
 from vvdp.cfd.kept import KeptStudy
 from vvdp.fluid.mixture import mean_bulk_modulus
 from vvdp.reproduction.chapter_2 import valve as here
@@ -16,7 +15,7 @@ from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.chart import Bars, Chart
 from vvdp.results.result import Column, Table
 from vvdp.results.verdict import Statement, bound_statement, missing_statement, number_statement
-from vvdp.valve.bearing import bearing_eccentricity
+from vvdp.valve.bearing import bearing_eccentricity, radial_force
 
 RAIL, THIN, FINAL = 12.7e-6, 4.2e-6, 3.7e-6
 """Volumes of the prototype, of design (d) and of the final design [m^3]."""

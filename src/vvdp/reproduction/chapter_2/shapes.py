@@ -1,20 +1,20 @@
-"""The drawings of chapters 1 and 2 that show the valve: made from its solids."""
+"""The drawings of chapters 1 and 2 that show the valve: made from its solids, which an extra brings."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from vvdp.base.extras import require_solids
 from vvdp.base.kinds import AREA
-from vvdp.geometry.domains import centre_domain, rail_domain, turbine_domain, valve_domain
-from vvdp.geometry.mesh import Mesh
 from vvdp.geometry.shape_tables import given_shape, valve_shape
-from vvdp.geometry.solids import half_sleeve, spool
 from vvdp.report.drawing import Drawn
-from vvdp.report.geometry_figures import oil_figure, patches_figure, solids_figure, unwrapped_figure
 from vvdp.reproduction.chapter_2.valve import valve
 from vvdp.reproduction.drawings import circuit_drawing, solid_drawing
 from vvdp.reproduction.item import Item, ItemKind, Reproduction
 from vvdp.results.verdict import number_statement
+
+if TYPE_CHECKING:
+    from vvdp.geometry.mesh import Mesh
 
 DUTY = 0.5
 
@@ -25,8 +25,11 @@ def shape() -> Any:
 
 
 @cache
-def oil() -> Mapping[str, Mesh]:
+def oil() -> "Mapping[str, Mesh]":
     """What the oil fills on its way to an outlet: the whole valve, and its three sections."""
+    require_solids()
+    from vvdp.geometry.domains import centre_domain, rail_domain, turbine_domain, valve_domain
+
     v, s, position = valve(), shape(), DUTY * valve().helix_length
     return {
         "whole valve": valve_domain(s, v, 0.0, position).mesh,
@@ -38,16 +41,27 @@ def oil() -> Mapping[str, Mesh]:
 
 def surface_drawing() -> Drawn:
     """The spool's surface rolled out, with its lengths."""
+    require_solids()
+    from vvdp.report.geometry_figures import unwrapped_figure
+
     return unwrapped_figure(shape(), valve(), DUTY * valve().helix_length)
 
 
 def solids() -> Drawn:
     """Spool and cut sleeve."""
+    require_solids()
+    from vvdp.geometry.solids import half_sleeve, spool
+    from vvdp.report.geometry_figures import solids_figure
+
     return solids_figure(spool(shape(), valve()), half_sleeve(shape(), valve()))
 
 
 def rail_designs(designs: Sequence[str]) -> Drawn:
     """The oil of the rail in some of the source's designs."""
+    require_solids()
+    from vvdp.geometry.domains import rail_domain
+    from vvdp.report.geometry_figures import oil_figure
+
     rails = {
         f"({design})": rail_domain(given_shape(valve(), f"rail-{design}", ()).shape, valve()).mesh for design in designs
     }
@@ -62,13 +76,27 @@ def figure_2_1() -> Reproduction:
 
 def figure_2_2() -> Reproduction:
     """The oil within the valve."""
-    return solid_drawing("fluid domain of the valve", "figure-2.2", lambda: oil_figure(oil()))
+
+    def draw() -> Drawn:
+        domains = oil()
+        from vvdp.report.geometry_figures import oil_figure
+
+        return oil_figure(domains)
+
+    return solid_drawing("fluid domain of the valve", "figure-2.2", draw)
 
 
 def _section(number: str, name: str) -> Callable[[], Reproduction]:
     def work() -> Reproduction:
         """A section of the oil, with its patches."""
-        return solid_drawing(f"fluid domain, {name}", f"figure-{number}", lambda: patches_figure(oil()[name]))
+
+        def draw() -> Drawn:
+            domain = oil()[name]
+            from vvdp.report.geometry_figures import patches_figure
+
+            return patches_figure(domain)
+
+        return solid_drawing(f"fluid domain, {name}", f"figure-{number}", draw)
 
     return work
 
