@@ -81,7 +81,7 @@ def test_the_command_line_runs_a_study_on_slurm(
     except SystemExit as problem:
         main_ended = problem.code
     assert not main_ended, capsys.readouterr().err
-    assert "3 cases run" in capsys.readouterr().out
+    assert "3 cases run" in capsys.readouterr().err
     assert list((tmp_path / "out" / "slurm").glob("*.err"))
 
 

@@ -79,6 +79,16 @@ def test_a_law_outside_its_range_is_named_and_the_run_not_trusted(settings, word
     assert not found["within_validity"] and not found["trusted"]
 
 
+def test_a_rod_beyond_its_stroke_is_named():
+    """The end stop stands behind the end of the cylinder, so that nothing holds the rod there."""
+    found, said = told("cylinder-stops", ["components.end_stops.upper_end=330 mm"], "3 s")
+    assert 0.329 < found["position_max_rod_m"] < 0.333 and not found["within_validity"]
+    (sentence,) = (line for line in said if line.startswith("position of rod: "))
+    assert sentence.endswith(
+        " mm, outside 0 mm to 300 mm; the stroke of cylinder is over there and only an end-stop holds the rod"
+    )
+
+
 def test_the_switching_of_3_8_megahertz_is_named():
     """Of 0.001 mm^2 of outlet: 9 ms are enough to see it."""
     _, said = told(BENCH, ["valve.outlet_effective_area=0.001 mm^2"], "9 ms")

@@ -44,9 +44,9 @@ class Signal:
         return not any(self.change) and not any(self.amplitude)
 
     def is_constant_within(self, begin: float, end: float) -> bool:
-        """Whether the value does not change between two times [s]; a jump at `begin` comes before."""
+        """Whether the value does not change between two times [s]; a jump at either is one."""
         changes = zip(self.start, self.duration, self.change, strict=True)
-        return not any(self.amplitude) and not any(c and a < end and a + d > begin for a, d, c in changes)
+        return not any(self.amplitude) and not any(c and a <= end and a + d >= begin for a, d, c in changes)
 
 
 def map_signal(signal: Signal, function: Callable[[float], float]) -> Signal:

@@ -36,8 +36,10 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
         yield Badge(f"no {run.period}", Grade.WARNING)
     elif run.has("settled"):
         yield Badge("settled", Grade.GOOD)
+    elif expects_steady_state(run.system, run.summary):
+        yield Badge("not settled", Grade.WARNING)
     else:
-        yield Badge("not settled", Grade.WARNING) if expects_steady_state(run.system, run.summary) else Badge("varies by design")
+        yield Badge("varies by design")
     if run.has("cavitation_volume"):
         yield Badge("cavitation", Grade.BAD)
     if "motor_overloaded" in run.summary:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from vvdp.base.display import with_unit
-from vvdp.base.kinds import PRESSURE_DIFFERENCE, TEMPERATURE, Kind
+from vvdp.base.kinds import POSITION, PRESSURE_DIFFERENCE, TEMPERATURE, Kind
+from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.network.nodes import HydraulicNode
 from vvdp.systems.system import System
 from vvdp.valve.validity import CAVITATION_PRESSURE
@@ -14,6 +15,9 @@ from vvdp.valve.validity import CAVITATION_PRESSURE
 COLDEST, HOTTEST = 258.15, 373.15
 """Oil temperatures [K] between which two points of a data sheet tell the viscosity: from -15 degC, at which DIN 51524
 has an oil of ISO VG 46 still flow, to 100 degC, the upper point itself."""
+
+STOP_GIVES = 0.01
+"""Of the stroke, by which end stops may give way: theirs are springs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,8 +74,26 @@ def bounds(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
                 least=least,
                 otherwise="the oil cavitates, which its law leaves out; oil.vapour_pressure brings it in",
             )
+    yield from _strokes(system, found)
     if extras is not None:
         yield from extras.bounds(found)
+
+
+def _strokes(system: System, found: Mapping[str, Any]) -> Iterator[Bound]:
+    """Rods within the strokes of their cylinders; what an end stop gives way is none of it."""
+    for part in system.circuit.network.parts.values():
+        for cylinder in (each for each in part.values if isinstance(each, Cylinder)):
+            rod, give = part.nodes["rod"], STOP_GIVES * cylinder.stroke
+            low, high = (float(found[f"position_{end}_{rod}_m"]) for end in ("min", "max"))
+            yield Bound(
+                label=f"position of {rod.replace('_', ' ')}",
+                kind=POSITION,
+                low=0.0 if -give < low < 0.0 else low,
+                high=cylinder.stroke if 0.0 < high - cylinder.stroke < give else high,
+                least=0.0,
+                most=cylinder.stroke,
+                otherwise=f"the stroke of {part.name} is over there and only an end-stop holds the rod",
+            )
 
 
 def broken_bounds(system: System, found: Mapping[str, Any]) -> list[str]:
