@@ -134,6 +134,10 @@ def test_several_faults_are_all_told(here, refused):
         (b"\xff\xfe\x00[", "is not UTF-8"),
         (b'title = "a"\n[oil\ndensity = 3\n', "my.toml:2: is not valid TOML"),
         (b"a = 1\na = 2\n", "is not valid TOML"),
+        (
+            b"p = { flow = 20 lpm }\n",
+            'my.toml:1: is not valid TOML: Unclosed inline table; a value with a unit stands in quotes: "20 lpm"',
+        ),
         (b"a = " + b"[" * 20_000, "is not valid TOML"),
         (b"a = " + b"9" * 20_000, "is not valid TOML"),
         (b"#" * 1_000_001, "1000001 bytes"),

@@ -272,6 +272,7 @@ FAULTS = {
     "wrong unit": ('area = "5 mm^2"', 'area = "5 bar"', "components.feed.area", "is not an area"),
     "no unit": ('speed = "1500 rpm"', 'speed = "1500"', "nodes.shaft.speed", "has no unit"),
     "typo": ("displacement =", "displacment =", "components.pump.displacment", "did you mean 'displacement'"),
+    "wrong port": ('a = "rail"', 'aa = "rail"', "components.feed.aa", "unknown key; did you mean 'a'?"),
     "missing": ('friction_torque = "1 N*m"\n', "\n", "components.pump.friction_torque", "missing key"),
     "no input": ('area = "5 mm^2"\n', "\n", "components.feed", "input 'area' is not connected; give a signal"),
     "node's type": ('{ type = "tank" }', '{ type = "tnk" }', "nodes.tank", "type 'tnk' is unknown"),
@@ -293,6 +294,12 @@ def test_a_mistake_is_one_line_with_its_place(vvdp, drawn, fault):
     assert place == "press.toml" and int(line) > 0
     assert f" {key}: " in told[0]
     assert not (drawn / "out").exists()
+
+
+def test_a_name_that_is_mistyped_on_the_command_line_is_told_there(vvdp, drawn):
+    answer = vvdp("run", "press.toml", "--set", "components.fed.area=3 mm^2")
+    assert answer.code == 2
+    assert answer.err.strip() == "--set: components.fed: has no type; did you mean 'feed'?"
 
 
 @pytest.mark.parametrize(

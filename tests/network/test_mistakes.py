@@ -264,6 +264,7 @@ DRAWN = [
     (lambda n, of: n.add("x", ORIFICE, of.orifice, a="line", b="rod", area=1e-6), "joins a volume .*; 'rod' is"),
     (lambda n, of: n.add("line", ORIFICE, of.orifice, a="line", b="tank", area=1e-6), "the name 'line' is taken"),
     (lambda n, of: n.add("total", ORIFICE, of.orifice, a="line", b="tank", area=1e-6), "'total' is reserved"),
+    (lambda n, of: n.add("return", ORIFICE, of.orifice, a="line", b="tank", area=1e-6), "'return' is reserved"),
     (lambda n, of: n.add("2x", ORIFICE, of.orifice, a="line", b="tank", area=1e-6), "cannot be a name"),
     (lambda n, of: orifice(n, of, 1e-6, start=Lag(0.0)), "has no state"),
     (lambda n, of: orifice(n, of, Connection(area_of, (5.0,))),

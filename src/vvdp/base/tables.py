@@ -110,8 +110,12 @@ def parsed_table(text: str, place: str) -> Table:
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as problem:
-        line = re.search(r"line (\d+)", str(problem))
-        raise ConfigError([Fault(place, int(line[1]) if line else 0, "", f"is not valid TOML: {problem}")]) from None
+        found = re.search(r" \(at line (\d+), column \d+\)", str(problem))
+        line = int(found[1]) if found else 0
+        words = str(problem).replace(found[0] if found else "", "")
+        bare = re.search(r"=\s*([-+.\d][-+.\de]*\s+[A-Za-z%][^\s,}\]]*)", text.splitlines()[line - 1] if line else "")
+        meant = f'; a value with a unit stands in quotes: "{bare[1]}"' if bare else ""
+        raise ConfigError([Fault(place, line, "", f"is not valid TOML: {words}{meant}")]) from None
     except (ValueError, RecursionError) as problem:  # thousands of digits or of brackets
         raise unusable(place, f"is not valid TOML: {problem}") from None
     if not content:

@@ -277,9 +277,9 @@ class Network:
 
     def check_name(self, name: str) -> None:
         """Raises NetworkError where `name` cannot be given to a further node, component or program."""
-        if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or keyword.iskeyword(name):
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
             raise NetworkError(f"{name!r} cannot be a name; use small letters, digits and _, beginning with a letter")
-        if name in RESERVED:
+        if name in RESERVED or keyword.iskeyword(name):
             raise NetworkError(
                 f"the name {name!r} is reserved for the equations that are written from the network; choose another, "
                 f"for example '{name}_1'"

@@ -7,9 +7,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from vvdp.base.display import key_suffix
+from vvdp.base.display import key_suffix, with_unit
 from vvdp.base.errors import ConfigError, Fault, unusable
 from vvdp.base.files import write_whole
+from vvdp.base.kinds import TIME
 from vvdp.base.tables import suggestion
 from vvdp.report.drawing import image
 from vvdp.report.plot import fill_figure
@@ -75,6 +76,11 @@ def _common_ends(result: Result, panels: Sequence[Lines], ends: Ends) -> tuple[f
     own = next(((p.left, p.right) for p in panels if p.left is not None), (None, None))
     usual = (float(np.nanmin(x)), float(np.nanmax(x)))
     left, right = (next(end for end in ends if end is not None) for ends in zip(ends, own, usual, strict=True))
+    if not left < right:
+        low, high = (with_unit(end, TIME) for end in usual)
+        raise unusable(
+            "plot", f"{with_unit(left, TIME)} to {with_unit(right, TIME)}; the result is from {low} to {high}"
+        )
     return left, right
 
 

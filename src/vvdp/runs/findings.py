@@ -32,14 +32,7 @@ def badges(run: RecordedRun) -> Iterator[Badge]:
         yield Badge("outside the range of a law", Grade.BAD)
     if not run.has("finished"):
         yield Badge("interrupted", Grade.BAD)
-    if run.number("averaged_periods") < 1 and "pwm_frequency_Hz" in run.summary:
-        yield Badge(f"no {run.period}", Grade.WARNING)
-    elif run.has("settled"):
-        yield Badge("settled", Grade.GOOD)
-    elif expects_steady_state(run.system, run.summary):
-        yield Badge("not settled", Grade.WARNING)
-    else:
-        yield Badge("varies by design")
+    yield _settling_badge(run)
     if run.has("cavitation_volume"):
         yield Badge("cavitation", Grade.BAD)
     if "motor_overloaded" in run.summary:
@@ -91,6 +84,15 @@ def warnings(run: RecordedRun) -> Iterator[Finding]:
         )
     if not run.has("settled") and expects_steady_state(run.system, run.summary):
         yield _settling_warning()
+
+
+def _settling_badge(run: RecordedRun) -> Badge:
+    if run.number("averaged_periods") < 1 and "pwm_frequency_Hz" in run.summary:
+        return Badge(f"no {run.period}", Grade.WARNING)
+    if run.has("settled"):
+        return Badge("settled", Grade.GOOD)
+    steady = expects_steady_state(run.system, run.summary)
+    return Badge("not settled", Grade.WARNING) if steady else Badge("varies by design")
 
 
 def _settling_warning() -> Finding:

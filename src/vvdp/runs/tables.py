@@ -75,7 +75,7 @@ def component_listing(run: RecordedRun) -> Listing:
     """Mean flows of the components, and the power that comes from outside."""
     rows = []
     for line in flow_lines(run.system, run.summary):
-        what = f"flow into {line.port}" if line.port else "flow"
+        what = (f"flow into {line.port}" if line.port else "flow") + (", besides what is swept" if line.sweeps else "")
         rows.append(Row(f"{line.component.replace('_', ' ')}, {what}", FLOW, (line.flow,)))
     rows += [
         Row(f"{name.replace('_', ' ')}, power into the circuit", MEAN_POWER, (power,))

@@ -27,7 +27,7 @@ from vvdp.base.kinds import (
 )
 from vvdp.base.params import Params, field_kinds
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, build, nearest
+from vvdp.base.tables import Sourced, Table, build, nearest, suggestion
 from vvdp.base.units import parse, parsed_difference
 from vvdp.components.library import COMPONENTS, PROGRAMS, UsualOil
 from vvdp.fluid.oil import Oil
@@ -220,7 +220,8 @@ class Drawer:
                 yield name, part
 
     def _fault(self, path: str, message: str) -> None:
-        line, part = self.origin.lines.get(path), path
+        inner = (line for key, line in self.origin.lines.items() if key.startswith(f"{path}."))
+        line, part = self.origin.lines.get(path, next(inner, None)), path
         while line is None and "." in part:
             part = part.rpartition(".")[0]
             line = self.origin.lines.get(part)
@@ -234,10 +235,16 @@ class Drawer:
     def _type(self, path: str, part: Mapping[str, Any], types: Mapping[str, Any]) -> Any:
         word = part.get("type")
         if word not in types:
-            what = "has no type" if word is None else f"type {word!r} is unknown"
-            self._fault(path, what + nearest(str(word), list(types)))
+            unknown = f"type {word!r} is unknown{nearest(str(word), list(types))}"
+            self._fault(path, self._type_hint(path, types) if word is None else unknown)
             return None
         return types[str(word)]
+
+    def _type_hint(self, path: str, types: Mapping[str, Any]) -> str:
+        """What is said of a part without a type: perhaps the name of another one is meant."""
+        table, _, name = path.partition(".")
+        others = [other for other, part in self._parts(table) if "type" in part]
+        return "has no type" + (suggestion(name, others) or nearest("", list(types)))
 
     def _add_node(self, net: Network, name: str, part: Mapping[str, Any], oils: Mapping[str, Oil]) -> None:
         path = f"nodes.{name}"
@@ -317,10 +324,11 @@ class Drawer:
         if meant := other_type(word, part, types):
             self._fault(path, meant)
             return False
-        known = part_keys(types[word]).known
+        needed, known = part_keys(types[word])
         for key in part:
             if key not in known:
-                self._fault(f"{path}.{key}", f"unknown key{nearest(key, known)}")
+                meant = suggestion(key, needed - part.keys()) or nearest(key, known)
+                self._fault(f"{path}.{key}", f"unknown key{meant}")
         return True
 
     def _has_faults(self, path: str) -> bool:

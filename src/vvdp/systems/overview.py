@@ -28,11 +28,13 @@ class NodeLine(NamedTuple):
 
 
 class FlowLine(NamedTuple):
-    """A mean flow of a component [tank volumes, m^3/s], with the port where it has several flows."""
+    """A mean flow of a component [tank volumes, m^3/s], with the port where it has several flows. A component that
+    `sweeps` has volumes that a shaft or rod moves; what they take or give is none of this flow."""
 
     component: str
     port: str
     flow: float
+    sweeps: bool = False
 
 
 class LossLine(NamedTuple):
@@ -77,7 +79,8 @@ def flow_lines(system: System, found: Mapping[str, Any]) -> Iterator[FlowLine]:
     hidden = inside(network)
     for part in network.parts.values():
         for name, port in flow_ports(part).items() if part.name not in hidden else ():
-            yield FlowLine(part.name, port, float(found[f"flow_mean_{name.removesuffix('_flow')}_m3_s"]))
+            flow = float(found[f"flow_mean_{name.removesuffix('_flow')}_m3_s"])
+            yield FlowLine(part.name, port, flow, part.component.moves_walls)
     for name in network.groups:
         yield FlowLine(name, "", float(found[f"flow_mean_{name}_m3_s"]))
 
