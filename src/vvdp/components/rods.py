@@ -74,8 +74,8 @@ class LoadEffect(NamedTuple):
 
 
 def cylinder(a: FluidState, b: FluidState, rod: RodState, oil: Oil, values: Cylinder) -> CylinderEffect:
-    """A double-acting cylinder: force on the rod, and leakage past the piston. Its friction, its end stops and its
-    chambers' own volumes are components and nodes of their own.
+    """A double-acting cylinder, kept within its stroke by an end-stop only: force on the rod, and leakage past the
+    piston. Its friction, its end stops and its chambers' own volumes are components and nodes of their own.
     """
     leak = passage(values.leakage_conductance * (a.pressure - b.pressure), a, b)
     force = cylinder_force(a.pressure, b.pressure, oil.reference_pressure, values)
