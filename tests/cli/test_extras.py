@@ -24,7 +24,6 @@ def _files(folder):
         ("trimesh", "geometry", ["geometry", "prototype"]),
         ("trimesh", "geometry", ["cfd", "rail", "prototype"]),
         ("trimesh", "geometry", ["cfd", "valve", "prototype"]),
-        ("trimesh", "geometry", ["reproduce", "3.9"]),
         ("casadi", "opt", ["design", "levers", "prototype"]),
         ("OCP", "cad", ["geometry", "prototype", "--step"]),
         ("casadi", "opt", ["design", "prototype", "--minimise", "pressure_drop_total"]),
