@@ -65,6 +65,13 @@ def test_values_that_drift_apart_have_no_order():
     assert grid_convergence((1.0, 2.0, 4.0), (5.0, 5.0, 5.0)).band == 0.0
 
 
+def test_a_value_that_only_the_finest_grid_changes_is_not_converged():
+    """1.25 * (0.1/5) / (2 - 1), as of values that drift apart; not 0."""
+    found = grid_convergence((1.0, 2.0, 4.0), (5.0, 4.9, 4.9))
+    assert found.band == pytest.approx(0.025)
+    assert math.isnan(found.order) and found.is_monotone
+
+
 def test_grids_out_of_order_are_refused():
     with pytest.raises(ParameterError, match="expected the finest first"):
         grid_convergence((4.0, 2.0, 1.0), (1.0, 2.0, 3.0))

@@ -55,6 +55,7 @@ def test_several_names_share_one_axis(two_runs):
         (["run", "losses-cause"], "no time axis in common"),
         (["run", "--out", "a.gif"], "expected a name that ends with .png, .svg or .pdf"),
         (["load_pressure", "--from", "900 s"], "plot: 900 s to "),
+        (["load_pressure", "--from", "900 s", "--to", "901 s"], "the result is from 0 s to "),
         (["run", "--from", "3"], "--from: '3' has no unit"),
         (["run", "--out", "missing/a.png"], "missing/a.png: cannot be written"),
     ],

@@ -48,12 +48,12 @@ def grid_convergence(sizes: tuple[float, float, float], values: tuple[float, flo
         )
     e21, e32 = f2 - f1, f3 - f2
     spread = (max(values) - min(values)) / abs(f1)
-    if e21 == 0.0 or e32 == 0.0:
+    if e21 == 0.0:
         return GridConvergence(math.nan, f1, 0.0, True, spread)
-    order = _order(r21, r32, e32 / e21)
+    order = _order(r21, r32, e32 / e21) if e32 else 0.0
     gain = r21 ** min(order or LOWEST_ORDER, HIGHEST_ORDER) - 1.0
     extrapolated = f1 - e21 / gain if order else math.nan
-    return GridConvergence(order or math.nan, extrapolated, SAFETY * abs(e21 / f1) / gain, e32 / e21 > 0.0, spread)
+    return GridConvergence(order or math.nan, extrapolated, SAFETY * abs(e21 / f1) / gain, e32 / e21 >= 0.0, spread)
 
 
 def _order(r21: float, r32: float, ratio: float) -> float:

@@ -70,13 +70,16 @@ def chosen_chart(result: Result, names: Sequence[str], ends: Ends = (None, None)
 
 
 def _common_ends(result: Result, panels: Sequence[Lines], ends: Ends) -> tuple[float, float]:
-    """Ends of the axis [SI]: those asked for, else those of a panel that has some, else those of the first series."""
+    """Ends of the axis [SI]: those asked for, else those of a panel that has some, else those of the first series.
+
+    Raises ConfigError where nothing lies between those asked for.
+    """
     first = panels[0]
     x = result.tables[first.table][first.lines[0].x]
     own = next(((p.left, p.right) for p in panels if p.left is not None), (None, None))
     usual = (float(np.nanmin(x)), float(np.nanmax(x)))
     left, right = (next(end for end in ends if end is not None) for ends in zip(ends, own, usual, strict=True))
-    if not left < right:
+    if ends != (None, None) and not (left < right and left < usual[1] and right > usual[0]):
         low, high = (with_unit(end, TIME) for end in usual)
         raise unusable(
             "plot", f"{with_unit(left, TIME)} to {with_unit(right, TIME)}; the result is from {low} to {high}"
