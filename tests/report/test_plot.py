@@ -54,3 +54,18 @@ def test_a_legend_of_two_rows_is_inside_the_figure():
     figure = new_figure(chart, {"t": Table(title="t", columns=columns)})
     FigureCanvasAgg(figure).draw()
     assert figure.axes[0].get_legend().get_window_extent().y1 <= figure.bbox.y1
+
+
+def test_numbers_at_an_axis_are_those_of_the_line():
+    """Of a flow of 20 lpm that changes by its last digits; not what is left of it beside an offset."""
+    columns = {
+        "time_s": Column(np.linspace(0.0, 1.0, 50), kinds.TIME, "time"),
+        "flow_m3_s": Column(20.0 / 60e3 * (1.0 - 1e-6 * np.linspace(1.0, 0.0, 50)), kinds.FLOW, "flow"),
+    }
+    panel = Lines(lines=(Line(x="time_s", y="flow_m3_s"),), label="flow")
+    chart = Chart(name="flow", caption="A flow.", table="record", panels=(panel,))
+    figure = new_figure(chart, {"record": Table(title="Record", columns=columns)})
+    FigureCanvasAgg(figure).draw()
+    (axes,) = figure.axes
+    assert axes.yaxis.get_offset_text().get_text() == ""
+    assert all(19.9 < float(label.get_text()) < 20.1 for label in axes.get_yticklabels())

@@ -25,6 +25,7 @@ STYLE: Mapping[str, Any] = {
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
     "axes.unicode_minus": True,
     "grid.color": "#e6e9ec",
     "grid.linewidth": 0.6,
