@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import list_all
 from vvdp.base.kinds import COUNT, FLAG, FLOW, GAUGE_PRESSURE, MEAN_POWER, PRESSURE_LEVEL, Kind
 from vvdp.results.chart import Bars, Chart, Colour, Field, Level, Line, Lines, Stroke
 from vvdp.results.result import Column, Finding, Grade, Listing, Number, Result, Row, Section, Table
@@ -100,7 +101,10 @@ def test_flat_has_whole_counts_true_flags_and_warnings_as_a_list():
 def test_a_damaged_result_is_refused_by_name(tmp_path, damage):
     write_result(tmp_path, RESULT, "")
     (tmp_path / "result.json").write_text(damage)
-    with pytest.raises(ConfigError, match="is damaged"):
+    with pytest.raises(ConfigError, match=r"result.json: has changed since it was written"):
+        read_result(tmp_path)
+    list_all(tmp_path)
+    with pytest.raises(ConfigError, match=r"is damaged|was written in format None"):
         read_result(tmp_path)
 
 
@@ -108,6 +112,9 @@ def test_a_table_that_was_cut_off_is_refused(tmp_path):
     write_result(tmp_path, RESULT, "")
     text = (tmp_path / "map.csv").read_text()
     (tmp_path / "map.csv").write_text(text.replace("33333.333333333336", "3333x"))
+    with pytest.raises(ConfigError, match=r"map.csv: has changed since it was written"):
+        read_result(tmp_path)
+    list_all(tmp_path)
     with pytest.raises(ConfigError, match="is damaged"):
         read_result(tmp_path)
 
@@ -116,5 +123,6 @@ def test_another_format_is_named(tmp_path):
     write_result(tmp_path, RESULT, "")
     content = json.loads((tmp_path / "result.json").read_text())
     (tmp_path / "result.json").write_text(json.dumps(content | {"format": 99}))
+    list_all(tmp_path)
     with pytest.raises(ConfigError, match="was written in format 99"):
         read_result(tmp_path)

@@ -52,7 +52,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 @contextmanager
-def listed(directory: Path, names: Collection[str], *, pages: bool = False) -> Iterator[None]:
+def write_listed(directory: Path, names: Collection[str], *, pages: bool = False) -> Iterator[None]:
     """Lists the files `names`, paths below `directory`, as vvdp's own while they are written in the block.
 
     Until it ends they are known as unfinished, so that a call that is ended in between can be repeated. `pages` may be

@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.arrays import Array
 from vvdp.base.display import percent, with_unit
-from vvdp.base.files import discard, listed, write_whole
+from vvdp.base.files import discard, write_listed, write_whole
 from vvdp.base.kinds import COUNT, EFFICIENCY, FREQUENCY, MEAN_POWER, VOLUME
 from vvdp.base.manifest import read_list
 from vvdp.design.quantities import key
@@ -64,7 +64,7 @@ def write_front(folder: Path, found: Robust) -> None:
         name = f"point-{number:03d}"
         design = redesign(system, each.values, f"{name} of a robust front", f"{system.title}, {name} of a robust front")
         texts[f"systems/{name}.toml"] = resolved_text(design)
-    with listed(folder, texts):
+    with write_listed(folder, texts):
         for path, text in texts.items():
             write_whole(folder / path, text)
     discard(folder, [name for name in read_list(folder) if name.startswith("systems/") and name not in texts])

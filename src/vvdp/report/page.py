@@ -5,7 +5,7 @@ from importlib import resources
 from pathlib import Path
 from types import MappingProxyType
 
-from vvdp.base.files import clear_unfinished, discard, listed, write_whole
+from vvdp.base.files import clear_unfinished, discard, write_listed, write_whole
 from vvdp.base.manifest import read_list
 from vvdp.report.drawing import Drawn
 
@@ -35,7 +35,7 @@ def write_page(
     files = {f"{FIGURES}/{name}.svg": svg.encode() for name, svg in more.items()}
     files |= {f"{FIGURES}/{each.name}.svg": each.svg.encode() for each in drawn}
     stale = [name for name in read_list(directory) if name.startswith(f"{FIGURES}/") and name not in files]
-    with listed(directory, [*files, NAME], pages=True):
+    with write_listed(directory, [*files, NAME], pages=True):
         for place in (directory, directory / FIGURES):
             clear_unfinished(place)
         for name, content in files.items():

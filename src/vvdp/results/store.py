@@ -25,7 +25,7 @@ import numpy as np
 
 import vvdp
 from vvdp.base.errors import ConfigError, unusable
-from vvdp.base.files import listed, write_whole
+from vvdp.base.files import write_listed, write_whole
 from vvdp.base.kinds import GAUGE_PRESSURE, Kind, kind_named
 from vvdp.base.manifest import NAME, Directory, open_directory
 from vvdp.results.result import Column, Result, Table, plain_values
@@ -49,7 +49,7 @@ def write_result(
     `command` is what was typed, word by word; `more` is added to meta.json.
     """
     tables = {f"{name}.csv": table for name, table in result.tables.items()}
-    with listed(folder, [*tables, *(["system.toml"] if system else []), DESCRIPTION, META]):
+    with write_listed(folder, [*tables, *(["system.toml"] if system else []), DESCRIPTION, META]):
         for name, table in tables.items():
             write_whole(folder / name, table_text(table))
         if system:
@@ -106,7 +106,7 @@ def add_labels(directory: Path, labels: Mapping[str, str]) -> None:
     Raises ConfigError where the directory holds no result.
     """
     meta = {**read_meta(directory), **{name: text for name, text in labels.items() if text}}
-    with listed(directory, [META]):
+    with write_listed(directory, [META]):
         write_json(directory / META, meta)
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from vvdp.base.files import listed, write_whole
+from vvdp.base.files import write_listed, write_whole
 from vvdp.runs.run import RecordedRun
 from vvdp.simulation.link import quiet
 from vvdp.simulation.record import record_of
@@ -82,5 +82,5 @@ def save_run(folder: Path, run: RecordedRun) -> None:
 def _copy_module(folder: Path, module: OwnModule) -> None:
     name, content = f"{module.name.replace('.', '/')}.py", module.path.read_bytes()
     if name.isascii() and hashlib.sha256(content).hexdigest() == module.sha256:
-        with listed(folder, [name]):
+        with write_listed(folder, [name]):
             write_whole(folder / name, content)

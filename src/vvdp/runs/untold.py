@@ -21,7 +21,7 @@ TITLE = "The circuit is not shown"
 def untold_result(results: Results, why: str) -> Result:
     """A run as a result, its series as recorded [SI, pressures absolute]; `why` its circuit is not shown."""
     record = record_table(results.record)
-    rows = tuple(Row(key, None, (_shown(value),)) for key, value in sorted(results.summary.items()))
+    rows = tuple(Row(key, None, (_value_text(value),)) for key, value in sorted(results.summary.items()))
     note = "In SI units, as the end of each name says. Pressures are gauge."
     return Result(
         verb="run",
@@ -35,7 +35,7 @@ def untold_result(results: Results, why: str) -> Result:
     )
 
 
-def _shown(value: float | bool) -> str:
+def _value_text(value: float | bool) -> str:
     return ("yes" if value else "no") if isinstance(value, bool) else number(float(value), 6)
 
 

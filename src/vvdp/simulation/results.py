@@ -19,7 +19,7 @@ import numpy as np
 
 import vvdp
 from vvdp.base.errors import unusable
-from vvdp.base.files import listed, write_whole
+from vvdp.base.files import write_listed, write_whole
 from vvdp.base.manifest import Directory, open_directory
 from vvdp.results.store import META, read_meta, write_json
 from vvdp.simulation.record import Record, record_bytes
@@ -64,7 +64,7 @@ def origin(run: Run) -> dict[str, Any]:
 
 def write_results(folder: Path, results: Results) -> None:
     """Writes a run into `folder`; each file is whole or absent. `results.directory` is not looked at."""
-    with listed(folder, [SYSTEM, SUMMARY, META, RECORD]):
+    with write_listed(folder, [SYSTEM, SUMMARY, META, RECORD]):
         write_whole(folder / SYSTEM, results.system)
         write_json(folder / SUMMARY, results.summary)
         write_json(folder / META, results.meta)

@@ -29,6 +29,8 @@ from vvdp.studies.index import NAME as INDEX
 from vvdp.studies.index import Row, Stamp, companions, is_own_index, read_index, stamp, write_index
 
 FORMAT = 2
+MARK = "vvdp"
+"""By which study.json is known as ours."""
 DESCRIPTION = "study.json"
 CASES = re.compile(r"cases-[0-9a-f]{16}\.json")
 
@@ -52,7 +54,7 @@ def opened_store(directory: Path, description: Mapping[str, Any]) -> dict[str, F
     try:
         clear_unfinished(directory)
         directory.mkdir(parents=True, exist_ok=True)
-        _write(directory / DESCRIPTION, {"format": FORMAT, **description})
+        _write(directory / DESCRIPTION, {"store": MARK, "format": FORMAT, **description})
     except OSError as problem:
         raise unusable(directory, f"cannot be written ({problem.strerror})") from None
     known = read_index(directory)
@@ -99,12 +101,10 @@ def require_store(directory: Path) -> None:
         raise unusable(directory, "holds something else than a study; choose another directory")
     path = directory / DESCRIPTION
     described = parsed_json(path.read_text("utf-8", "replace"), path)
-    if "vvdp" in described and described.get("format") != FORMAT:
+    if described.get("store") != MARK or described.get("format") != FORMAT:
         raise unusable(
-            directory, f"was written in format {described.get('format')}; this version reads {FORMAT}; choose another"
+            directory, f"holds something else than a study, or one of another version of vvdp: see {DESCRIPTION}"
         )
-    if "vvdp" not in described:
-        raise unusable(directory, f"holds something else than a study: {DESCRIPTION} is not of vvdp; choose another")
 
 
 def is_own(path: Path) -> bool:
@@ -115,7 +115,7 @@ def is_own(path: Path) -> bool:
         return is_own_index(path.with_name(INDEX))
     try:
         if path.name == DESCRIPTION:
-            return "vvdp" in parsed_json(path.read_text("utf-8"), path)
+            return parsed_json(path.read_text("utf-8"), path).get("store") == MARK
         return bool(UNFINISHED.fullmatch(path.name)) or (bool(CASES.fullmatch(path.name)) and bool(_read(path)))
     except (ConfigError, UnicodeDecodeError):
         return False
