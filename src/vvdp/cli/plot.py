@@ -34,7 +34,7 @@ def plot(
     from vvdp.base.errors import unusable
     from vvdp.base.kinds import TIME
     from vvdp.base.manifest import as_damaged
-    from vvdp.cli.screen import print_json, warn
+    from vvdp.cli.screen import print_json, say
     from vvdp.report.chosen import check_form, chosen_chart, open_drawable, series_names, write_figure
     from vvdp.runs.untold import TITLE as UNTOLD
 
@@ -45,7 +45,7 @@ def plot(
         result = open_drawable(directory, trust)
     for each in result.findings if result.verb == "run" else ():
         if each.title == UNTOLD:
-            warn(each.text)
+            say(each.text)
     if show or not names:
         if json:
             print_json({"charts": list(result.charts), "series": list(series_names(result))})

@@ -28,7 +28,7 @@ def report(
     A project or customer that was given once stays until another is given.
     """
     from vvdp.base.manifest import as_damaged, open_directory
-    from vvdp.cli.screen import print_json
+    from vvdp.cli.screen import print_json, say
     from vvdp.results.store import add_labels
 
     files = open_directory(directory).files
@@ -36,7 +36,8 @@ def report(
     with as_damaged(directory):
         if project or customer:
             add_labels(directory, {"project": project, "customer": customer})
-        page = _write(writer, directory, **({"trust": trust} if writer in (RUN, GEOMETRY) else {}))
+        options: dict[tuple[str, str], dict[str, Any]] = {RUN: {"trust": trust, "say": say}, GEOMETRY: {"trust": trust}}
+        page = _write(writer, directory, **options.get(writer, {}))
     if json:
         print_json({"report": str(page)})
     else:
@@ -58,7 +59,7 @@ def add_report(writer: tuple[str, str], folder: Path, *results: Any) -> bool:
     return True
 
 
-def _write(writer: tuple[str, str], directory: Path, *results: Any, **options: str) -> Path:
+def _write(writer: tuple[str, str], directory: Path, *results: Any, **options: Any) -> Path:
     from vvdp.base.extras import require_solids
 
     if writer in (GEOMETRY, CFD):
