@@ -370,7 +370,7 @@ def test_pages_may_be_edited_or_gone_and_are_made_again(vvdp, here, run_here):
 def test_a_directory_without_a_list_is_told_as_such(vvdp, here, run_here):
     (run_here / LIST).unlink()
     answer = vvdp("report", "R")
-    assert answer.code == 2 and f"of an earlier version: {LIST} missing" in answer.err
+    assert answer.code == 2 and f"of an earlier version; {LIST} missing" in answer.err
 
 
 def test_a_write_that_was_interrupted_is_told_and_can_be_repeated(tmp_path):

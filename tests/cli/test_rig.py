@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from vvdp.base.files import list_all
 from vvdp.results.store import read_result
 from vvdp.simulation.run import simulate
 from vvdp.steady.test_stand import stand
 from vvdp.steady.waveform import whole_run
 from vvdp.systems.system import load_system
 
-FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml"}
+FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml", "vvdp.json"}
 
 
 @pytest.mark.thorough
@@ -156,10 +157,14 @@ def test_the_page_of_a_design_can_be_written_anew(vvdp, here):
     assert page.read_bytes() == before
 
 
-@pytest.mark.parametrize(("file", "why"), [("geometry.toml", "holds no result"), ("result.json", "is damaged")])
+@pytest.mark.parametrize(
+    ("file", "why"), [("geometry.toml", "not a result directory of this kind"), ("result.json", "in format None")]
+)
 def test_a_page_that_cannot_be_made_is_refused_with_a_reason(vvdp, here, file, why):
     Path("opt").mkdir()
     Path("opt", file).write_text("{}")
+    assert "holds no result" in vvdp("report", "opt").err
+    list_all(Path("opt"))
     answer = vvdp("report", "opt")
     assert answer.code == 2
     assert why in answer.err

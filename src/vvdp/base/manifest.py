@@ -91,7 +91,9 @@ def open_directory(place: Path | Directory, *, resuming: bool = False) -> Direct
         raise unusable(place, "is not a directory" if os.path.lexists(place) else "no such directory")
     files = {name: entry for name, entry in read_list(place).items() if entry.sha256 or not resuming}
     if not has_list(place):
-        raise unusable(place, f"is not a result directory, or of an earlier version: {LIST} missing")
+        raise unusable(
+            place, f"is not a result directory: it holds no result, or one of an earlier version; {LIST} missing"
+        )
     for name, entry in files.items():
         fault = kind_fault(place, name) if entry.is_page else _fault(place, name, entry)
         if fault:

@@ -149,10 +149,10 @@ def _files(
 
 
 def _read(path: Path) -> list[Finished]:
-    content = parsed_json(path.read_text("utf-8", "replace"), path)
-    if content.get("format") != FORMAT:
-        raise unusable(path, f"was written in format {content.get('format')}; this version reads format {FORMAT}")
     try:
+        content = json.loads(path.read_text("utf-8"))
+        if content["format"] != FORMAT:
+            raise unusable(path, f"was written in format {content['format']}; this version reads format {FORMAT}")
         if content["sha256"] != _sum(content["cases"]):
             raise unusable(path, "has changed since it was written; remove it to have its cases run again")
         return [
@@ -161,7 +161,7 @@ def _read(path: Path) -> list[Finished]:
         ]
     except ConfigError:
         raise
-    except (ValueError, KeyError, TypeError, AttributeError) as problem:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as problem:
         raise unusable(path, f"is damaged ({problem}); remove it to have its cases run again") from None
 
 
