@@ -384,6 +384,10 @@ def test_a_write_that_was_interrupted_is_told_and_can_be_repeated(tmp_path):
         for name in "ab":
             (tmp_path / name).write_text("whole")
     assert sorted(open_directory(tmp_path).files) == ["a", "b"]
+    (tmp_path / "a").unlink()
+    with pytest.raises(ConfigError, match="is missing; the directory has changed since it was written"):
+        open_directory(tmp_path)
+    assert sorted(open_directory(tmp_path, resuming=True).files) == ["b"]
 
 
 def test_results_in_results_are_directories_of_their_own(tmp_path):
@@ -499,3 +503,28 @@ def test_listing_passes_over_what_has_a_list_of_its_own(tmp_path):
     list_all(tmp_path / "in")
     list_all(tmp_path)
     assert sorted(read_list(tmp_path)) == [f"in/{LIST}"]
+
+
+def test_a_computed_flow_is_replaced_only_where_all_of_it_is_known(tmp_path):
+    from vvdp.cfd.series import make_place
+
+    directory, outside = tmp_path / "flow", tmp_path / "outside"
+    for name in ("case/state.json", "case/0/U", "case/12.5/U", "case-2/state.json", "case/log.simpleFoam", "case/stop"):
+        (directory / name).parent.mkdir(parents=True, exist_ok=True)
+        (directory / name).write_text("{}")
+    outside.mkdir()
+    (outside / "keep").write_text("keep")
+    for name in ("thesis.tex", "case/thesis.tex", "case-old/log"):
+        (directory / name).parent.mkdir(exist_ok=True)
+        (directory / name).write_text("mine")
+        make_place(directory, "cfd rail", force=False)
+        with pytest.raises(ConfigError, match=f"results of vvdp: {name};"):
+            make_place(directory, "cfd rail", force=True)
+        (directory / name).unlink()
+    (directory / "case" / "constant").symlink_to(outside, target_is_directory=True)
+    for force in (False, True):
+        with pytest.raises(ConfigError, match="is a link"):
+            make_place(directory, "cfd rail", force=force)
+    (directory / "case" / "constant").unlink()
+    make_place(directory, "cfd rail", force=True)
+    assert content(directory) == {} and content(outside) == {"keep": b"keep"}

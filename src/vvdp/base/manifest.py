@@ -82,14 +82,17 @@ def _no_number(text: str) -> NoReturn:
 def open_directory(place: Path | Directory, *, resuming: bool = False) -> Directory:
     """The directory at `place`, every file of it compared with its list; one that is open already stays as it is.
 
-    With `resuming`, files that an interrupted command left unfinished are passed over, and are not in it. Raises
-    ConfigError where there is no list, and for the first file that is a link, missing, incomplete or changed.
+    With `resuming`, files that are missing, or that an interrupted command left unfinished, are passed over: they are
+    about to be written. Raises ConfigError where there is no list, and for the first file that is a link, missing,
+    incomplete or changed.
     """
     if isinstance(place, Directory):
         return place
     if not place.is_dir():
         raise unusable(place, "is not a directory" if os.path.lexists(place) else "no such directory")
-    files = {name: entry for name, entry in read_list(place).items() if entry.sha256 or not resuming}
+    files = read_list(place)
+    if resuming:
+        files = {name: entry for name, entry in files.items() if entry.sha256 and os.path.lexists(place / name)}
     if not has_list(place):
         raise unusable(
             place, f"is not a result directory: it holds no result, or one of an earlier version; {LIST} missing"
@@ -97,7 +100,7 @@ def open_directory(place: Path | Directory, *, resuming: bool = False) -> Direct
     for name, entry in files.items():
         fault = kind_fault(place, name) if entry.is_page else _fault(place, name, entry)
         if fault:
-            raise unusable(place / name, fault)
+            raise unusable(place / name, f"{fault}; restore it, or make the result again")
     return Directory(place, files)
 
 
@@ -238,7 +241,7 @@ def _fault(directory: Path, name: str, entry: Entry) -> str:
     if fault := kind_fault(directory, name):
         return fault
     if not entry.sha256:
-        return "is not complete: the command that writes it was interrupted; run it again"
+        return "is not complete: the command that writes it was interrupted"
     if name.endswith(f"/{LIST}"):
         return ""
     if not path.exists():
