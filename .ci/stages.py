@@ -1,7 +1,7 @@
 """Run the stages of continuous integration in order, and report where the time went.
 
-The report comes last: the seconds of each stage beside its share of the limit, and the slowest tests. A stage that takes more
-than twice its share fails the run although it passed, since a submission that exceeds the limit does not land.
+The report comes last: the seconds of each stage beside its share of the limit, and the slowest tests. A stage that
+takes more than twice its share fails the run although it passed, before the limit itself is exceeded.
 """
 
 import os

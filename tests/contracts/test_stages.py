@@ -59,9 +59,7 @@ def test_a_stage_beyond_twice_its_share_fails_although_it_passed(run, stages):
 
 def test_the_slowest_tests_are_named_with_their_seconds(run, tmp_path):
     (tmp_path / "test_naps.py").write_text(
-        "import time, pytest\n"
-        "@pytest.mark.parametrize('nap', [0.0, 0.3, 0.1])\n"
-        "def test_nap(nap): time.sleep(nap)\n"
+        "import time, pytest\n@pytest.mark.parametrize('nap', [0.0, 0.3, 0.1])\ndef test_nap(nap): time.sleep(nap)\n"
     )
     code, out = run({"test": 0.1}, test=f"{sys.executable} -m pytest -q -p no:cacheprovider test_naps.py")
     assert code == 0
