@@ -21,6 +21,8 @@ from vvdp.report.cfd_report import write_cfd_report
 from vvdp.results.store import read_result
 from vvdp.systems.system import load_system
 
+pytestmark = pytest.mark.heavy
+
 SMALL = 5.0
 """Cells per spool radius: 16 000 in all, meshed and solved in some ten seconds each."""
 DROP, SPLIT = 3.906e5, (0.333, 0.335, 0.332)

@@ -9,6 +9,8 @@ import pytest
 
 from vvdp.comparison import loop_trials
 
+pytestmark = pytest.mark.heavy
+
 DOCUMENTS = Path(__file__).parents[2] / "docs"
 QUICK = ("--controller", "passivity", "--scenario", "nominal", "--scenario", "noise-free", "--seeds", "2")
 

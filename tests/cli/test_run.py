@@ -197,7 +197,7 @@ def test_ranges_are_made_where_that_is_quick_or_wanted(vvdp, here, monkeypatch):
 
 
 def test_ranges_of_a_first_run_use_the_loop_at_hand(vvdp, here, monkeypatch):
-    """The loop for lanes takes a minute to compile; the ranges of a run never wait for it, and agree with those of lanes."""
+    """The loop for lanes takes a minute to compile; ranges never wait for it, and agree with those of lanes."""
 
     def efficiency(is_compiled):
         monkeypatch.setattr("vvdp.runs.ranges.is_loop_compiled", lambda loop: is_compiled)

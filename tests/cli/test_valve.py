@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+pytestmark = pytest.mark.heavy
+
 # Prototype at 40 degC: flow [lpm]; drops of nozzle, centre section and outlet turbine, and their sum [bar]
 DROPS = [
     (10.0, 0.2454, 0.0574, 0.1212, 0.4240),

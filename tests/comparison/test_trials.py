@@ -23,6 +23,8 @@ from vvdp.simulation.values import flat
 from vvdp.studies.dask_engines import LocalDask
 from vvdp.studies.engine import ThisProcess
 
+pytestmark = pytest.mark.heavy
+
 SECTOR = np.pi / 4
 
 

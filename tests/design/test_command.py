@@ -9,6 +9,8 @@ from vvdp.results.result import Grade
 from vvdp.results.store import read_result
 from vvdp.systems.system import load_system
 
+pytestmark = pytest.mark.heavy
+
 FIXED = ("--minimise", "pressure_drop_total", "--subject-to", "pwm_frequency >= 72 Hz")
 CLEARANCE = ("--bound", "radial_clearance <= 22.5 um")
 

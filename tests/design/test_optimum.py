@@ -17,6 +17,8 @@ from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
+pytestmark = pytest.mark.heavy
+
 DROP, FAST = "pressure_drop_total", "pwm_frequency >= 72 Hz"
 
 

@@ -21,6 +21,8 @@ from vvdp.simulation.run import simulate
 from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system
 
+pytestmark = pytest.mark.heavy
+
 LIMITS, BOUNDS = ["pwm_frequency >= 50 Hz", "transition_fraction <= 0.5"], ["radial_clearance <= 25 um"]
 
 

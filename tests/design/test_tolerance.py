@@ -15,6 +15,8 @@ from vvdp.runs.simulate import run_system
 from vvdp.systems.system import load_system
 from vvdp.valve.branch import centre_resistance, nozzle_resistance, outlet_resistance
 
+pytestmark = pytest.mark.heavy
+
 NAME = "prototype-constant-load"
 
 

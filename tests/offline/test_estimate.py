@@ -32,6 +32,8 @@ from vvdp.sensing.wheel import TURN, equal_wheel
 from vvdp.simulation.replay import Replay
 from vvdp.simulation.values import flat
 
+pytestmark = pytest.mark.heavy
+
 SPEED = TURN * 24.7
 PITCH = TURN / 8.0
 INDEXED = equal_wheel(8, 0.25)

@@ -34,6 +34,8 @@ from vvdp.studies.engine import ThisProcess
 from vvdp.systems.summary import simulated_summary
 from vvdp.systems.system import load_system
 
+pytestmark = pytest.mark.heavy
+
 ZERO = 101325.0
 COARSE = Axes((0.1, 0.4, 0.7, 1.0), (ZERO + 20e5, ZERO + 60e5, ZERO + 100e5), (188.49555921538757,), (313.15,))
 

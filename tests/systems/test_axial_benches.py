@@ -13,6 +13,8 @@ from vvdp.systems.axial_sensor import axial_sensor_of
 from vvdp.systems.summary import summary
 from vvdp.systems.system import System, built_system, load_system, shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 NAMES = ("axial-chamber", "axial-gerotor")
 BY_COMMAND = """
 [operation]

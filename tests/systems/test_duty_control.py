@@ -19,6 +19,8 @@ from vvdp.simulation.record import record_of
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 SHIPPED = shipped_systems()["vvdp-duty-control"]
 
 

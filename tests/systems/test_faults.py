@@ -15,6 +15,8 @@ from vvdp.systems.resolved import resolved_text
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 SHIPPED = shipped_systems()["vvdp-duty-control"]
 SHORT = SHIPPED.replace('until = "2.5 s"', 'until = "2.2 s"')
 NEVER = {"begin": "1e5 s"}

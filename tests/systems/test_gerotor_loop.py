@@ -9,6 +9,8 @@ from vvdp.systems.axial_loop import HOME, LEARN, RUN, STOP
 from vvdp.systems.summary import summary
 from vvdp.systems.system import shipped_systems
 
+pytestmark = pytest.mark.heavy
+
 SHIPPED = shipped_systems()["axial-gerotor"]
 UNIT = shipped_systems()["vvdp-duty-control-gerotor"]
 SHORT = change(SHIPPED, "run", until="2 s", average_from="1.6 s")

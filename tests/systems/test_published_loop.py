@@ -38,6 +38,8 @@ from vvdp.systems.axial_loop import PROGRAM, AxialCommand, AxialPlace
 from vvdp.systems.axial_numbers import loop_of, rows_under_control, samples_under_control
 from vvdp.systems.chamber_loop import ChamberLoop, LoopMemory, PassiveLoop, passive_axial_step
 
+pytestmark = pytest.mark.heavy
+
 TRAPEZOID = trapezoid_text()
 MIDDLE = 2.75
 """Position about which sines swing [mm]."""

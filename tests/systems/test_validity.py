@@ -15,6 +15,8 @@ from vvdp.systems.summary import summary
 from vvdp.systems.system import load_system, shipped_systems
 from vvdp.systems.validity import Bound
 
+pytestmark = pytest.mark.heavy
+
 BENCH = "prototype-constant-load"
 SHORT = "0.3 s"
 SETTLING = {
