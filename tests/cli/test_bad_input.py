@@ -131,7 +131,8 @@ def test_duty_ratio_and_axial_position_contradict(edited, refused):
     lines = refused("run", "my.toml")
     assert lines == [
         f"my.toml:{line}: operation.axial_position: "
-        + wording.files.contradicts_give_one.format(key="operation.duty_ratio")
+        + wording.files.contradicts.format(key="operation.duty_ratio")
+        + wording.files.give_one
     ]
 
 

@@ -283,7 +283,7 @@ FAULTS = {
         "components.pump",
         wording.network.unknown_type.format(name="pmp"),
     ),
-    "open port": ('outlet = "rail"\n', "\n", "components.pump", wording.network.open_port.format(port="outlet")),
+    "open port": ('outlet = "rail"\n', "\n", "components.pump", wording.network.port_is_open.format(port="outlet")),
     "unknown node": (
         'a = "rail"',
         'a = "rial"',
@@ -304,7 +304,7 @@ FAULTS = {
         "components.pump.displacment",
         wording.files.did_you_mean.format(name="displacement"),
     ),
-    "wrong port": ('a = "rail"', 'aa = "rail"', "components.feed.aa", wording.network.unknown_key.format(meant="a")),
+    "wrong port": ('a = "rail"', 'aa = "rail"', "components.feed.aa", wording.files.unknown_key.format(meant="a")),
     "missing": ('friction_torque = "1 N*m"\n', "\n", "components.pump.friction_torque", wording.network.missing_key),
     "no input": ('area = "5 mm^2"\n', "\n", "components.feed", wording.network.input_not_connected.format(name="area")),
     "node's type": (

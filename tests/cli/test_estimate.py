@@ -268,7 +268,7 @@ BAD = [
     ),
     (
         ("--edges", "edge", "--sections", "0"),
-        "--sections: " + wording.estimate.whole_number_between.format(value=0, low=1, high=100),
+        "--sections: " + wording.estimate.whole_number_from.format(value=0, low=1) + " to 100",
     ),
     (("--edges", "edge", "--pressure", "edge"), wording.estimate.needs_clock),
     (("--edges", "edge", "--fuse"), "--fuse: " + wording.estimate.belongs_to.format(key="pressure.channel")),

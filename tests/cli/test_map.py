@@ -98,7 +98,7 @@ def test_axes_in_the_units_of_the_reader(vvdp, here):
     """Gauge, as they were written, and duty ratios from 0 to 1 only."""
     answer = vvdp("map", "prototype", "--pressure", "100 bar", "10 bar", "4", "--duty", "0.2", "1.5", "4")
     assert answer.code == 2
-    assert "--pressure: " + wording.files.expected_increasing_from.format(first="100 bar", last="10 bar") in answer.err
+    assert "--pressure: '100 bar' to '10 bar'; " + wording.files.expected_increasing in answer.err
     assert "--duty: " + wording.files.outside_range.format(value=1.5, low=0, high=1) in answer.err
     assert (
         wording.files.outside_range.format(value=-0.2, low=0, high=1)
@@ -115,7 +115,7 @@ def test_every_speed_and_temperature_has_its_table(vvdp, here):
     axes = ("--speed", "1000 rpm", "--speed", "1500 rpm", "--temperature", "20 degC", "--temperature", "50 degC")
     answer = vvdp("map", "prototype", "--analytic", *SMALL, *axes, "--no-report")
     for words in ("1000 rpm, 20 °C", "1500 rpm, 20 °C", "1000 rpm, 50 °C", "1500 rpm, 50 °C"):
-        assert wording.map.efficiency_at.format(conditions=words) in answer.out
+        assert f"{wording.map.efficiency}, {words}" in answer.out
 
 
 def test_spool_that_cannot_turn_is_refused(vvdp, here):

@@ -147,7 +147,8 @@ def test_warnings_of_a_run(vvdp, here):
     weak = vvdp("run", "prototype", *SHORT, "--out", "c", "--set", "motor.rated_power=1 kW")
     assert wording.run.exceeds_motor.format(power="1000 W") in weak.out
     drawn = vvdp("run", "prototype", *SHORT, "--out", "b", "--set", "limits.cavitation_pressure=10 bar")
-    assert wording.run.cavitates.format(place="tank", pressure="1.013 bar", limit="11.01 bar") in drawn.out
+    lowest = wording.systems.lowest_pressure.format(place="tank", pressure="1.013 bar", limit="11.01 bar")
+    assert f"warning: {lowest}; {wording.run.cavitates}" in drawn.out
     assert drawn.code == 3
 
 

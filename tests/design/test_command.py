@@ -71,9 +71,9 @@ def test_least_loss_keeps_the_frequency_and_holds_in_simulation(designing, tmp_p
     assert found["after_simulated_loss_total_W"] < 0.75 * found["before_simulated_loss_total_W"]
     assert not any("simulat" in text.lower() for text in found["warnings"])
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
-    assert wording.design.usual_frequency_limit.format(frequency="72.0012 Hz") in page
+    assert wording.design.frequency_limit.format(frequency="72.0012 Hz") + wording.design.usual in page
     assert wording.design.goes_to_simulated.format(before="1932 W") in page
-    assert wording.design.does_not_bear_out not in page
+    assert wording.design.not_borne_out not in page
     assert wording.design.analytic_map in page
 
 

@@ -233,7 +233,7 @@ def test_only_what_the_simulation_confirms_is_on_the_front(designing, tmp_path):
     assert len((tmp_path / "there" / "refused.csv").read_text("utf-8").splitlines()) == refused + 1
     page = (tmp_path / "there" / "report.html").read_text("utf-8")
     assert wording.design.refused_by_simulation in page
-    assert wording.design.usual_relief_margin_limit.format(margin="0 bar") in page
+    assert wording.design.relief_margin_limit.format(margin="0 bar") + wording.design.usual in page
 
 
 def test_without_simulation_nothing_is_confirmed(designing, tmp_path):

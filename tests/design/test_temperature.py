@@ -175,7 +175,7 @@ def test_command_over_temperature(designing, tmp_path, keys_as_described):
 def test_command_over_temperature_for_a_person(designing):
     code, out, _ = designing("temperature", "prototype")
     assert code == 0
-    assert wording.design.nozzles_in_doubt in out
+    assert f"warning: {wording.design.model_in_doubt}: " in out
     code, _, err = designing("temperature", "prototype", "--from", "80 degC", "--to", "10 degC")
     assert code == 2
     assert wording.design.expected_temperatures in err

@@ -181,9 +181,13 @@ def test_command_for_a_person(designing):
     ("setting", "told"),
     [
         # kappa 0.30
-        ("operation.duty_ratio=0.15", wording.valve.port_never_open.format(duty=0.15, low=0.3001, high=0.6999)),
+        (
+            "operation.duty_ratio=0.15",
+            wording.valve.duty_ratio_outside_range.format(duty=0.15, low=0.3001, high=0.6999)
+            + wording.valve.port_never_open,
+        ),
         # 118 bar and 6.68 bar of open drop above a setting of 120 bar
-        ("load.pressure=118 bar", wording.design.relief_not_above.format(setting="120 bar", pressure="124.7 bar")),
+        ("load.pressure=118 bar", wording.systems.relief_does_not_exceed.format(setting="120 bar") + " the 124.7 bar"),
     ],
 )
 def test_closed_forms_out_of_their_range_are_told(designing, tmp_path, setting, told):
@@ -215,7 +219,7 @@ def test_no_efficiency_where_nothing_is_delivered(designing):
 def test_few_samples_are_told(designing):
     code, out, _ = designing("tolerance", NAME, "--no-simulation", "--samples", "16")
     assert code == 0
-    assert wording.design.uncertain_shares.format(count=16) in out
+    assert f"warning: {wording.design.in_doubt}: {wording.design.uncertain_shares.format(count=16)}" in out
     code, out, _ = designing("tolerance", NAME, "--no-simulation", "--samples", "1024", "--json")
     assert code == 0
     assert json.loads(out)["warnings"] == []

@@ -187,7 +187,7 @@ def test_what_varies_is_held_and_what_watches_is_dropped(orifice_stand):
         ),
         (
             {"pump_speeds": (-104.71975511965977,)},
-            wording.map.numbers_above.format(axis="pump speeds", value="-1000 rpm", limit="0 rpm"),
+            "pump speeds: " + wording.files.expected_numbers_above.format(value="-1000 rpm", limit="0 rpm"),
         ),
         ({"temperatures": (np.nan,)}, wording.files.expected_numbers_above.format(value="nan °C", limit="-273.15 °C")),
         (

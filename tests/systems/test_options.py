@@ -65,7 +65,7 @@ def test_what_the_file_leaves_to_the_options_is_no_fault(write):
 
 
 def test_a_fault_of_a_setting_is_placed_at_the_option():
-    outside = wording.files.outside_for.format(value=-4.5, low=-1, high=2, quantity="a duty ratio")
+    outside = wording.files.outside_range.format(value=-4.5, low=-1, high=2)
     with pytest.raises(ConfigError, match="^--set: operation.duty_ratio: " + outside):
         load_system("prototype", ["operation.duty_ratio=-4.5"])
     with pytest.raises(ConfigError, match="^--set: operation.duty_ratio: -8.5 " + wording.files.is_outside):

@@ -88,16 +88,19 @@ def test_end_stops_that_reach_both_duty_ratios_are_no_conflict(valve):
 
 def test_end_stops_short_of_a_duty_ratio_are_told_with_numbers(valve):
     low, high = helix_conflicts(Travel(0.0, 6.34e-3), valve)
-    assert low == wording.systems.spool_stops_of_helix.format(
-        stop="0 mm", duty=0, position="−6.097 mm", kappa="0.300", helix="20.32 mm"
-    )
+    assert low == wording.systems.spool_stops.format(
+        stop="0 mm", duty=0, position="−6.097 mm"
+    ) + wording.systems.of_helix.format(kappa="0.300", helix="20.32 mm")
     assert high.startswith(wording.systems.spool_stops.format(stop="6.34 mm", duty=1, position="26.42 mm"))
 
 
 def test_solids_in_the_way_are_told_with_what_they_take(valve):
     shape = given_shape(valve, None, ()).shape
     low, high = solid_conflicts(Travel(-6.2e-3, 26.4e-3), valve, shape)
-    assert low.startswith(wording.systems.goes_down_stroke.format(position="−6.2 mm", end="0 mm", ratio="1.00"))
+    assert low.startswith(
+        wording.systems.goes_down.format(position="−6.2 mm", end="0 mm")
+        + wording.systems.stroke_ratio_is.format(ratio="1.00")
+    )
     assert high.startswith(wording.systems.goes_up.format(position="26.4 mm", end="20.32 mm"))
     # 2 (1/2 + 6.2/20.32) = 1.6102
     assert low.endswith(wording.systems.takes_ratio.format(ratio=1.62))
@@ -115,7 +118,7 @@ def test_a_prescribed_position_is_held_against_the_solids_of_the_file():
     outside = ("operation.axial_position=-6.1 mm",)
     assert list(travel_warnings(load_system("prototype", outside))) == []  # the file says nothing of solids
     (told,) = travel_warnings(load_system("prototype", (*outside, "geometry.stroke_ratio=1")))
-    assert told.startswith("the spool " + wording.systems.goes_down.format(position="\u22126.1 mm", end="0 mm"))
+    assert told.startswith(wording.systems.goes_down.format(position="\u22126.1 mm", end="0 mm"))
     assert list(travel_warnings(load_system("prototype", (*outside, *WIDE)))) == []
 
 
@@ -185,7 +188,7 @@ def test_the_solids_are_in_no_law(valve):
 def test_faults_of_the_shape_have_their_line():
     text = resolved_text(load_system("prototype")) + FILE.replace("pocket_gap", "pocket_gp")
     with pytest.raises(
-        ConfigError, match="geometry.pocket_gp: " + wording.systems.unknown_geometry_key.format(meant="pocket_gap")
+        ConfigError, match="geometry.pocket_gp: " + wording.files.unknown_key.format(meant="pocket_gap")
     ) as refused:
         built_system(parsed_table(text, "mine.toml"), "mine")
     assert refused.value.faults[0].line == text[: text.index("pocket_gp")].count("\n") + 1

@@ -128,7 +128,7 @@ def test_the_filter_of_the_prototype_is_the_usual_one():
 
 @pytest.mark.parametrize("missing", ["encoder", "spool_filter"])
 def test_half_of_the_tables_is_refused(missing):
-    with pytest.raises(ConfigError, match=wording.systems.table_missing.format(table=missing)):
+    with pytest.raises(ConfigError, match="table " + wording.systems.is_missing.format(table=missing)):
         built_system(without(missing), "prototype")
 
 
