@@ -81,7 +81,7 @@ def test_a_person_is_shown_a_table_and_warnings(vvdp, stamps):
     assert wording.estimate.acceleration_noise in done.out and "0.2500" in done.out and "warning" not in done.out
     assert done.out.rstrip().endswith(wording.run.results_in.format(folder="r"))
     assumed = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "assumed")
-    assert wording.estimate.sectors_assumed in assumed.out
+    assert f"warning: {wording.estimate.assumed_title}: {wording.estimate.no_number_given}" in assumed.out
     again = vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r")
     assert again.code == 2 and wording.files.already_exists in again.err
     assert vvdp("estimate", stamps, "--edges", "edge", "--no-report", "--out", "r", "--force").code == 0

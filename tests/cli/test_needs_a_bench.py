@@ -27,7 +27,7 @@ def test_a_verb_says_what_it_needs(vvdp, here, verb):
     (here / "drain.toml").write_text(DRAWN)
     refused = vvdp(*verb.split(), "drain.toml")
     assert refused.code == 2
-    assert wording.rig.needs_rotary_valve.format(verb=verb) in " ".join(refused.err.split())
+    assert f"`vvdp {verb}` {wording.rig.needs_rotary_valve}" in " ".join(refused.err.split())
     assert [path.name for path in here.iterdir()] == ["drain.toml"]
 
 

@@ -127,7 +127,7 @@ def test_an_accumulator_that_empties_leaves_no_efficiency(speed):
 
 def test_a_friction_that_drives_is_refused():
     with pytest.raises(
-        ConfigError, match=r"^--set: pump.friction_torque: '-10 N\*m'.* " + wording.systems.outside_from.format(low=0)
+        ConfigError, match=r"^--set: pump.friction_torque: '-10 N\*m'.* " + wording.files.outside_from.format(low=0)
     ):
         load_system("prototype", ["pump.friction_torque=-10 N*m"])
 
