@@ -219,7 +219,7 @@ def test_the_keys_of_any_circuit(vvdp, drawn):
 def test_show_of_a_drawn_circuit(vvdp, drawn):
     said = vvdp("show", "press.toml").out
     for words in (
-        "driven shaft",
+        wording.show.driven_shaft,
         "pump.inlet, load.b",
         "a: store, b: tank",
         wording.show.area_range.format(low=3, high=4),

@@ -131,7 +131,12 @@ def test_claims(vvdp, here, keys_as_described):
     keys_as_described("rig claims", {*read_result(here / "c").flat, "out"})
     names = {path.name for path in (here / "c" / "figures").iterdir()}
     assert {"throttling-losses.svg", "driven-spool.svg", "actuation-power.svg", "ripple.svg"} <= names
-    for words in ("by itself", "drive power", wording.rig.to_the_power.format(exponent=3), "metering"):
+    for words in (
+        wording.rig.by_itself,
+        wording.rig.drive_power,
+        wording.rig.to_the_power.format(exponent=3),
+        wording.rig.metering,
+    ):
         assert words in answer.out
 
 

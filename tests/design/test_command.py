@@ -50,9 +50,9 @@ def test_what_a_person_sees(designing, tmp_path):
     code, out, err = designing("prototype", *FIXED, *CLEARANCE, "--no-simulation", "--starts", "3")
     assert code == 0
     for words in (
-        "spool radius",
+        wording.design.spool_radius,
         "22.50",
-        "Held by",
+        wording.design.held_by,
         wording.design.frequency_limit.format(frequency="72 Hz"),
         wording.design.held_by_geometry.format(count=3),
     ):

@@ -144,7 +144,7 @@ def test_the_page_shows_what_lies_in_the_directory(made, tmp_path):
     folder = shutil.copytree(made.folder, tmp_path / "less")
     assert 'src="data:image/gif' in (folder / "report.html").read_text("utf-8")
     description = json.loads((folder / "result.json").read_text("utf-8"))
-    gone = ("One PWM period", "Volumes of oil")
+    gone = (wording.geometry.one_period, wording.geometry.volumes_of_oil)
     description["sections"] = [each for each in description["sections"] if each["title"] not in gone]
     (folder / "result.json").write_text(json.dumps(description))
     (folder / "period.gif").unlink()

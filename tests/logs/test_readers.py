@@ -585,9 +585,9 @@ def test_a_channel_as_a_quantity(tmp_path):
         assert to_si(log.path, log.channel("p"), PRESSURE_LEVEL, "bara")(values)[1] == 1e5
         assert to_si(log.path, log.channel("p"), PRESSURE_LEVEL, "barg")(values)[1] == 201325.0
         for channel, unit, expected in (
-            ("q", None, "is in 'V'"),
+            ("q", None, wording.logs.is_in.format(unit="V")),
             ("x", None, wording.files.has_no_unit),
-            ("p", "psi", "not in 'psi'"),
+            ("p", "psi", wording.logs.not_in.format(unit="psi")),
         ):
             with pytest.raises(ConfigError, match=expected):
                 to_si(log.path, log.channel(channel), PRESSURE_LEVEL, unit)

@@ -91,13 +91,16 @@ def test_all_faults_are_told_at_once_with_line_and_key(tmp_path):
     )
     joined = "\n".join(lines)
     for piece in (
-        ":3: sensor.sectors: 7 sectors; bright and dark alternate",
+        ":3: sensor.sectors: " + wording.estimate.alternate.format(count=7),
         ":4: sensor.indexshift: " + wording.files.unknown_key.format(meant="index_shift"),
         ":6: threshold.hysteresis:",
-        ":8: filter.edge_variance: '0.1 rad' is not an angular variance; use one of rad^2",
+        ":8: filter.edge_variance: '0.1 rad' "
+        + wording.files.is_not_a.format(quantity="an angular variance")
+        + "; "
+        + wording.files.use_one_of.format(units="rad^2"),
         ":10: valve.sections: " + wording.estimate.whole_number_from.format(value=0, low=1) + " to 100",
-        ":11: outputs: unknown table; did you mean 'output'?",
-        ":14: pressure.unit: " + wording.estimate.belongs_to.format(key="pressure.channel, which is missing"),
+        ":11: outputs: " + wording.files.unknown_table + "; " + wording.files.did_you_mean.format(name="output"),
+        ":14: pressure.unit: " + wording.estimate.belongs_to.format(key="pressure.channel"),
     ):
         assert piece in joined, joined
     assert len(lines) == 7

@@ -384,7 +384,7 @@ def test_edges_in_step_with_the_clock_are_told(estimated):
     assert kept.summary["commensurate"] is True and wording.estimate.in_step in titles(kept)
 
 
-SETTINGS = "The settings of the filter do not fit this log"
+SETTINGS = wording.estimate.settings_do_not_fit
 
 
 def test_settings_that_do_not_fit_are_told_with_better_ones(estimated):

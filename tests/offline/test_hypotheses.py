@@ -136,7 +136,7 @@ def test_the_index_tells_polarity_and_direction(estimated, moved, shift, speed, 
     assert found["spool_speed_mean_rad_s"] == pytest.approx(direction * SPEED, rel=1e-3)
     assert found["spool_speed_max_rad_s"] - found["spool_speed_min_rad_s"] < 1.0 and found["nis_mean"] < 0.05
     assert found["pwm_frequency_mean_Hz"] == pytest.approx(3.0 * SPEED / TURN, rel=1e-3)
-    said = [title for title in titles(kept) if title in ("The wave is inverted", "The spool turns backwards")]
+    said = [title for title in titles(kept) if title in (wording.estimate.inverted, wording.estimate.turns_backwards)]
     assert len(said) == (polarity < 0) + (direction < 0)
     assert not said or first_warning(kept).title in said
     if inverted:

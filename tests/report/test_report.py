@@ -118,7 +118,7 @@ def test_numbers_are_in_the_units_people_use(whole, written):
     found = json.loads((whole / "summary.json").read_text())
     said = words(written)
     assert f"{found['mean_load_flow_m3_s'] * 6e4:.2f} lpm" in said
-    assert f"pressure of {found['pressure_mean_load_line_Pa'] / 1e5:.4g} bar" in said
+    assert wording.report.pressure_of.format(pressure=f"{found['pressure_mean_load_line_Pa'] / 1e5:.4g} bar") in said
     assert f"{found['efficiency'] * 100:.2f} %" in said
     assert "prototype" in said and "2026-01-02" in said
     assert "vvdp run prototype" in said

@@ -255,7 +255,7 @@ def test_why_a_point_has_no_efficiency(source_stand):
 def test_best_efficiency_says_where(source_stand):
     wide = replace(COARSE, pump_speeds=(94.24777960769379, 188.49555921538757), temperatures=(303.15, 333.15))
     several, one = (map_result(analytic_map(source_stand, axes)).findings[0].text for axes in (wide, COARSE))
-    assert re.search(r"bar, (900|1800) rpm, (30|60) °C; at most", several)
+    assert re.search(r"bar, (900|1800) rpm, (30|60) °C; " + wording.map.best_at_most, several)
     assert "rpm" not in one
 
 
@@ -266,7 +266,7 @@ def test_long_tables_are_thinned_evenly(source_stand):
     assert len(rows) == 90
     flows = (np.array(table["flow_m3_s"])[rows] * 6e4).reshape(2, 3, 15)
     np.testing.assert_allclose(flows, np.broadcast_to(np.arange(4.0, 61.0, 4.0), flows.shape))
-    assert words == ", 1 in 2 of the values of flow"
+    assert words == wording.map.thinned.format(count=2, axis="flow")
     found = map_result(analytic_map(source_stand, default_axes(source_stand, 40, 30))).tables["map"]
     rows, words = thinned_rows(found)
     assert 75 < len(rows) <= 150

@@ -133,7 +133,7 @@ def test_order_of_the_duty_ratios_does_not_matter(source_stand, against_source):
 
 def test_static_gain_says_what_it_is_of(against_source, against_orifice):
     """Through the same orifice more flow meets more pressure: a fifth less than the 40 lpm at a constant pressure."""
-    fixed, held = (next(f.text for f in each.findings if "static gain" in f.text) for each in
+    fixed, held = (next(f.text for f in each.findings if wording.rig.static_gain in f.text) for each in
                    (against_orifice, against_source))  # fmt: skip
     assert values(against_orifice)["static_gain_m3_s"] == pytest.approx(0.81 * 40e-3 / 60.0, rel=0.01)
     assert wording.rig.orifice_stays in fixed
