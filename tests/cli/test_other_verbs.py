@@ -30,7 +30,7 @@ def test_list_names_shipped_systems_and_those_in_the_folder(vvdp, here):
     (here / "broken.toml").write_text("[")
     (here / "folder.toml").mkdir()
     listed = vvdp("list")
-    assert listed.code == 0
+    assert listed.code == 0 and wording.show.systems_in_folder in listed.out
     for name, text in shipped_systems().items():
         assert name in listed.out
         assert text.partition('title = "')[2].partition('"')[0] in listed.out
