@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from tests.cli.hostile_directories import FOREIGN, RESULTS, RUNS, Hostile, Place, sign
 from tests.cli.test_drawn import MODULE, OWN
+from tests.words import wording
 
 import vvdp as package
 from vvdp.base.errors import ConfigError
@@ -203,7 +204,7 @@ def test_force_replaces_only_what_the_list_names(here, outside, sound_run, name)
         with result_directory(place.directory, force=True) as folder:
             (folder / "new").write_text("new")
     except ConfigError as refused:
-        assert "holds something else than results" in str(refused) or LIST in str(refused)
+        assert wording.files.holds_something_else in str(refused) or LIST in str(refused)
         assert found <= set(place.directory.rglob("*"))
     else:
         assert RUNS[name].signed or name in ("file gone", "page is a folder") or "dead" in name
@@ -227,6 +228,8 @@ def test_code_in_the_working_folder_is_not_imported_by_python_m(here, sound_run)
     assert not (here / "ran").exists()
 
 
+TOLD, TRUST = wording.directories.code_not_run, wording.directories.trust.format(module="my_pump")
+
 # A module of one's own: what is recorded, what is shown without it, and how it is let run again.
 
 
@@ -244,7 +247,7 @@ def test_a_module_of_ones_own_is_recorded_and_runs_again_as_it_was(vvdp, here, o
     module = json.loads((own_run / "meta.json").read_text())["module"]
     assert module["name"] == "my_pump" and module["path"] == str(here / "my_pump.py") and len(module["sha256"]) == 64
     answer = vvdp("plot", "M", "--list")
-    assert answer.code == 0 and "is not run" not in answer.err and "Our own figure" in answer.out
+    assert answer.code == 0 and TOLD not in answer.err and "Our own figure" in answer.out
 
 
 @pytest.mark.parametrize("how", ["changed", "gone", "elsewhere", "never run here"])
@@ -263,15 +266,15 @@ def test_a_module_that_differs_is_told_and_runs_only_when_trusted(vvdp, here, ow
             monkeypatch.setenv("VVDP_CACHE", str(here / "cache"))
     answer = vvdp("plot", "M", "--list")
     assert answer.code == 0
-    assert "is not run" in answer.err and "--trust my_pump" in answer.err
+    assert TOLD in answer.err and TRUST in answer.err
     assert "states.rail" in answer.out and "Our own figure" not in answer.out
     reported = vvdp("report", "M")
-    assert reported.code == 0 and "--trust my_pump" in reported.err
+    assert reported.code == 0 and TRUST in reported.err
     page = (own_run / "report.html").read_text("utf-8")
-    assert "The circuit is not shown" in page and "duration_s" in page
+    assert wording.directories.no_circuit in page and "duration_s" in page
     assert vvdp("export", "data", "M", "--csv", "m.csv").code == 0
     compared = vvdp("compare", "runs", "M", "M", "--no-report", "--out", "c")
-    assert compared.code == 2 and "--trust my_pump" in compared.err
+    assert compared.code == 2 and TRUST in compared.err
     assert not (here / "ran").exists()
     trusted = vvdp("plot", "M", "--list", "--trust", option)
     assert trusted.code == 0
@@ -282,7 +285,7 @@ def test_a_system_file_in_a_result_directory_runs_no_code_beside_it(vvdp, here, 
     (here / "my_pump.py").rename(here / "other.py")
     assert (own_run / "my_pump.py").is_file()  # the copy that says how it was
     answer = vvdp("run", "M/system.toml", "--out", "again")
-    assert answer.code == 2 and "lies in a result directory" in answer.err
+    assert answer.code == 2 and wording.directories.lies_in_results in answer.err
 
 
 # What is replaced, deleted and kept.
@@ -299,7 +302,7 @@ def test_force_refuses_a_foreign_file_by_name_and_keeps_it(vvdp, here, run_here)
     before = content(run_here)
     answer = vvdp("run", "buck-converter", "--until", "0.02 s", "--out", "R", "--force")
     assert answer.code == 2
-    assert "thesis.tex" in answer.err and "holds something else than results" in answer.err
+    assert "thesis.tex" in answer.err and wording.files.holds_something_else in answer.err
     assert content(run_here) == before
 
 
@@ -317,7 +320,7 @@ def test_force_refuses_what_was_edited_and_replaces_what_was_not(vvdp, here, run
     (run_here / "system.toml").write_text(text + "# mine\n")
     call = ("run", "buck-converter", "--until", "0.02 s", "--out", "R", "--force", "--no-report")
     refused = vvdp(*call)
-    assert refused.code == 2 and "system.toml (has changed since it was written)" in refused.err
+    assert refused.code == 2 and wording.directories.edited.format(name="system.toml") in refused.err
     (run_here / "system.toml").write_text(text)
     assert vvdp(*call).code == 0
     assert not (run_here / "report.html").exists()
@@ -330,8 +333,8 @@ def test_report_of_a_changed_directory_names_the_file(vvdp, here, sound_result):
     for words in (("report", "R"), ("plot", "R", "--list"), ("export", "data", "R", "--csv", "x.csv")):
         answer = vvdp(*words)
         assert answer.code == 2
-        assert answer.err.startswith("R/curve.csv: has changed since it was written (")
-        assert "40 when written" in answer.err
+        assert answer.err.startswith(f"R/curve.csv: {wording.directories.has_changed} (")
+        assert wording.directories.rows.format(rows=40) in answer.err
     assert not (here / "x.csv").exists()
 
 
@@ -355,7 +358,7 @@ def test_report_does_not_write_over_a_page_that_is_not_its_own(vvdp, here, sound
     (here / "R" / LIST).write_text(json.dumps(listed))
     (here / "R" / "report.html").write_text("mine")
     answer = vvdp("report", "R")
-    assert answer.code == 2 and "report.html: is in the way" in answer.err
+    assert answer.code == 2 and f"report.html: {wording.directories.in_the_way}" in answer.err
     assert (here / "R" / "report.html").read_text() == "mine"
 
 
@@ -370,14 +373,14 @@ def test_pages_may_be_edited_or_gone_and_are_made_again(vvdp, here, run_here):
 def test_a_directory_without_a_list_is_told_as_such(vvdp, here, run_here):
     (run_here / LIST).unlink()
     answer = vvdp("report", "R")
-    assert answer.code == 2 and f"of an earlier version; {LIST} missing" in answer.err
+    assert answer.code == 2 and wording.directories.earlier_version.format(list=LIST) in answer.err
 
 
 def test_a_write_that_was_interrupted_is_told_and_can_be_repeated(tmp_path):
     with pytest.raises(KeyboardInterrupt), write_listed(tmp_path, ["a", "b"]):
         (tmp_path / "a").write_text("part")
         raise KeyboardInterrupt
-    with pytest.raises(ConfigError, match="is not complete: the command that writes it was interrupted"):
+    with pytest.raises(ConfigError, match=wording.directories.is_incomplete):
         open_directory(tmp_path)
     assert open_directory(tmp_path, resuming=True).files == {}
     with write_listed(tmp_path, ["a", "b"]):
@@ -385,7 +388,7 @@ def test_a_write_that_was_interrupted_is_told_and_can_be_repeated(tmp_path):
             (tmp_path / name).write_text("whole")
     assert sorted(open_directory(tmp_path).files) == ["a", "b"]
     (tmp_path / "a").unlink()
-    with pytest.raises(ConfigError, match="is missing; the directory has changed since it was written"):
+    with pytest.raises(ConfigError, match=wording.directories.is_missing):
         open_directory(tmp_path)
     assert sorted(open_directory(tmp_path, resuming=True).files) == ["b"]
 
@@ -400,7 +403,7 @@ def test_results_in_results_are_directories_of_their_own(tmp_path):
     assert "3.9/curve.csv" not in open_directory(tmp_path / "all").files
     (tmp_path / "all" / "3.9" / "mine").write_text("mine")
     with (
-        pytest.raises(ConfigError, match=r"results of vvdp: 3\.9/mine;"),
+        pytest.raises(ConfigError, match=wording.directories.foreign.format(name="3.9/mine")),
         result_directory(tmp_path / "all", force=True),
     ):
         pass
@@ -450,7 +453,7 @@ def test_a_study_is_set_aside_only_where_all_of_it_is_its_own(store):
 def test_a_kept_batch_that_was_edited_is_refused(store):
     (path,) = store.glob("cases-*.json")
     path.write_text(path.read_text().replace("3.5", "777.0"))
-    with pytest.raises(ConfigError, match="has changed since it was written"):
+    with pytest.raises(ConfigError, match=wording.directories.has_changed):
         finished_cases(store)
     with pytest.raises(ConfigError, match=path.name), set_aside(store, force=True):
         pytest.fail("it was set aside")
@@ -469,7 +472,7 @@ def test_a_foreign_data_base_is_never_emptied(store, tmp_path, linked):
     if linked:
         (store / NAME).symlink_to(foreign)
         assert sorted(finished_cases(store)) == ["a"]
-        with pytest.raises(ConfigError, match="is a link"):
+        with pytest.raises(ConfigError, match=wording.directories.is_link):
             opened_store(store, {})
     else:
         shutil.copy(foreign, store / NAME)
@@ -518,12 +521,12 @@ def test_a_computed_flow_is_replaced_only_where_all_of_it_is_known(tmp_path):
         (directory / name).parent.mkdir(exist_ok=True)
         (directory / name).write_text("mine")
         make_place(directory, "cfd rail", force=False)
-        with pytest.raises(ConfigError, match=f"results of vvdp: {name};"):
+        with pytest.raises(ConfigError, match=wording.directories.foreign.format(name=name)):
             make_place(directory, "cfd rail", force=True)
         (directory / name).unlink()
     (directory / "case" / "constant").symlink_to(outside, target_is_directory=True)
     for force in (False, True):
-        with pytest.raises(ConfigError, match="is a link"):
+        with pytest.raises(ConfigError, match=wording.directories.is_link):
             make_place(directory, "cfd rail", force=force)
     (directory / "case" / "constant").unlink()
     make_place(directory, "cfd rail", force=True)

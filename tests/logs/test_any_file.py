@@ -7,6 +7,7 @@ import time
 import numpy as np
 import pytest
 from tests.logs import files, hostile
+from tests.words import wording
 
 from vvdp.cli.main import main
 
@@ -26,7 +27,7 @@ def estimate(path, out, capsys, *options):
     assert time.process_time() - began < LONGEST
     said = capsys.readouterr()
     assert "Traceback" not in said.err and "Warning" not in said.err
-    assert code in (0, 1, 2) and "mistake of vvdp" not in said.err
+    assert code in (0, 1, 2) and wording.logs.mistake_of_vvdp not in said.err
     assert code == 0 or said.err.strip()
     return code, said.err
 
@@ -74,7 +75,7 @@ def test_there_are_forty_files_made_to_harm():
 
 def test_edge_times_in_no_order_are_refused(tmp_path, capsys):
     code, said = estimate(hostile.unsorted(tmp_path / "a.csv"), tmp_path / "out", capsys, "--edges", "v")
-    assert code == 2 and "do not run forward, more than 1000 times" in " ".join(said.split())
+    assert code == 2 and wording.logs.not_forward.format(count=1000) in " ".join(said.split())
 
 
 BOMBS = """
@@ -111,4 +112,6 @@ def test_bombs_are_refused_soon_and_within_half_a_gigabyte(formats, tmp_path):
     times = [float(line.split()[1]) for line in done.stderr.splitlines() if line.startswith("took")]
     assert len(times) == len(made) and max(times) < 20.0
     assert float(done.stdout.splitlines()[-1]) < 500.0
-    assert "holds more than 10000" in done.stdout and "claims to hold" in done.stdout
+    assert (
+        wording.logs.holds_more_than.format(count=10000) in done.stdout and wording.logs.claims_to_hold in done.stdout
+    )

@@ -6,6 +6,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from tests.words import wording
 
 import vvdp
 from vvdp.base.errors import ConfigError
@@ -79,7 +80,7 @@ def test_results_of_an_earlier_format_are_refused_with_what_to_do(written):
 @pytest.mark.parametrize("text", ["", "[]", "{"])
 def test_a_damaged_directory_is_told_as_such(written, text):
     (written / "meta.json").write_text(text)
-    with pytest.raises(ConfigError, match=r"meta.json: has changed since it was written"):
+    with pytest.raises(ConfigError, match="meta.json: " + wording.directories.has_changed):
         read_results(written)
     list_all(written)
     with pytest.raises(ConfigError, match="is damaged"):

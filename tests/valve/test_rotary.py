@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import pytest
+from tests.words import wording
 
 from vvdp.base.errors import ParameterError
 
@@ -12,12 +13,12 @@ from vvdp.base.errors import ParameterError
         ({"helix_length": 1.5e-3}, "do not fit into the pitch of 26.6 mm"),
         ({"lap_ratio": 6.0}, "barrier width 23.9 mm do not fit"),
         ({"sections": 2.5}, "2.5; expected a whole number"),
-        ({"sections": 0.0}, "sections must be greater than zero"),
+        ({"sections": 0.0}, wording.files.must_be_greater_than_zero.format(name="sections")),
         ({"inlet_radius": 15e-3}, "15 mm is larger than the spool radius, 12.7 mm"),
         ({"outlet_radius": 15e-3}, "15 mm is larger than the spool radius, 12.7 mm"),
         ({"radial_clearance": 1e-3, "spool_radius": 9e-3, "inlet_radius": 9e-3, "outlet_radius": 9e-3}, "1000 um"),
-        ({"lap_ratio": 0.0}, "lap_ratio must be greater than zero"),
-        ({"transition_pressure": 0.0}, "transition_pressure must be greater than zero"),
+        ({"lap_ratio": 0.0}, wording.files.must_be_greater_than_zero.format(name="lap_ratio")),
+        ({"transition_pressure": 0.0}, wording.files.must_be_greater_than_zero.format(name="transition_pressure")),
         ({"centre_flow_exponent": 1.2}, "outside 1.7 to 2 for a flow exponent with which the branch law is inverted"),
         ({"jet_exponent": 1.1}, "outside 0 to 1"),
     ],
