@@ -157,6 +157,7 @@ def spoiled(hostile: Hostile, sound: Path, here: Path) -> Place:
     return place
 
 
+UNTOLD = ("package beside", "code on record in it", "an installed function", "a built-in function")
 ALL = [*((name, "run") for name in RUNS), *((name, "result") for name in RESULTS)]
 
 
@@ -175,8 +176,8 @@ def test_no_command_runs_or_writes_what_a_hostile_directory_asks_for(
         "compare": (("compare", "runs", "R", str(sound_run), "--out", "out/c", "--no-report"), out),
         "export": (("export", "data", "R", "--csv", "out/x.csv"), out),
     }
-    if not hostile.refused and name != "code beside":  # the others show the same in the same way
-        calls = {call: calls[call] for call in ("report", "plot")}
+    if not hostile.refused and name != "code beside":  # a page takes long, and those without a circuit are alike
+        calls = {call: calls[call] for call in (("plot",) if name in UNTOLD else ("report", "plot"))}
     codes = {}
     for call, (words, allowed) in calls.items():
         with guarded(here, allowed):
@@ -185,7 +186,7 @@ def test_no_command_runs_or_writes_what_a_hostile_directory_asks_for(
         assert answer.code in (0, 2), answer.err
         assert answer.code == 0 or len(answer.err.splitlines()) <= 2, answer.err
         assert str(FOREIGN) not in answer.out
-    assert codes["report"] == (2 if hostile.refused else 0)
+    assert codes.get("report", codes["plot"]) == (2 if hostile.refused else 0)
     assert not place.marker.exists()
     assert content(outside) == before
     assert not any(str(FOREIGN) in path.read_text() for path in out.glob("*.csv"))
@@ -268,10 +269,11 @@ def test_a_module_that_differs_is_told_and_runs_only_when_trusted(vvdp, here, ow
     assert answer.code == 0
     assert TOLD in answer.err and TRUST in answer.err
     assert "states.rail" in answer.out and "Our own figure" not in answer.out
-    reported = vvdp("report", "M")
-    assert reported.code == 0 and TRUST in reported.err
-    page = (own_run / "report.html").read_text("utf-8")
-    assert wording.directories.no_circuit in page and "duration_s" in page
+    if how == "changed":
+        reported = vvdp("report", "M")
+        assert reported.code == 0 and TRUST in reported.err
+        page = (own_run / "report.html").read_text("utf-8")
+        assert wording.directories.no_circuit in page and "duration_s" in page
     assert vvdp("export", "data", "M", "--csv", "m.csv").code == 0
     compared = vvdp("compare", "runs", "M", "M", "--no-report", "--out", "c")
     assert compared.code == 2 and TRUST in compared.err
