@@ -229,6 +229,23 @@ def test_code_in_the_working_folder_is_not_imported_by_python_m(here, sound_run)
     assert not (here / "ran").exists()
 
 
+ALONE = f"""
+import os, sys
+sys.addaudithook(lambda event, arguments: event in {STARTS!r} and (print(event, arguments), os._exit(99)))
+from vvdp.cli.main import main
+main(["export", "data", "R", "--csv", "x.csv"])
+"""
+
+
+def test_a_command_that_loads_all_its_libraries_starts_no_process(here, sound_run):
+    """In this process they are loaded already."""
+    shutil.copytree(sound_run, here / "R")
+    environment = {**os.environ, "PYTHONPATH": str(Path(package.__file__).parents[1])}
+    done = subprocess.run([sys.executable, "-c", ALONE], env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (here / "x.csv").is_file()
+
+
 TOLD, TRUST = wording.directories.code_not_run, wording.directories.trust.format(module="my_pump")
 
 # A module of one's own: what is recorded, what is shown without it, and how it is let run again.
