@@ -79,9 +79,7 @@ def _outcomes(
         return [_alone(variant, stop) for variant in variants]
     # Compiling the loop for lanes takes a minute; the ends of a few values take seconds without it.
     lanes = is_loop_compiled(SIDE_BY_SIDE)
-    batch = simulate_batch(
-        system.model, cases, system.stepping, system.average_from, lanes=lanes, stop=stop, say=say
-    )
+    batch = simulate_batch(system.model, cases, system.stepping, system.average_from, lanes=lanes, stop=stop, say=say)
     if batch.stopped:
         raise KeyboardInterrupt
     rows = iter(range(len(cases)))
