@@ -3,13 +3,16 @@
 import subprocess
 import sys
 import time
+import zlib
 
+import h5py
 import numpy as np
 import pytest
 from tests.logs import files, hostile
 from tests.words import wording
 
 from vvdp.cli.main import main
+from vvdp.logs.hdf5 import Parts
 
 pytestmark = pytest.mark.thorough
 
@@ -67,6 +70,20 @@ def test_a_file_made_to_harm_is_refused_or_read_without_that(name, write, tmp_pa
     if name == "a.h5":  # what does harm goes by that name
         code, said = estimate(tmp_path / name, tmp_path / "more", capsys, "--wave", "other")
         assert code == 2 and said
+
+
+def test_a_chunk_that_is_too_short_is_never_filled_up(tmp_path):
+    """HDF5 itself returns numbers for it, those that its memory held before."""
+    path = tmp_path / "short.h5"
+    with h5py.File(path, "w") as file:
+        whole = file.create_dataset("whole", (2000,), "f8", data=np.ones(2000), chunks=(1000,), compression="gzip")
+        whole.id.write_direct_chunk((1000,), zlib.compress(np.ones(999).tobytes()))
+        parts = Parts(whole)
+        assert np.array_equal(parts[slice(0, 1000),], np.ones(1000))
+        with pytest.raises(ValueError, match="holds 7992 bytes, its shape needs 8000"):
+            parts[slice(999, 1001),]
+        unwritten = file.create_dataset("unwritten", (2000,), "f8", chunks=(1000,), compression="gzip", fillvalue=7.0)
+        assert np.array_equal(Parts(unwritten)[slice(0, 2000),], np.full(2000, 7.0))
 
 
 def test_there_are_forty_files_made_to_harm():
