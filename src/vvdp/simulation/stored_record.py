@@ -13,7 +13,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.errors import unusable
 from vvdp.base.kinds import Kind, kind_named
 from vvdp.logs.budget import Budget
-from vvdp.logs.hdf5 import own_item, part, storage_fault
+from vvdp.logs.hdf5 import Parts, own_item, storage_fault
 from vvdp.simulation.record import GROUPS, TIME_VALUE, Record, Series
 
 
@@ -65,7 +65,7 @@ def _values(group: Any, name: str, budget: Budget) -> Array:
         fault = "holds no numbers"
     if fault:
         raise unusable(budget.path, f"{place} {fault}")
-    found: Array = part(item, *(slice(0, length) for length in item.shape))
+    found: Array = Parts(item)[tuple(slice(0, length) for length in item.shape)]
     return found
 
 
