@@ -12,7 +12,8 @@ from tests.words import wording
 import vvdp
 from vvdp.base import files
 from vvdp.base.errors import ConfigError, WriteError
-from vvdp.base.files import HOST, clear_unfinished, result_directory, write_whole
+from vvdp.base.files import HOST, clear_unfinished, list_all, result_directory, write_whole
+from vvdp.base.manifest import LIST
 
 SOURCE = str(Path(vvdp.__file__).parents[1])
 TOKEN = "0123456789abcdef"
@@ -29,6 +30,7 @@ def dead():
 def make_results(directory, text):
     directory.mkdir(parents=True)
     (directory / "meta.json").write_text(text)
+    list_all(directory)
 
 
 def write_results(directory, text, *, force=False):
@@ -37,8 +39,9 @@ def write_results(directory, text, *, force=False):
 
 
 def content(folder):
-    """All files below a folder by their path in it."""
-    return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
+    """All files below a folder but lists of files, by their path in it."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name != LIST)
+    return {str(path.relative_to(folder)): path.read_text() for path in files}
 
 
 def test_a_file_replaces_another_and_leaves_nothing_beside(tmp_path):

@@ -268,7 +268,11 @@ def test_a_circuit_of_ones_own(vvdp, own, monkeypatch):
     assert "overshoot_Pa" in read_results(own / "out").summary
     (own / "my_pump.py").unlink()
     assert vvdp("report", "out").code == 0
-    assert vvdp("run", "out/system.toml", "--no-report", "--out", "again").code == 0
+    assert vvdp("run", "out/system.toml", "--no-report", "--out", "again").code == 2  # nothing in there is run
+    (own / "copy").mkdir()
+    for name in ("system.toml", "my_pump.py"):
+        (own / "copy" / name).write_bytes((own / "out" / name).read_bytes())
+    assert vvdp("run", "copy/system.toml", "--no-report", "--out", "again").code == 0
 
 
 def line_of(text: str) -> int:

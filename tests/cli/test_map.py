@@ -13,7 +13,7 @@ def test_analytic_map_leaves_table_pictures_and_page(vvdp, here):
     assert answer.code == 0, answer.err
     folder = here / "results" / "analytic-map-prototype"
     assert {path.name for path in folder.iterdir()} == {
-        "figures", "map.csv", "meta.json", "report.html", "result.json", "system.toml",
+        "figures", "map.csv", "meta.json", "report.html", "result.json", "system.toml", "vvdp.json",
     }  # fmt: skip
     assert {path.name for path in (folder / "figures").iterdir()} >= {"efficiency.svg", "flow.svg"}
     page = (folder / "report.html").read_text()
@@ -139,9 +139,13 @@ def test_analytic_and_simulated_maps_do_not_replace_each_other(vvdp, here):
 def test_force_replaces_another_map_and_nothing_else(vvdp, here):
     quick = ("map", "prototype", "--analytic", *SMALL, "--no-report", "--out", "m")
     assert vvdp(*quick).code == 0
-    (here / "m" / "old.txt").write_text("of the earlier map")
+    (here / "m" / "own.txt").write_text("beside the map")
+    refused = vvdp(*quick, "--force")
+    assert refused.code == 2 and "own.txt" in refused.err
+    (here / "m" / "own.txt").unlink()
+    before = (here / "m" / "meta.json").stat().st_mtime_ns
     assert vvdp(*quick, "--force").code == 0
-    assert not (here / "m" / "old.txt").exists()
+    assert (here / "m" / "meta.json").stat().st_mtime_ns != before
     (here / "mine").mkdir()
     (here / "mine" / "thesis.txt").write_text("years of work")
     assert vvdp(*quick[:-1], "mine", "--force").code == 2

@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 from tests.words import wording
 
+from vvdp.base.files import list_all
 from vvdp.results.store import read_result
 from vvdp.simulation.run import simulate
 from vvdp.steady.test_stand import stand
 from vvdp.steady.waveform import whole_run
 from vvdp.systems.system import load_system
 
-FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml"}
+FILES = {"figures", "meta.json", "report.html", "result.json", "system.toml", "vvdp.json"}
 
 
 @pytest.mark.thorough
@@ -163,11 +164,13 @@ def test_the_page_of_a_design_can_be_written_anew(vvdp, here):
 
 
 @pytest.mark.parametrize(
-    ("file", "why"), [("geometry.toml", wording.files.holds_no_result), ("result.json", wording.files.is_damaged)]
+    ("file", "why"), [("geometry.toml", wording.files.is_no_result), ("result.json", wording.files.is_damaged)]
 )
 def test_a_page_that_cannot_be_made_is_refused_with_a_reason(vvdp, here, file, why):
     Path("opt").mkdir()
-    Path("opt", file).write_text("{}")
+    Path("opt", file).write_text('{"format": 1}')
+    assert wording.files.holds_no_result in vvdp("report", "opt").err
+    list_all(Path("opt"))
     answer = vvdp("report", "opt")
     assert answer.code == 2
     assert why in answer.err

@@ -127,11 +127,11 @@ def test_the_output_is_checked_before_the_run(vvdp, here, monkeypatch):
 
 def test_force_replaces_results_and_only_those(vvdp, here):
     assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 0
-    (here / "out" / "stale").write_text("")
+    before = (here / "out" / "meta.json").stat().st_mtime_ns
     assert vvdp("run", "prototype", *SHORT, "--out", "out").code == 2
-    assert (here / "out" / "stale").exists()
+    assert (here / "out" / "meta.json").stat().st_mtime_ns == before
     assert vvdp("run", "prototype", *SHORT, "--out", "out", "--force").code == 0
-    assert not (here / "out" / "stale").exists()
+    assert (here / "out" / "meta.json").stat().st_mtime_ns != before
 
 
 def test_default_directories_do_not_collide(vvdp, here):

@@ -14,6 +14,7 @@ import pytest
 from tests.report.browser import running
 from tests.words import wording
 
+from vvdp.base.files import list_all
 from vvdp.cli.main import main
 from vvdp.geometry.files import read_stl
 from vvdp.geometry.mesh import components, open_edges, volume
@@ -149,6 +150,7 @@ def test_the_page_shows_what_lies_in_the_directory(made, tmp_path):
     (folder / "result.json").write_text(json.dumps(description))
     (folder / "period.gif").unlink()
     shutil.rmtree(folder / "oil")
+    list_all(folder)
     page = write_geometry_report(folder).read_text("utf-8")
     assert "image/gif" not in page
     assert {path.stem for path in (folder / "figures").iterdir()} == {"unwrapped", "openings-over-angle", "solids"}

@@ -12,6 +12,7 @@ from tests.words import wording
 
 import vvdp.offline.estimate as estimating
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import list_all
 from vvdp.estimation.event_memory import event_filter_start
 from vvdp.estimation.event_settings import event_filter
 from vvdp.estimation.fusion import FusionReading, fusion, fusion_start
@@ -952,9 +953,11 @@ def test_all_that_is_kept_has_units_and_names(estimated, tmp_path):
 def test_a_damaged_result_is_refused(estimated):
     kept = estimated(stamped(passing_times(300)), sensor__edges="edge")
     (kept.directory / "result.json").write_text("[")
+    list_all(kept.directory)
     with pytest.raises(ConfigError, match=wording.files.is_damaged):
         read_result(kept.directory)
     (kept.directory / "result.json").unlink()
+    list_all(kept.directory)
     with pytest.raises(ConfigError, match=r"result\.json missing"):
         read_result(kept.directory)
 

@@ -9,6 +9,7 @@ import pytest
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import write_listed
 from vvdp.offline.config import Option, load_estimation
 from vvdp.offline.estimate import estimate, open_for_estimate
 from vvdp.offline.wheel_charts import enlargement
@@ -75,8 +76,8 @@ def test_it_tells_numbers_findings_and_settings(written):
 
 
 def test_made_again_it_has_the_same_bytes_and_stale_figures_go(written, directory):
-    (directory / "figures").mkdir()
-    (directory / "figures" / "old.svg").write_text("<svg/>")
+    with write_listed(directory, ["figures/old.svg"], pages=True):
+        (directory / "figures" / "old.svg").write_text("<svg/>")
     write_result_report(directory)
     one, two = ({path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
                 for place in (written, directory))  # fmt: skip

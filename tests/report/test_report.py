@@ -11,6 +11,7 @@ import pytest
 from tests.words import wording
 
 from vvdp.base.errors import ConfigError
+from vvdp.base.files import list_all, write_listed
 from vvdp.base.kinds import SPEED
 from vvdp.report.report import write_report
 from vvdp.report.result_page import listing_html
@@ -66,6 +67,7 @@ def words(text):
 
 def edit(path, **changes):
     path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+    list_all(path.parent)
 
 
 def test_the_page_stands_alone_and_is_well_formed(orifice):
@@ -237,6 +239,7 @@ def test_text_of_a_user_cannot_become_markup(orifice):
     path = orifice / "system.toml"
     text = path.read_text().replace('title = "Prototype', 'title = "<script>alert(1)</script> & Prototype')
     path.write_text(text.replace('note = "open', 'note = "<b>').replace('"wang2017"', '"<i>someone</i>"'))
+    list_all(orifice)
     said = page(orifice)
     assert "<script>alert" not in said and "<i>someone" not in said
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; Prototype" in said
@@ -294,8 +297,8 @@ def test_every_number_of_a_summary_has_a_kind(whole):
 
 def test_figures_of_an_earlier_report_do_not_stay(orifice):
     stale = orifice / "figures" / "old.svg"
-    stale.parent.mkdir()
-    stale.write_text("<svg/>")
+    with write_listed(orifice, ["figures/old.svg"], pages=True):
+        stale.write_text("<svg/>")
     write_report(orifice)
     assert not stale.exists()
 
@@ -309,6 +312,7 @@ def test_what_is_no_result_directory_is_refused(tmp_path):
 
 def test_a_system_that_cannot_be_read_is_refused_before_anything_is_written(orifice):
     (orifice / "system.toml").write_text('circuit = "orifice-load"\n')
+    list_all(orifice)
     with pytest.raises(ConfigError):
         write_report(orifice)
     assert not (orifice / "report.html").exists() and not (orifice / "figures").exists()

@@ -12,6 +12,7 @@ from typing import Any
 
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
+from vvdp.base.manifest import Directory
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
 from vvdp.base.tables import Sourced, Table, build, fault_at, parsed_table, read_table, suggestion, with_settings
@@ -27,7 +28,6 @@ from vvdp.systems.circuits import (
     NetworkFunction,
     TableSlot,
     circuit_names,
-    local_module,
     network_function,
     table_slots,
 )
@@ -36,6 +36,7 @@ from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
 from vvdp.systems.options import duration_of, lasting, option_keys, without_other_position
+from vvdp.systems.own_modules import OwnModule, folder_of_saved, own_module
 from vvdp.systems.spool_travel import rotary_valves
 from vvdp.valve.rotary import RotaryValve
 
@@ -85,7 +86,7 @@ class System:
 
     `function` drew the network from the tables; None where the file draws it itself. `redrawn` where these are not the
     tables of the file. Modules that the file names are looked for in `folder`. `lengths` is what the file says of the
-    valve as a solid, `faults` what fails in the circuit.
+    valve as a solid, `faults` what fails in the circuit. `module` is the one that the file names, as it was run.
     """
 
     name: str
@@ -101,6 +102,7 @@ class System:
     redrawn: bool = False
     lengths: Mapping[str, Any] | None = None
     faults: tuple[NamedFault, ...] = ()
+    module: OwnModule | None = None
 
     @property
     def model(self) -> Model:
@@ -126,11 +128,6 @@ class System:
         valve = rotary_valves(self.circuit.network, self.tables)[0]
         found = read_shape(valve, self.lengths, self.table, [])
         return None if found is None else found.shape
-
-    @property
-    def module(self) -> Path | None:
-        """The file of the function, where it lies beside the system's."""
-        return local_module(str(self.content.get("circuit", "")), self.folder)
 
     @property
     def circuit_name(self) -> str:
@@ -274,7 +271,20 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         function=function,
         lengths=lengths,
         faults=failing,
+        module=None if function is None else own_module(str(table.content["circuit"]), folder),
     )
+
+
+def saved_system(directory: Directory, name: str, recorded: Any, trust: str = "") -> System:
+    """The system in a result directory; of code of a user's own only what may be run again (`systems.own_modules`).
+
+    recorded  what meta.json says of the module that drew the circuit
+    trust     a module that the user lets run, by name or file
+    Raises ConfigError with all its faults, UntrustedModuleError where there is code that may not be run.
+    """
+    place = directory.path / "system.toml"
+    table = parsed_table(directory.text("system.toml"), str(place))
+    return built_system(table, name, folder_of_saved(table.content.get("circuit"), str(place), recorded, trust))
 
 
 def _draw(function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
