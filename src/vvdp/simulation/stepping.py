@@ -63,10 +63,14 @@ class Stepping(Params):
         return inside
 
     def means_from(self, end: float) -> float:
-        """When the means of a run to `end` [s] begin: in its middle where it ends before `average_from`."""
+        """When the means of a run to `end` [s] begin: at a sample near its middle where it ends before `average_from`."""
         if self.average_from is None:
             return self.begin
-        return max(self.begin, self.average_from) if self.average_from < end else 0.5 * (self.begin + end)
+        if self.average_from < end:
+            return max(self.begin, self.average_from)
+        middle = 0.5 * (self.begin + end)
+        sample = round(middle / self.sample_period) * self.sample_period
+        return sample if self.begin <= sample < end else middle
 
     @property
     def span_times(self) -> Array:
