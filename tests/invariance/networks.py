@@ -89,7 +89,7 @@ def renamed(drawing: Drawing) -> Drawing:
     new = {name: f"{chr(ord('z') - place)}{place * 7919 % 97}" for place, name in enumerate(drawing.nodes)}
     nodes = {new[name]: entry for name, entry in drawing.nodes.items()}
     components = {
-        f"{chr(ord('y') - place)}_part": {key: new.get(value, value) for key, value in entry.items()}
+        f"{chr(ord('y') - place)}_part": {key: new.get(str(value), value) for key, value in entry.items()}
         for place, entry in enumerate(drawing.components.values())
     }
     return Drawing(nodes, components)

@@ -1,0 +1,109 @@
+"""Commands killed at random instants, again and again, and what their results are held against."""
+
+import json
+import multiprocessing
+import random
+import shutil
+import signal
+import time
+from collections.abc import Sequence
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tests.resuming.ready import call
+
+TIMES = frozenset({"seconds", "wall_time_s", "written", "took", "real_time_factor"})
+"""Keys that say when a command ran and for how long."""
+PATIENCE = 300.0
+"""Longest time that any command may take here, on a machine that others use as well [s]."""
+
+_server = multiprocessing.get_context("forkserver")
+_server.set_forkserver_preload(["pytest", "tests.resuming.ready"])
+
+
+class Verb(NamedTuple):
+    """The words of a call that writes `out`, and how long after something is kept it is killed at most [s].
+
+    kept  the files that hold work which a later call goes on with, as a pattern; without one it begins again
+    """
+
+    words: tuple[str, ...]
+    longest: float
+    kept: str = ""
+
+
+def begin(words: Sequence[str], place: Path) -> BaseProcess:
+    """A process that carries out a command in `place`."""
+    process = _server.Process(target=call, args=(words, place))
+    process.start()
+    return process
+
+
+def carried_out(verb: Verb, place: Path) -> dict[str, Any]:
+    """The content of `out` after a call that is left alone."""
+    process = begin(verb.words, place)
+    process.join(PATIENCE)
+    said = (place.parent / "said").read_text()
+    assert process.exitcode == 0, said[-2000:]
+    assert "Traceback" not in said
+    assert [path.name for path in place.iterdir()] == ["out"]
+    assert not list(place.rglob(".*"))
+    return content(place / "out")
+
+
+def kill_again_and_again(verb: Verb, place: Path, seed: int, kills: int) -> list[dict[str, Any]]:
+    """Kills as many calls, each after it has kept or begun something; the content of every `out` that was finished.
+
+    What one call has kept, no other may lose. A call that is done before it can be killed begins anew.
+    """
+    rng, whole, done = random.Random(seed), list[dict[str, Any]](), 0
+    while done < kills:
+        before = kept(verb, place)
+        process = begin(verb.words, place)
+        until = time.monotonic() + PATIENCE
+        while process.is_alive() and not has_begun(verb, place, before) and time.monotonic() < until:
+            time.sleep(0.001)
+        process.join(rng.uniform(0.0, verb.longest))
+        process.kill()
+        process.join()
+        assert before.items() <= kept(verb, place).items()
+        if process.exitcode == -signal.SIGKILL:
+            done += 1
+        else:
+            whole.append(carried_out(verb, place) if verb.kept else content(place / "out"))
+        if (place / "out").exists() and (process.exitcode == 0 or not verb.kept):
+            shutil.rmtree(place / "out")
+    return [*whole, carried_out(verb, place)]
+
+
+def kept(verb: Verb, place: Path) -> dict[str, bytes]:
+    """The files with work that goes on, by their paths."""
+    return {str(path): path.read_bytes() for path in place.glob(verb.kept)} if verb.kept else {}
+
+
+def has_begun(verb: Verb, place: Path, before: dict[str, bytes]) -> bool:
+    """Whether a call has kept more than was there `before`, or has begun to write where it keeps nothing on the way."""
+    return kept(verb, place).keys() > before.keys() if verb.kept else any(place.iterdir())
+
+
+def content(folder: Path) -> dict[str, Any]:
+    """What files hold but for times: bytes, JSON as values; the cases of all batches together, whatever these were."""
+    found: dict[str, Any] = {"cases": {}}
+    for path in sorted(folder.rglob("*")):
+        name = str(path.relative_to(folder))
+        if path.name.startswith("cases-"):
+            for case in json.loads(path.read_text())["cases"]:
+                assert found["cases"].setdefault(case["key"], timeless(case)) == timeless(case)
+        elif path.suffix == ".json":
+            found[name] = timeless(json.loads(path.read_text()))
+        elif path.is_file() and path.suffix != ".sqlite":
+            found[name] = path.read_bytes()
+    return found
+
+
+def timeless(value: Any) -> Any:
+    """A value of JSON without `TIMES`."""
+    if isinstance(value, dict):
+        return {key: timeless(each) for key, each in value.items() if key not in TIMES}
+    return [timeless(each) for each in value] if isinstance(value, list) else value

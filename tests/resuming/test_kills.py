@@ -1,0 +1,87 @@
+"""Killed at any instant and called again, a command gives the result to the last bit that it gives when left alone."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.resuming.kills import Verb, carried_out, kill_again_and_again, timeless
+
+STUDY = """
+title = "Cases"
+system = "prototype-constant-load"
+until = "0.05 s"
+outputs = ["pwm_frequency_Hz", "efficiency"]
+[random]
+count = 24
+seed = 3
+[random.spreads]
+"oil.air_fraction" = { uniform = ["0.5 %", "2 %"] }
+"""
+CONSTANT = "prototype-constant-load"
+SMALL = ("--duty", "0.4", "0.8", "3", "--pressure", "40 bar", "80 bar", "2")
+QUICK = ("--estimator", "inverse-time", "--estimator", "m-over-t", "--scenario", "constant", "--seeds", "2")
+LAST = ("--out", "out", "--no-report")
+VERBS = {
+    "study": Verb(("study", "../study.toml", *LAST[:2]), 0.5, "out/cases-*.json"),
+    "map": Verb(("map", CONSTANT, *SMALL, *LAST), 0.5, "out/points/cases-*.json"),
+    "estimate": Verb(("estimate", "../edges.csv", "--edges", "edge", "--sectors", "8", *LAST), 0.3),
+    "design": Verb(("design", "optimum", "prototype", "--starts", "1", "--no-simulation", *LAST), 6.0),
+    "compare": Verb(("compare", "estimators", *QUICK, *LAST), 3.0),
+    "reproduce": Verb(("reproduce", "3.9", *LAST), 3.0),
+    "cfd": Verb(("cfd", "rail", "prototype", "--cells", "5", *LAST), 20.0, "out/*/state.json"),
+}
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """The folder in which commands write `out`; a log and a study lie above it."""
+    edges = 0.2 + np.arange(600) * (np.pi / 4.0) / (2.0 * np.pi * 24.7)
+    (tmp_path / "edges.csv").write_text("edge [s]\n" + "\n".join(f"{t:.9g}" for t in edges) + "\n")
+    (tmp_path / "study.toml").write_text(STUDY)
+    folder = tmp_path / "place"
+    folder.mkdir()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole() -> dict[str, dict[str, Any]]:
+    """What each command gives when it is left alone, by its name."""
+    return {}
+
+
+SUITE = [("study", 1, 10), ("map", 2, 10)]
+MANY = [
+    *(("study", seed, 10) for seed in range(3, 9)),
+    *(("map", seed, 10) for seed in range(9, 13)),
+    *((name, seed, 10) for name in ("estimate", "design", "compare", "reproduce") for seed in (13, 14)),
+    *(("cfd", seed, 5) for seed in range(15, 19)),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "kills"), [*SUITE, *(pytest.param(*each, marks=pytest.mark.slow) for each in MANY)]
+)  # fmt: skip
+def test_killed_again_and_again(place, tmp_path, whole, name, seed, kills):
+    verb = VERBS[name]
+    if name not in whole:
+        alone = tmp_path / "alone"
+        alone.mkdir()
+        whole[name] = carried_out(verb, alone)
+    for found in kill_again_and_again(verb, place, seed, kills):
+        assert found.keys() == whole[name].keys()
+        for file, held in found.items():
+            assert held == whole[name][file], file
+
+
+def test_a_kept_number_that_differs_is_seen(place, whole):
+    """Else none of the above could fail."""
+    verb = VERBS["study"]
+    carried_out(verb, place)
+    path = next((place / "out").glob("cases-*.json"))
+    path.write_text(path.read_text().replace('"pwm_frequency_Hz": ', '"pwm_frequency_Hz": 1', 1))
+    assert carried_out(verb, place) != whole["study"]
+
+
+def test_times_are_left_out_and_nothing_else():
+    assert timeless({"a": [{"seconds": 1.0, "b": 2.0}], "written": "x"}) == {"a": [{"b": 2.0}]}
