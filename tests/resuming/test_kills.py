@@ -1,11 +1,14 @@
 """Killed at any instant and called again, a command gives the result to the last bit that it gives when left alone."""
 
+import functools
+import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from tests.resuming.kills import Verb, carried_out, kill_again_and_again, timeless
+from tests.resuming.kills import Verb, carried_out, content, kill_again_and_again, timeless
 
 STUDY = """
 title = "Cases"
@@ -33,21 +36,26 @@ VERBS = {
 }
 
 
-@pytest.fixture
-def place(tmp_path: Path) -> Path:
-    """The folder in which commands write `out`; a log and a study lie above it."""
+def prepared(above: Path) -> Path:
+    """A folder in which commands write `out`; a log and a study lie above it."""
     edges = 0.2 + np.arange(600) * (np.pi / 4.0) / (2.0 * np.pi * 24.7)
-    (tmp_path / "edges.csv").write_text("edge [s]\n" + "\n".join(f"{t:.9g}" for t in edges) + "\n")
-    (tmp_path / "study.toml").write_text(STUDY)
-    folder = tmp_path / "place"
+    (above / "edges.csv").write_text("edge [s]\n" + "\n".join(f"{t:.9g}" for t in edges) + "\n")
+    (above / "study.toml").write_text(STUDY)
+    folder = above / "place"
     folder.mkdir()
     return folder
 
 
 @pytest.fixture(scope="module")
-def whole() -> dict[str, dict[str, Any]]:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], dict[str, Any]]:
     """What each command gives when it is left alone, by its name."""
-    return {}
+
+    @functools.cache
+    def alone(name: str) -> dict[str, Any]:
+        folder = prepared(tmp_path_factory.mktemp(name))
+        return carried_out(VERBS[name], folder)
+
+    return alone
 
 
 SUITE = [("study", 1, 10), ("map", 2, 10)]
@@ -62,25 +70,23 @@ MANY = [
 @pytest.mark.parametrize(
     ("name", "seed", "kills"), [*SUITE, *(pytest.param(*each, marks=pytest.mark.slow) for each in MANY)]
 )  # fmt: skip
-def test_killed_again_and_again(place, tmp_path, whole, name, seed, kills):
-    verb = VERBS[name]
-    if name not in whole:
-        alone = tmp_path / "alone"
-        alone.mkdir()
-        whole[name] = carried_out(verb, alone)
-    for found in kill_again_and_again(verb, place, seed, kills):
-        assert found.keys() == whole[name].keys()
+def test_killed_again_and_again(whole, tmp_path, name, seed, kills):
+    for found in kill_again_and_again(VERBS[name], prepared(tmp_path), seed, kills):
+        assert found.keys() == whole(name).keys()
         for file, held in found.items():
-            assert held == whole[name][file], file
+            assert held == whole(name)[file], file
 
 
-def test_a_kept_number_that_differs_is_seen(place, whole):
+def test_a_number_that_differs_is_seen_in_any_batch(tmp_path):
     """Else none of the above could fail."""
-    verb = VERBS["study"]
-    carried_out(verb, place)
-    path = next((place / "out").glob("cases-*.json"))
-    path.write_text(path.read_text().replace('"pwm_frequency_Hz": ', '"pwm_frequency_Hz": 1', 1))
-    assert carried_out(verb, place) != whole["study"]
+
+    def kept(**batches: float) -> dict[str, Any]:
+        for name, value in batches.items():
+            cases = [{"key": name, "summary": {"loss_W": value, "wall_time_s": np.random.default_rng().random()}}]
+            (tmp_path / f"cases-{name}.json").write_text(json.dumps({"cases": cases}))
+        return content(tmp_path)
+
+    assert kept(one=1.0, two=2.0) == kept(one=1.0) != kept(two=2.0 + 1e-15)
 
 
 def test_times_are_left_out_and_nothing_else():
