@@ -1,5 +1,6 @@
 """Commands killed at random instants, again and again, and what their results are held against."""
 
+import csv
 import json
 import multiprocessing
 import random
@@ -13,8 +14,10 @@ from typing import Any, NamedTuple
 
 from tests.resuming.ready import call
 
-TIMES = frozenset({"seconds", "wall_time_s", "written", "took", "real_time_factor"})
-"""Keys that say when a command ran and for how long."""
+TIMES = frozenset({"seconds", "wall_time_s", "written", "cost_s", "cost_se_s", "relative_cost"})
+"""Keys and columns that say when a command ran and how long what took."""
+ASIDE = ("index.sqlite", "steps.csv")
+"""Files that are not held against others, as the folder `case` of a solver: an index, and how long its steps took."""
 PATIENCE = 300.0
 """Longest time that any command may take here, on a machine that others use as well [s]."""
 
@@ -23,13 +26,15 @@ _server.set_forkserver_preload(["pytest", "tests.resuming.ready"])
 
 
 class Verb(NamedTuple):
-    """The words of a call that writes `out`, and how long after something is kept it is killed at most [s].
+    """The words of a call that writes `out`, and how long after it has begun to write it is killed at most [s].
 
-    kept  the files that hold work which a later call goes on with, as a pattern; without one it begins again
+    goes_on  whether a later call takes up what is there, or begins again
+    kept     the files that hold finished work, as a pattern: a call is killed after it has added one
     """
 
     words: tuple[str, ...]
     longest: float
+    goes_on: bool = False
     kept: str = ""
 
 
@@ -71,8 +76,8 @@ def kill_again_and_again(verb: Verb, place: Path, seed: int, kills: int) -> list
         if process.exitcode == -signal.SIGKILL:
             done += 1
         else:
-            whole.append(carried_out(verb, place) if verb.kept else content(place / "out"))
-        if (place / "out").exists() and (process.exitcode == 0 or not verb.kept):
+            whole.append(content(place / "out"))
+        if (place / "out").exists() and (process.exitcode == 0 or not verb.goes_on):
             shutil.rmtree(place / "out")
     return [*whole, carried_out(verb, place)]
 
@@ -88,22 +93,26 @@ def has_begun(verb: Verb, place: Path, before: dict[str, bytes]) -> bool:
 
 
 def content(folder: Path) -> dict[str, Any]:
-    """What files hold but for times: bytes, JSON as values; the cases of all batches together, whatever these were."""
+    """What files hold but for times: bytes, JSON and CSV as values; the cases of all batches, whatever these were."""
     found: dict[str, Any] = {"cases": {}}
     for path in sorted(folder.rglob("*")):
-        name = str(path.relative_to(folder))
+        name = path.relative_to(folder)
+        if path.is_dir() or path.name in ASIDE or name.is_relative_to("case"):
+            continue
         if path.name.startswith("cases-"):
             for case in json.loads(path.read_text())["cases"]:
                 assert found["cases"].setdefault(case["key"], timeless(case)) == timeless(case)
         elif path.suffix == ".json":
-            found[name] = timeless(json.loads(path.read_text()))
-        elif path.is_file() and path.suffix != ".sqlite":
-            found[name] = path.read_bytes()
+            found[str(name)] = timeless(json.loads(path.read_text()))
+        elif path.suffix == ".csv":
+            found[str(name)] = timeless(list(csv.DictReader(path.read_text().splitlines())))
+        else:
+            found[str(name)] = path.read_bytes()
     return found
 
 
 def timeless(value: Any) -> Any:
-    """A value of JSON without `TIMES`."""
+    """A value of JSON, or the rows of a table, without `TIMES`."""
     if isinstance(value, dict):
         return {key: timeless(each) for key, each in value.items() if key not in TIMES}
     return [timeless(each) for each in value] if isinstance(value, list) else value

@@ -26,13 +26,13 @@ SMALL = ("--duty", "0.4", "0.8", "3", "--pressure", "40 bar", "80 bar", "2")
 QUICK = ("--estimator", "inverse-time", "--estimator", "m-over-t", "--scenario", "constant", "--seeds", "2")
 LAST = ("--out", "out", "--no-report")
 VERBS = {
-    "study": Verb(("study", "../study.toml", *LAST[:2]), 0.5, "out/cases-*.json"),
-    "map": Verb(("map", CONSTANT, *SMALL, *LAST), 0.5, "out/points/cases-*.json"),
+    "study": Verb(("study", "../study.toml", *LAST[:2]), 0.5, True, "out/cases-*.json"),
+    "map": Verb(("map", CONSTANT, *SMALL, *LAST), 0.5, True, "out/points/cases-*.json"),
     "estimate": Verb(("estimate", "../edges.csv", "--edges", "edge", "--sectors", "8", *LAST), 0.3),
     "design": Verb(("design", "optimum", "prototype", "--starts", "1", "--no-simulation", *LAST), 6.0),
     "compare": Verb(("compare", "estimators", *QUICK, *LAST), 3.0),
     "reproduce": Verb(("reproduce", "3.9", *LAST), 3.0),
-    "cfd": Verb(("cfd", "rail", "prototype", "--cells", "5", *LAST), 20.0, "out/*/state.json"),
+    "cfd": Verb(("cfd", "rail", "prototype", "--grid", "5", "--cores", "1", *LAST), 20.0, True),
 }
 
 
