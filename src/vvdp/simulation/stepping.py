@@ -63,7 +63,7 @@ class Stepping(Params):
         return inside
 
     def means_from(self, end: float) -> float:
-        """When the means of a run to `end` [s] begin: at a sample near its middle where it ends before `average_from`."""
+        """When means of a run to `end` [s] begin: at a sample near its middle where it ends before `average_from`."""
         if self.average_from is None:
             return self.begin
         if self.average_from < end:
