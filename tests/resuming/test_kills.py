@@ -28,6 +28,8 @@ LAST = ("--out", "out", "--no-report")
 VERBS = {
     "study": Verb(("study", "../study.toml", *LAST[:2]), 0.5, True, "out/cases-*.json"),
     "map": Verb(("map", CONSTANT, *SMALL, *LAST), 0.5, True, "out/points/cases-*.json"),
+    "run": Verb(("run", CONSTANT, "--until", "0.1 s", *LAST[:2]), 1.5),
+    "rig": Verb(("rig", "pressure-drop", CONSTANT, *LAST[:2]), 1.0),
     "estimate": Verb(("estimate", "../edges.csv", "--edges", "edge", "--sectors", "8", *LAST), 0.3),
     "design": Verb(("design", "optimum", "prototype", "--starts", "1", "--no-simulation", *LAST), 6.0),
     "compare": Verb(("compare", "estimators", *QUICK, *LAST), 3.0),
@@ -63,6 +65,7 @@ MANY = [
     *(("study", seed, 10) for seed in range(3, 9)),
     *(("map", seed, 10) for seed in range(9, 13)),
     *((name, seed, 10) for name in ("estimate", "design", "compare", "reproduce") for seed in (13, 14)),
+    *((name, 20, 10) for name in ("run", "rig")),
     *(("cfd", seed, 5) for seed in range(15, 19)),
 ]
 

@@ -218,16 +218,18 @@ def test_kill_9_at_any_moment_loses_nothing_that_was_finished(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("where", ["here", "dask"])
-def test_kill_9_at_random_moments(begin_study, awaited, kept, long_study, tmp_path: Path, where: str) -> None:
-    """Again and again while cases are run and written, until all are finished; the numbers are those of one run."""
+def test_kill_9_of_workers_at_random_moments(begin_study, awaited, kept, long_study, tmp_path: Path) -> None:
+    """Again and again while cases are run and written, until all are finished; the numbers are those of one run.
+
+    What is killed without workers is in `tests/resuming`.
+    """
     directory = tmp_path / "long"
     random = np.random.default_rng(7)
     before: set[str] = set()
     kills = 0
-    longest = 1.0 if where == "here" else 2.0
+    longest = 2.0
     for _ in range(40):
-        process = begin_study(directory, where)
+        process = begin_study(directory, "dask")
         started = time.time()
         awaited(lambda started=started: begun_since(directory, started), process)
         time.sleep(random.uniform(0.0, longest))
