@@ -17,7 +17,7 @@ from tests.resuming.ready import call
 TIMES = frozenset({"seconds", "wall_time_s", "written", "cost_s", "cost_se_s", "relative_cost"})
 """Keys and columns that say when a command ran and how long what took."""
 ASIDE = ("index.sqlite", "steps.csv", "report.html", "vvdp.json")
-"""Files that are not held against others, as the folder `case` of a solver: an index, what tells of times, and its sums."""
+"""Files that are not held against others, as the folder `case` of a solver: an index, times, and sums over them."""
 PATIENCE = 300.0
 """Longest time that any command may take here, on a machine that others use as well [s]."""
 
