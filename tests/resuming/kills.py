@@ -73,7 +73,7 @@ def kill_again_and_again(verb: Verb, place: Path, seed: int, kills: int) -> list
         process.kill()
         process.join()
         assert before.items() <= kept(verb, place).items()
-        assert process.exitcode in (0, -signal.SIGKILL)
+        assert process.exitcode in (0, -signal.SIGKILL), (place.parent / "said").read_text()[-2000:]
         done += process.exitcode != 0
         if process.exitcode == 0 or (not verb.goes_on and (place / "out").exists()):
             whole.append(content(place / "out"))
