@@ -86,18 +86,18 @@ def replacement(node: ast.expr) -> str:
     return ast.unparse(node)
 
 
-def functions(package: str) -> Iterator[tuple[Path, int]]:
+def functions(clone: Path, package: str) -> Iterator[tuple[Path, int]]:
     """File and number of each function of a package."""
-    for path in sorted((ROOT / "src" / "vvdp" / package).rglob("*.py")):
+    for path in sorted((clone / "src" / "vvdp" / package).rglob("*.py")):
         tree = ast.parse(path.read_text("utf-8"))
         for number, node in enumerate(ast.walk(tree)):
             if isinstance(node, ast.FunctionDef):
                 yield path, number
 
 
-def mutant(chance: random.Random, messages: bool) -> Mutant:
+def mutant(clone: Path, chance: random.Random, messages: bool) -> Mutant:
     """A mutant of a function drawn by chance."""
-    candidates = [each for package in (MESSAGES if messages else LAWS) for each in functions(package)]
+    candidates = [each for package in (MESSAGES if messages else LAWS) for each in functions(clone, package)]
     while True:
         path, number = chance.choice(candidates)
         text = path.read_text("utf-8")
@@ -108,7 +108,7 @@ def mutant(chance: random.Random, messages: bool) -> Mutant:
             continue
         node = chance.choice(found)
         if made := changed_text(text, node):
-            return Mutant(path.relative_to(ROOT), node.lineno, *made)
+            return Mutant(path.relative_to(clone), node.lineno, *made)
 
 
 def killer(clone: Path, changed: Mutant) -> str | None:
@@ -146,7 +146,7 @@ def main() -> int:
         clone = Path(folder) / "clone"
         subprocess.run(["git", "clone", "-q", str(ROOT), str(clone)], check=True)
         for number in range(options.count):
-            changed = mutant(chance, messages=number % 4 == 3)
+            changed = mutant(clone, chance, messages=number % 4 == 3)
             began = time.monotonic()
             found = killer(clone, changed)
             survivors += found is None
