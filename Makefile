@@ -7,7 +7,12 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 LOCK := uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --group build \
 	--generate-hashes --no-annotate --no-header
 
-.PHONY: run setup test test-thorough test-slow lint bench docs dist lock clean
+# Tests that need few minutes, for other versions than those of the locks.
+SMOKE := tests/base tests/fluid tests/network tests/numerics tests/results tests/fitting tests/logs/test_readers.py \
+	tests/cli/test_run.py tests/cli/test_export.py tests/cli/test_plot.py tests/systems/test_examples.py
+LOWEST := .venv-lowest
+
+.PHONY: run setup test test-thorough test-slow test-lowest lint bench docs dist lock sbom audit clean
 
 run: $(VENV)/core
 	$(BIN)/vvdp run prototype
@@ -42,6 +47,12 @@ test-thorough: setup
 test-slow: setup
 	$(BIN)/python -m pytest -m slow
 
+# The lowest versions that pyproject.toml admits, resolved by uv, with the newest of what these need in turn.
+test-lowest:
+	uv venv --quiet --clear --python $(PYTHON) $(LOWEST)
+	uv pip install --quiet --python $(LOWEST) --resolution lowest-direct -e '.[dev]'
+	$(LOWEST)/bin/python -m pytest -m "not slow and not thorough" $(SMOKE)
+
 lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -55,6 +66,14 @@ lock:
 	$(LOCK) $(UPGRADE) --extra dev -o requirements.lock
 	$(LOCK) -c requirements.lock -o requirements-core.lock
 
+# The bill of materials, from the locks and the installed packages' own words on their licences.
+sbom: setup
+	$(BIN)/python -m supply.bill
+
+# Known weaknesses of the pinned versions, asked of a public data base: by hand, for CI needs no network.
+audit:
+	uv tool run pip-audit --strict --disable-pip --require-hashes -r requirements.lock
+
 # The site goes into the package, where `vvdp docs` looks for it; a broken link or a page without a place fails.
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
@@ -64,4 +83,4 @@ dist: docs
 	$(BIN)/python -m hatchling build
 
 clean:
-	rm -rf src/vvdp/site dist $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf src/vvdp/site dist $(VENV) $(LOWEST) .pytest_cache .mypy_cache .ruff_cache .hypothesis

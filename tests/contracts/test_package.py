@@ -48,7 +48,9 @@ def test_the_wheel_says_who_made_it_and_under_which_licence(wheel):
     )
     assert set(told.get_all("Provides-Extra")) == {*EXTRAS, "dev"}
     assert set(told.get_all("Classifier")) <= set(classifiers)
-    assert {f"{name}/licenses/LICENSE", f"{name}/licenses/NOTICE"} <= set(wheel.namelist())
+    assert {f"{name}/licenses/LICENSE", f"{name}/licenses/NOTICE", f"{name}/sboms/vvdp.cdx.json"} <= set(
+        wheel.namelist()
+    )
 
 
 def test_the_wheel_is_typed_and_holds_the_package_alone(wheel):

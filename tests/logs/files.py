@@ -37,6 +37,7 @@ def mutate(content: bytes, random: np.random.Generator) -> bytes:
     """The bytes after one to four accidents."""
     data = bytearray(content)
     for _ in range(int(random.integers(1, 5))):
+        data = data or bytearray(1)
         at, length = int(random.integers(len(data))), int(2 ** random.uniform(0, 9))
         piece = data[at : at + length]
         match int(random.integers(7)):

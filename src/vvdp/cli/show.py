@@ -54,7 +54,7 @@ def _entry(row: "Sourced") -> dict[str, Any]:
 
     value: Any = row.value
     if isinstance(row.value, tuple):
-        low, high = min(row.value), max(row.value)
+        low, high = min(row.value, default=None), max(row.value, default=None)
     elif isinstance(row.value, Signal):
         low, high = row.value.extremes
         value = low if low == high else None

@@ -91,6 +91,8 @@ def _places(path: Path, head: tuple[int, Sequence[str]], wanted: Mapping[str, Qu
             mine += [_Place(k, headings[k].strip(), quantity.kind.unit) for k, text, _ in read if text == name + suffix]
         if len(mine) > 1:
             faults.append(Fault(str(path), line, name, f"stands there {len(mine)} times"))
+        elif mine and quantity.words and mine[0].unit:
+            faults.append(Fault(str(path), line, name, f"has the unit {mine[0].unit!r}, but holds words; leave it out"))
         elif mine:
             found[name] = mine[0]
         elif not quantity.is_optional:

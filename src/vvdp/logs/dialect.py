@@ -188,10 +188,12 @@ def _headings(path: Path, lines: Sequence[_Line], first: int) -> tuple[list[tupl
     has_units = over is not above and len(over.fields) == width and "n" not in over.kinds and any(over.fields)
     if not (has_units and any(above.fields) and all(map(is_written_unit, above.fields))):
         return [heading(name) for name in above.fields], [], lines[first - 2].number if first >= 2 else 0
-    headings = [
-        (name, below.strip("[]()").strip() or unit)
-        for below, (name, unit) in zip(above.fields, map(heading, over.fields), strict=True)
-    ]
+    headings = []
+    for below, (name, unit) in zip(above.fields, map(heading, over.fields), strict=True):
+        written = below.strip("[]()").strip()
+        if unit and written not in ("", unit):
+            raise ConfigError([Fault(str(path), over.number, name, f"has the units {unit!r} and, below, {written!r}")])
+        headings.append((name, written or unit))
     return headings, [], lines[first - 3].number if first >= 3 else 0
 
 

@@ -8,6 +8,7 @@ plainly in the file, one value after the other or one row after the other, they 
 """
 
 import bisect
+import io
 import logging
 from collections.abc import Iterator
 from functools import cache
@@ -22,6 +23,20 @@ from vvdp.base.arrays import Array
 from vvdp.logs.content import Content, Leaf, Reader, evenly
 
 _BIG_ENDIAN = 1 << 6
+_PLAIN = 1 << 20
+"""A length [bytes] that need not be held against the file's."""
+
+
+class _Bounded(io.BufferedReader):
+    """A file of which no more is asked than is left: npTDMS asks for as long a text as a damaged file says it is."""
+
+    def read(self, size: int | None = -1) -> bytes:
+        """Reads up to `size` bytes."""
+        if size is not None and size > _PLAIN:
+            here = self.tell()
+            size = min(size, self.seek(0, io.SEEK_END) - here)
+            self.seek(here)
+        return super().read(size)
 
 
 def read_tdms(content: Content) -> None:
@@ -30,7 +45,7 @@ def read_tdms(content: Content) -> None:
 
     nptdms.log.log_manager.set_level(logging.CRITICAL)  # what matters of it is a remark
     content.short = True
-    content.held = content.path.open("rb")
+    content.held = _Bounded(io.FileIO(content.path))
     file = nptdms.TdmsFile.open(content.held, raw_timestamps=True)
     channels = [channel for group in file.groups() for channel in group.channels()]
     content.budget.count(len(channels))

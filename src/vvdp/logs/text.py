@@ -21,6 +21,8 @@ from vvdp.logs.content import INSTANTS, Content, Leaf, Names
 from vvdp.logs.dialect import HEAD, NO_NUMBER, NUMBER, OFFSET, Dialect, fields_of_line, find_dialect
 
 LONGEST_LINE = 1 << 22
+LARGEST_BLOCK = 1 << 26
+"""Bytes that are read at once, however long a row is."""
 _NO_NUMBERS = ("", "nan", "NaN", "NAN", "n/a", "N/A", "NA", "#N/A", "null", "NULL", "--", "---", "over", "OVER")
 """Those words for no number that are common, which pandas is told of."""
 
@@ -42,7 +44,7 @@ def _rows(
     table = _Table(content, dialect, sorted(columns))
     with content.path.open("rb") as file:
         file.seek(dialect.begin)
-        for block in _blocks(content.path, file, max(4096, int(samples * dialect.row_length))):
+        for block in _blocks(content.path, file, min(max(4096, int(samples * dialect.row_length)), LARGEST_BLOCK)):
             if block:
                 arrays = table.parse_block(block)
                 yield {columns[k]: values for k, values in arrays.items()}, file.tell() / size

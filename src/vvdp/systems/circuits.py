@@ -55,6 +55,17 @@ def _entry_points() -> tuple[EntryPoint, ...]:
     return tuple(entry_points(group=GROUP))
 
 
+def _load(point: EntryPoint) -> Any:
+    """What an entry point names. Raises ParameterError if its package does not load."""
+    try:
+        return point.load()
+    except Exception as problem:  # code of another package
+        reason = f"{type(problem).__name__}: {problem}"
+        raise ParameterError(
+            f"{point.name!r} of an installed package cannot be loaded from {point.value!r} ({reason})"
+        ) from None
+
+
 def network_function(name: str, folder: Path) -> NetworkFunction:
     """The function that draws a circuit, by the name of an entry point or as "module:function".
 
@@ -73,7 +84,7 @@ def network_function(name: str, folder: Path) -> NetworkFunction:
         if not points:
             message = f"{name!r} is not a circuit; expected {', '.join(circuit_names())}, or module:function"
             raise ParameterError(message)
-        found = points[0].load()
+        found = _load(points[0])
     if not inspect.isfunction(found):
         raise ParameterError(f"{name} is no function; expected one that takes tables and returns a Network")
     return found
