@@ -1,21 +1,36 @@
 """The process of the command line: the console script `vvdp`, and `python -m vvdp`.
 
-Nothing is imported here before Ctrl-C is taken care of, so that it ends the process in one line at any instant.
+Ctrl-C ends it in one line and with exit code 130 at any instant from here on: nothing else is imported earlier.
 """
 
-import signal
+import os
 import sys
-from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 INTERRUPTED = 130
 
 
 def main() -> None:
     """Run the command line in `sys.argv` and exit with its code."""
+    try:
+        _run()
+    except KeyboardInterrupt:
+        leave()
+    except SystemExit as end:
+        if end.code != INTERRUPTED:
+            raise
+        _end()
+
+
+def _run() -> None:
+    import signal
+
     catches = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else it is ignored, as in the background
     if catches:
-        signal.signal(signal.SIGINT, _leave)
+        signal.signal(signal.SIGINT, leave)
         sys.unraisablehook = _interrupt_again
     from vvdp.cli.main import main as run_command
 
@@ -23,18 +38,24 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         run_command()
-    except KeyboardInterrupt:  # before or after the command itself
-        _leave(signal.SIGINT, None)
     finally:
         if catches:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # everything is done but for the end of the interpreter
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the end of the interpreter is left
 
 
-def _leave(number: int, frame: FrameType | None) -> None:
-    """End the process while modules are loaded: nothing has begun that must be cleared away."""
-    import os
-
+def leave(number: int = 0, frame: "FrameType | None" = None) -> NoReturn:
+    """End the process where nothing has begun that must be cleared away; the handler while modules are loaded."""
     os.write(2, b"interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def _end() -> NoReturn:
+    """End with the code: after a KeyboardInterrupt in `exec` Python itself would end as if killed by the signal."""
+    import atexit
+
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
     os._exit(INTERRUPTED)
 
 

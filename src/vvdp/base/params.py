@@ -1,6 +1,7 @@
 """Parameter classes: frozen, keyword-only, every field of a kind, every value checked when it is made."""
 
 import dataclasses
+import re
 from functools import cache
 from typing import Any, dataclass_transform, get_type_hints
 
@@ -36,6 +37,19 @@ def _field_types(cls: type) -> dict[str, Any]:
 def default_values(cls: type) -> dict[str, Any]:
     """The fields of a parameter class that need not be given, with their values."""
     return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
+
+
+def refused_field(problem: ParameterError, cls: type) -> tuple[str, str]:
+    """The field of `cls` that a refusal of its values names, empty without one, and what is wrong, without the class.
+
+    Classes write `Class.field: what`, `Class.field = value: what` or `Class.field what`, with the name of the class or
+    of one that it is derived from.
+    """
+    words = "|".join(each.__name__ for each in cls.__mro__)
+    match = re.fullmatch(rf"(?:{words})(?:\.(\w+))?(?:: | = | )(.*)", str(problem), re.DOTALL)
+    if match is None or (match[1] and match[1] not in field_kinds(cls)):
+        return "", str(problem)
+    return match[1] or "", match[2]
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

@@ -78,14 +78,6 @@ class _InOrder(TyperGroup):
         names = super().list_commands(ctx)
         return sorted(names, key=lambda name: ORDER.index(name) if name in ORDER else len(ORDER) + names.index(name))
 
-    def invoke(self, ctx: Any) -> Any:
-        """Runs the verb; Ctrl-C that the verb leaves to others is reported in one line."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            _tell("interrupted", INTERRUPTED)
-            raise typer.Exit(INTERRUPTED) from None
-
 
 app = typer.Typer(
     cls=_InOrder,
@@ -156,6 +148,8 @@ def _run(arguments: list[str] | None) -> int:
     try:
         app(arguments, prog_name="vvdp")
     except SystemExit as end:
+        if end.__context__ is not None and isinstance(end.__context__.__cause__, KeyboardInterrupt):
+            _tell("interrupted", INTERRUPTED)  # no verb has caught it
         return end.code if isinstance(end.code, int) else 0
     except (ConfigError, NetworkError, ParameterError) as problem:
         return _tell(str(problem), BAD_INPUT)

@@ -14,7 +14,17 @@ from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
 from vvdp.base.signal import Signal
-from vvdp.base.tables import Sourced, Table, build, fault_at, parsed_table, read_table, suggestion, with_settings
+from vvdp.base.tables import (
+    Sourced,
+    Table,
+    build,
+    fault_at,
+    parsed_table,
+    read_table,
+    refuse_unknown,
+    suggestion,
+    with_settings,
+)
 from vvdp.geometry.shape import ValveShape
 from vvdp.geometry.shape_tables import NAME as SHAPE
 from vvdp.geometry.shape_tables import read_shape
@@ -31,7 +41,7 @@ from vvdp.systems.circuits import (
     network_function,
     table_slots,
 )
-from vvdp.systems.drawing import Drawing, draw_network
+from vvdp.systems.drawing import TABLES, Drawing, Temperature, draw_network
 from vvdp.systems.extras import Extras
 from vvdp.systems.fault_tables import FAULTS, FaultReader
 from vvdp.systems.faults import NamedFault, OtherValue, change_entries, change_tables, faulty_network
@@ -219,10 +229,26 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
         if "run.until" in option_keys(settings):
             _check_overridden(table, place, {"run.until"})
         table = lasting(table, until, settings)
-    system = built_system(table, *place)
+    try:
+        system = built_system(table, *place)
+    except ConfigError as problem:
+        raise (_from_options(problem, plain, place) if settings else problem) from None
     if table is not plain:
         _check_overridden(plain, place, {*option_keys(settings), *(("run.until",) if until is not None else ())})
     return system
+
+
+def _from_options(problem: ConfigError, plain: Table, place: tuple[str, Path]) -> ConfigError:
+    """The faults of a system with settings; those that the file alone does not have are placed at the option."""
+    try:
+        built_system(plain, *place)
+        own: set[tuple[str, str]] = set()
+    except ConfigError as of_file:
+        own = {(fault.key, fault.message) for fault in of_file.faults}
+    return ConfigError([
+        fault if (fault.key, fault.message) in own or not fault.line else Fault("--set", 0, fault.key, fault.message)
+        for fault in problem.faults
+    ])  # fmt: skip
 
 
 def _check_overridden(plain: Table, place: tuple[str, Path], overridden: set[str]) -> None:
@@ -242,8 +268,12 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
     """
     faults: list[Fault] = []
     content = dict(table.content)
+    title = content.get("title", name)
+    if not isinstance(title, str):
+        faults.append(fault_at(table, "title", f"{title!r} is not a text in quotes"))
     run, method = _run_table(content.pop("run", None), table, faults)
     function = _function(table, folder, faults)
+    _refuse_unknown_tables(function, table, faults)
     content.pop(FAULTS, None)
     lengths = None if function is not None and SHAPE in table_slots(function) else content.pop(SHAPE, None)
     drawing, failing = _fail(_draw(function, content, table, faults), function, content, table, faults)
@@ -260,10 +290,10 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         except (NetworkError, ParameterError) as problem:
             faults.append(_locate_fault(str(problem), table))
     if faults or circuit is None or stepping is None or run is None:
-        raise ConfigError(faults)
+        raise ConfigError(list(dict.fromkeys(faults)))
     return System(
         name=name,
-        title=str(table.content.get("title", name)),
+        title=title,
         circuit=circuit,
         stepping=stepping,
         average_from=run[0].average_from,
@@ -275,6 +305,17 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
         lengths=lengths,
         faults=failing,
     )
+
+
+def _refuse_unknown_tables(function: NetworkFunction | None, table: Table, faults: list[Fault]) -> None:
+    """Append a fault for each key and table of a file that nothing reads."""
+    if function is None and set(DRAWN).isdisjoint(table.content):
+        return  # it is not known which tables there should be
+    own = TABLES if function is None else (*table_slots(function), FAULTS, SHAPE)
+    meant = [f"run.{key}" for key in (*_fields(RunTable), "method")]
+    if function is None:
+        meant += [f"operation.{key}" for key in _fields(Temperature)]
+    refuse_unknown(table.content, (*HEADINGS, *own, "run", *meant), "", table, faults)
 
 
 def _draw(function: NetworkFunction | None, content: Mapping[str, Any], table: Table, faults: list[Fault]) -> Drawing:
@@ -376,11 +417,6 @@ def _tables(
 ) -> tuple[dict[str, Any], list[Sourced]]:
     """The values of the tables that a circuit takes, and where each comes from."""
     slots = table_slots(function)
-    for key in content:
-        if key not in slots and key not in HEADINGS:
-            message = f"unknown table; expected {', '.join((*slots, 'run'))}{suggestion(key, slots)}"
-            place = table.place if key in table.lines else "--set"
-            faults.append(Fault(place, table.lines.get(key, 0), key, message))
     values: dict[str, Any] = {}
     rows: list[Sourced] = []
     for key, slot in slots.items():
