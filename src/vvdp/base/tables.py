@@ -231,7 +231,7 @@ def refuse_unknown(
 def inner_table(
     table: Mapping[str, Any], key: str, origin: Table, faults: list[Fault], name: str = ""
 ) -> Mapping[str, Any]:
-    """The table under a key of a TOML table called `name`, empty if it is not given; else what stands there is a fault."""
+    """The table under a key of the table `name`, empty if it is not given; anything else there is a fault."""
     found = table.get(key, {})
     if isinstance(found, Mapping):
         return found

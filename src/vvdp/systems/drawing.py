@@ -187,8 +187,7 @@ class Drawer:
     def network(self) -> Network | None:
         """The network of the file; None where something is wrong."""
         oil = self._table(UsualOil, "oil", self._inner("oil"))
-        given = "operation" in self.content
-        heat = self._table(Temperature, "operation", self._inner("operation")) if given else None
+        heat = self._given_table(Temperature, "operation")
         if oil is None:
             return None
         oils = {name: self._table(Oil, f"oils.{name}", part) for name, part in self._parts("oils")}
@@ -205,8 +204,14 @@ class Drawer:
 
     def limits(self) -> Limits | None:
         """What is watched and reported; None where the file says nothing."""
-        found: Limits | None = self._table(Limits, "limits", self._inner("limits")) if "limits" in self.content else None
+        found: Limits | None = self._given_table(Limits, "limits")
         return found
+
+    def _given_table(self, cls: type[Any], name: str) -> Any:
+        """The values of a table of the file; None where there is none."""
+        faults = len(self.faults)
+        given = self._inner(name)
+        return self._table(cls, name, given) if name in self.content and len(self.faults) == faults else None
 
     def _inner(self, table: str) -> Mapping[str, Any]:
         return inner_table(self.content, table, self.origin, self.faults)
