@@ -420,7 +420,9 @@ class Explained:
         if not period > 0.0:
             return 0.0
         multiples = np.fmax(np.round(steps / period), 1.0)
-        rounding = (1.5 + multiples) * time_resolution(self.likelihood.passed.times, EVEN)  # a time at each end, and the median
+        rounding = (1.5 + multiples) * time_resolution(
+            self.likelihood.passed.times, EVEN
+        )  # a time at each end, and the median
         return float(np.mean(np.abs(steps - multiples * period) <= rounding))
 
     @property

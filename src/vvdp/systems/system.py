@@ -10,6 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from vvdp.base.display import readable
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
 from vvdp.base.params import Params
@@ -223,7 +224,7 @@ def load_system(name: str, settings: Sequence[str] = (), until: str | None = Non
     Raises ConfigError naming every fault at once: file, line, key, value, and what was expected.
     """
     plain = system_table(name)
-    place = Path(name).stem, Path(name).parent
+    place = readable(Path(name).stem), Path(name).parent
     table = with_settings(without_other_position(plain, settings), list(settings)) if settings else plain
     if until is not None:
         if "run.until" in option_keys(settings):
