@@ -3,7 +3,7 @@
 import dataclasses
 import re
 from functools import cache
-from typing import Any, dataclass_transform, get_type_hints
+from typing import Any, NoReturn, dataclass_transform, get_type_hints
 
 from vvdp.base.errors import ParameterError
 from vvdp.base.kinds import Kind
@@ -37,6 +37,32 @@ def _field_types(cls: type) -> dict[str, Any]:
 def default_values(cls: type) -> dict[str, Any]:
     """The fields of a parameter class that need not be given, with their values."""
     return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
+
+
+def shown(values: "Params", key: str) -> str:
+    """A value of a parameter class with its unit, as a person reads it."""
+    from vvdp.base.display import value_text
+
+    kind, value = field_kinds(type(values))[key], getattr(values, key)
+    return f"{value:g}" if kind is None else value_text(float(value), kind)
+
+
+def refuse(values: "Params", key: str, rule: str) -> NoReturn:
+    """Raise ParameterError: the value under a key, and the `rule` that it does not keep, "must be less than 6 mm"."""
+    raise ParameterError(f"{type(values).__name__}.{key}: {shown(values, key)} {rule}")
+
+
+def require_positive(values: "Params", *keys: str) -> None:
+    """Raise ParameterError if one of the values is not greater than 0."""
+    for key in keys:
+        if not getattr(values, key) > 0.0:
+            refuse(values, key, "must be greater than 0")
+
+
+def require_less(values: "Params", key: str, limit: str) -> None:
+    """Raise ParameterError if the value under a key is not less than that under another one, the limit."""
+    if not getattr(values, key) < getattr(values, limit):
+        refuse(values, key, f"must be less than {limit}, {shown(values, limit)}")
 
 
 def refused_field(problem: ParameterError, cls: type) -> tuple[str, str]:

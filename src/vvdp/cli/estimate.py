@@ -124,8 +124,8 @@ def estimate(
 
 
 def _write_config(log: Path, target: Path, config: Path | None, options: "list[Option]", force: bool) -> None:
-    from vvdp.base.tables import write_new
     from vvdp.base.display import readable
+    from vvdp.base.tables import write_new
     from vvdp.offline.config import SOURCES, load_estimation
     from vvdp.offline.config_text import config_text
     from vvdp.offline.guess import guessed_options

@@ -13,7 +13,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import key_suffix
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import Kind
-from vvdp.base.tables import nearest
+from vvdp.base.tables import suggested
 from vvdp.base.units import parse
 
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*\Z")
@@ -46,8 +46,8 @@ def read_columns(path: Path, wanted: Mapping[str, Quantity]) -> dict[str, Array]
 
     A heading is the name with its unit in brackets, `flow [lpm]`, or as in the tables of vvdp, `flow_m3_s`. Fields are
     parted by commas, semicolons (numbers may then have a decimal comma) or tabs; lines that begin with # are left out.
-    A heading that is not wanted is refused: it may be a misspelt one that is optional. Raises ConfigError with the line
-    and heading of every fault.
+    Other columns are left out, but for one whose heading is nearly that of a column that is missing. Raises ConfigError
+    with the line and heading of every fault.
     """
     lines = list(_lines(path))
     if not lines:
@@ -108,14 +108,11 @@ def _places(path: Path, head: tuple[int, Sequence[str]], wanted: Mapping[str, Qu
             example = f"{name} [{unit}]" if unit else name
             there = ", ".join(repr(heading.strip()) for heading in headings)
             faults.append(Fault(str(path), line, name, f"no such column; write for example {example!r}, not {there}"))
-    if not faults:
-        faults = [
-            Fault(
-                str(path), line, headings[k].strip(), f"unknown column{nearest(text, wanted)}; leave it out otherwise"
-            )
-            for k, text, _ in read
-            if k not in {place.number for place in found.values()} and headings[k].strip()
-        ]
+    faults += [
+        Fault(str(path), line, headings[k].strip(), f"unknown column; did you mean {meant!r}?")
+        for k, text, _ in read
+        if (meant := suggested(text, wanted.keys() - found.keys())) and meant != text
+    ]
     if faults:
         raise ConfigError(faults)
     return found
