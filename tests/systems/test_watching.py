@@ -137,7 +137,7 @@ def test_half_of_the_tables_is_refused(missing):
         ("encoder.sectors=7", "7"),
         ("encoder.seed=1.5", "whole numbers"),
         ("encoder.spot_width=9 mm", "narrower than every sector"),
-        ("encoder.track_radius=0 mm", r"prototype\.toml:\d+: encoder: track_radius = 0 m; expected more than 0 m"),
+        ("encoder.track_radius=0 mm", "^--set: encoder.track_radius: 0 mm must be greater than 0"),
         ("spool_filter.edge_variance=0 rad^2", "edge_variance"),
     ],
 )

@@ -78,6 +78,11 @@ def refused_field(problem: ParameterError, cls: type) -> tuple[str, str]:
     return match[1] or "", match[2]
 
 
+def without_class(message: str) -> str:
+    """A refusal of values of any parameter class, for a person who knows the key and not the class."""
+    return re.sub(r"\A[A-Z]\w*(?:\.(?=\w+(?::| =| ))|: )", "", message)
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class Params:
     """Base of every parameter class. A subclass is made a frozen, keyword-only dataclass by being written down.

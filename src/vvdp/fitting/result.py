@@ -85,10 +85,9 @@ def _findings(found: Fitted) -> Iterator[Finding]:
     if not found.scatter > MOST_SCATTER:
         yield Finding(text=text)
         return
-    farthest = int(abs(found.points["distance"]).argmax()) + 1
     yield Finding(
         title="The points do not follow the law",
         grade=Grade.WARNING,
         text=f"{text} That is more than {percent(MOST_SCATTER, 2)}: the coefficients describe no point well.",
-        remedy=f"Check the units and row {farthest} of the table, the farthest, or take another law.",
+        remedy="Look at the chart for a point that lies apart, check the units, or take another law.",
     )

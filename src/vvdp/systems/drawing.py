@@ -25,7 +25,7 @@ from vvdp.base.kinds import (
     Velocity,
     Volume,
 )
-from vvdp.base.params import Params, field_kinds
+from vvdp.base.params import Params, field_kinds, refused_field, without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,
@@ -33,6 +33,7 @@ from vvdp.base.tables import (
     build,
     fault_at,
     inner_table,
+    join,
     nearest,
     read_values,
     refuse_unknown,
@@ -292,7 +293,7 @@ class Drawer:
             add()
         except (NetworkError, ParameterError) as problem:
             name = path.rpartition(".")[2]
-            self._fault(path, str(problem).removeprefix(f"{name}: "))
+            self._fault(path, without_class(str(problem).removeprefix(f"{name}: ")))
 
     def _add_component(self, net: Network, name: str, part: Mapping[str, Any]) -> None:
         path = f"components.{name}"
@@ -417,7 +418,8 @@ class Drawer:
             try:
                 found[name] = dataclasses.replace(ideal, **values)
             except ParameterError as problem:
-                self._fault(f"{path}.{name}", str(problem))
+                key, message = refused_field(problem, Instrument)
+                self._fault(join(f"{path}.{name}", key), message)
         return found
 
 

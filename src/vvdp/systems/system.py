@@ -13,7 +13,7 @@ from typing import Any
 from vvdp.base.display import readable
 from vvdp.base.errors import ConfigError, Fault, NetworkError, ParameterError
 from vvdp.base.kinds import Ratio, Time
-from vvdp.base.params import Params
+from vvdp.base.params import Params, without_class
 from vvdp.base.signal import Signal
 from vvdp.base.tables import (
     Sourced,
@@ -289,7 +289,7 @@ def built_system(table: Table, name: str, folder: Path = Path()) -> System:
             circuit, stepping = build_circuit(network), run[0].stepping(method)
             _check_temperature(network.temperature, stepping.sample_period)
         except (NetworkError, ParameterError) as problem:
-            faults.append(_locate_fault(str(problem), table))
+            faults.append(_locate_fault(without_class(str(problem)), table))
     if faults or circuit is None or stepping is None or run is None:
         raise ConfigError(list(dict.fromkeys(faults)))
     return System(
@@ -351,7 +351,7 @@ def _fail(
     try:
         network = None if faults else faulty_network(drawing.network, drawing.tables, failing, redraw)
     except (NetworkError, ParameterError) as problem:
-        wrong.append(fault_at(table, FAULTS, str(problem)))
+        wrong.append(fault_at(table, FAULTS, without_class(str(problem))))
     where = next((f"{FAULTS}.{each.name}" for each in failing if isinstance(each.fault, OtherValue)), FAULTS)
     faults += [fault_at(table, where, f"the circuit cannot be drawn with it: {each.message}") for each in wrong]
     return Drawing(network, [*drawing.rows, *reader.rows], drawing.tables), failing
@@ -460,7 +460,8 @@ def _drawn_by(
     except (NetworkError, ParameterError) as problem:
         key, _, message = str(problem).partition(": ")
         line = table.lines.get(key, 0)
-        faults.append(Fault(table.place, line, key if line else "", message if line else str(problem)))
+        text = message if line else without_class(str(problem))
+        faults.append(Fault(table.place, line, key if line else "", text))
         return None
     except Exception as problem:  # of code that is not ours
         at = traceback.extract_tb(problem.__traceback__)[-1]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vvdp.base.errors import ConfigError, Fault, ParameterError
+from vvdp.base.params import without_class
 from vvdp.base.tables import nearest
 from vvdp.hydraulics.cylinder import Cylinder
 from vvdp.hydraulics.friction import RodFriction
@@ -158,7 +159,7 @@ def read_duty(path: Path, cylinder: Cylinder, friction: RodFriction) -> Duty:
     try:
         cycle = DutyCycle(times=tuple(t - start for t in times), positions=positions, forces=forces)
     except ParameterError as problem:
-        raise ConfigError([Fault(str(path), 0, "", str(problem))]) from None
+        raise ConfigError([Fault(str(path), 0, "", without_class(str(problem)))]) from None
     low, high = 1e-3 * min(forces), 1e-3 * max(forces)
     return sized_duty(
         path.stem, f"{path.name}, {len(rows)} rows", f"{low:.3g} to {high:.3g} kN on the rod", cycle, cylinder, friction
