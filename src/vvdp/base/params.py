@@ -39,7 +39,7 @@ def default_values(cls: type) -> dict[str, Any]:
     return {f.name: f.default for f in dataclasses.fields(cls) if f.default is not dataclasses.MISSING}
 
 
-def shown(values: "Params", key: str) -> str:
+def field_text(values: "Params", key: str) -> str:
     """A value of a parameter class with its unit, as a person reads it."""
     from vvdp.base.display import value_text
 
@@ -49,7 +49,7 @@ def shown(values: "Params", key: str) -> str:
 
 def refuse(values: "Params", key: str, rule: str) -> NoReturn:
     """Raise ParameterError: the value under a key, and the `rule` that it does not keep, "must be less than 6 mm"."""
-    raise ParameterError(f"{type(values).__name__}.{key}: {shown(values, key)} {rule}")
+    raise ParameterError(f"{type(values).__name__}.{key}: {field_text(values, key)} {rule}")
 
 
 def require_positive(values: "Params", *keys: str) -> None:
@@ -62,7 +62,7 @@ def require_positive(values: "Params", *keys: str) -> None:
 def require_less(values: "Params", key: str, limit: str) -> None:
     """Raise ParameterError if the value under a key is not less than that under another one, the limit."""
     if not getattr(values, key) < getattr(values, limit):
-        refuse(values, key, f"must be less than {limit}, {shown(values, limit)}")
+        refuse(values, key, f"must be less than {limit}, {field_text(values, limit)}")
 
 
 def refused_field(problem: ParameterError, cls: type) -> tuple[str, str]:

@@ -223,7 +223,9 @@ def refuse_unknown(
     for key, entry in table.items():
         if key not in own:
             what = "table" if not name and isinstance(entry, Mapping) else "key"
-            close = names[key] if key in names else suggested(key, missing) or names.get(suggested(key, names), "")
+            close = (
+                names[key] if key in names else closest_word(key, missing) or names.get(closest_word(key, names), "")
+            )
             meant = f"; did you mean {close!r}?" if close else nearest(key, own)
             faults.append(fault_at(origin, join(name, key), f"unknown {what}{meant}"))
 
@@ -413,11 +415,11 @@ def fault_at(origin: Table, path: str, message: str, key: str = "") -> Fault:
     return Fault("--set" if line == SET_BY_OPTION else origin.place, line or 0, key or path, message)
 
 
-def suggested(word: str, known: Iterable[str]) -> str:
+def closest_word(word: str, known: Iterable[str]) -> str:
     """The one of `known` that is closest to an unknown `word`; empty if none is close."""
     import difflib
 
-    return next(iter(difflib.get_close_matches(word, list(known), 1)), "")
+    return next(iter(difflib.get_close_matches(word, sorted(known), 1)), "")
 
 
 def suggestion(word: str, known: Iterable[str], most: int = 1) -> str:

@@ -13,7 +13,7 @@ from vvdp.base.arrays import Array
 from vvdp.base.display import key_suffix
 from vvdp.base.errors import ConfigError, Fault, ParameterError, unusable
 from vvdp.base.kinds import Kind
-from vvdp.base.tables import suggested
+from vvdp.base.tables import closest_word
 from vvdp.base.units import parse
 
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*\Z")
@@ -111,7 +111,7 @@ def _places(path: Path, head: tuple[int, Sequence[str]], wanted: Mapping[str, Qu
     faults += [
         Fault(str(path), line, headings[k].strip(), f"unknown column; did you mean {meant!r}?")
         for k, text, _ in read
-        if (meant := suggested(text, wanted.keys() - found.keys())) and meant != text
+        if (meant := closest_word(text, wanted.keys() - found.keys())) and meant != text
     ]
     if faults:
         raise ConfigError(faults)

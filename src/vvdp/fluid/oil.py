@@ -23,7 +23,7 @@ from vvdp.base.kinds import (
     ThermalExpansion,
     Time,
 )
-from vvdp.base.params import Params, refuse, shown
+from vvdp.base.params import Params, field_text, refuse
 from vvdp.base.powers import expm1
 
 PressureViscosity = Annotated[float, Kind("pressure-viscosity coefficient", "1/Pa", 0.0, 1e-7, "2e-8 1/Pa")]
@@ -78,7 +78,7 @@ class Oil(Params):
         if not self.reference_pressure > 0.0:
             refuse(self, "reference_pressure", "must be an absolute pressure above zero")
         if not self.vapour_pressure < self.reference_pressure:
-            limit = shown(self, "reference_pressure")
+            limit = field_text(self, "reference_pressure")
             refuse(
                 self, "vapour_pressure", f"must be less than reference_pressure, {limit}, at which the oil would boil"
             )

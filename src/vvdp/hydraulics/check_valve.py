@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from vvdp.base.kinds import Flow, Fraction, PressureDifference, Time
 from vvdp.base.modes import between
-from vvdp.base.params import Params, refuse, require_positive, shown
+from vvdp.base.params import Params, field_text, refuse, require_positive
 from vvdp.base.select import clip, select
 from vvdp.hydraulics.flow import rated_root
 
@@ -26,7 +26,9 @@ class CheckPoppet(Params):
 
     def check(self) -> None:
         if self.rated_drop <= self.cracking_pressure:
-            refuse(self, "rated_drop", f"must be greater than cracking_pressure, {shown(self, 'cracking_pressure')}")
+            refuse(
+                self, "rated_drop", f"must be greater than cracking_pressure, {field_text(self, 'cracking_pressure')}"
+            )
 
 
 class CheckValve(CheckPoppet):

@@ -6,7 +6,7 @@ Source  ours, docs/models/components.md, where a function names no other.
 import numpy as np
 
 from vvdp.base.kinds import Coupling, Force, FrictionTorque, Speed, Velocity, ViscousFriction
-from vvdp.base.params import Params, refuse, require_less, require_positive, shown
+from vvdp.base.params import Params, field_text, refuse, require_less, require_positive
 
 
 class RodFriction(Params):
@@ -27,12 +27,8 @@ class RodFriction(Params):
         if F_c < 0.0:
             refuse(self, "coulomb_friction", "must be at least 0: it would drive the rod")
         if F_s < F_c:
-            refuse(
-                self,
-                "breakaway_friction",
-                f"must be at least coulomb_friction, {shown(self, 'coulomb_friction')}; equal for a friction that does "
-                "not fall",
-            )
+            least = field_text(self, "coulomb_friction")
+            refuse(self, "breakaway_friction", f"must be at least coulomb_friction, {least}")
         require_positive(self, "stribeck_velocity", "coulomb_velocity")
         if F_s > F_c:  # else the breakaway friction would never be reached
             require_less(self, "coulomb_velocity", "stribeck_velocity")

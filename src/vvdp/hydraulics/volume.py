@@ -7,7 +7,7 @@ import numpy as np
 
 from vvdp.base.conservation import Stored
 from vvdp.base.kinds import Compliance, Polytropic, Pressure, Volume
-from vvdp.base.params import Params, refuse, shown
+from vvdp.base.params import Params, field_text, refuse
 from vvdp.base.powers import power
 from vvdp.base.select import select
 from vvdp.fluid.mixture import FluidState
@@ -37,7 +37,9 @@ class Vessel(Params):
             refuse(self, "oil_volume", "must be greater than 0: below precharge nothing else would hold the pressure")
         if self.gas_volume > 0.0 and self.precharge_pressure <= 0.0:
             refuse(
-                self, "precharge_pressure", f"must be above absolute zero with gas_volume {shown(self, 'gas_volume')}"
+                self,
+                "precharge_pressure",
+                f"must be above absolute zero with gas_volume {field_text(self, 'gas_volume')}",
             )
 
 

@@ -17,7 +17,7 @@ from vvdp.base.kinds import (
     PressureDifference,
     Ratio,
 )
-from vvdp.base.params import Params, refuse, require_positive, shown
+from vvdp.base.params import Params, field_text, refuse, require_positive
 
 CentreCoefficient = Annotated[float, Kind("centre section coefficient", "SI", 1e-12, 1.0, "1.45e-6 SI", units=("SI",))]
 FlowExponent = Annotated[
@@ -90,7 +90,7 @@ class RotaryValve(Params):
             refuse(self, "eccentricity", "must be less than 1: no film is left where the spool touches the sleeve")
         if self.sections != round(self.sections):
             refuse(self, "sections", "must be a whole number")
-        radius = shown(self, "spool_radius")
+        radius = field_text(self, "spool_radius")
         if self.radial_clearance > 0.1 * self.spool_radius:
             refuse(self, "radial_clearance", f"must be at most a tenth of spool_radius, {radius}")
         for name in ("inlet_radius", "outlet_radius"):
