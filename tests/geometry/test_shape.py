@@ -168,7 +168,7 @@ def test_a_clearance_larger_than_the_land_is_refused(built_shape, built_valve):
 def test_a_negative_lap_beyond_the_barrier_is_refused(built_valve):
     with pytest.raises(ParameterError, match=r"lap_ratio: -0\.1 is outside 0"):
         replace(built_valve, lap_ratio=-0.1)
-    with pytest.raises(ParameterError, match="lap_ratio must be greater than zero"):
+    with pytest.raises(ParameterError, match="lap_ratio: 0 must be greater than 0"):
         replace(built_valve, lap_ratio=0.0)
 
 

@@ -223,9 +223,7 @@ def refuse_unknown(
     for key, entry in table.items():
         if key not in own:
             what = "table" if not name and isinstance(entry, Mapping) else "key"
-            close = (
-                names[key] if key in names else closest_word(key, missing) or names.get(closest_word(key, names), "")
-            )
+            close = names.get(key) or closest_word(key, missing) or names.get(closest_word(key, names), "")
             meant = f"; did you mean {close!r}?" if close else nearest(key, own)
             faults.append(fault_at(origin, join(name, key), f"unknown {what}{meant}"))
 

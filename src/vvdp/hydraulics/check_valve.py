@@ -26,9 +26,8 @@ class CheckPoppet(Params):
 
     def check(self) -> None:
         if self.rated_drop <= self.cracking_pressure:
-            refuse(
-                self, "rated_drop", f"must be greater than cracking_pressure, {field_text(self, 'cracking_pressure')}"
-            )
+            limit = field_text(self, "cracking_pressure")
+            refuse(self, "rated_drop", f"must be greater than cracking_pressure, {limit}")
 
 
 class CheckValve(CheckPoppet):

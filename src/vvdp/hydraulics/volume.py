@@ -36,11 +36,8 @@ class Vessel(Params):
         if self.oil_volume <= 0.0:
             refuse(self, "oil_volume", "must be greater than 0: below precharge nothing else would hold the pressure")
         if self.gas_volume > 0.0 and self.precharge_pressure <= 0.0:
-            refuse(
-                self,
-                "precharge_pressure",
-                f"must be above absolute zero with gas_volume {field_text(self, 'gas_volume')}",
-            )
+            gas = field_text(self, "gas_volume")
+            refuse(self, "precharge_pressure", f"must be greater than 0 bara with a gas_volume of {gas}")
 
 
 def pressure_rate(
