@@ -145,7 +145,7 @@ def test_parameter_class_refuses_what_cannot_be_made(prototype):
     import dataclasses
 
     valve = prototype.tables["valve"]
-    with pytest.raises(ParameterError, match="lap_ratio must be greater than zero"):
+    with pytest.raises(ParameterError, match="lap_ratio: 0 must be greater than 0"):
         dataclasses.replace(valve, lap_ratio=0.0)
 
 

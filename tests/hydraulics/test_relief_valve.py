@@ -136,11 +136,11 @@ def test_always_finite_and_passive(oil, pressure, opening, surplus):
 
 
 def test_contradictions_are_refused():
-    with pytest.raises(ParameterError, match="opening_time: .* must be 0 if override_pressure is 0"):
+    with pytest.raises(ParameterError, match=r"opening_time: .* must be 0 if override_pressure is 0"):
         relief(0.0, 1e-3)
-    with pytest.raises(ParameterError, match="reseat_drop: .* must be 0 if override_pressure is 0"):
+    with pytest.raises(ParameterError, match=r"reseat_drop: .* must be 0 if override_pressure is 0"):
         relief(0.0, 0.0, reseat=1e5)
-    with pytest.raises(ParameterError, match="reseat_drop: .* must be less than cracking_pressure"):
+    with pytest.raises(ParameterError, match=r"reseat_drop: .* must be less than cracking_pressure"):
         relief(5e5, 0.0, reseat=61e5)
     with pytest.raises(ParameterError, match="rated_flow"):
         ReliefValve(cracking_pressure=61e5, override_pressure=5e5, rated_flow=0.0, opening_time=0.0)
